@@ -1,0 +1,39 @@
+"""The errors a user can meet. Each says the value, what is allowed, where, and what to do."""
+
+
+class JumpError(Exception):
+    """Base of every error that lammps-jump raises on purpose; the command line prints it without a traceback.
+
+    Attributes
+    ----------
+    exit_status : int
+        2 where the input is at fault, 1 where a run failed.
+    """
+
+    exit_status = 1
+
+
+class CaseError(JumpError, ValueError):
+    """The case file, a ``--set`` value or a scene made from them cannot be used (exit status 2)."""
+
+    exit_status = 2
+
+
+class DumpError(JumpError, ValueError):
+    """A dump file, or a folder that should hold one, cannot be read (exit status 2)."""
+
+    exit_status = 2
+
+
+class SetupError(JumpError, RuntimeError):
+    """Something this machine lacks: the engine, a compiler, a writable folder (exit status 2)."""
+
+    exit_status = 2
+
+
+class RunError(JumpError, RuntimeError):
+    """A run that started and failed; what it had is kept (exit status 1)."""
+
+
+class RunInterrupted(RunError):
+    """A run that the user ended (exit status 1); what it had is kept."""
