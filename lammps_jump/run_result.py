@@ -1,0 +1,61 @@
+"""What an engine hands back when it stops, and how it reports on the way: the same for both engines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """One report from a running engine."""
+
+    step: int
+    steps: int
+    time: float
+    discs: int
+
+
+ProgressCallback = Callable[[Progress], None]
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """What a run did; the trajectory itself is in the dump.
+
+    Attributes
+    ----------
+    engine, kernel : str
+        'lammps' or 'native'; 'stock', 'compiled' or 'numba'.
+    status : {'complete', 'interrupted', 'failed'}
+    message : str
+        Empty for a complete run, else one paragraph a person can act on.
+    steps : int
+        Steps done.
+    disc_steps : float
+        Sum over steps of the discs in play (trapezoid over reports where the engine cannot count exactly).
+    inserted, present, removed, lost : int
+        Disc balance, discs at the start counted as inserted.
+    seconds : float
+        Wall time of the stepping alone.
+    versions : dict of str
+    ledger : dict of float, or None
+        Energy ledger in joules per metre of width where the engine keeps one.
+    breakdown : dict of float
+        Seconds by kind of work (pair, neighbour, modify, output …) where the engine tells.
+    """
+
+    engine: str
+    kernel: str
+    status: str
+    message: str
+    steps: int
+    disc_steps: float
+    inserted: int
+    present: int
+    removed: int
+    lost: int
+    seconds: float
+    versions: dict[str, str] = field(default_factory=dict)
+    ledger: dict[str, float] | None = None
+    breakdown: dict[str, float] = field(default_factory=dict)
