@@ -110,6 +110,7 @@ class Scene:
     touch: str = "sharp"
     touch_width: float = 0.0
     skipped: tuple[str, ...] = field(default=())
+    warnings: tuple[str, ...] = field(default=())
 
     @property
     def radius(self) -> float:

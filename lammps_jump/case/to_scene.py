@@ -1,0 +1,374 @@
+"""Case to Scene: the one place where fields become engine-neutral numbers, and where a scene is refused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .. import contact, theory
+from ..scene import Gate, InletRow, Outlet, Pour, Scene
+from ..walls import Block, Box, Plane, Wall
+from .arrange import Packing, arrange, closest_pair
+from .load import LoadedCase
+from .models import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
+from .source import nearest
+
+MAX_SPEED_MARGIN = 2.0
+"""Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""
+
+
+def build_scene(loaded: LoadedCase) -> Scene:
+    """The engine-neutral form of a validated case.
+
+    Raises
+    ------
+    CaseError
+        Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
+        a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
+    """
+    case, source = loaded.case, loaded.source
+    integrator = _integrator(loaded)
+    penetration, impact_speed, stiffness = _stiffness(case)
+    coefficients = contact.derive(
+        density=case.discs.density,
+        diameter=case.discs.diameter,
+        restitution=case.contact.restitution,
+        friction=case.contact.friction,
+        stiffness=stiffness,
+        stiffness_wall=case.contact.stiffness_wall or stiffness,
+        impact_speed=impact_speed,
+        time_step_fraction=case.run.time_step_fraction,
+        integrator=integrator,
+        correct_restitution=case.contact.correct_restitution,
+        rotation=case.contact.rotation,
+        tangential_damping=case.contact.tangential_damping,
+    )
+    warnings = _check_stability(loaded, coefficients, integrator)
+    dt, d = coefficients.time_step, case.discs.diameter
+    angle = math.radians(case.slope)
+    gravity = (case.gravity * math.sin(angle), -case.gravity * math.cos(angle))
+    if case.slope == 0:
+        gravity = (0.0, -case.gravity if case.gravity else 0.0)
+
+    walls = tuple(_wall(item) for item in case.walls)
+    positions, velocities = _discs(loaded, coefficients, stiffness)
+    settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
+    settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
+    output_steps, steps = _schedule(case.run.duration, case.run.output_interval, dt)
+    settle_steps = math.ceil(settle_steps / output_steps) * output_steps
+    gates = tuple(
+        Gate(Plane(f"gate_{index}" if index else "gate", "x", item.x[1], "below"), settle_steps)
+        for index, item in enumerate(case.initial)
+        if isinstance(item, Column) and item.gate and settle_steps
+    )
+    inlets = _inlets(loaded, dt, settle_steps)
+    speed = max(
+        [row.vx for row in inlets]
+        + [impact_speed, float(np.hypot(*velocities.T).max(initial=0.0))]
+        + [math.sqrt(2 * case.gravity * (item.y[1] - item.y[0])) for item in case.initial if isinstance(item, Column)]
+    )
+    domain = _domain(case, positions, inlets, speed)
+    outlets = _outlets(loaded, domain, speed, dt, output_steps)
+    _check_places(loaded, positions, walls, inlets, domain, d, d / penetration)
+    probes = _probes(loaded, walls, gates)
+    reachable = tuple(wall for wall in walls if _reachable(wall, domain, d) or wall.name in probes)
+    touch_width = 0.0
+    if case.contact.touch == "smooth":
+        touch_width = case.contact.touch_width or impact_speed * dt
+    scene = Scene(
+        name=case.name,
+        description=case.description,
+        diameter=d,
+        density=case.discs.density,
+        gravity=gravity,
+        coefficients=coefficients,
+        friction_law=case.contact.friction_law,
+        rotation=case.contact.rotation and case.contact.friction > 0,
+        integrator=integrator,
+        domain=domain,
+        positions=_frozen(positions),
+        velocities=_frozen(velocities),
+        walls=reachable,
+        gates=gates,
+        inlets=inlets,
+        pours=_pours(case),
+        outlets=outlets,
+        probes=probes,
+        steps=settle_steps + steps,
+        settle_steps=settle_steps,
+        output_steps=output_steps,
+        probe_steps=_probe_steps(case.probes.interval, dt, output_steps),
+        seed=case.run.seed,
+        skin=case.engine.skin or 0.3 * d,
+        overlap_limit=2 * d / penetration,
+        touch=case.contact.touch,
+        touch_width=touch_width,
+        skipped=_skipped(case, walls, reachable, probes),
+        warnings=tuple(warnings),
+    )
+    return scene
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    array = np.ascontiguousarray(array, float)
+    array.setflags(write=False)
+    return array
+
+
+def _integrator(loaded: LoadedCase) -> str:
+    case, source = loaded.case, loaded.source
+    engine, wanted = case.engine.name, case.run.integrator
+    if engine == "lammps" and wanted == "leapfrog_extrapolated":
+        raise source.error("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
+    if engine == "lammps" and case.engine.kernel == "stock":
+        if case.contact.friction_law == "sign" and case.contact.friction > 0:
+            raise source.error(
+                "contact.friction_law",
+                "'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, engine.kernel: compiled or engine.name: native",
+            )
+        if case.contact.touch == "smooth":
+            raise source.error("contact.touch", "'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native")
+    if wanted == "auto":
+        return "velocity_verlet" if engine == "lammps" else "leapfrog_extrapolated"
+    return wanted
+
+
+def _stiffness(case: Case) -> tuple[float, float, float]:
+    """(n, v0, k), whichever two the case gave."""
+    rho, given = case.discs.density, case.contact
+    if given.stiffness is None:
+        n = given.penetration_fraction or 10.0
+        return n, given.impact_speed, contact.stiffness(rho, n, given.impact_speed)
+    speed = given.impact_speed or math.sqrt(given.stiffness / rho) / 10.0
+    return math.sqrt(given.stiffness / rho) / speed, speed, given.stiffness
+
+
+def _check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, integrator: str) -> list[str]:
+    fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
+    if fraction > limit and not loaded.case.run.allow_unstable:
+        raise loaded.source.error(
+            "run.time_step_fraction",
+            f"{fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of 2/omega for {integrator} at "
+            f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set run.allow_unstable: true",
+        )
+    if fraction > 0.8 * limit:
+        return [
+            f"time_step_fraction {fraction:g} is close to the limit of stability {limit:.3f} (hexagonal packing, "
+            f"{integrator}); energies near it are not to be trusted"
+        ]
+    return []
+
+
+def _schedule(duration: float, interval: float, dt: float) -> tuple[int, int]:
+    """(output_steps, steps): frames divide the duration evenly, the interval is adapted by less than a step a frame."""
+    frames = max(1, round(duration / interval))
+    output_steps = max(1, round(duration / (frames * dt)))
+    return output_steps, frames * output_steps
+
+
+def _probe_steps(interval: float, dt: float, output_steps: int) -> int:
+    """Largest divisor of `output_steps` not above the wanted interval, so that windows end with frames."""
+    wanted = max(1, min(round(interval / dt), output_steps))
+    return next(steps for steps in range(wanted, 0, -1) if output_steps % steps == 0)
+
+
+def _wall(item) -> Wall:
+    if isinstance(item, PlaneWall):
+        return Plane(item.name, item.axis, item.at, item.side)
+    return (Block if isinstance(item, BlockWall) else Box)(item.name, item.x, item.y)
+
+
+def _discs(loaded: LoadedCase, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:
+    case = loaded.case
+    packing = Packing(
+        case.discs.diameter,
+        case.discs.density,
+        coefficients.mass,
+        case.gravity,
+        stiffness,
+        coefficients.stiffness_wall,
+    )
+    random = np.random.default_rng(case.run.seed)
+    positions, velocities = [np.empty((0, 2))], [np.empty((0, 2))]
+    for index, item in enumerate(case.initial):
+        try:
+            place, speed = arrange(item, packing, random)
+        except ValueError as error:
+            raise loaded.source.error(("initial", index), str(error)) from None
+        positions.append(place)
+        velocities.append(speed)
+    return np.concatenate(positions), np.concatenate(velocities)
+
+
+def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
+    inflow = loaded.case.inflow
+    if not isinstance(inflow, RowsInflow):
+        return ()
+    d = loaded.case.discs.diameter
+    count = theory.inflow_row_count(inflow.depth, d)
+    if count < 1:
+        raise loaded.source.error(
+            "inflow.depth", f"{inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
+        )
+    heights = theory.inflow_row_heights(inflow.depth, d)
+    if inflow.profile == "power_law":
+        speeds = theory.inflow_row_speeds(inflow.depth, inflow.mean_speed, d, exact_discharge=inflow.exact_discharge)
+    else:
+        speeds = [inflow.mean_speed] * count
+    rows = []
+    for height, speed in zip(heights, speeds, strict=True):
+        interval = math.ceil(inflow.spacing * d / (speed * dt) - 1e-9)
+        rows.append(
+            InletRow(
+                x=inflow.x,
+                y=inflow.y + height,
+                vx=speed,
+                vy=0.0,
+                first_step=settle_steps + 1,
+                every_steps=max(1, math.ceil(interval / inflow.turns)),
+                clearance=0.999 * d,
+            )
+        )
+    return tuple(rows)
+
+
+def _pours(case: Case) -> tuple[Pour, ...]:
+    inflow = case.inflow
+    if not isinstance(inflow, PourInflow):
+        return ()
+    return (Pour(inflow.x, inflow.y, inflow.count, inflow.volume_fraction, inflow.speed_down),)
+
+
+def _domain(case: Case, positions: np.ndarray, inlets: tuple[InletRow, ...], speed: float):
+    if case.domain is not None:
+        return (case.domain.x, case.domain.y)
+    xs, ys = list(positions[:, 0]), list(positions[:, 1])
+    xs += [row.x for row in inlets]
+    ys += [row.y for row in inlets]
+    if isinstance(case.inflow, PourInflow):
+        xs, ys = xs + list(case.inflow.x), ys + list(case.inflow.y)
+    closed = [wall for wall in case.walls if wall.kind == "box"]
+    for item in case.walls:
+        if isinstance(item, PlaneWall):
+            (xs if item.axis == "x" else ys).append(item.at)
+        else:
+            xs, ys = xs + list(item.x), ys + list(item.y)
+    for out in case.outflow:
+        xs += [value for value in (out.x_beyond, out.x_before) if value is not None]
+        ys += [value for value in (out.y_below, out.y_above) if value is not None]
+    margin = 2 * case.discs.diameter if closed else 10 * case.discs.diameter + speed * min(case.run.duration, 3.0)
+    return ((min(xs) - margin, max(xs) + margin), (min(ys) - margin, max(ys) + margin))
+
+
+def _outlets(loaded: LoadedCase, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
+    outlets = []
+    for index, item in enumerate(loaded.case.outflow):
+        field = next(name for name in ("x_beyond", "x_before", "y_below", "y_above") if getattr(item, name) is not None)
+        at = getattr(item, field)
+        axis = field[0]
+        side = "above" if field in ("x_beyond", "y_above") else "below"
+        low, high = domain[0] if axis == "x" else domain[1]
+        room = high - at if side == "above" else at - low
+        if room <= loaded.case.discs.diameter:
+            raise loaded.source.error(
+                ("outflow", index, field),
+                f"{at:g} m leaves no room before the edge of the domain ([{low:g}, {high:g}]); discs need a few metres "
+                "to be taken out in: widen domain or move the outlet",
+            )
+        every = max(1, min(output_steps, int(room / (MAX_SPEED_MARGIN * speed * dt))))
+        outlets.append(Outlet(axis, at, side, every))
+    return tuple(outlets)
+
+
+def _check_places(loaded: LoadedCase, positions, walls, inlets, domain, d: float, allowed: float) -> None:
+    source = loaded.source
+    for axis, label in enumerate("xy"):
+        low, high = domain[axis]
+        outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
+        if outside.size:
+            value = positions[outside[0], axis]
+            raise source.error(
+                "domain" if loaded.case.domain else "initial",
+                f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, {high:g}]; widen domain.{label}",
+            )
+        for row in inlets:
+            if not low < (row.x, row.y)[axis] < high:
+                raise source.error("inflow", f"the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} [{low:g}, {high:g}]")
+    close = closest_pair(positions, d)
+    if close is not None and d - close[0] > allowed * (1 + 1e-9):
+        distance, i, j = close
+        raise source.error(
+            "initial",
+            f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at ({positions[j, 0]:g}, {positions[j, 1]:g}) "
+            f"overlap by {d - distance:.3g} m at the start; allowed is d/n = {allowed:.3g} m; move them apart",
+        )
+    for index, wall in enumerate(walls):
+        if len(positions):
+            distance = wall.signed_distance(positions[:, 0], positions[:, 1])
+            worst = int(np.argmin(distance))
+            if d / 2 - distance[worst] > allowed * (1 + 1e-9):
+                raise source.error(
+                    ("walls", index),
+                    f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts {d / 2 - distance[worst]:.3g} m deep in "
+                    f"wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the discs",
+                )
+        for number, row in enumerate(inlets):
+            distance = float(wall.signed_distance(np.array([row.x]), np.array([row.y]))[0])
+            if distance < d / 2 * (1 - 1e-6):
+                raise source.error(
+                    "inflow",
+                    f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {d / 2 - distance:.3g} m deep in wall '{wall.name}'; "
+                    "move the inlet (inflow.x, inflow.y) or the wall",
+                )
+
+
+def _probes(loaded: LoadedCase, walls, gates) -> tuple[str, ...]:
+    names = [wall.name for wall in walls] + [gate.wall.name for gate in gates]
+    for index, name in enumerate(loaded.case.probes.forces):
+        if name not in names:
+            raise loaded.source.error(("probes", "forces", index), f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}")
+    return tuple(dict.fromkeys(loaded.case.probes.forces))
+
+
+def _reachable(wall: Wall, domain, d: float) -> bool:
+    """Whether any centre inside the domain can touch the wall."""
+    (xlo, xhi), (ylo, yhi) = domain
+    radius = d / 2
+    if isinstance(wall, Plane):
+        low, high = (xlo, xhi) if wall.axis == "x" else (ylo, yhi)
+        return low - radius < wall.at < high + radius
+    if isinstance(wall, Box):
+        return any(_reachable(face, domain, d) for face in wall.faces())
+    return wall.x[0] - radius < xhi and wall.x[1] + radius > xlo and wall.y[0] - radius < yhi and wall.y[1] + radius > ylo
+
+
+def _skipped(case: Case, walls, reachable, probes) -> tuple[str, ...]:
+    """What the engines leave out because the scene does not need it (DESIGN section 5)."""
+    skipped = []
+    if case.contact.friction == 0:
+        skipped.append("friction terms: friction is 0")
+    if case.contact.restitution == 1:
+        skipped.append("dashpots: restitution is 1")
+    if not case.contact.rotation:
+        skipped.append("spin: contact.rotation is false, discs do not turn")
+    elif case.contact.friction == 0:
+        skipped.append("spin: without friction nothing turns a disc")
+    if case.gravity == 0:
+        skipped.append("gravity: it is 0")
+    skipped += [f"wall '{wall.name}': nothing inside the domain can reach it" for wall in walls if wall not in reachable]
+    if not walls:
+        skipped.append("walls: there are none")
+    if case.inflow is None:
+        skipped.append("inlet: no inflow")
+    if not case.outflow:
+        skipped.append("outlet: no outflow")
+    skipped.append("z constraint: nothing pushes out of the plane")
+    skipped.append("tangential springs: the laws here have no history")
+    columns = "z, vz, radius, mass, type, forces" + ("" if case.contact.rotation and case.contact.friction else ", spin")
+    skipped.append(f"dump columns {columns}: no analysis reads them")
+    if not probes:
+        skipped.append("wall forces: no probe asks for them")
+    if case.run.dump_format == "text" and not case.analysis.fields:
+        skipped.append("stress fields: analysis.fields is false")
+    return tuple(skipped)

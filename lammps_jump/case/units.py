@@ -1,0 +1,80 @@
+"""Numbers of a case file: SI floats, or strings with a unit."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import isfinite
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, WithJsonSchema
+
+
+@lru_cache(maxsize=1)
+def _registry():
+    import pint  # a quarter of a second, so only where a string with a unit is met
+
+    return pint.UnitRegistry()
+
+
+def to_si(value: Any, unit: str) -> Any:
+    """`value` as a float in `unit`; strings like '20 cm' are converted.
+
+    Raises
+    ------
+    ValueError
+        For booleans, NaN, infinities, unknown units and units of another dimension (pydantic adds the place).
+    """
+    if isinstance(value, bool):
+        raise ValueError(f"{str(value).lower()} is not a number; expected {_expected(unit)}")
+    if isinstance(value, str):
+        value = _from_text(value, unit)
+    if isinstance(value, int | float):
+        if not isfinite(value):
+            raise ValueError(f"{value} is not a finite number; expected {_expected(unit)}")
+        return float(value)
+    if value is None:
+        raise ValueError(f"is empty; expected {_expected(unit)}")
+    return value
+
+
+def _from_text(text: str, unit: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        pass
+    import pint
+
+    try:
+        quantity = _registry().Quantity(text)
+        return float(quantity.to(unit or "dimensionless").magnitude)
+    except pint.DimensionalityError as error:
+        raise ValueError(f"'{text}' is in {error.units1}; expected {_expected(unit)}") from None
+    except Exception:  # pint raises many kinds (also tokenizer errors) for text that is no quantity
+        raise ValueError(f"'{text}' is not a number with a known unit; expected {_expected(unit)}") from None
+
+
+def _expected(unit: str) -> str:
+    return f"a number in {unit}, or a string such as '{_EXAMPLES.get(unit, '1 ' + unit)}'" if unit else "a plain number"
+
+
+_EXAMPLES = {"m": "20 cm", "m/s": "16 m/s", "s": "100 ms", "kg/m^3": "1000 kg/m^3", "N/m": "2.56e7 N/m", "degree": "2 degree"}
+
+
+def number(unit: str) -> Any:
+    """Annotated float type that accepts a number in `unit` or a string with a unit."""
+    return Annotated[
+        float,
+        BeforeValidator(lambda value: to_si(value, unit)),
+        WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}], "description": f"SI unit: {unit or '1'}"}),
+    ]
+
+
+Metre = number("m")
+MetrePerSecond = number("m/s")
+MetrePerSecond2 = number("m/s^2")
+Second = number("s")
+Density = number("kg/m^3")
+Stiffness = number("N/m")
+Degree = number("degree")
+PerSecond = number("1/s")
+Plain = number("")
