@@ -8,7 +8,7 @@ sqrt(k/m_eff), xi damping ratio, h = omega dt, f = dt / (2/omega of a pair).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, atan2, exp, log, pi, sqrt
+from math import acos, asin, atan2, exp, log, pi, sqrt
 
 
 def disc_mass(density: float, diameter: float) -> float:
@@ -54,6 +54,30 @@ def largest_overlap(speed: float, restitution: float, omega: float) -> float:
     return speed / omega * exp(-xi / s * atan2(s, xi))
 
 
+def peak_force(speed: float, xi: float, omega: float, effective_mass: float) -> float:
+    """Largest force of one collision, N/m: max over the contact of k delta + c delta_dot.
+
+    With alpha = asin(xi) the force is ``m_eff omega v exp(-xi omega t) sin(omega s t + 2 alpha) / s``: its maximum
+    ``m_eff omega v exp(-(xi/s)(pi/2 - 3 alpha))`` lies inside the contact for xi < 1/2, else at first touch, where
+    the dashpot alone gives ``2 xi m_eff omega v`` (linear spring and dashpot, exact).
+
+    Parameters
+    ----------
+    speed : float
+        Approach speed, m/s.
+    xi : float
+        Damping ratio, 0 <= xi < 1.
+    omega : float
+        Undamped contact frequency, rad/s.
+    effective_mass : float
+        m/2 of a pair, m at a wall, kg.
+    """
+    if xi >= 0.5:
+        return 2.0 * xi * effective_mass * omega * speed
+    s = sqrt(1.0 - xi**2)
+    return effective_mass * omega * speed * exp(-xi / s * (pi / 2 - 3.0 * asin(xi)))
+
+
 def clipped_restitution(xi: float) -> float:
     """Restitution where the contact ends at zero force (no tensile tail) instead of zero overlap.
 
@@ -92,6 +116,34 @@ def lagged_restitution(xi: float, h: float) -> float:
     if decay <= 0 or abs(cosine) >= 1.0:
         return 0.0  # over-damped in discrete time: the disc does not leave
     return exp(pi / (2.0 * acos(cosine)) * log(decay))
+
+
+def extrapolated_restitution(xi: float, h: float) -> float:
+    """Mean restitution of the thesis' leap-frog, whose dashpot sees v_n = 1.5 v_(n-1/2) - 0.5 v_(n-3/2) (3.7-3.9).
+
+    One step inside the contact has the characteristic equation ``l^3 + (h^2 - 2 + 3 xi h) l^2 + (1 - 4 xi h) l +
+    xi h = 0``: a small real root r (the memory of the extrapolation) and a complex pair of modulus^2 ``-xi h / r``
+    and angle theta; half a turn ends the contact: e = exp[(pi / (2 theta)) ln(modulus^2)] (derived).
+
+    Parameters
+    ----------
+    xi : float
+        Damping ratio, 0 <= xi < 1.
+    h : float
+        omega dt, below `extrapolated_stable_h`.
+    """
+    if xi == 0.0:
+        return 1.0
+    a, b, c = h**2 - 2.0 + 3.0 * xi * h, 1.0 - 4.0 * xi * h, xi * h
+    low, high = -1.0, 0.0  # the cubic is negative at -1 below the stability limit, xi h > 0 at 0
+    for _ in range(80):
+        root = 0.5 * (low + high)
+        low, high = (root, high) if root**3 + a * root**2 + b * root + c < 0 else (low, root)
+    modulus_squared = -c / root
+    cosine = -(a + root) / (2.0 * sqrt(modulus_squared))
+    if abs(cosine) >= 1.0:
+        return 0.0  # over-damped in discrete time: the disc does not leave
+    return exp(pi / (2.0 * acos(cosine)) * log(modulus_squared))
 
 
 def lagged_correction(restitution: float, h: float) -> float:
@@ -149,7 +201,9 @@ class Coefficients:
     """Everything the engines need of a contact, in SI; made once by `derive`.
 
     ``damping*`` are the nominal dashpots of thesis (3.21); ``gamma_*`` (1/s) are what the engines use: force =
-    m_eff gamma v, the correction of the integrator's restitution included.
+    m_eff gamma v, the correction of the integrator's restitution included. ``slip_speed`` is where the viscous ramp
+    m_eff gamma_t v_t of a pair reaches Coulomb's ks F_n under the `peak_force` of a collision at v0; lighter loads
+    slip at proportionally lower speeds.
     """
 
     mass: float
@@ -179,7 +233,7 @@ class Coefficients:
 
     @property
     def inertia(self) -> float:
-        """Moment of inertia of a uniform disc, kg m^2 per (diameter/2)^2: multiply by R^2. I = m R^2 / 2."""
+        """Moment of inertia of a uniform disc over R^2, kg: I / R^2 = m/2."""
         return 0.5 * self.mass
 
 
@@ -242,8 +296,7 @@ def derive(
         rate = TANGENTIAL_RATE / (3.0 if rotation else 1.0)
         tangential, tangential_wall = rate * omega, rate * omega_wall
     xi = damping_ratio(restitution)
-    peak = max(2 * xi, 1.0 if restitution == 1 else exp(-xi * 1.0))
-    load = mass / 2 * omega * impact_speed * peak
+    load = peak_force(impact_speed, xi, omega, mass / 2)
     return Coefficients(
         mass=mass,
         restitution=restitution,
