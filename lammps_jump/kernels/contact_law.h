@@ -1,0 +1,121 @@
+/* Contact of equal discs in two dimensions: the force laws, one place for pairs and for walls.
+
+   Symbols: d = sum of the two radii (a wall has none), r = distance of the centres (or of centre and surface),
+   delta = d - r overlap, k stiffness, m_eff effective mass (m/2 pair, m wall), v relative velocity of the disc
+   against its partner, n unit vector towards the disc, gamma (1/s) damping rate, ks friction coefficient.
+
+   normal     F_n = k delta - m_eff gamma_n (v.n)                 thesis T-4359 (3.11); LAMMPS gran/hooke
+   hooke      F_t = min(ks |F_n|, m_eff gamma_t |v_t|)            LAMMPS gran/hooke, opposite to v_t
+   sign       F_t = ks |F_n| min(1, |v_t| / eps), eps = v_max/100 thesis (4.18)-(4.21), opposite to v_t
+   smooth     k delta -> k delta^2/(2 s) below delta = s, k (delta - s/2) beyond; dashpot times min(1, delta/s)
+
+   The tensile tail of F_n is kept, as the thesis keeps it. Every branch is a template argument: a scene pays for
+   nothing it lacks. The order of the operations follows gran/hooke, so that results agree with it to round-off
+   (compile with contraction off: a fused multiply-add would round differently). */
+
+#ifndef JUMP_CONTACT_LAW_H
+#define JUMP_CONTACT_LAW_H
+
+#include <cmath>
+
+namespace jump {
+
+enum class Friction { NONE, HOOKE, HOOKE_SPIN, SIGN, SIGN_SPIN };
+
+constexpr bool has_friction(Friction f) { return f != Friction::NONE; }
+constexpr bool has_spin(Friction f) { return f == Friction::HOOKE_SPIN || f == Friction::SIGN_SPIN; }
+constexpr bool is_sign(Friction f) { return f == Friction::SIGN || f == Friction::SIGN_SPIN; }
+
+/** Share of the largest speed inside which the sign law is a ramp (thesis 4.21). */
+constexpr double SIGN_RAMP = 0.01;
+
+/** Numbers of one kind of contact, SI. */
+struct Law {
+  double k = 0.0;           // stiffness, N/m
+  double damping = 0.0;     // m_eff gamma_n, N s/m
+  double tangential = 0.0;  // m_eff gamma_t, N s/m
+  double mu = 0.0;          // ks
+  double reach = 0.0;       // distance at touch, m
+  double width = 0.0;       // s of the smooth touch, m
+  double eps = 0.0;         // slip speed of the sign law now, m/s
+};
+
+struct ContactForce {
+  double fx, fy;       // on the disc, N
+  double twist;        // tangential force times its sense: moment on the disc is -(lever) * twist
+  double dashpot;      // power lost in the dashpot, W
+  double rubbing;      // power lost in friction, W
+};
+
+/** Elastic energy of an overlap, J per metre of width. */
+template <bool SMOOTH> inline double elastic_energy(const Law &law, double overlap)
+{
+  if (overlap <= 0.0) return 0.0;
+  if (!SMOOTH) return 0.5 * law.k * overlap * overlap;
+  const double s = law.width;
+  if (overlap < s) return law.k * overlap * overlap * overlap / (6.0 * s);
+  return law.k * (s * s / 6.0 + 0.5 * (overlap * overlap - s * s) - 0.5 * s * (overlap - s));
+}
+
+/** Force on a disc whose centre lies at (dx, dy) from its partner's; (vx, vy) is its relative velocity.
+
+    rim is R (omega_i + omega_j), the speed of the rims at the contact; free of branches, so that it vectorises. */
+template <Friction FRICTION, bool SMOOTH>
+inline ContactForce contact_force(const Law &law, double dx, double dy, double vx, double vy, double rim)
+{
+  ContactForce out;
+  const double rsq = dx * dx + dy * dy;
+  const double r = std::sqrt(rsq);
+  const double rinv = 1.0 / r;
+  const double rsqinv = rinv * rinv;
+  const double vnnr = vx * dx + vy * dy;
+  const double overlap = law.reach - r;
+  double damp = law.damping * vnnr * rsqinv;
+  double ccel;
+  if (SMOOTH) {
+    const double share = overlap / law.width;
+    const double ramp = share < 1.0 ? share : 1.0;
+    damp *= ramp;
+    // both branches in one: k (overlap - s ramp/2) ramp is k delta^2/(2 s) below s and k (delta - s/2) beyond
+    const double spring = law.k * ramp * (overlap - 0.5 * law.width * ramp);
+    ccel = spring * rinv - damp;
+  } else {
+    ccel = law.k * overlap * rinv - damp;
+  }
+  out.dashpot = damp * vnnr;
+  out.fx = dx * ccel;
+  out.fy = dy * ccel;
+  out.twist = 0.0;
+  out.rubbing = 0.0;
+  if (has_friction(FRICTION)) {
+    double vtx = vx - dx * vnnr * rsqinv;
+    double vty = vy - dy * vnnr * rsqinv;
+    if (has_spin(FRICTION)) {
+      const double wr = rim * rinv;
+      vtx += dy * wr;
+      vty -= dx * wr;
+    }
+    const double slip = std::sqrt(vtx * vtx + vty * vty);
+    const double coulomb = law.mu * std::fabs(ccel * r);
+    double rate;    // friction force per slip speed
+    if (is_sign(FRICTION)) {
+      double scale = slip > law.eps ? slip : law.eps;
+      scale = scale > 1e-300 ? scale : 1e-300;
+      rate = coulomb / scale;
+    } else {
+      const double sliding = coulomb / (slip > 1e-300 ? slip : 1e-300);
+      rate = sliding < law.tangential ? sliding : law.tangential;
+    }
+    const double fsx = -rate * vtx;
+    const double fsy = -rate * vty;
+    out.fx += fsx;
+    out.fy += fsy;
+    out.twist = rinv * (dx * fsy - dy * fsx);
+    out.rubbing = rate * slip * slip;
+  }
+  return out;
+}
+
+}    // namespace jump
+
+#endif

@@ -1,0 +1,436 @@
+#include "fix_jump_step.h"
+
+#include "pair_jump_disc.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "modify.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using jump::ContactForce;
+using jump::Friction;
+
+FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
+{
+  if (igroup != 0) error->all(FLERR, "fix jump/step acts on all discs: its group is all");
+  int a = 3;
+  auto value = [&](int at) -> double {
+    if (at >= narg) error->all(FLERR, "fix jump/step: a number is missing at the end");
+    return utils::numeric(FLERR, arg[at], false, lmp);
+  };
+  while (a < narg) {
+    const std::string key = arg[a];
+    if (key == "gravity") {
+      gx = value(a + 1);
+      gy = value(a + 2);
+      a += 3;
+    } else if (key == "k_wall") {
+      k = value(a + 1);
+      a += 2;
+    } else if (key == "gamma_wall") {
+      gamma = value(a + 1);
+      a += 2;
+    } else if (key == "gammat_wall") {
+      gamma_t = value(a + 1);
+      a += 2;
+    } else if (key == "mu_wall") {
+      mu = value(a + 1);
+      a += 2;
+    } else if (key == "wall") {
+      a = add_wall(a + 1, narg, arg);
+    } else if (key == "probe") {
+      if (a + 2 >= narg) error->all(FLERR, "fix jump/step: probe needs EVERY and a wall's name");
+      probe_every = utils::inumeric(FLERR, arg[a + 1], false, lmp);
+      if (probe_every < 1) error->all(FLERR, "fix jump/step: probe every {} steps: must be above 0", probe_every);
+      for (a += 2; a < narg; a++) {
+        auto found = std::find_if(walls.begin(), walls.end(), [&](const Wall &w) { return w.name == arg[a]; });
+        if (found == walls.end()) error->all(FLERR, "fix jump/step: probe of an unknown wall '{}'", arg[a]);
+        found->probe = (int) probed.size();
+        probed.push_back((int) (found - walls.begin()));
+      }
+    } else {
+      error->all(FLERR, "fix jump/step: unknown keyword '{}'", key);
+    }
+  }
+  if (!walls.empty() && !(k > 0.0)) error->all(FLERR, "fix jump/step: walls need k_wall above 0");
+  if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0)
+    error->all(FLERR, "fix jump/step: gamma_wall, gammat_wall and mu_wall must not be negative");
+
+  time_integrate = 1;
+  restart_global = 1;
+  scalar_flag = vector_flag = 1;
+  global_freq = 1;
+  size_vector = LEDGER + 3 * (int) probed.size();
+  extscalar = 0;
+  extvector = 0;
+  window.assign(3 * probed.size(), 0.0);
+  mean.assign(3 * probed.size(), 0.0);
+  output.assign(size_vector, 0.0);
+}
+
+int FixJumpStep::add_wall(int a, int narg, char **arg)
+{
+  auto text = [&](int at) -> std::string {
+    if (at >= narg) error->all(FLERR, "fix jump/step: a wall is not complete");
+    return arg[at];
+  };
+  auto number = [&](int at) { return utils::numeric(FLERR, text(at), false, lmp); };
+  const std::string kind = text(a);
+  Wall wall{text(a + 1), 0.0, 0.0, -1, -1};
+  for (const auto &other : walls)
+    if (other.name == wall.name) error->all(FLERR, "fix jump/step: two walls are called '{}'", wall.name);
+  const int index = (int) walls.size();
+  auto plane = [&](bool along_x, double at, double sign) {
+    faces.push_back({along_x ? PLANE_X : PLANE_Y, index, at, sign, 0.0, 0.0, 0.0, 0.0, {}});
+  };
+  if (kind == "plane") {
+    const std::string axis = text(a + 2), side = text(a + 4);
+    if (axis != "x" && axis != "y") error->all(FLERR, "fix jump/step: the axis of a plane is x or y, not '{}'", axis);
+    if (side != "above" && side != "below")
+      error->all(FLERR, "fix jump/step: the side of a plane is above or below, not '{}'", side);
+    const double at = number(a + 3);
+    (axis == "x" ? wall.x0 : wall.y0) = at;
+    plane(axis == "x", at, side == "above" ? 1.0 : -1.0);
+    a += 5;
+  } else if (kind == "block" || kind == "box") {
+    const double xlo = number(a + 2), xhi = number(a + 3), ylo = number(a + 4), yhi = number(a + 5);
+    if (!(xlo < xhi) || !(ylo < yhi)) error->all(FLERR, "fix jump/step: wall '{}' has no extent", wall.name);
+    wall.x0 = xlo;
+    wall.y0 = ylo;
+    if (kind == "block") {
+      faces.push_back({BLOCK, index, 0.0, 0.0, xlo, xhi, ylo, yhi, {}});
+    } else {
+      plane(true, xlo, 1.0);
+      plane(true, xhi, -1.0);
+      plane(false, ylo, 1.0);
+      plane(false, yhi, -1.0);
+    }
+    a += 6;
+  } else {
+    error->all(FLERR, "fix jump/step: a wall is a plane, block or box, not '{}'", kind);
+  }
+  if (a < narg && strcmp(arg[a], "until") == 0) {
+    wall.until = utils::bnumeric(FLERR, text(a + 1), false, lmp);
+    a += 2;
+  }
+  walls.push_back(wall);
+  return a;
+}
+
+int FixJumpStep::setmask()
+{
+  return INITIAL_INTEGRATE | POST_FORCE | FINAL_INTEGRATE;
+}
+
+void FixJumpStep::init()
+{
+  pair = dynamic_cast<PairJumpDisc *>(force->pair_match("jump/disc", 1));
+  if (!pair) error->all(FLERR, "fix jump/step needs pair_style jump/disc");
+  if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
+  const bool rubs = mu > 0.0 && (pair->sign || gamma_t > 0.0);
+  friction = !rubs   ? Friction::NONE
+      : pair->sign   ? (pair->spin ? Friction::SIGN_SPIN : Friction::SIGN)
+                     : (pair->spin ? Friction::HOOKE_SPIN : Friction::HOOKE);
+  law.k = k;
+  law.damping = pair->mass * gamma;
+  law.tangential = pair->mass * gamma_t;
+  law.mu = mu;
+  law.reach = 0.5 * pair->diameter;
+  law.width = pair->width;
+  reset_dt();
+}
+
+void FixJumpStep::reset_dt()
+{
+  dtv = update->dt;
+  dtf = 0.5 * update->dt * force->ftm2v;
+  dt_spin = dtf / 0.5;    // inertia of a disc: 1/2 m R^2
+}
+
+void FixJumpStep::setup(int vflag)
+{
+  post_force(vflag);
+}
+
+template <bool SPIN> void FixJumpStep::drift()
+{
+  double *const __restrict x = atom->x[0];
+  double *const __restrict v = atom->v[0];
+  const double *const __restrict f = atom->f[0];
+  const int n = atom->nlocal;
+  const double dtfm = dtf / pair->mass;
+  const double kick_x = 0.5 * dtv * gx, kick_y = 0.5 * dtv * gy;
+  PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
+  for (int i = 0; i < n; i++) {
+    const double vx = v[3 * i] + (dtfm * f[3 * i] + kick_x);
+    const double vy = v[3 * i + 1] + (dtfm * f[3 * i + 1] + kick_y);
+    const double px = x[3 * i] + dtv * vx;
+    const double py = x[3 * i + 1] + dtv * vy;
+    v[3 * i] = vx;
+    v[3 * i + 1] = vy;
+    x[3 * i] = px;
+    x[3 * i + 1] = py;
+    disc[i] = {px, py, vx, vy};
+  }
+  if (SPIN) {
+    double *const __restrict omega = atom->omega[0];
+    const double *const __restrict torque = atom->torque[0];
+    const double radius = 0.5 * pair->diameter;
+    const double turn = dt_spin / (radius * radius * pair->mass);
+    for (int i = 0; i < n; i++) {
+      omega[3 * i + 2] += turn * torque[3 * i + 2];
+      pair->rim[i] = radius * omega[3 * i + 2];
+    }
+  }
+}
+
+void FixJumpStep::initial_integrate(int)
+{
+  if (atom->nlocal == 0) return;
+  pair->reserve(atom->nlocal + atom->nghost);
+  pair->spin ? drift<true>() : drift<false>();
+  // others may move discs before the forces: then the pair style packs them itself
+  pair->packed_step = modify->n_post_integrate ? -1 : update->ntimestep;
+}
+
+void FixJumpStep::final_integrate()
+{
+  const int n = atom->nlocal;
+  if (n == 0) return;
+  double *const __restrict v = atom->v[0];
+  const double *const __restrict f = atom->f[0];
+  const double dtfm = dtf / pair->mass;
+  const double kick_x = 0.5 * dtv * gx, kick_y = 0.5 * dtv * gy;
+  for (int i = 0; i < n; i++) {
+    v[3 * i] += dtfm * f[3 * i] + kick_x;
+    v[3 * i + 1] += dtfm * f[3 * i + 1] + kick_y;
+  }
+  if (pair->spin) {
+    double *const __restrict omega = atom->omega[0];
+    const double *const __restrict torque = atom->torque[0];
+    const double radius = 0.5 * pair->diameter;
+    const double turn = dt_spin / (radius * radius * pair->mass);
+    for (int i = 0; i < n; i++) omega[3 * i + 2] += turn * torque[3 * i + 2];
+  }
+}
+
+/** Discs that can reach a face before the next neighbour build: each moves half a skin at most till then. */
+void FixJumpStep::find_near()
+{
+  const double margin = 0.5 * pair->diameter + neighbor->skin;
+  const int n = atom->nlocal;
+  const auto *const disc = pair->disc.data();
+  for (auto &face : faces) {
+    face.near.clear();
+    const bigint until = walls[face.wall].until;
+    if (until >= 0 && update->ntimestep >= until) continue;
+    for (int i = 0; i < n; i++) {
+      bool close;
+      if (face.kind == BLOCK)
+        close = disc[i].x > face.xlo - margin && disc[i].x < face.xhi + margin && disc[i].y > face.ylo - margin &&
+            disc[i].y < face.yhi + margin;
+      else
+        close = face.sign * ((face.kind == PLANE_X ? disc[i].x : disc[i].y) - face.at) < margin;
+      if (close) face.near.push_back(i);
+    }
+  }
+}
+
+template <Friction FRICTION, bool SMOOTH>
+void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const jump::Law &rule, double *on_wall)
+{
+  const auto &a = pair->disc[i];
+  const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
+  const ContactForce out = jump::contact_force<FRICTION, SMOOTH>(rule, dx, dy, a.vx, a.vy, rim);
+  double *const f = atom->f[i];
+  f[0] += out.fx;
+  f[1] += out.fy;
+  if (jump::has_spin(FRICTION)) atom->torque[i][2] -= 0.5 * pair->diameter * out.twist;
+  const Wall &wall = walls[face.wall];
+  on_wall[0] -= out.fx;
+  on_wall[1] -= out.fy;
+  on_wall[2] -= (a.x - dx - wall.x0) * out.fy - (a.y - dy - wall.y0) * out.fx;
+  on_wall[3] += out.dashpot;
+  on_wall[4] += out.rubbing;
+  touching++;
+}
+
+template <Friction FRICTION, bool SMOOTH> void FixJumpStep::push()
+{
+  const double reach = law.reach;
+  const auto *const disc = pair->disc.data();
+  for (const auto &face : faces) {
+    const Wall &wall = walls[face.wall];
+    if (wall.until >= 0 && update->ntimestep >= wall.until) continue;
+    double on_wall[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
+    if (face.kind == BLOCK) {
+      for (const int i : face.near) {
+        const double dx = disc[i].x - std::min(std::max(disc[i].x, face.xlo), face.xhi);
+        const double dy = disc[i].y - std::min(std::max(disc[i].y, face.ylo), face.yhi);
+        const double rsq = dx * dx + dy * dy;
+        if (rsq < reach * reach && rsq > 0.0) touch<FRICTION, SMOOTH>(face, i, dx, dy, law, on_wall);
+      }
+    } else {
+      const bool along_x = face.kind == PLANE_X;
+      for (const int i : face.near) {
+        const double off = (along_x ? disc[i].x : disc[i].y) - face.at;
+        const double distance = face.sign * off;
+        if (distance >= reach) continue;
+        if (distance > 0.0) {
+          touch<FRICTION, SMOOTH>(face, i, along_x ? off : 0.0, along_x ? 0.0 : off, law, on_wall);
+        } else {
+          // the centre is behind the plane: the push back goes on growing (contact of the same overlap in front)
+          jump::Law behind = law;
+          behind.reach = 2.0 * reach - distance;
+          const double off_front = face.sign * reach;
+          touch<FRICTION, SMOOTH>(face, i, along_x ? off_front : 0.0, along_x ? 0.0 : off_front, behind, on_wall);
+        }
+      }
+    }
+    if (wall.probe >= 0)
+      for (int c = 0; c < 3; c++) window[3 * wall.probe + c] += on_wall[c];
+    if (!update->setupflag) {
+      dashpot_loss += on_wall[3] * dtv;
+      friction_loss += on_wall[4] * dtv;
+    }
+  }
+}
+
+void FixJumpStep::post_force(int)
+{
+  if (neighbor->ago == 0) find_near();
+  touching = 0;
+  law.eps = jump::SIGN_RAMP * pair->largest_speed;
+  const std::vector<double> before = update->setupflag ? window : std::vector<double>();
+  switch (friction) {
+    case Friction::NONE: pair->smooth ? push<Friction::NONE, true>() : push<Friction::NONE, false>(); break;
+    case Friction::HOOKE: pair->smooth ? push<Friction::HOOKE, true>() : push<Friction::HOOKE, false>(); break;
+    case Friction::HOOKE_SPIN:
+      pair->smooth ? push<Friction::HOOKE_SPIN, true>() : push<Friction::HOOKE_SPIN, false>();
+      break;
+    case Friction::SIGN: pair->smooth ? push<Friction::SIGN, true>() : push<Friction::SIGN, false>(); break;
+    case Friction::SIGN_SPIN:
+      pair->smooth ? push<Friction::SIGN_SPIN, true>() : push<Friction::SIGN_SPIN, false>();
+      break;
+  }
+  if (update->setupflag) {
+    // the forces of the start belong to no window; they are what a probe shows at the first step
+    if (update->ntimestep == 0)
+      for (size_t c = 0; c < window.size(); c++) mean[c] = window[c];
+    window = before;
+    return;
+  }
+  if (probed.empty()) return;
+  window_steps++;
+  if (update->ntimestep % probe_every == 0) {
+    for (size_t c = 0; c < window.size(); c++) {
+      mean[c] = window[c] / (double) window_steps;
+      window[c] = 0.0;
+    }
+    window_steps = 0;
+  }
+}
+
+/** Sums over the ranks, once for each step that is asked about. */
+void FixJumpStep::reduce()
+{
+  if (output_step == update->ntimestep) return;
+  output_step = update->ntimestep;
+  const int n = atom->nlocal;
+  const double mass = pair->mass, radius = 0.5 * pair->diameter;
+  std::vector<double> sum(size_vector, 0.0);
+  double overlap = pair->largest_overlap();
+  sum[0] = pair->elastic_energy();
+  for (const auto &face : faces) {
+    const Wall &wall = walls[face.wall];
+    if (wall.until >= 0 && update->ntimestep >= wall.until) continue;
+    for (const int i : face.near) {
+      const auto &a = pair->disc[i];
+      double distance;
+      if (face.kind == BLOCK) {
+        const double dx = a.x - std::min(std::max(a.x, face.xlo), face.xhi);
+        const double dy = a.y - std::min(std::max(a.y, face.ylo), face.yhi);
+        distance = std::sqrt(dx * dx + dy * dy);
+        if (distance == 0.0) continue;
+      } else {
+        distance = face.sign * ((face.kind == PLANE_X ? a.x : a.y) - face.at);
+      }
+      const double deep = law.reach - distance;
+      overlap = std::max(overlap, deep);
+      sum[1] += pair->smooth ? jump::elastic_energy<true>(law, deep) : jump::elastic_energy<false>(law, deep);
+    }
+  }
+  sum[2] = pair->dashpot_loss + dashpot_loss;
+  sum[3] = pair->friction_loss + friction_loss;
+  for (int i = 0; i < n; i++) {
+    const double *const v = atom->v[i];
+    const double *const x = atom->x[i];
+    sum[4] += 0.5 * mass * (v[0] * v[0] + v[1] * v[1]);
+    sum[5] -= mass * (gx * x[0] + gy * x[1]);
+  }
+  if (pair->spin)
+    for (int i = 0; i < n; i++) {
+      const double rim = radius * atom->omega[i][2];
+      sum[4] += 0.25 * mass * rim * rim;
+    }
+  sum[8] = touching;
+  for (size_t c = 0; c < mean.size(); c++) sum[LEDGER + c] = mean[c];
+  MPI_Allreduce(sum.data(), output.data(), size_vector, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(&overlap, &output[6], 1, MPI_DOUBLE, MPI_MAX, world);
+  output[2] += carried_dashpot;
+  output[3] += carried_friction;
+  output[7] = pair->largest_speed;
+}
+
+double FixJumpStep::compute_scalar()
+{
+  reduce();
+  return output[0] + output[1];
+}
+
+double FixJumpStep::compute_vector(int n)
+{
+  reduce();
+  return output[n];
+}
+
+void FixJumpStep::write_restart(FILE *fp)
+{
+  std::vector<double> mine = {pair->dashpot_loss + dashpot_loss, pair->friction_loss + friction_loss};
+  mine.insert(mine.end(), window.begin(), window.end());
+  std::vector<double> all(mine.size(), 0.0);
+  MPI_Allreduce(mine.data(), all.data(), (int) mine.size(), MPI_DOUBLE, MPI_SUM, world);
+  all[0] += carried_dashpot;
+  all[1] += carried_friction;
+  all.push_back((double) window_steps);
+  if (comm->me == 0) {
+    const int size = (int) (all.size() * sizeof(double));
+    fwrite(&size, sizeof(int), 1, fp);
+    fwrite(all.data(), sizeof(double), all.size(), fp);
+  }
+}
+
+void FixJumpStep::restart(char *buf)
+{
+  const auto *const all = reinterpret_cast<const double *>(buf);
+  carried_dashpot = all[0];
+  carried_friction = all[1];
+  for (size_t c = 0; c < window.size(); c++) window[c] = comm->me == 0 ? all[2 + c] : 0.0;
+  window_steps = (bigint) all[2 + window.size()];
+}
+
+double FixJumpStep::memory_usage()
+{
+  double bytes = 0.0;
+  for (const auto &face : faces) bytes += (double) (face.near.capacity() * sizeof(int));
+  return bytes;
+}

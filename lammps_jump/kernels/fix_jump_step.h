@@ -1,0 +1,93 @@
+/* fix ID all jump/step [gravity GX GY] [k_wall K gamma_wall GN gammat_wall GT mu_wall KS]
+                        [wall plane NAME x|y AT above|below [until STEP]]...
+                        [wall block NAME XLO XHI YLO YHI [until STEP]]...
+                        [wall box NAME XLO XHI YLO YHI [until STEP]]...
+                        [probe EVERY NAME...]                                   (probe comes last)
+
+   One pass for what a step of equal discs needs besides the pairs of `pair_style jump/disc` (which must be in use,
+   and gives law, touch, spin, ledger, mass and diameter):
+
+   - velocity Verlet, as fix nve (with spin: as fix nve/sphere disc, I = m R^2/2); gravity enters the velocities
+     here and not the force array;
+   - walls: a plane pushes the discs on its side; a block is solid and pushes from its nearest point (corners
+     round, a centre inside feels nothing); a box holds discs inside with four faces. GN, GT in 1/s: force = M GN v.
+     A wall with `until STEP` is felt by the forces of the steps before STEP.
+   - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
+     about the lower-left corner (block, box) or the plane's point nearest the origin.
+
+   Global vector: 1 elastic energy of the pairs, 2 of the walls, 3 dashpot loss since the start, 4 friction loss since
+   the start (both with `ledger yes`), 5 kinetic energy, 6 potential energy of gravity, 7 largest overlap,
+   8 largest speed of the last force evaluation (law sign), 9 number of discs touching walls, then for each probe
+   fx, fy, moment. Global scalar: 1 + 2. All in SI per metre of width. Restarts keep losses and open windows. */
+
+#ifndef LMP_FIX_JUMP_STEP_H
+#define LMP_FIX_JUMP_STEP_H
+
+#include "contact_law.h"
+#include "fix.h"
+
+namespace LAMMPS_NS {
+
+class FixJumpStep : public Fix {
+ public:
+  FixJumpStep(class LAMMPS *, int, char **);
+  int setmask() override;
+  void init() override;
+  void setup(int) override;
+  void initial_integrate(int) override;
+  void post_force(int) override;
+  void final_integrate() override;
+  void reset_dt() override;
+  double compute_scalar() override;
+  double compute_vector(int) override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+  double memory_usage() override;
+
+ private:
+  enum Kind { PLANE_X, PLANE_Y, BLOCK };
+  static constexpr int LEDGER = 9;
+
+  struct Wall {
+    std::string name;
+    double x0, y0;        // point that the moment is about
+    bigint until;         // first step without the wall, -1 for never
+    int probe;            // row of the probe, -1 for none
+  };
+  struct Face {
+    Kind kind;
+    int wall;
+    double at, sign;              // plane
+    double xlo, xhi, ylo, yhi;    // block
+    std::vector<int> near;        // local discs that can reach it before the next neighbour build
+  };
+
+  class PairJumpDisc *pair = nullptr;
+  double gx = 0.0, gy = 0.0;
+  double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
+  jump::Friction friction = jump::Friction::NONE;
+  jump::Law law;
+  std::vector<Wall> walls;
+  std::vector<Face> faces;
+  double dtv = 0.0, dtf = 0.0, dt_spin = 0.0;
+
+  int probe_every = 1;
+  std::vector<int> probed;                    // wall of each probe
+  std::vector<double> window, mean;           // this rank: running sums and last full window's mean
+  bigint window_steps = 0;
+  double dashpot_loss = 0.0, friction_loss = 0.0, carried_dashpot = 0.0, carried_friction = 0.0;
+  int touching = 0;
+  std::vector<double> output;                 // all ranks
+  bigint output_step = -1;
+
+  int add_wall(int, int, char **);
+  void find_near();
+  void reduce();
+  template <bool SPIN> void drift();
+  template <jump::Friction, bool SMOOTH> void push();
+  template <jump::Friction, bool SMOOTH> void touch(const Face &, int, double, double, const jump::Law &, double *);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

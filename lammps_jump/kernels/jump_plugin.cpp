@@ -1,0 +1,53 @@
+/* Registers pair_style jump/disc and fix jump/step with LAMMPS (`plugin load`).
+
+   The structure is the interface that LAMMPS' plugin command documents (developer guide, "Writing plugins"); the
+   wheel ships no header for it. */
+
+#include "fix_jump_step.h"
+#include "lammps.h"
+#include "pair_jump_disc.h"
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+struct Registration {
+  const char *version;
+  const char *style;
+  const char *name;
+  const char *info;
+  const char *author;
+  union {
+    void *(*plain)(void *);
+    void *(*with_arguments)(void *, int, char **);
+  } creator;
+  void *handle;
+};
+using Register = void (*)(Registration *, void *);
+
+void *make_pair(void *lmp) { return new PairJumpDisc(static_cast<LAMMPS *>(lmp)); }
+
+void *make_fix(void *lmp, int narg, char **arg) { return new FixJumpStep(static_cast<LAMMPS *>(lmp), narg, arg); }
+
+}    // namespace
+
+extern "C" void lammpsplugin_init(void *lmp, void *handle, void *regfunc)
+{
+  auto add = reinterpret_cast<Register>(regfunc);
+  Registration plugin;
+  plugin.version = static_cast<LAMMPS *>(lmp)->version;
+  plugin.author = "lammps-jump";
+  plugin.handle = handle;
+
+  plugin.style = "pair";
+  plugin.name = "jump/disc";
+  plugin.info = "contacts of equal discs in 2-D: laws hooke and sign";
+  plugin.creator.plain = make_pair;
+  add(&plugin, lmp);
+
+  plugin.style = "fix";
+  plugin.name = "jump/step";
+  plugin.info = "velocity Verlet, gravity and walls for equal discs in one pass";
+  plugin.creator.with_arguments = make_fix;
+  add(&plugin, lmp);
+}

@@ -1,0 +1,452 @@
+#include "pair_jump_disc.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "neigh_list.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using jump::ContactForce;
+using jump::Friction;
+
+namespace {
+typedef double Vec4 __attribute__((vector_size(32)));
+constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
+}    // namespace
+
+PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp)
+{
+  single_enable = 1;
+  restartinfo = 1;
+  writedata = 0;
+  no_virial_fdotr_compute = 0;
+  finitecutflag = 0;
+}
+
+PairJumpDisc::~PairJumpDisc()
+{
+  if (copymode) return;
+  if (allocated) {
+    memory->destroy(setflag);
+    memory->destroy(cutsq);
+  }
+}
+
+void PairJumpDisc::allocate()
+{
+  allocated = 1;
+  const int n = atom->ntypes + 1;
+  memory->create(setflag, n, n, "pair:setflag");
+  memory->create(cutsq, n, n, "pair:cutsq");
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      setflag[i][j] = 0;
+      cutsq[i][j] = 0.0;
+    }
+}
+
+void PairJumpDisc::settings(int narg, char **arg)
+{
+  bool seen_k = false, seen_mass = false, seen_diameter = false;
+  auto value = [&](int at) -> double {
+    if (at >= narg) error->all(FLERR, "pair_style jump/disc: {} needs a value", arg[at - 1]);
+    return utils::numeric(FLERR, arg[at], false, lmp);
+  };
+  auto yes = [&](int at) -> bool {
+    if (at >= narg) error->all(FLERR, "pair_style jump/disc: {} needs yes or no", arg[at - 1]);
+    return utils::logical(FLERR, arg[at], false, lmp) == 1;
+  };
+  for (int a = 0; a < narg; a += 2) {
+    const std::string key = arg[a];
+    if (key == "law") {
+      const std::string name = a + 1 < narg ? arg[a + 1] : "";
+      if (name != "hooke" && name != "sign")
+        error->all(FLERR, "pair_style jump/disc: law is hooke or sign, not '{}'", name);
+      sign = name == "sign";
+    } else if (key == "k") {
+      k = value(a + 1);
+      seen_k = true;
+    } else if (key == "gamma") {
+      gamma = value(a + 1);
+    } else if (key == "gammat") {
+      gamma_t = value(a + 1);
+    } else if (key == "mu") {
+      mu = value(a + 1);
+    } else if (key == "mass") {
+      mass = value(a + 1);
+      seen_mass = true;
+    } else if (key == "diameter") {
+      diameter = value(a + 1);
+      seen_diameter = true;
+    } else if (key == "touch") {
+      const std::string name = a + 1 < narg ? arg[a + 1] : "";
+      if (name == "sharp") {
+        smooth = false;
+      } else if (name == "smooth") {
+        smooth = true;
+        width = value(a + 2);
+        a++;
+      } else {
+        error->all(FLERR, "pair_style jump/disc: touch is sharp or smooth S, not '{}'", name);
+      }
+    } else if (key == "spin") {
+      spin = yes(a + 1);
+    } else if (key == "ledger") {
+      ledger = yes(a + 1);
+    } else {
+      error->all(FLERR, "pair_style jump/disc: unknown keyword '{}'", key);
+    }
+  }
+  if (!seen_k || !seen_mass || !seen_diameter)
+    error->all(FLERR, "pair_style jump/disc needs k, mass and diameter");
+  if (!(k > 0.0) || !(mass > 0.0) || !(diameter > 0.0))
+    error->all(FLERR, "pair_style jump/disc: k, mass and diameter must be above 0");
+  if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0)
+    error->all(FLERR, "pair_style jump/disc: gamma, gammat and mu must not be negative");
+  if (smooth && !(width > 0.0)) error->all(FLERR, "pair_style jump/disc: the width of a smooth touch must be above 0");
+  choose();
+}
+
+/** The branch of the kernel that the settings ask for. */
+void PairJumpDisc::choose()
+{
+  const bool rubs = mu > 0.0 && (sign || gamma_t > 0.0);
+  friction = !rubs ? Friction::NONE
+      : sign       ? (spin ? Friction::SIGN_SPIN : Friction::SIGN)
+                   : (spin ? Friction::HOOKE_SPIN : Friction::HOOKE);
+  const double m_eff = mass * mass / (mass + mass);
+  law.k = k;
+  law.damping = m_eff * gamma;
+  law.tangential = m_eff * gamma_t;
+  law.mu = mu;
+  law.reach = 0.5 * diameter + 0.5 * diameter;
+  law.width = width;
+}
+
+void PairJumpDisc::coeff(int narg, char **arg)
+{
+  if (narg != 2) error->all(FLERR, "pair_coeff of jump/disc takes types only: pair_coeff * *");
+  if (!allocated) allocate();
+  int ilo, ihi, jlo, jhi;
+  utils::bounds(FLERR, arg[0], 1, atom->ntypes, ilo, ihi, error);
+  utils::bounds(FLERR, arg[1], 1, atom->ntypes, jlo, jhi, error);
+  for (int i = ilo; i <= ihi; i++)
+    for (int j = MAX(jlo, i); j <= jhi; j++) setflag[i][j] = 1;
+}
+
+void PairJumpDisc::init_style()
+{
+  if (comm->ghost_velocity == 0 && comm->nprocs > 1)
+    error->all(FLERR, "pair_style jump/disc needs comm_modify vel yes on more than one rank");
+  if (spin && !atom->omega_flag) error->all(FLERR, "pair_style jump/disc spin yes needs atom_style sphere");
+  if (spin && !atom->torque_flag) error->all(FLERR, "pair_style jump/disc spin yes needs an atom style with torque");
+  neighbor->add_request(this);
+  packed_step = -1;
+}
+
+double PairJumpDisc::init_one(int i, int j)
+{
+  if (setflag[i][j] == 0) error->all(FLERR, "pair_coeff of jump/disc is not set for types {} {}", i, j);
+  return diameter;
+}
+
+void PairJumpDisc::reserve(int n)
+{
+  if ((size_t) n > disc.size()) {
+    disc.resize(n + n / 4 + 64);
+    if (spin) rim.resize(disc.size());
+  }
+}
+
+void PairJumpDisc::pack(int from, int to)
+{
+  double *const *const x = atom->x;
+  double *const *const v = atom->v;
+  for (int i = from; i < to; i++) disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
+  if (spin) {
+    double *const *const omega = atom->omega;
+    const double radius = 0.5 * diameter;
+    for (int i = from; i < to; i++) rim[i] = radius * omega[i][2];
+  }
+}
+
+/** Everything here holds for equal discs: refuse others when discs may have come in. */
+void PairJumpDisc::check_equal_discs(int from, int to)
+{
+  const double slack = 1e-10;
+  int bad = -1;
+  if (atom->rmass) {
+    for (int i = from; i < to; i++)
+      if (std::fabs(atom->rmass[i] - mass) > slack * mass) bad = i;
+  } else {
+    for (int i = from; i < to; i++)
+      if (std::fabs(atom->mass[atom->type[i]] - mass) > slack * mass) bad = i;
+  }
+  if (bad >= 0)
+    error->one(FLERR, "jump/disc: disc {} has mass {}, the pair style says {}", atom->tag[bad],
+               atom->rmass ? atom->rmass[bad] : atom->mass[atom->type[bad]], mass);
+  if (atom->radius) {
+    for (int i = from; i < to; i++)
+      if (std::fabs(2.0 * atom->radius[i] - diameter) > slack * diameter) bad = i;
+    if (bad >= 0)
+      error->one(FLERR, "jump/disc: disc {} has diameter {}, the pair style says {}", atom->tag[bad],
+                 2.0 * atom->radius[bad], diameter);
+  }
+}
+
+void PairJumpDisc::flatten()
+{
+  const int inum = list->inum;
+  size_t total = 0;
+  for (int ii = 0; ii < inum; ii++) total += list->numneigh[list->ilist[ii]];
+  if (first.size() < total) {
+    first.resize(total + total / 4 + 64);
+    second.resize(first.size());
+    hit.resize(first.size());
+  }
+  size_t p = 0;
+  for (int ii = 0; ii < inum; ii++) {
+    const int i = list->ilist[ii];
+    const int *const jlist = list->firstneigh[i];
+    const int n = list->numneigh[i];
+    for (int jj = 0; jj < n; jj++, p++) {
+      first[p] = i;
+      second[p] = jlist[jj] & NEIGHMASK;
+    }
+  }
+  candidates = total;
+  check_equal_discs(0, atom->nlocal);
+}
+
+void PairJumpDisc::find_largest_speed()
+{
+  const int nlocal = atom->nlocal;
+  double most = 0.0;
+  for (int i = 0; i < nlocal; i++) {
+    const double vsq = disc[i].vx * disc[i].vx + disc[i].vy * disc[i].vy;
+    most = vsq > most ? vsq : most;
+  }
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  largest_speed = std::sqrt(most);
+  law.eps = jump::SIGN_RAMP * largest_speed;
+}
+
+template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evaluate()
+{
+  const Disc *const __restrict at = disc.data();
+  const int *const __restrict one = first.data();
+  const int *const __restrict two = second.data();
+  int *const __restrict touching = hit.data();
+  const double reach_sq = law.reach * law.reach;
+  const jump::Law rule = law;
+  const int nlocal = atom->nlocal;
+  const bool newton = force->newton_pair;
+  const double radius = 0.5 * diameter;
+  double *const __restrict f = atom->f ? atom->f[0] : nullptr;
+  double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
+
+  size_t contacts = 0;
+  for (size_t p = 0; p < candidates; p++) {
+    const Disc &a = at[one[p]];
+    const Disc &b = at[two[p]];
+    const double dx = a.x - b.x, dy = a.y - b.y;
+    touching[contacts] = (int) p;
+    contacts += dx * dx + dy * dy < reach_sq;
+  }
+
+  double dashpot = 0.0, rubbing = 0.0;
+  alignas(64) double between[BATCH][4];
+  alignas(64) double rims[BATCH], fx[BATCH], fy[BATCH], twist[BATCH], lost[BATCH], rubbed[BATCH];
+  for (size_t begin = 0; begin < contacts; begin += BATCH) {
+    const int n = (int) (contacts - begin < BATCH ? contacts - begin : BATCH);
+    for (int c = 0; c < n; c++) {
+      const int p = touching[begin + c];
+      const Vec4 a = *reinterpret_cast<const Vec4 *>(&at[one[p]]);
+      const Vec4 b = *reinterpret_cast<const Vec4 *>(&at[two[p]]);
+      *reinterpret_cast<Vec4 *>(between[c]) = a - b;
+      if (jump::has_spin(FRICTION)) rims[c] = rim[one[p]] + rim[two[p]];
+    }
+    for (int c = 0; c < n; c++) {
+      const ContactForce out = jump::contact_force<FRICTION, SMOOTH>(rule, between[c][0], between[c][1], between[c][2],
+                                                              between[c][3],
+                                                              jump::has_spin(FRICTION) ? rims[c] : 0.0);
+      fx[c] = out.fx;
+      fy[c] = out.fy;
+      if (jump::has_spin(FRICTION)) twist[c] = radius * out.twist;
+      if (LEDGER) {
+        lost[c] = out.dashpot;
+        rubbed[c] = out.rubbing;
+      }
+    }
+    for (int c = 0; c < n; c++) {
+      const int p = touching[begin + c];
+      const int i = one[p], j = two[p];
+      f[3 * i] += fx[c];
+      f[3 * i + 1] += fy[c];
+      if (jump::has_spin(FRICTION)) torque[3 * i + 2] -= twist[c];
+      if (newton || j < nlocal) {
+        f[3 * j] -= fx[c];
+        f[3 * j + 1] -= fy[c];
+        if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= twist[c];
+      }
+      if (LEDGER) {
+        const double share = newton || j < nlocal ? 1.0 : 0.5;
+        dashpot += share * lost[c];
+        rubbing += share * rubbed[c];
+      }
+      if (evflag)
+        ev_tally_xyz(i, j, nlocal, newton, 0.0, 0.0, fx[c], fy[c], 0.0, between[c][0], between[c][1], 0.0);
+    }
+  }
+  if (LEDGER && !update->setupflag) {
+    dashpot_loss += dashpot * update->dt;
+    friction_loss += rubbing * update->dt;
+  }
+}
+
+void PairJumpDisc::compute(int eflag, int vflag)
+{
+  ev_init(eflag, vflag);
+  const int nlocal = atom->nlocal;
+  const int nall = nlocal + atom->nghost;
+  reserve(nall);
+  const bool rebuilt = neighbor->ago == 0;
+  if (rebuilt) flatten();
+  if (rebuilt || packed_step != update->ntimestep) pack(0, nlocal);
+  packed_step = update->ntimestep;
+  if (nall > nlocal) pack(nlocal, nall);
+  if (sign) find_largest_speed();
+
+  auto run = [&](auto smooth_tag, auto ledger_tag) {
+    constexpr bool S = decltype(smooth_tag)::value;
+    constexpr bool L = decltype(ledger_tag)::value;
+    switch (friction) {
+      case Friction::NONE: evaluate<Friction::NONE, S, L>(); break;
+      case Friction::HOOKE: evaluate<Friction::HOOKE, S, L>(); break;
+      case Friction::HOOKE_SPIN: evaluate<Friction::HOOKE_SPIN, S, L>(); break;
+      case Friction::SIGN: evaluate<Friction::SIGN, S, L>(); break;
+      case Friction::SIGN_SPIN: evaluate<Friction::SIGN_SPIN, S, L>(); break;
+    }
+  };
+  using std::false_type;
+  using std::true_type;
+  if (smooth)
+    ledger ? run(true_type{}, true_type{}) : run(true_type{}, false_type{});
+  else
+    ledger ? run(false_type{}, true_type{}) : run(false_type{}, false_type{});
+
+  if (eflag_global) eng_vdwl += elastic_energy();
+  if (vflag_fdotr) virial_fdotr_compute();
+}
+
+/** Elastic energy in the pairs of this rank, from the positions of the last force evaluation, J/m. */
+double PairJumpDisc::elastic_energy() const
+{
+  double sum = 0.0;
+  const int nlocal = atom->nlocal;
+  for (size_t p = 0; p < candidates; p++) {
+    const Disc &a = disc[first[p]];
+    const Disc &b = disc[second[p]];
+    const double dx = a.x - b.x, dy = a.y - b.y;
+    const double overlap = law.reach - std::sqrt(dx * dx + dy * dy);
+    const double share = force->newton_pair || second[p] < nlocal ? 1.0 : 0.5;
+    sum += share * (smooth ? jump::elastic_energy<true>(law, overlap) : jump::elastic_energy<false>(law, overlap));
+  }
+  return sum;
+}
+
+/** Largest overlap of the pairs of this rank at the last force evaluation, m; 0 where none touch. */
+double PairJumpDisc::largest_overlap() const
+{
+  double least = law.reach * law.reach;
+  for (size_t p = 0; p < candidates; p++) {
+    const double dx = disc[first[p]].x - disc[second[p]].x, dy = disc[first[p]].y - disc[second[p]].y;
+    const double rsq = dx * dx + dy * dy;
+    least = rsq < least ? rsq : least;
+  }
+  return law.reach - std::sqrt(least);
+}
+
+double PairJumpDisc::single(int i, int j, int, int, double rsq, double, double, double &fforce)
+{
+  fforce = 0.0;
+  if (rsq >= law.reach * law.reach) return 0.0;
+  const double dx = atom->x[i][0] - atom->x[j][0], dy = atom->x[i][1] - atom->x[j][1];
+  const double vx = atom->v[i][0] - atom->v[j][0], vy = atom->v[i][1] - atom->v[j][1];
+  const ContactForce out = smooth ? jump::contact_force<Friction::NONE, true>(law, dx, dy, vx, vy, 0.0)
+                           : jump::contact_force<Friction::NONE, false>(law, dx, dy, vx, vy, 0.0);
+  fforce = (out.fx * dx + out.fy * dy) / rsq;
+  const double overlap = law.reach - std::sqrt(rsq);
+  return smooth ? jump::elastic_energy<true>(law, overlap) : jump::elastic_energy<false>(law, overlap);
+}
+
+void *PairJumpDisc::extract(const char *name, int &dim)
+{
+  dim = 0;
+  if (strcmp(name, "diameter") == 0) return (void *) &diameter;
+  if (strcmp(name, "mass") == 0) return (void *) &mass;
+  if (strcmp(name, "largest_speed") == 0) return (void *) &largest_speed;
+  return nullptr;
+}
+
+void PairJumpDisc::write_restart(FILE *fp)
+{
+  write_restart_settings(fp);
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) fwrite(&setflag[i][j], sizeof(int), 1, fp);
+}
+
+void PairJumpDisc::read_restart(FILE *fp)
+{
+  read_restart_settings(fp);
+  allocate();
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) {
+      if (comm->me == 0) utils::sfread(FLERR, &setflag[i][j], sizeof(int), 1, fp, nullptr, error);
+      MPI_Bcast(&setflag[i][j], 1, MPI_INT, 0, world);
+    }
+}
+
+void PairJumpDisc::write_restart_settings(FILE *fp)
+{
+  const double numbers[7] = {k, gamma, gamma_t, mu, mass, diameter, width};
+  const int flags[4] = {sign, smooth, spin, ledger};
+  fwrite(numbers, sizeof(double), 7, fp);
+  fwrite(flags, sizeof(int), 4, fp);
+}
+
+void PairJumpDisc::read_restart_settings(FILE *fp)
+{
+  double numbers[7];
+  int flags[4];
+  if (comm->me == 0) {
+    utils::sfread(FLERR, numbers, sizeof(double), 7, fp, nullptr, error);
+    utils::sfread(FLERR, flags, sizeof(int), 4, fp, nullptr, error);
+  }
+  MPI_Bcast(numbers, 7, MPI_DOUBLE, 0, world);
+  MPI_Bcast(flags, 4, MPI_INT, 0, world);
+  k = numbers[0];
+  gamma = numbers[1];
+  gamma_t = numbers[2];
+  mu = numbers[3];
+  mass = numbers[4];
+  diameter = numbers[5];
+  width = numbers[6];
+  sign = flags[0];
+  smooth = flags[1];
+  spin = flags[2];
+  ledger = flags[3];
+  choose();
+}
+
+double PairJumpDisc::memory_usage()
+{
+  return disc.capacity() * sizeof(Disc) + rim.capacity() * sizeof(double) +
+      (first.capacity() + second.capacity() + hit.capacity()) * sizeof(int);
+}

@@ -1,0 +1,71 @@
+/* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D
+                        [touch sharp | touch smooth S] [spin yes|no] [ledger yes|no]
+   pair_coeff * *
+
+   Contact forces between equal discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Equal discs
+   only: a disc of another mass or diameter is an error. Works with any fixes; `fix jump/step` shares its arrays. */
+
+#ifndef LMP_PAIR_JUMP_DISC_H
+#define LMP_PAIR_JUMP_DISC_H
+
+#include "contact_law.h"
+#include "pair.h"
+
+namespace LAMMPS_NS {
+
+class PairJumpDisc : public Pair {
+ public:
+  /** What a contact reads of a disc, in half a cache line. */
+  struct alignas(32) Disc {
+    double x, y, vx, vy;
+  };
+
+  PairJumpDisc(class LAMMPS *);
+  ~PairJumpDisc() override;
+  void compute(int, int) override;
+  void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  double init_one(int, int) override;
+  void write_restart(FILE *) override;
+  void read_restart(FILE *) override;
+  void write_restart_settings(FILE *) override;
+  void read_restart_settings(FILE *) override;
+  double single(int, int, int, int, double, double, double, double &) override;
+  void *extract(const char *, int &) override;
+  double memory_usage() override;
+
+  // shared with fix jump/step
+
+  jump::Friction friction = jump::Friction::NONE;
+  bool sign = false, smooth = false, spin = false, ledger = false;
+  double mass = 0.0, diameter = 0.0, width = 0.0;
+  double dashpot_loss = 0.0, friction_loss = 0.0;    // this rank, since the start, J/m
+  double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
+  std::vector<Disc> disc;                            // local discs, then ghosts
+  std::vector<double> rim;                           // R omega, with spin
+  bigint packed_step = -1;                           // step for which the local discs are packed
+
+  void reserve(int);
+  void pack(int, int);
+  double elastic_energy() const;
+  double largest_overlap() const;
+  void check_equal_discs(int, int);
+
+ private:
+  double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
+  jump::Law law;
+  std::vector<int> first, second;    // candidate pairs, flat, in the order of the neighbour list
+  std::vector<int> hit;              // candidates that touch
+  size_t candidates = 0;
+
+  void allocate();
+  void choose();
+  void flatten();
+  void find_largest_speed();
+  template <jump::Friction, bool SMOOTH, bool LEDGER> void evaluate();
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
