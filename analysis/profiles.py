@@ -1,0 +1,252 @@
+"""Depth profiles along the channel: a dump's frames binned in x, and their means over a window of time.
+
+Every disc is shared among the bins it straddles by the area on each side (exact circular segments), so mass,
+discharge and momentum over all bins and what lies outside add up to the discs' to round-off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from lammps_jump.errors import DumpError
+from lammps_jump.walls import Interval
+
+from .context import FlowContext
+from .dump import Frame
+from .profile_kernels import LINES_PER_DIAMETER, bin_frame, surface_frame
+from .statistics import LEAST_SAMPLES, block_average
+
+VARIABLES = {
+    "surface_depth": ("m", "depth of the free surface above the bed"),
+    "mass_depth": ("m", "depth by mass, N m / (rho L)"),
+    "velocity": ("m s-1", "mean horizontal velocity, by mass"),
+    "discharge": ("m2 s-1", "discharge per unit width, sum of m u / (rho L)"),
+    "momentum_flux": ("m3 s-2", "momentum flux per unit width and density, sum of m u^2 / (rho L)"),
+    "energy_flux": ("m4 s-3", "flux of kinetic energy per unit width and density, sum of m u |v|^2 / (2 rho L)"),
+    "packing": ("1", "disc area over the area between bed and free surface"),
+    "surface_velocity": ("m s-1", "mean horizontal velocity of the discs that form the free surface"),
+    "centroid_height": ("m", "height of the centre of mass above the bed"),
+    "count": ("1", "number of discs, those astride an edge in parts"),
+}
+AVERAGED = tuple(name for name in VARIABLES)
+
+
+def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
+    """Edges of equal bins from the left end of `x_range`, m; what is left at the right, less than a bin, is outside.
+
+    Raises
+    ------
+    DumpError
+        A range or a bin width that is not positive.
+    """
+    low, high = x_range
+    if not (np.isfinite(bin_width) and bin_width > 0):
+        raise DumpError(f"bin_width = {bin_width} m: it must be above 0.")
+    if not (np.isfinite([low, high]).all() and high > low):
+        raise DumpError(f"x_range = ({low}, {high}) m: the right end must lie beyond the left.")
+    bins = max(1, int(np.floor((high - low) / bin_width + 1e-9)))
+    return low + bin_width * np.arange(bins + 1)
+
+
+def compute_profiles(
+    frames: Iterable[Frame],
+    context: FlowContext,
+    *,
+    bin_width: float | None = None,
+    x_range: Interval | None = None,
+    window: tuple[float, float] | None = None,
+) -> xr.Dataset:
+    """Profiles of every frame, and their means and standard errors over a window.
+
+    The free surface is the mean, over eight vertical lines a diameter, of the top edge of the highest disc that the
+    line cuts among the discs *connected* to the bed: a chain of centres no further than two diameters apart, whose
+    first has no more than a diameter of air under it. A line that cuts none counts as dry. A disc that is splashed
+    up has no such chain and does not count. ``packing`` uses all discs of the bin over the area below that surface.
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+        Streamed: one at a time in memory.
+    context : FlowContext
+    bin_width : float, optional
+        m; default ``context.bin_width``.
+    x_range : (float, float), optional
+        m; default ``context.x_range``.
+    window : (float, float), optional
+        First and last time of the means, s; default ``context.window``, else the second half of the times.
+
+    Returns
+    -------
+    xarray.Dataset
+        Coordinates ``time`` (s) and ``x`` (bin centres, m); variables of `VARIABLES` with dims (time, x), NaN where
+        a bin holds nothing to average or has no bed; ``<name>_mean`` and ``<name>_stderr`` (x); ``bed`` (x);
+        ``step``, ``discs``, ``mass_total``, ``mass_left`` and ``mass_right`` of the bins (time), kg per metre of
+        width. A standard error is NaN where the window holds fewer than 8 frames or is too short for its blocks to
+        become independent (see `statistics.block_average`).
+
+    Raises
+    ------
+    DumpError
+        No frame at all, a missing column, a wrong range or width.
+    """
+    width = context.bin_width if bin_width is None else bin_width
+    edges = bin_edges(context.x_range if x_range is None else x_range, width)
+    bins, radius = len(edges) - 1, context.radius
+    bed = context.mean_bed(edges)
+    depth_unit = context.mass / (context.density * width)
+    disc_area = np.pi * radius**2
+    lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / context.diameter - 1e-9)))
+    bed_lines = context.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
+    rows: dict[str, list] = {name: [] for name in VARIABLES}
+    times, steps, discs, outside = [], [], [], []
+    for frame in frames:
+        x, y = np.ascontiguousarray(frame.x), np.ascontiguousarray(frame.y)
+        vx, vy = frame.vx, frame.vy
+        bad = ~(np.isfinite(x) & np.isfinite(y) & np.isfinite(vx) & np.isfinite(vy))
+        if bad.any():
+            raise DumpError(
+                f"disc {frame.ids[bad][0]} at step {frame.step} has a position or velocity that is no number."
+            )
+        sums = np.zeros((6, bins))
+        beyond = np.zeros(2)
+        bin_frame(x, y, vx, vy, edges[0], width, radius, sums, beyond)
+        surface = surface_frame(x, y, vx, context.bed_height(x), bed_lines, edges[0], width, bins, radius)
+        _append(rows, sums, *surface, bed, depth_unit, disc_area, width)
+        times.append(context.time(frame))
+        steps.append(frame.step)
+        discs.append(frame.n)
+        outside.append(beyond)
+    if not times:
+        raise DumpError("there is no frame to make profiles of.")
+    dataset = _dataset(rows, times, steps, discs, outside, edges, bed, context)
+    return add_means(dataset, window or context.window)
+
+
+def _append(rows, sums, surface, top_speed, bed, depth_unit, disc_area, width) -> None:
+    count, speed, momentum, energy, height, _ = sums
+    some = count > 1e-12
+    safe = np.where(some, count, 1.0)
+    with np.errstate(invalid="ignore"):
+        wet = surface > 0
+        packing = np.where(wet, count * disc_area / (width * np.where(wet, surface, 1.0)), np.nan)
+    values = {
+        "surface_depth": surface,
+        "mass_depth": count * depth_unit,
+        "velocity": np.where(some, speed / safe, np.nan),
+        "discharge": speed * depth_unit,
+        "momentum_flux": momentum * depth_unit,
+        "energy_flux": energy * depth_unit,
+        "packing": packing,
+        "surface_velocity": top_speed,
+        "centroid_height": np.where(some, height / safe, np.nan) - bed,
+        "count": count,
+    }
+    for name, value in values.items():
+        rows[name].append(value)
+
+
+def _dataset(rows, times, steps, discs, outside, edges, bed, context) -> xr.Dataset:
+    def described(values, units, long_name, dims=("time",)):
+        return dims, np.asarray(values), {"units": units, "long_name": long_name}
+
+    mass = context.mass
+    variables = {name: described(rows[name], *VARIABLES[name], ("time", "x")) for name in VARIABLES}
+    variables |= {
+        "bed": described(bed, "m", "height of the bed (mean over the bin)", ("x",)),
+        "step": described(np.array(steps, np.int64), "1", "time step of the frame"),
+        "discs": described(np.array(discs, np.int64), "1", "discs in the frame"),
+        "mass_total": described(np.array(discs) * mass, "kg m-1", "mass of all discs per unit width"),
+        "mass_left": described(np.array(outside)[:, 0] * mass, "kg m-1", "mass left of the first bin"),
+        "mass_right": described(np.array(outside)[:, 1] * mass, "kg m-1", "mass right of the last bin"),
+    }
+    return xr.Dataset(
+        variables,
+        coords={
+            "time": ("time", np.array(times, float), {"units": "s", "long_name": "simulated time"}),
+            "x": ("x", 0.5 * (edges[1:] + edges[:-1]), {"units": "m", "long_name": "distance along the channel"}),
+        },
+        attrs={
+            "title": f"depth profiles of {context.name}",
+            "Conventions": "CF-1.8",
+            "bin_width": float(edges[1] - edges[0]),
+            "x_low": float(edges[0]),
+            "x_high": float(edges[-1]),
+            "disc_diameter": context.diameter,
+            "disc_mass": context.mass,
+            "density": context.density,
+            "gravity_x": context.gravity[0],
+            "gravity_y": context.gravity[1],
+            "surface_definition": "mean over vertical lines of the top edge of the highest disc connected to the bed; "
+            f"{LINES_PER_DIAMETER} lines a diameter; connected: a chain of centres at most 2 diameters apart",
+            "notes": " ".join(context.notes),
+        },
+    )
+
+
+def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) -> xr.Dataset:
+    """The dataset with ``<name>_mean`` and ``<name>_stderr`` (x) over a window of time.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `compute_profiles`; earlier means are replaced.
+    window : (float, float), optional
+        s, both ends included; default the second half of the times.
+
+    Raises
+    ------
+    DumpError
+        No frame lies in the window.
+    """
+    time = dataset["time"].values
+    if window is None:
+        window = (0.5 * (time[0] + time[-1]), float(time[-1]))
+    slack = 1e-9 * max(1.0, abs(window[0]), abs(window[1]))
+    inside = (time >= window[0] - slack) & (time <= window[1] + slack)
+    if not inside.any():
+        raise DumpError(
+            f"no frame between t = {window[0]:g} and {window[1]:g} s: the dump covers {time[0]:g} to {time[-1]:g} s."
+        )
+    means = {}
+    for name in AVERAGED:
+        units, long_name = VARIABLES[name]
+        result = block_average(dataset[name].values[inside])
+        means[f"{name}_mean"] = ("x", result.mean, {"units": units, "long_name": f"time mean of {long_name}"})
+        means[f"{name}_stderr"] = (
+            "x",
+            result.standard_error,
+            {"units": units, "long_name": f"standard error of the time mean of {long_name}"},
+        )
+    averaged = dataset.assign(means)
+    averaged.attrs |= {
+        "window_begin": float(window[0]),
+        "window_end": float(window[1]),
+        "window_frames": int(inside.sum()),
+        "standard_error": "blocking (Flyvbjerg and Petersen 1989); NaN with fewer than "
+        f"{LEAST_SAMPLES} frames or where blocks do not become independent within the window",
+    }
+    return averaged
+
+
+def write_profiles(dataset: xr.Dataset, path: str | Path) -> Path:
+    """Write profiles as NetCDF-4 (compressed); DumpError where the place cannot be written."""
+    path = Path(path)
+    encoding = {name: {"zlib": True, "complevel": 1} for name, array in dataset.data_vars.items() if array.ndim == 2}
+    try:
+        dataset.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+    except OSError as error:
+        raise DumpError(f"{path}: the profiles cannot be written ({error.strerror or error}).") from error
+    return path
+
+
+def read_profiles(path: str | Path) -> xr.Dataset:
+    """Profiles written by `write_profiles`, in memory; DumpError where there are none."""
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            return dataset.load()
+    except (OSError, ValueError) as error:
+        raise DumpError(f"{path}: not a profiles file ({error}).") from error
