@@ -141,10 +141,12 @@ def sequent_ratio(
     Raises
     ------
     ValueError
-        The momentum of the inflow is too small for any jump (Fr1 below about 1, or too much resistance).
+        The flow is subcritical (Fr1 < 1), or its momentum is too small against density change and resistance.
     """
-    if froude_1 <= 0 or density_ratio <= 0:
-        raise ValueError(f"sequent_ratio: Froude number {froude_1:g} and density ratio {density_ratio:g} must be > 0")
+    if froude_1 < 1 or density_ratio <= 0:
+        raise ValueError(
+            f"sequent_ratio: Froude number {froude_1:g} must be at least 1, density ratio {density_ratio:g} above 0"
+        )
     # multiplied by S: a falling cubic with one maximum at positive S; the jump is the root beyond the maximum
     linear = 2.0 * froude_1**2 * beta_1 + 1.0 - resistance
     constant = 2.0 * froude_1**2 * beta_2
@@ -157,7 +159,7 @@ def sequent_ratio(
     if low <= 0 or balance(low) < -1e-12 * constant:
         raise ValueError(
             f"sequent_ratio: no jump at Froude number {froude_1:g}, density ratio {density_ratio:g}, resistance "
-            f"{resistance:g}; the inflow needs more momentum (Froude number above 1)"
+            f"{resistance:g}; the inflow needs more momentum (a larger Froude number)"
         )
     return _root_beyond(balance, low)
 

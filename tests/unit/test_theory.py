@@ -1,0 +1,416 @@
+"""theory.py, wave_theory.py and reference_data.py against printed tables and their own conservation laws."""
+
+import math
+import subprocess
+import sys
+from itertools import pairwise
+from math import isnan, pi, sqrt, tan
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from lammps_jump import reference_data, theory, wave_theory
+
+G = 9.81
+FR_THESIS = 16 / sqrt(G)  # Va = 16 m/s, y1 = 1 m
+
+
+# --- the jump ---------------------------------------------------------------------------------------------------
+
+JUMPS = [
+    # Fr1, y2/y1, Fr2, dE/E1, Silvester L/y1, USBR, 6.9 (Y - 1), tanh
+    (2, 2.3723, 0.5474, 0.0908, 9.75, 10.32, 9.47, 9.99),
+    (3, 3.7720, 0.4095, 0.2567, 19.64, 19.35, 19.13, 19.95),
+    (4, 5.1789, 0.3394, 0.3914, 29.57, 29.00, 28.83, 29.82),
+    (5, 6.5887, 0.2956, 0.4906, 39.54, 38.68, 38.56, 39.56),
+    (5.108, 6.7411, 0.2918, 0.4996, 40.62, 39.69, 39.61, 40.61),
+    (6, 8.0000, 0.2652, 0.5641, 49.54, 48.16, 48.30, 49.16),
+    (7, 9.4121, 0.2424, 0.6201, 59.56, 57.32, 58.04, 58.56),
+    (9, 12.2377, 0.2102, 0.6986, 79.64, 75.14, 77.54, 76.65),
+]
+
+
+@pytest.mark.parametrize("row", JUMPS, ids=[f"Fr1={row[0]}" for row in JUMPS])
+def test_jump_table(row):
+    fr, ratio, fr2, loss, silvester, usbr, linear, hager = row
+    four, two = 0.51e-4, 0.51e-2  # half a unit of the last printed digit
+    assert theory.belanger(fr) == pytest.approx(ratio, abs=four)
+    assert theory.downstream_froude(fr) == pytest.approx(fr2, abs=four)
+    e1 = theory.specific_energy(1.0, fr * sqrt(G))
+    assert e1 == pytest.approx(1 + fr**2 / 2, rel=1e-14)
+    assert theory.energy_loss(1.0, theory.belanger(fr)) / e1 == pytest.approx(loss, abs=four)
+    assert theory.silvester_jump_length(fr, 1.0) == pytest.approx(silvester, abs=two)
+    assert theory.usbr_jump_length(fr, 1.0) == pytest.approx(usbr, abs=two)
+    assert theory.linear_jump_length(fr, 1.0) == pytest.approx(linear, abs=two)
+    assert theory.hager_jump_length(fr, 1.0) == pytest.approx(hager, abs=two)
+
+
+def test_the_thesis_jump():
+    assert theory.froude(16.0, 1.0) == pytest.approx(5.11, abs=0.005)
+    assert theory.sequent_depth(16.0, 1.0) == pytest.approx(6.742, abs=0.0005)
+    assert theory.silvester_jump_length(theory.froude(16.0, 1.0), 1.0) == pytest.approx(40.63, abs=0.005)
+    assert theory.channel_length(theory.froude(16.0, 1.0), 1.0) == pytest.approx(60.9, abs=0.05)
+    # thesis: 15.66 sqrt(y1) <= Va <= 28.19 sqrt(y1); the upper one prints as 28.19 for 28.1887
+    assert theory.velocity_range(1.0) == pytest.approx((15.66, 28.19), abs=0.005)
+    assert theory.velocity_range(4.0) == pytest.approx((31.32, 56.38), abs=0.01)
+    assert theory.critical_depth(16.0) == pytest.approx(2.966, abs=0.0005)
+    assert theory.sill_holding_height(16.0, 1.0) == pytest.approx(2.58, abs=0.005)
+
+
+@given(fr=st.floats(1.01, 20.0), y1=st.floats(0.01, 50.0))
+def test_jump_conserves_momentum_and_loses_energy(fr, y1):
+    y2 = y1 * theory.belanger(fr)
+    u1 = fr * sqrt(G * y1)
+    u2 = u1 * y1 / y2
+    m1, m2 = theory.momentum_function(y1, u1 * y1), theory.momentum_function(y2, u1 * y1)
+    assert m1 == pytest.approx(m2, rel=1e-10)
+    for depth, velocity, m in ((y1, u1, m1), (y2, u2, m2)):
+        assert theory.momentum_flux(depth, velocity, 1000.0) == pytest.approx(1000 * G * m, rel=1e-10)
+    lost = theory.specific_energy(y1, u1) - theory.specific_energy(y2, u2)
+    # a difference of two heads: round-off is relative to the larger
+    assert theory.energy_loss(y1, y2) == pytest.approx(lost, abs=1e-10 * theory.specific_energy(y1, u1))
+    assert theory.froude(u2, y2) == pytest.approx(theory.downstream_froude(fr), rel=1e-10)
+
+
+@given(fr=st.floats(1.01, 20.0))
+def test_sequent_depths_are_conjugate(fr):
+    # the jump's formula maps the downstream state back to the upstream depth
+    assert theory.belanger(theory.downstream_froude(fr)) * theory.belanger(fr) == pytest.approx(1.0, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("fr", "kind"),
+    [
+        *((0.8, "none"), (1.0, "none"), (1.2, "undular"), (1.7, "undular"), (2.0, "weak")),
+        *((3.0, "oscillating"), (5.11, "steady"), (9.0, "steady"), (9.5, "strong")),
+    ],
+)
+def test_jump_class(fr, kind):
+    assert theory.jump_class(fr) == kind
+
+
+@pytest.mark.parametrize(
+    ("density_ratio", "s", "h"), [(1.05, 6.924, 6.594), (1.10, 7.101, 6.456), (1.1547, 7.291, 6.314)]
+)
+def test_sequent_ratio_with_density_change(density_ratio, s, h):
+    found = theory.sequent_ratio(FR_THESIS, density_ratio)
+    assert found == pytest.approx(s, abs=0.51e-3)
+    assert found / density_ratio == pytest.approx(h, abs=0.51e-3)
+
+
+def test_sequent_ratio_with_profile_momentum():
+    # 6.799 holds where the same momentum coefficient acts on both sides; on the inflow alone it is 6.808
+    beta = theory.PROFILE_MOMENTUM_COEFFICIENT
+    assert theory.sequent_ratio(FR_THESIS, beta_1=beta, beta_2=beta) == pytest.approx(6.799, abs=0.51e-3)
+    assert theory.sequent_ratio(FR_THESIS, beta_1=beta) == pytest.approx(6.808, abs=0.6e-3)
+
+
+@given(
+    fr=st.floats(1.5, 12.0),
+    density_ratio=st.floats(0.9, 1.3),
+    resistance=st.floats(-0.5, 1.0),
+    beta=st.floats(1.0, 1.1),
+)
+def test_sequent_ratio_closes_the_momentum_balance(fr, density_ratio, resistance, beta):
+    try:
+        s = theory.sequent_ratio(fr, density_ratio, resistance, beta_1=beta)
+    except ValueError:
+        assume(False)
+    left = 2 * fr**2 * (beta - 1 / s) + 1 - s**2 / density_ratio
+    assert left == pytest.approx(resistance * (1 + s), abs=1e-9 * fr**2)
+    # the larger root: more depth than that and the downstream momentum exceeds the upstream one
+    assert 2 * fr**2 * (beta - 1 / (1.01 * s)) + 1 - (1.01 * s) ** 2 / density_ratio < resistance * (1 + 1.01 * s)
+
+
+@given(fr=st.floats(1.0, 20.0))
+def test_sequent_ratio_reduces_to_belanger(fr):
+    # at Fr1 = 1 the two roots meet, so round-off eps there becomes sqrt(eps) in the root
+    assert theory.sequent_ratio(fr) == pytest.approx(theory.belanger(fr), rel=1e-10, abs=1e-7)
+
+
+def test_bed_resistance_lowers_the_sequent_depth():
+    free, rough, down = (theory.sequent_ratio(FR_THESIS, 1.0, k) for k in (0.0, 0.3, -0.3))
+    assert rough < free < down
+
+
+@pytest.mark.parametrize(
+    ("fr", "density_ratio", "resistance"), [(0.5, 0.8, 0.0), (1.2, 1.0, 5.0), (0.0, 1.0, 0.0), (5.0, -1.0, 0.0)]
+)
+def test_sequent_ratio_refuses_what_cannot_jump(fr, density_ratio, resistance):
+    with pytest.raises(ValueError, match="sequent_ratio"):
+        theory.sequent_ratio(fr, density_ratio, resistance)
+
+
+def test_usbr_points_are_met_and_nothing_outside():
+    curve = reference_data.USBR_JUMP_LENGTH
+    for fr, ratio in zip(curve.x, curve.y, strict=True):
+        assert theory.usbr_jump_length(fr, 2.0) == pytest.approx(2.0 * ratio * theory.belanger(fr), rel=1e-14)
+    assert isnan(theory.usbr_jump_length(1.59, 1.0)) and isnan(theory.usbr_jump_length(19.3, 1.0))
+    lengths = (theory.silvester_jump_length, theory.linear_jump_length, theory.hager_jump_length)
+    assert all(isnan(length(0.9, 1.0)) for length in lengths)
+
+
+# --- inflow -----------------------------------------------------------------------------------------------------
+
+
+def test_power_law_facts():
+    y = (np.arange(200_000) + 0.5) / 200_000
+    u = np.array([theory.power_law_velocity(v, 1.0, 1.0) for v in y])
+    # midpoint rule on y^(1/7): its error is that of the first cells, (1/N)^(8/7)
+    assert u.mean() == pytest.approx(1.0, abs=1e-6)
+    assert (u**2).mean() == pytest.approx(theory.PROFILE_MOMENTUM_COEFFICIENT, abs=1e-6)
+    assert (u**3).mean() == pytest.approx(theory.PROFILE_ENERGY_COEFFICIENT, abs=1e-6)
+    assert pytest.approx(1.01587, abs=0.51e-5) == theory.PROFILE_MOMENTUM_COEFFICIENT
+    assert pytest.approx(1.04490, abs=0.51e-5) == theory.PROFILE_ENERGY_COEFFICIENT
+    assert pytest.approx(0.3927, abs=0.51e-4) == theory.PROFILE_MEAN_HEIGHT
+    assert theory.power_law_velocity(theory.PROFILE_MEAN_HEIGHT, 1.0, 3.0) == pytest.approx(3.0, rel=1e-14)
+
+
+@pytest.mark.parametrize(("rows", "excess"), [(5, 1.00635), (7, 1.00437), (10, 1.00293), (20, 1.00134)])
+def test_discharge_excess_of_row_midpoints(rows, excess):
+    speeds = theory.row_velocities(1.0, 1.0 / rows, 1.0)
+    assert len(speeds) == rows
+    assert theory.inflow_discharge(speeds, 1.0 / rows) == pytest.approx(excess, abs=0.51e-5)
+
+
+def test_five_rows_of_the_thesis():
+    speeds = theory.row_velocities(1.0, 0.2, 16.0)
+    assert speeds == pytest.approx((13.160, 15.396, 16.562, 17.377, 18.013), abs=0.51e-3)
+    assert theory.row_heights(1.0, 0.2) == pytest.approx((0.1, 0.3, 0.5, 0.7, 0.9), rel=1e-14)
+    mean = sum(speeds) / 5
+    assert sum(u**2 for u in speeds) / 5 / mean**2 == pytest.approx(1.01129, abs=0.51e-5)
+    assert sum(u**3 for u in speeds) / 5 / mean**3 == pytest.approx(1.03309, abs=0.51e-5)
+    # discs a second: discharge over d^2
+    assert theory.inflow_discharge(speeds, 0.2) / 0.04 == pytest.approx(402.5, abs=0.051)
+    assert theory.inflow_discharge(speeds, 0.2, spacing=1.02) / 0.04 == pytest.approx(402.54 / 1.02, abs=0.01)
+
+
+@given(depth=st.floats(0.3, 5.0), diameter=st.floats(0.05, 0.3), mean=st.floats(0.1, 40.0))
+def test_exact_discharge(depth, diameter, mean):
+    for profile in ("power_law", "uniform"):
+        speeds = theory.row_velocities(depth, diameter, mean, profile=profile, exact_discharge=True)
+        assert theory.inflow_discharge(speeds, diameter) == pytest.approx(mean * depth, rel=1e-12)
+        assert all(b >= a for a, b in pairwise(speeds))
+
+
+def test_rows_fill_whole_diameters_only():
+    assert theory.row_count(0.6, 0.2) == 3  # 0.6 / 0.2 rounds below 3
+    assert theory.row_count(0.59, 0.2) == 2
+    assert theory.row_count(0.1, 0.2) == 0
+    assert theory.row_velocities(0.1, 0.2, 16.0, exact_discharge=True) == ()
+
+
+def test_unknown_profile_is_refused():
+    with pytest.raises(ValueError, match="parabola"):
+        theory.row_velocities(1.0, 0.2, 16.0, profile="parabola")
+
+
+# --- sill -------------------------------------------------------------------------------------------------------
+
+
+@given(fr=st.floats(3.0, 9.0), share=st.floats(0.0, 0.2))
+def test_sill_closes_the_momentum_balance(fr, share):
+    y1 = 0.7
+    y2 = y1 * theory.belanger(fr)
+    height = share * y2
+    y3 = theory.sill_depth(fr, y1, height)
+    u1 = fr * sqrt(G * y1)
+    face = theory.sill_face_force(y2, height, 1000.0)
+    inflow = theory.momentum_flux(y1, u1, 1000.0)
+    assert inflow - theory.momentum_flux(y3, u1 * y1 / y3, 1000.0) == pytest.approx(face, abs=1e-9 * inflow)
+
+
+def test_sill_of_no_height_is_a_free_jump_and_a_dam_stops_the_flow():
+    assert theory.sill_depth(5.0, 1.0, 0.0) == pytest.approx(theory.belanger(5.0), rel=1e-12)
+    with pytest.raises(ValueError, match="lower sill"):
+        theory.sill_depth(5.0, 1.0, 6.0)
+
+
+def test_sill_face_force_of_the_thesis():
+    assert theory.sill_face_force(6.742, 2.0, 1000.0) == pytest.approx(112.6e3, abs=60)  # printed in kN to one digit
+    # a sill that stands out of the water carries the whole hydrostatic load and no more
+    assert theory.sill_face_force(3.0, 5.0, 1000.0) == theory.hydrostatic_force(3.0, 1000.0)
+
+
+# --- moving shocks ----------------------------------------------------------------------------------------------
+
+
+@given(s1=st.floats(0.05, 5.0), u1=st.floats(-5.0, 25.0), growth=st.floats(1.05, 15.0))
+def test_moving_shock_is_a_jump_in_its_own_frame(s1, u1, growth):
+    s2 = growth * s1
+    c = theory.shock_speed(s1, u1, s2)
+    fr = theory.relative_froude(u1, s1, c)
+    assert theory.belanger(fr) == pytest.approx(growth, rel=1e-9)
+    assert theory.bore_strength(s1, s2) == pytest.approx(fr, rel=1e-9)
+    u2 = c + s1 * (u1 - c) / s2
+    assert theory.shock_speed_from_mass(s1, u1, s2, u2) == pytest.approx(c, rel=1e-8, abs=1e-8)
+
+
+def test_probe_of_the_frictionless_jump():
+    """Physics notes 2.3: toe at -2.0 m/s, s1 = 1.107 m, u1 = 13.6 m/s, Froude number 4.735, Bélanger 6.22."""
+    fr = theory.relative_froude(13.6, 1.107, -2.0)
+    assert fr == pytest.approx(4.735, abs=0.003)  # u1 and c are printed to 0.1 m/s
+    assert theory.belanger(fr) == pytest.approx(6.22, abs=0.01)
+
+
+@given(s=st.floats(0.1, 5.0), u=st.floats(0.5, 20.0))
+def test_reflected_bore_stops_the_flow(s, u):
+    s2, c = theory.reflected_bore(s, u)
+    assert s2 > s and c < 0
+    assert theory.shock_speed_from_mass(s, u, s2, 0.0) == pytest.approx(c, rel=1e-9)
+    assert theory.shock_speed(s, u, s2) == pytest.approx(c, rel=1e-6, abs=1e-9)
+
+
+# --- dam break --------------------------------------------------------------------------------------------------
+
+
+def test_ritter_numbers_at_the_dam():
+    h0 = 12.0
+    assert theory.ritter_front(1.0, h0) == pytest.approx(21.70, abs=0.005)
+    assert theory.ritter_depth(0.0, 1.0, h0) == pytest.approx(5.333, abs=0.51e-3)
+    assert theory.ritter_velocity(0.0, 1.0, h0) == pytest.approx(7.233, abs=0.51e-3)
+    q = theory.ritter_depth(0.0, 1.0, h0) * theory.ritter_velocity(0.0, 1.0, h0)
+    assert q == pytest.approx(38.58, abs=0.51e-2)
+    assert q == pytest.approx(8 / 27 * sqrt(G) * h0**1.5, rel=1e-12)
+    assert theory.ritter_wall_time(4.0, h0) == pytest.approx(0.37, abs=0.005)
+
+
+@pytest.mark.parametrize("t", [0.1, 1.0, 7.0])
+def test_ritter_conserves_mass_and_momentum(t):
+    h0 = 3.0
+    x = np.linspace(-30 * t, 30 * t, 600_001)
+    h, u = theory.ritter_depth(x, t, h0), theory.ritter_velocity(x, t, h0)
+    dx = x[1] - x[0]
+    lost = np.sum(np.where(x < 0, h0 - h, 0)) * dx
+    # rectangle rule with a jump of h at x = 0: error of one cell
+    assert lost == pytest.approx(np.sum(np.where(x >= 0, h, 0)) * dx, abs=2 * h0 * dx)
+    # all momentum comes from the pressure of the still reservoir
+    assert np.sum(h * u) * dx == pytest.approx(0.5 * G * h0**2 * t, rel=1e-4)
+    front = theory.ritter_front(t, h0)
+    assert theory.ritter_depth(front * 1.001, t, h0) == 0 and theory.ritter_depth(front * 0.99, t, h0) > 0
+    assert theory.ritter_velocity(front * 1.001, t, h0) == 0
+    assert theory.ritter_depth(-2 * front, t, h0) == pytest.approx(h0, rel=1e-14)
+
+
+def test_stoker_check_values():
+    assert theory.stoker_state(12.0, 1.0) == pytest.approx((4.4579, 8.4738, 10.9243), abs=0.51e-4)
+
+
+@given(left=st.floats(0.5, 20.0), share=st.floats(0.01, 0.95))
+def test_stoker_bore_keeps_mass_and_momentum(left, share):
+    right = share * left
+    h, u, bore = theory.stoker_state(left, right)
+    assert right < h < left
+    assert theory.shock_speed_from_mass(h, u, right, 0.0) == pytest.approx(bore, rel=1e-7)
+    gained = 0.5 * G * (h**2 - right**2) + h * u**2
+    assert gained == pytest.approx(bore * h * u, rel=1e-7)
+    assert u + 2 * sqrt(G * h) == pytest.approx(2 * sqrt(G * left), rel=1e-12)  # Riemann invariant of the fan
+
+
+def test_stoker_profile_is_made_of_its_states():
+    left, right, t = 12.0, 1.0, 2.0
+    middle, speed, bore = theory.stoker_state(left, right)
+    x = np.linspace(-40, 40, 800_001)
+    h, u = theory.stoker_profile(x, t, left, right)
+    assert (h[0], u[0], h[-1], u[-1]) == (left, 0.0, right, 0.0)
+    just_behind = np.searchsorted(x, bore * t) - 2
+    assert (h[just_behind], u[just_behind]) == (middle, speed)
+    dx = x[1] - x[0]
+    assert np.sum(h) * dx == pytest.approx((left + right) * 40, abs=(left + right) * dx)
+    smooth = x < bore * t - dx
+    assert np.abs(np.diff(h[smooth])).max() < 1e-3  # no step at the foot of the fan
+
+
+@pytest.mark.parametrize(("left", "right"), [(1.0, 0.0), (1.0, 1.0), (1.0, 2.0)])
+def test_stoker_refuses_what_is_no_dam_break_on_water(left, right):
+    with pytest.raises(ValueError, match="0 < right < left"):
+        theory.stoker_state(left, right)
+
+
+# --- columns and walls ------------------------------------------------------------------------------------------
+
+
+def test_hydrostatic_overlaps_carry_the_weight_and_the_pressure():
+    m, d, k, rho, rows = 40.0, 0.2, 2.56e7, 1000.0, 60
+    assert theory.hydrostatic_overlap_vertical(59, m, k) * k == pytest.approx(59 * m * G, rel=1e-14)
+    pushes = [theory.hydrostatic_overlap_horizontal(n, rho, d, k) * k for n in range(1, rows + 1)]
+    # rows at the pressure of their centres add up to the hydrostatic force exactly (the pressure is linear)
+    assert sum(pushes) == pytest.approx(theory.hydrostatic_force(rows * d, rho), rel=1e-13)
+
+
+def test_hydrostatic_load_of_the_thesis_column():
+    assert theory.hydrostatic_force(12.0, 1000.0) == pytest.approx(706e3, abs=500)
+    # linear pressure acts a third of the depth above the foot
+    assert theory.hydrostatic_moment(12.0, 1000.0) == pytest.approx(
+        theory.hydrostatic_force(12.0, 1000.0) * 4, rel=1e-14
+    )
+
+
+def test_loads_of_a_stream():
+    rest = theory.hydrostatic_force(2.0, 1000.0)
+    assert theory.stagnation_force(2.0, 0.0, 1000.0) == rest
+    assert theory.stagnation_force(2.0, 5.0, 1000.0) == pytest.approx(rest + 1000 * 2 * 25, rel=1e-14)
+    assert theory.cross_wall_force(2.0, 5.0, 0.0, 1000.0) == pytest.approx(rest + 50e3, rel=1e-14)
+    assert theory.cross_wall_force(2.0, 5.0, 45.0, 1000.0) == pytest.approx(rest + 100e3, rel=1e-14)
+    assert theory.cross_wall_force(2.0, 5.0, 20.0, 1000.0) == pytest.approx(
+        rest + 50e3 * (1 + tan(pi / 9) ** 1.2), rel=1e-14
+    )
+
+
+def test_column_collapse_branches():
+    assert theory.column_runout(1.0) == pytest.approx(1.2)
+    assert theory.column_runout(8.0) == pytest.approx(1.9 * 4)
+    for aspects, slope in (((0.5, 1.5), 1.0), ((4.0, 8.0), 2 / 3)):
+        a, b = (theory.column_runout(x) for x in aspects)
+        assert math.log(b / a) / math.log(aspects[1] / aspects[0]) == pytest.approx(slope, rel=1e-12)
+    assert theory.column_final_height(0.5) == 0.5
+    assert theory.column_final_height(4.0) == pytest.approx(0.65 * 4**0.4, rel=1e-14)
+    assert theory.column_stop_time(1.0) == pytest.approx(3.3 / sqrt(G), rel=1e-14)
+
+
+# --- reference data ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("curve", [reference_data.USBR_JUMP_LENGTH, *reference_data.MARTIN_MOYCE], ids=lambda c: c.name)
+def test_curves_are_whole(curve):
+    assert len(curve.x) == len(curve.y) > 5
+    assert all(b > a for a, b in pairwise(curve.x))
+    assert curve.source and curve.x_label and curve.y_label
+
+
+def test_martin_moyce_runs_the_right_way():
+    for curve in reference_data.MARTIN_MOYCE:
+        falls = curve is reference_data.MARTIN_MOYCE_HEIGHT
+        assert all((b < a) == falls for a, b in pairwise(curve.y))
+
+
+def test_martin_moyce_slope_and_the_two_records_of_one_column():
+    front, long = reference_data.MARTIN_MOYCE_FRONT, reference_data.MARTIN_MOYCE_FRONT_LONG
+    t, z = np.array(front.x), np.array(front.y)
+    late = t >= 1.43
+    slope = np.polyfit(t[late], z[late], 1)[0]
+    assert slope == pytest.approx(reference_data.MARTIN_MOYCE_FRONT_SLOPE[2], abs=0.51e-3)
+    # two records of the same experiment: they differ by the first motion of the gate, a few hundredths of T
+    both = np.interp([1.2, 2.0, 2.5, 3.3], long.x, long.y) / np.interp([1.2, 2.0, 2.5, 3.3], t, z)
+    assert np.abs(both - 1).max() < 0.06
+
+
+# --- start-up ---------------------------------------------------------------------------------------------------
+
+
+def test_theory_imports_nothing_heavy():
+    """`check` has 0.7 s to start: theory must not pull in numpy, let alone the engines."""
+    code = (
+        "import sys; from lammps_jump import theory, contact; "
+        "print([m for m in ('numpy', 'scipy', 'numba', 'lammps', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_everything_public_is_offered_by_theory():
+    public = {name for name in vars(wave_theory) if not name.startswith("_")}
+    functions = {name for name in public if getattr(vars(wave_theory)[name], "__module__", "") == wave_theory.__name__}
+    assert functions and functions <= set(theory.__all__)

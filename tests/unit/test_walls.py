@@ -1,0 +1,126 @@
+"""walls.py: what a signed distance must be, whatever the wall."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from lammps_jump.walls import Block, Box, Plane
+
+COORDINATE = st.floats(-5.0, 5.0)
+WALLS = (
+    Plane("floor", "y", 0.3, "above"),
+    Plane("ceiling", "y", 0.3, "below"),
+    Plane("left", "x", -1.2, "above"),
+    Plane("right", "x", -1.2, "below"),
+    Block("sill", (-1.0, 2.0), (-3.0, 0.5)),
+    Block("plate", (0.0, 0.01), (-1.0, 1.0)),
+    Box("tank", (-2.0, 2.5), (-1.0, 3.0)),
+)
+ANY_WALL = st.sampled_from(WALLS)
+
+
+def distance(wall, x, y):
+    return float(wall.signed_distance(np.array([x]), np.array([y]))[0])
+
+
+@given(wall=ANY_WALL, a=st.tuples(COORDINATE, COORDINATE), b=st.tuples(COORDINATE, COORDINATE))
+def test_distance_is_one_lipschitz(wall, a, b):
+    moved = np.hypot(a[0] - b[0], a[1] - b[1])
+    assert abs(distance(wall, *a) - distance(wall, *b)) <= moved + 1e-12  # round-off of values up to 10
+
+
+@given(wall=ANY_WALL, x=COORDINATE, y=COORDINATE)
+def test_normals_are_unit_and_the_gradient_of_the_distance(wall, x, y):
+    step = 1e-6
+    for i, (d, nx, ny) in enumerate(wall.contacts(np.array([x]), np.array([y]))):
+        if isinstance(wall, Block) and d[0] < 1e-3:
+            continue  # inside a block there is no contact; near its surface the difference would straddle it
+        assert np.hypot(nx[0], ny[0]) == pytest.approx(1.0, rel=1e-12)
+
+        def face(px, py, i=i):
+            return wall.contacts(np.array([px]), np.array([py]))[i][0][0]
+
+        gx = (face(x + step, y) - face(x - step, y)) / (2 * step)
+        gy = (face(x, y + step) - face(x, y - step)) / (2 * step)
+        # central difference over 1e-6: round-off 1e-9; curvature of a corner at 1e-3 distance adds 1e-6
+        assert (gx, gy) == pytest.approx((nx[0], ny[0]), abs=2e-3)
+
+
+@given(x=COORDINATE, y=COORDINATE, corner=st.tuples(COORDINATE, COORDINATE), w=st.floats(0.01, 4), h=st.floats(0.01, 4))
+def test_block_equals_the_nearest_point_by_brute_force(x, y, corner, w, h):
+    block = Block("b", (corner[0], corner[0] + w), (corner[1], corner[1] + h))
+    s = np.linspace(0.0, 1.0, 2001)
+    (x0, x1), (y0, y1) = block.x, block.y
+    edge_x = np.concatenate([x0 + s * w, x0 + s * w, np.full_like(s, x0), np.full_like(s, x1)])
+    edge_y = np.concatenate([np.full_like(s, y0), np.full_like(s, y1), y0 + s * h, y0 + s * h])
+    nearest = np.hypot(edge_x - x, edge_y - y).min()
+    inside = x0 < x < x1 and y0 < y < y1
+    # sampled edges: the nearest sample is at most half a spacing (w or h over 4000) along the edge
+    assert distance(block, x, y) == pytest.approx(-nearest if inside else nearest, abs=max(w, h) / 4000 + 1e-12)
+
+
+@given(x=COORDINATE, y=COORDINATE)
+def test_block_contact_point_lies_on_its_surface(x, y):
+    block = WALLS[4]
+    (d, nx, ny), *rest = block.contacts(np.array([x]), np.array([y]))
+    assume(d[0] > 0)
+    assert not rest
+    point = x - d[0] * nx[0], y - d[0] * ny[0]
+    assert distance(block, *point) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "d", "nx", "ny"),
+    [
+        (0.0, 1.0, 0.5, 0, 1),  # above the top
+        (2.3, -1.0, 0.3, 1, 0),  # right of the face
+        (-1.4, -1.0, 0.4, -1, 0),  # left
+        (0.0, -3.2, 0.2, 0, -1),  # below
+        (2.3, 0.9, 0.5, 0.6, 0.8),  # off the corner (2, 0.5): 3-4-5
+    ],
+)
+def test_block_faces_and_corner(x, y, d, nx, ny):
+    found = [float(v[0]) for v in WALLS[4].contacts(np.array([x]), np.array([y]))[0]]
+    assert found == pytest.approx([d, nx, ny], abs=1e-12)
+
+
+def test_a_centre_inside_a_block_or_on_its_surface_has_no_normal():
+    d, nx, ny = WALLS[4].contacts(np.array([0.5, 0.5]), np.array([0.0, 0.5]))[0]
+    assert d == pytest.approx([-0.5, 0.0], abs=1e-12)
+    assert not nx.any() and not ny.any()
+
+
+@given(x=COORDINATE, y=COORDINATE)
+def test_box_is_the_least_of_its_planes(x, y):
+    box = WALLS[6]
+    planes = [distance(face, x, y) for face in box.faces()]
+    assert distance(box, x, y) == min(planes)
+    assert [float(d[0]) for d, _, _ in box.contacts(np.array([x]), np.array([y]))] == planes
+    inside = box.x[0] < x < box.x[1] and box.y[0] < y < box.y[1]
+    assert (distance(box, x, y) > 0) == inside
+
+
+def test_box_faces_are_named_after_it_and_look_inward():
+    faces = WALLS[6].faces()
+    assert [face.name for face in faces] == ["tank_left", "tank_right", "tank_bottom", "tank_top"]
+    assert all(distance(face, 0.0, 0.0) > 0 for face in faces)
+
+
+@given(x=COORDINATE, y=COORDINATE)
+def test_opposite_sides_of_a_plane_mirror_each_other(x, y):
+    assert distance(WALLS[0], x, y) == -distance(WALLS[1], x, y)
+    assert distance(WALLS[2], x, y) == -distance(WALLS[3], x, y)
+
+
+@pytest.mark.parametrize("wall", WALLS, ids=lambda wall: wall.name)
+def test_shapes_and_integers_are_kept(wall):
+    x, y = np.zeros((3, 4)), np.ones((3, 4), dtype=int)
+    assert wall.signed_distance(x, y).shape == (3, 4)
+    assert all(part.shape == (3, 4) and part.dtype == float for face in wall.contacts(x, y) for part in face)
+
+
+@pytest.mark.parametrize("wall", WALLS, ids=lambda wall: wall.name)
+def test_walls_cannot_be_changed(wall):
+    with pytest.raises(AttributeError):
+        wall.name = "other"
