@@ -1,0 +1,413 @@
+"""Inner loops of the native engine: kick and drift, pair and wall forces, elastic energy.
+
+Plain loops over contiguous float64 arrays, compiled at the end of the file; the uncompiled functions keep the
+suffix ``_py``, and every compiled one has them as ``.py_func``. All kernels that call each other stand in this one
+file, because the compiler's cache watches a function's own file only.
+
+What a scene lacks is passed as None, and the compiler drops the branch: ``omega`` (no spin), ``friction`` (ks = 0),
+``sign`` (LAMMPS' viscous ramp rather than the thesis' sign law), ``touch`` (sharp contact), ``dash_x`` (no energy
+ledger), ``ux`` (damping with the half-step velocity rather than the extrapolated one).
+
+Time levels. Between steps the arrays hold x_n, v_(n-1/2) and F_n, so that velocity Verlet and the thesis'
+leap-frog are the same loop: they differ in the velocity that dashpot and friction see, v_(n-1/2) in LAMMPS' order
+of operations, 1.5 v_(n-1/2) - 0.5 v_(n-3/2) in thesis (3.7)-(3.9). The velocity at the step is
+v_n = v_(n-1/2) + dt F_n / (2 m).
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+PLANE_X, PLANE_Y, BLOCK = 0, 1, 2
+DONE, HELD, OLD = 0, 1, 2
+
+
+class Law(NamedTuple):
+    """Contact law in the engines' units: force = stiffness overlap + damping (m_eff gamma) velocity."""
+
+    diameter: float
+    stiffness: float
+    damping: float
+    stiffness_wall: float
+    damping_wall: float
+    tangential: float
+    tangential_wall: float
+
+
+class Motion(NamedTuple):
+    """Constants of the kick and the drift; `reach2` is the square of half the skin."""
+
+    time_step: float
+    mass: float
+    inertia: float
+    weight_x: float
+    weight_y: float
+    reach2: float
+
+
+def _fastest_py(n, ux, uy):
+    """Speed of the fastest disc (m/s): v_max of thesis (4.20)."""
+    a = b = 0.0  # two chains, half the waiting
+    for i in range(0, n - 1, 2):
+        p = ux[i] * ux[i] + uy[i] * uy[i]
+        q = ux[i + 1] * ux[i + 1] + uy[i + 1] * uy[i + 1]
+        a = p if p > a else a
+        b = q if q > b else b
+    if n % 2:
+        p = ux[n - 1] * ux[n - 1] + uy[n - 1] * uy[n - 1]
+        a = p if p > a else a
+    return sqrt(max(a, b))
+
+
+def _kick_drift_py(
+    n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega, dash_x, dash_y, slide_x, slide_y, work
+):
+    """v += dt F/m, x += dt v, F = weight; the number of discs further than half the skin from their place in the list.
+
+    A NaN counts as moved. With a ledger the work of dashpots and friction over the whole kick, dt F . v_n, is taken
+    off ``work[0]`` and ``work[1]``: exact, because v_n is the mean of the velocities before and after the kick.
+    """
+    dt = motion.time_step
+    kick = dt / motion.mass
+    weight_x, weight_y, reach2 = motion.weight_x, motion.weight_y, motion.reach2
+    if dash_x is not None:
+        lost = slid = 0.0
+        for i in range(n):
+            wx = vx[i] + 0.5 * kick * fx[i]
+            wy = vy[i] + 0.5 * kick * fy[i]
+            lost += dash_x[i] * wx + dash_y[i] * wy
+            dash_x[i] = 0.0
+            dash_y[i] = 0.0
+            if slide_x is not None:
+                slid += slide_x[i] * wx + slide_y[i] * wy
+                slide_x[i] = 0.0
+                slide_y[i] = 0.0
+                if omega is not None:
+                    slid += torque[i] * (omega[i] + 0.5 * dt / motion.inertia * torque[i])
+        work[0] -= dt * lost
+        work[1] -= dt * slid
+    if omega is not None:
+        turn = dt / motion.inertia
+        for i in range(n):
+            old = omega[i]
+            new = old + turn * torque[i]
+            omega[i] = new
+            torque[i] = 0.0
+            if uomega is not None:
+                uomega[i] = 1.5 * new - 0.5 * old
+    moved = 0
+    for i in range(n):
+        old_x = vx[i]
+        old_y = vy[i]
+        new_x = old_x + kick * fx[i]
+        new_y = old_y + kick * fy[i]
+        vx[i] = new_x
+        vy[i] = new_y
+        if ux is not None:
+            ux[i] = 1.5 * new_x - 0.5 * old_x
+            uy[i] = 1.5 * new_y - 0.5 * old_y
+        px = x[i] + dt * new_x
+        py = y[i] + dt * new_y
+        x[i] = px
+        y[i] = py
+        fx[i] = weight_x
+        fy[i] = weight_y
+        dx = px - x0[i]
+        dy = py - y0[i]
+        moved += not (dx * dx + dy * dy <= reach2)
+    return moved
+
+
+def _pair_forces_py(
+    n,
+    x,
+    y,
+    ux,
+    uy,
+    omega,
+    fx,
+    fy,
+    torque,
+    start,
+    neighbours,
+    law,
+    friction,
+    sign,
+    touch,
+    dash_x,
+    dash_y,
+    slide_x,
+    slide_y,
+):
+    """Add the forces of all touching pairs of the half list to fx, fy, torque.
+
+    Normal: k delta + c delta_dot while delta > 0, tensile tail kept (thesis 3.11). Tangential: min(c_t abs(v_t),
+    ks abs(F_n)) (LAMMPS gran/hooke) or ks abs(F_n) sat(v_t / eps) (thesis 4.18-4.21, `sign` = 1 / eps), torque arm R.
+    """
+    diameter, k, c, ct = law.diameter, law.stiffness, law.damping, law.tangential
+    d2 = diameter * diameter
+    radius = 0.5 * diameter
+    for i in range(n):
+        xi, yi, uxi, uyi = x[i], y[i], ux[i], uy[i]
+        sum_x = sum_y = 0.0
+        first = start[i]
+        last = start[i + 1]
+        for p in range(first, last):
+            j = neighbours[p]
+            dx = xi - x[j]
+            dy = yi - y[j]
+            r2 = dx * dx + dy * dy
+            if r2 < d2:
+                r = sqrt(r2)
+                inverse = 1.0 / r
+                nx = dx * inverse
+                ny = dy * inverse
+                overlap = diameter - r
+                sx = uxi - ux[j]
+                sy = uyi - uy[j]
+                vn = sx * nx + sy * ny
+                if touch is None:
+                    dashpot = -c * vn
+                    normal = k * overlap + dashpot
+                elif overlap < touch:
+                    dashpot = -c * vn * (overlap / touch)
+                    normal = 0.5 * k * overlap * overlap / touch + dashpot
+                else:
+                    dashpot = -c * vn
+                    normal = k * (overlap - 0.5 * touch) + dashpot
+                px = normal * nx
+                py = normal * ny
+                if friction is not None:
+                    vt = sy * nx - sx * ny
+                    if omega is not None:
+                        vt -= radius * (omega[i] + omega[j])
+                    bound = friction * abs(normal)
+                    if sign is None:
+                        ft = min(max(-ct * vt, -bound), bound)
+                    else:
+                        ft = -bound * min(max(vt * sign, -1.0), 1.0)
+                    px -= ft * ny
+                    py += ft * nx
+                    if omega is not None:
+                        torque[i] -= radius * ft
+                        torque[j] -= radius * ft
+                    if slide_x is not None:
+                        slide_x[i] -= ft * ny
+                        slide_y[i] += ft * nx
+                        slide_x[j] += ft * ny
+                        slide_y[j] -= ft * nx
+                if dash_x is not None:
+                    dash_x[i] += dashpot * nx
+                    dash_y[i] += dashpot * ny
+                    dash_x[j] -= dashpot * nx
+                    dash_y[j] -= dashpot * ny
+                sum_x += px
+                sum_y += py
+                fx[j] -= px
+                fy[j] -= py
+        fx[i] += sum_x
+        fy[i] += sum_y
+
+
+def _wall_gap_py(kind, a, b, c, d, px, py):
+    """Distance and unit normal of one wall face at a point: (distance, nx, ny); a centre inside a block: (inf, 0, 0).
+
+    Faces: plane (kind, at, side) as a, b; block as a = xlo, b = xhi, c = ylo, d = yhi, met at its nearest point.
+    """
+    if kind == PLANE_X:
+        return b * (px - a), b, 0.0
+    if kind == PLANE_Y:
+        return b * (py - a), 0.0, b
+    qx = px - min(max(px, a), b)
+    qy = py - min(max(py, c), d)
+    r2 = qx * qx + qy * qy
+    if r2 == 0.0:
+        return np.inf, 0.0, 0.0
+    r = sqrt(r2)
+    return r, qx / r, qy / r
+
+
+def _wall_forces_py(
+    x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, sign, touch,
+    dash_x, dash_y, slide_x, slide_y, wall_sum,
+):  # fmt: skip
+    """Add the forces of walls to the discs that `near` lists a face at a time; the opposite to ``wall_sum``.
+
+    ``face_data[face] = (a, b, c, d, x_ref, y_ref)``, the last two the point for moments; ``wall_sum[face]`` collects
+    the force on the wall and its moment (fx, fy, moment), counter-clockwise positive, acting at the contact point.
+    """
+    radius = 0.5 * law.diameter
+    k, damping, ct = law.stiffness_wall, law.damping_wall, law.tangential_wall
+    for face in range(face_kind.size):
+        kind = face_kind[face]
+        a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
+        x_ref, y_ref = face_data[face, 4], face_data[face, 5]
+        wall_x = wall_y = moment = 0.0
+        for p in range(face_start[face], face_start[face + 1]):
+            i = near[p]
+            gap, nx, ny = _wall_gap(kind, a, b, c, d, x[i], y[i])
+            if gap < radius:
+                overlap = radius - gap
+                sx = ux[i]
+                sy = uy[i]
+                vn = sx * nx + sy * ny
+                if touch is None:
+                    dashpot = -damping * vn
+                    normal = k * overlap + dashpot
+                elif overlap < touch:
+                    dashpot = -damping * vn * (overlap / touch)
+                    normal = 0.5 * k * overlap * overlap / touch + dashpot
+                else:
+                    dashpot = -damping * vn
+                    normal = k * (overlap - 0.5 * touch) + dashpot
+                px = normal * nx
+                py = normal * ny
+                if friction is not None:
+                    vt = sy * nx - sx * ny
+                    if omega is not None:
+                        vt -= radius * omega[i]
+                    bound = friction * abs(normal)
+                    if sign is None:
+                        ft = min(max(-ct * vt, -bound), bound)
+                    else:
+                        ft = -bound * min(max(vt * sign, -1.0), 1.0)
+                    px -= ft * ny
+                    py += ft * nx
+                    if omega is not None:
+                        torque[i] -= radius * ft
+                    if slide_x is not None:
+                        slide_x[i] -= ft * ny
+                        slide_y[i] += ft * nx
+                if dash_x is not None:
+                    dash_x[i] += dashpot * nx
+                    dash_y[i] += dashpot * ny
+                fx[i] += px
+                fy[i] += py
+                wall_x -= px
+                wall_y -= py
+                moment += (y[i] - gap * ny - y_ref) * px - (x[i] - gap * nx - x_ref) * py
+        wall_sum[face, 0] += wall_x
+        wall_sum[face, 1] += wall_y
+        wall_sum[face, 2] += moment
+
+
+def _forces_py(
+    n, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near, law,
+    friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+):  # fmt: skip
+    """All forces of one step; `sign` not None asks for the thesis' law with eps = 0.01 v_max (4.20), v_max now."""
+    if sign is None:
+        _pair_forces(
+            n, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, None, touch,
+            dash_x, dash_y, slide_x, slide_y,
+        )  # fmt: skip
+        _wall_forces(
+            x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, None, touch,
+            dash_x, dash_y, slide_x, slide_y, wall_sum,
+        )  # fmt: skip
+    else:
+        eps = sign * _fastest(n, ux, uy)
+        slope = 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
+        _pair_forces(
+            n, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, slope, touch,
+            dash_x, dash_y, slide_x, slide_y,
+        )  # fmt: skip
+        _wall_forces(
+            x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, slope, touch,
+            dash_x, dash_y, slide_x, slide_y, wall_sum,
+        )  # fmt: skip
+
+
+def _advance_py(
+    steps, pending, hold, n, x, y, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
+    start, neighbours, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
+    dash_x, dash_y, slide_x, slide_y, work, wall_sum,
+):  # fmt: skip
+    """Up to `steps` steps; returns (steps done, state): DONE, HELD or OLD.
+
+    Starts with the forces of the step it stands at where `pending`. Stops after a drift, before its forces, where the
+    list has become too old (OLD), and after the last drift where `hold` (HELD): discs come and go between drift and
+    forces.
+    """
+    done = 0
+    while True:
+        if not pending:
+            if done == steps:
+                return done, DONE
+            moved = _kick_drift(
+                n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
+                dash_x, dash_y, slide_x, slide_y, work,
+            )  # fmt: skip
+            done += 1
+            if moved > 0:
+                return done, OLD
+            if hold and done == steps:
+                return done, HELD
+        pending = False
+        if ux is None:
+            _forces(
+                n, x, y, vx, vy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near,
+                law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+            )  # fmt: skip
+        else:
+            _forces(
+                n, x, y, ux, uy, uomega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near,
+                law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+            )  # fmt: skip
+
+
+def _elastic_py(n, x, y, start, neighbours, face_kind, face_data, face_start, near, law, touch):
+    """Elastic energy of pairs and of walls (J per m of width) and the largest overlap with its disc.
+
+    k delta^2 / 2 (thesis 4.28); with a smooth touch of width s: k delta^3 / (6 s) up to s, beyond it
+    k (delta^2 - s delta + s^2 / 3) / 2, the integral of the force.
+    """
+    pairs = walls = 0.0
+    worst = 0.0
+    where = -1
+    diameter = law.diameter
+    for i in range(n):
+        for p in range(start[i], start[i + 1]):
+            j = neighbours[p]
+            overlap = diameter - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
+            if overlap > 0.0:
+                pairs += law.stiffness * _shape(overlap, touch)
+                if overlap > worst:
+                    worst, where = overlap, i
+    for face in range(face_kind.size):
+        for p in range(face_start[face], face_start[face + 1]):
+            i = near[p]
+            gap = _wall_gap(
+                face_kind[face], face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3],
+                x[i], y[i],
+            )[0]  # fmt: skip
+            overlap = 0.5 * diameter - gap
+            if overlap > 0.0:
+                walls += law.stiffness_wall * _shape(overlap, touch)
+                if overlap > worst:
+                    worst, where = overlap, i
+    return pairs, walls, worst, where
+
+
+def _shape_py(overlap, touch):
+    """Elastic energy over stiffness (m^2) at an overlap."""
+    if touch is None:
+        return 0.5 * overlap * overlap
+    if overlap < touch:
+        return overlap**3 / (6.0 * touch)
+    return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
+
+
+_shape = njit(cache=True)(_shape_py)
+_wall_gap = njit(cache=True)(_wall_gap_py)
+_fastest = njit(cache=True)(_fastest_py)
+_kick_drift = njit(cache=True)(_kick_drift_py)
+_pair_forces = njit(cache=True)(_pair_forces_py)
+_wall_forces = njit(cache=True)(_wall_forces_py)
+_forces = njit(cache=True)(_forces_py)
+advance = njit(cache=True)(_advance_py)
+elastic = njit(cache=True)(_elastic_py)

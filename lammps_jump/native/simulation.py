@@ -1,0 +1,440 @@
+"""One scene, step by step, on the native engine: what the run, the tests and the cross-validation drive.
+
+Order of operations of a step, LAMMPS' own: half kick, drift, [outlets, arrivals, gates, neighbour list], forces with
+the velocities of the half step, half kick. The last half kick of one step and the first of the next are done as one,
+so that between steps the arrays hold v_(n-1/2) (see `kernels`); what this class hands out is v_n.
+
+Start: forces at step 0 see v_0, and v_(-1/2) = v_0 - dt F_0 / (2 m), so that the thesis' extrapolation
+1.5 v_(n-1/2) - 0.5 v_(n-3/2) has its older value from the first step on. A disc that enters at step n has
+v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and gets its last half kick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import RunError
+from ..scene import Scene
+from . import kernels, neighbours
+from .discs import Discs
+from .faces import faces_of
+from .traffic import Traffic
+
+DEFAULT_SKIN = 0.3
+"""Skin of the neighbour list over the diameter where the scene gives none."""
+
+SLIP_FRACTION = 0.01
+"""eps over v_max, thesis (4.20)."""
+
+WORK_PER_CALL = 4_000_000
+"""Disc-steps after which the kernel comes back to look for an interruption: about a tenth of a second."""
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energy now, J per m of width; `elastic` of pairs and walls together."""
+
+    kinetic: float
+    gravitational: float
+    elastic: float
+
+    @property
+    def total(self) -> float:
+        """Sum of the three."""
+        return self.kinetic + self.gravitational + self.elastic
+
+
+class NativeSimulation:
+    """A scene on the native engine.
+
+    Parameters
+    ----------
+    scene : Scene
+    ledger : bool
+        Keep the books of dissipated energy.
+
+    Attributes
+    ----------
+    step : int
+        Steps done.
+    disc_steps : int
+        Sum over steps of the discs in play.
+    forces : list of (step, wall name, fx, fy, moment)
+        Window means of the force on each probed wall (N per m of width), moment (N) about its reference point.
+    rebuilds : int
+        Neighbour lists made.
+
+    Raises
+    ------
+    RunError
+        While running: a position is NaN or outside the domain, or an overlap is beyond ``scene.overlap_limit``.
+    """
+
+    def __init__(self, scene: Scene, *, ledger: bool = True):
+        self.scene = scene
+        self.step = 0
+        self.disc_steps = 0
+        self.rebuilds = 0
+        self.forces: list[tuple[int, str, float, float, float]] = []
+        coefficients = scene.coefficients
+        mass = scene.mass
+        self._friction = coefficients.friction if coefficients.friction > 0 else None
+        self._sign = SLIP_FRACTION if self._friction is not None and scene.friction_law == "sign" else None
+        self._touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
+        self._law = kernels.Law(
+            scene.diameter,
+            coefficients.stiffness,
+            0.5 * mass * coefficients.gamma_normal,
+            coefficients.stiffness_wall,
+            mass * coefficients.gamma_normal_wall,
+            0.5 * mass * coefficients.gamma_tangential,
+            mass * coefficients.gamma_tangential_wall,
+        )
+        self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
+        self._inertia = coefficients.inertia * scene.radius**2
+        self._weight = (mass * scene.gravity[0], mass * scene.gravity[1])
+        self._motion = kernels.Motion(scene.time_step, mass, self._inertia, *self._weight, (0.5 * self.skin) ** 2)
+        self._ledger_on = ledger
+        self._work = np.zeros(2)
+        self._books = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
+        self.traffic = Traffic(scene)
+        self._window_start = 0
+        self._load_discs()
+        self._load_walls()
+        self._rebuild()
+        self._check_overlap()
+        self._compute_forces()
+        self._start_half_step_back()
+        self._wall_sum[:] = 0.0
+        self._start_work = self._half_work()
+        self._start_energy = self.energy()
+
+    # --- set-up -------------------------------------------------------------------------------------------------
+
+    def _load_discs(self) -> None:
+        scene = self.scene
+        n = len(scene.positions)
+        extrapolated = scene.integrator == "leapfrog_extrapolated"
+        self.discs = discs = Discs(
+            n, extrapolated=extrapolated, spin=scene.rotation, ledger=self._ledger_on, friction=bool(self._friction)
+        )
+        discs.n = n
+        discs.ids[:n] = np.arange(1, n + 1)
+        if n:
+            discs.x[:n], discs.y[:n] = scene.positions.T
+            discs.vx[:n], discs.vy[:n] = scene.velocities.T
+        if extrapolated:
+            discs.ux[:n], discs.uy[:n] = discs.vx[:n], discs.vy[:n]
+
+    def _load_walls(self) -> None:
+        gates = tuple(gate.wall for gate in self.scene.gates if self.step < gate.release_step)
+        self._face_kind, self._face_data, self._face_names = faces_of((*self.scene.walls, *gates))
+        faces = self._face_kind.size
+        self._face_start = np.zeros(faces + 1, np.int64)
+        self._near = np.empty(0, np.int32)
+        old = getattr(self, "_wall_sum", None)
+        self._wall_sum = np.zeros((faces, 3))
+        if old is not None:  # permanent walls come first and keep their sums
+            kept = min(faces, len(old))
+            self._wall_sum[:kept] = old[:kept]
+
+    def _start_half_step_back(self) -> None:
+        discs, n = self.discs, self.discs.n
+        half = 0.5 * self.scene.time_step / self.scene.mass
+        discs.vx[:n] -= half * discs.fx[:n]
+        discs.vy[:n] -= half * discs.fy[:n]
+        if discs.omega is not None:
+            discs.omega[:n] -= 0.5 * self.scene.time_step / self._inertia * discs.torque[:n]
+
+    # --- stepping -----------------------------------------------------------------------------------------------
+
+    def run(self, steps: int) -> None:
+        """Do `steps` steps."""
+        target = self.step + steps
+        while self.step < target:
+            self.run_some(target)
+
+    def run_some(self, target: int) -> None:
+        """Go on towards step `target` for at most about a tenth of a second of work."""
+        limit = self.step + max(1, WORK_PER_CALL // max(1, self.discs.n))
+        stop = min(target, limit, self._next_window())
+        event = self._next_event()
+        hold = event is not None and event <= stop
+        self._advance(event if hold else stop, hold)
+        if self.scene.probes and self.step == self._window_start + self.scene.probe_steps:
+            self._close_window()
+
+    def _next_window(self) -> int:
+        return self._window_start + self.scene.probe_steps if self.scene.probes else self.scene.steps + 10**15
+
+    def _next_event(self) -> int | None:
+        steps = [gate.release_step for gate in self.scene.gates if gate.release_step > self.step]
+        traffic = self.traffic.next_after(self.step)
+        if traffic is not None:
+            steps.append(traffic)
+        return min(steps) if steps else None
+
+    def _advance(self, stop: int, hold: bool) -> None:
+        """To step `stop`; where `hold`, with what happens between its drift and its forces."""
+        pending = False
+        while self.step < stop or pending:
+            done, state = self._kernel(stop - self.step, pending, hold)
+            self.step += done
+            self.disc_steps += done * self.discs.n
+            pending = state != kernels.DONE
+            old = state == kernels.OLD
+            if hold and pending and self.step == stop:
+                hold = False
+                self._exchange(old)
+            elif old:
+                self._rebuild()
+
+    def _kernel(self, steps: int, pending: bool, hold: bool) -> tuple[int, int]:
+        d = self.discs
+        return kernels.advance(
+            steps, pending, hold, d.n, d.x, d.y, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
+            d.uomega, d.start, d.neighbours, self._face_kind, self._face_data, self._face_start, self._near, self._law,
+            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+            self._work, self._wall_sum,
+        )  # fmt: skip
+
+    def _compute_forces(self) -> None:
+        """Forces at the start, weight included."""
+        self.discs.fx[: self.discs.n] = self._weight[0]
+        self.discs.fy[: self.discs.n] = self._weight[1]
+        self._kernel(0, True, False)
+
+    def _exchange(self, old: bool) -> None:
+        """What comes and goes at this step, between drift and forces."""
+        discs = self.discs
+        leaving = self.traffic.leaving(self.step, discs)
+        if leaving is not None:
+            self._remove(leaving, old)
+        elif old:
+            self._rebuild()
+        before = discs.n
+        elastic = None
+        reach = scene_reach = self.scene.diameter + self.skin
+        reach = scene_reach + 0.5 * self.skin  # the others may have moved half a skin since the list was made
+        for identity, x, y, vx, vy in self.traffic.arrivals(self.step, discs):
+            if elastic is None and self._ledger_on:
+                elastic = self._elastic()
+            discs.append(identity, x, y, vx, vy, self._weight, reach)
+            self._books["brought_in"] += self._free_energy(x, y, vx, vy)
+        if discs.n > before:
+            self._list_walls()
+            if self._ledger_on:
+                self._books["brought_in"] += self._elastic() - elastic
+        if any(gate.release_step == self.step for gate in self.scene.gates):
+            elastic = self._elastic()
+            self._load_walls()
+            self._list_walls()
+            self._books["released_by_gates"] += elastic - self._elastic()
+
+    def _remove(self, leaving: np.ndarray, old: bool) -> None:
+        discs = self.discs
+        elastic = 0.0
+        if self._ledger_on:
+            if old:
+                # the mask follows the discs through the sort by their ids
+                ids = discs.ids[: discs.n][leaving]
+                self._rebuild()
+                leaving = np.isin(discs.ids[: discs.n], ids)
+            elastic = self._elastic()
+            gone = np.flatnonzero(leaving)
+            self._books["carried_out"] += self._free_energy(
+                discs.x[gone], discs.y[gone], discs.vx[gone], discs.vy[gone]
+            )
+            if discs.omega is not None:
+                self._books["carried_out"] += 0.5 * self._inertia * float((discs.omega[gone] ** 2).sum())
+        self.traffic.removed += int(leaving.sum())
+        discs.keep(leaving ^ True)
+        self._rebuild()
+        if self._ledger_on:
+            self._books["carried_out"] += elastic - self._elastic()
+
+    # --- neighbour lists and guards -----------------------------------------------------------------------------
+
+    def _rebuild(self) -> None:
+        lost = self.discs.sort_and_list(self.scene.diameter + self.skin, self.scene.domain)
+        if lost >= 0:
+            self._fail_lost(lost)
+        self._list_walls()
+        self.rebuilds += 1
+        if self.rebuilds % 16 == 0:
+            self._check_overlap()
+
+    def _list_walls(self) -> None:
+        """Discs near each face: within R + skin, enough even for half a skin moved before and half after."""
+        faces = self._face_kind.size
+        if self._near.size < faces * self.discs.room:
+            self._near = np.empty(faces * self.discs.room, np.int32)
+        neighbours.near_walls(
+            self.discs.n, self.discs.x, self.discs.y, self.scene.radius + self.skin, self._face_kind, self._face_data,
+            self._face_start, self._near,
+        )  # fmt: skip
+
+    def _elastic_and_worst(self) -> tuple[float, float, float, int]:
+        d = self.discs
+        return kernels.elastic(
+            d.n, d.x, d.y, d.start, d.neighbours, self._face_kind, self._face_data, self._face_start, self._near,
+            self._law, self._touch,
+        )  # fmt: skip
+
+    def _elastic(self) -> float:
+        pairs, walls, _, _ = self._elastic_and_worst()
+        return pairs + walls
+
+    def check(self) -> None:
+        """Look for NaN, lost discs and overlaps beyond the limit now; RunError where there are any."""
+        d = self.discs
+        (a, b), (c, e) = self.scene.domain
+        lost = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4]
+        if lost >= 0:
+            self._fail_lost(lost)
+        self._check_overlap()
+
+    def _check_overlap(self) -> None:
+        limit = self.scene.overlap_limit
+        if limit <= 0:
+            return
+        _, _, worst, i = self._elastic_and_worst()
+        if worst > limit:
+            raise RunError(
+                f"overlap {worst:.4g} m of disc {self._place(i)} is beyond the limit of {limit:.4g} m. "
+                "The contact is too soft for this flow or the step too long: raise contact.impact_speed or "
+                "contact.penetration_fraction, or lower run.time_step_fraction; look for discs that overlap at "
+                "the start."
+            )
+
+    def _fail_lost(self, i: int) -> None:
+        d = self.discs
+        (a, b), (c, e) = self.scene.domain
+        if not (np.isfinite(d.x[i]) and np.isfinite(d.y[i])):
+            raise RunError(
+                f"the position of disc {self._place(i)} is not a number: the run has blown up. Lower "
+                "run.time_step_fraction and look for discs that overlap at the start."
+            )
+        raise RunError(
+            f"disc {self._place(i)} has left the domain x {a:g} … {b:g} m, y {c:g} … {e:g} m. Put an outflow "
+            "where discs leave, close the gap between the walls, or enlarge the domain; where nothing should leave, lower "
+            "run.time_step_fraction."
+        )
+
+    def _place(self, i: int) -> str:
+        d = self.discs
+        return (
+            f"{d.ids[i]} at ({d.x[i]:.6g}, {d.y[i]:.6g}) m, time {self.scene.time(self.step):.6g} s (step {self.step}),"
+        )
+
+    # --- what it hands out --------------------------------------------------------------------------------------
+
+    def _close_window(self) -> None:
+        steps = self.step - self._window_start
+        for name in self.scene.probes:
+            rows = [k for k, owner in enumerate(self._face_names) if owner == name]
+            mean = self._wall_sum[rows].sum(axis=0) / steps if rows else np.zeros(3)
+            self.forces.append((self.step, name, *(float(v) for v in mean)))
+        self._wall_sum[:] = 0.0
+        self._window_start = self.step
+
+    def _by_id(self, values: np.ndarray) -> np.ndarray:
+        return values[np.argsort(self.discs.ids[: self.discs.n], kind="stable")]
+
+    def _velocity(self, name: str, force: str, inertia: float) -> np.ndarray:
+        d = self.discs
+        return getattr(d, name)[: d.n] + 0.5 * self.scene.time_step / inertia * getattr(d, force)[: d.n]
+
+    @property
+    def ids(self) -> np.ndarray:
+        """Ids of the discs in play, ascending, shape (n,)."""
+        return np.sort(self.discs.ids[: self.discs.n])
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Positions x_n (m), sorted by id, shape (n, 2)."""
+        d = self.discs
+        return self._by_id(np.column_stack([d.x[: d.n], d.y[: d.n]]))
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """Velocities at the step, v_n (m/s), sorted by id, shape (n, 2)."""
+        mass = self.scene.mass
+        return self._by_id(np.column_stack([self._velocity("vx", "fx", mass), self._velocity("vy", "fy", mass)]))
+
+    @property
+    def spin(self) -> np.ndarray:
+        """Angular velocities at the step (rad/s), sorted by id, shape (n,); zeros where discs do not spin."""
+        if self.discs.omega is None:
+            return np.zeros(self.discs.n)
+        return self._by_id(self._velocity("omega", "torque", self._inertia))
+
+    def energy(self) -> Energy:
+        """Kinetic (spin included), gravitational (-m g . x) and elastic energy now."""
+        d, n, scene = self.discs, self.discs.n, self.scene
+        kinetic = (
+            0.5
+            * scene.mass
+            * float((self._velocity("vx", "fx", scene.mass) ** 2 + self._velocity("vy", "fy", scene.mass) ** 2).sum())
+        )
+        if d.omega is not None:
+            kinetic += 0.5 * self._inertia * float((self._velocity("omega", "torque", self._inertia) ** 2).sum())
+        gravitational = -float(self._weight[0] * d.x[:n].sum() + self._weight[1] * d.y[:n].sum())
+        return Energy(kinetic, gravitational, self._elastic())
+
+    def _free_energy(self, x, y, vx, vy) -> float:
+        """Kinetic and gravitational energy at the step of discs whose half-step velocity is (vx, vy)."""
+        half = 0.5 * self.scene.time_step
+        wx, wy = vx + half * self.scene.gravity[0], vy + half * self.scene.gravity[1]
+        kinetic = 0.5 * self.scene.mass * (wx * wx + wy * wy)
+        return float(np.sum(kinetic - self._weight[0] * x - self._weight[1] * y))
+
+    def _half_work(self) -> np.ndarray:
+        """Energy that dashpots and friction take in the first half of this step's kick (J per m), shape (2,)."""
+        if not self._ledger_on:
+            return np.zeros(2)
+        d, n, scene = self.discs, self.discs.n, self.scene
+        quarter = 0.25 * scene.time_step / scene.mass
+        wx, wy = d.vx[:n] + quarter * d.fx[:n], d.vy[:n] + quarter * d.fy[:n]
+        half = -0.5 * scene.time_step
+        lost = half * float(d.dash_x[:n] @ wx + d.dash_y[:n] @ wy)
+        slid = 0.0
+        if d.slide_x is not None:
+            slid = float(d.slide_x[:n] @ wx + d.slide_y[:n] @ wy)
+            if d.omega is not None:
+                spin = d.omega[:n] + 0.25 * scene.time_step / self._inertia * d.torque[:n]
+                slid += float(d.torque[:n] @ spin)
+        return np.array([lost, half * slid])
+
+    @property
+    def ledger(self) -> dict[str, float] | None:
+        """Energy books since the start, J per m of width; None where they are not kept.
+
+        Present energy (kinetic, gravitational, elastic), the energy at the start (`initial`), brought in, carried out,
+        released with gates (the elastic energy of their contacts), dissipated by dashpots and by friction. The work of
+        a dissipative force over a kick is dt F . v_n, exact for the kick; `residual` = present + carried out +
+        released + dissipated - initial - brought in is therefore the error of the time integration of springs and
+        weight alone. `throughput` is what it is to be measured against: kinetic and elastic energy at the start, the
+        fall of the gravitational energy (or its rise), and what came in, gravitational energy apart.
+        """
+        if not self._ledger_on:
+            return None
+        now = self.energy()
+        start = self._start_energy
+        dashpots, friction = self._work + self._half_work() - self._start_work
+        books = {
+            "initial": start.total,
+            "kinetic": now.kinetic,
+            "gravitational": now.gravitational,
+            "elastic": now.elastic,
+            **self._books,
+            "dissipated_dashpots": float(dashpots),
+            "dissipated_friction": float(friction),
+        }
+        gone = books["carried_out"] + books["released_by_gates"] + float(dashpots) + float(friction)
+        books["residual"] = now.total + gone - start.total - books["brought_in"]
+        moved = abs(start.gravitational - now.gravitational)
+        books["throughput"] = start.kinetic + start.elastic + moved + abs(books["brought_in"])
+        return books
