@@ -55,7 +55,8 @@ def build_scene(loaded: LoadedCase) -> Scene:
     positions, velocities = _discs(loaded, coefficients, stiffness)
     settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
     settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
-    output_steps, steps = _schedule(case.run.duration, case.run.output_interval, dt)
+    probe_interval = case.probes.interval if case.probes.forces else None
+    output_steps, probe_steps, steps = _schedule(case.run.duration, case.run.output_interval, probe_interval, dt)
     settle_steps = math.ceil(settle_steps / output_steps) * output_steps
     gates = tuple(
         Gate(Plane(f"gate_{index}" if index else "gate", "x", item.x[1], "below"), settle_steps)
@@ -71,7 +72,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
     domain = _domain(case, positions, inlets, speed)
     outlets = _outlets(loaded, domain, speed, dt, output_steps)
     _check_places(loaded, positions, walls, inlets, domain, d, d / penetration)
-    probes = _probes(loaded, walls, gates)
+    probes = _probes(loaded, walls)
     reachable = tuple(wall for wall in walls if _reachable(wall, domain, d) or wall.name in probes)
     touch_width = 0.0
     if case.contact.touch == "smooth":
@@ -98,7 +99,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
         steps=settle_steps + steps,
         settle_steps=settle_steps,
         output_steps=output_steps,
-        probe_steps=_probe_steps(case.probes.interval, dt, output_steps),
+        probe_steps=probe_steps,
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * d,
         overlap_limit=2 * d / penetration,
@@ -160,17 +161,18 @@ def _check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, int
     return []
 
 
-def _schedule(duration: float, interval: float, dt: float) -> tuple[int, int]:
-    """(output_steps, steps): frames divide the duration evenly, the interval is adapted by less than a step a frame."""
+def _schedule(duration: float, interval: float, probe_interval: float | None, dt: float) -> tuple[int, int, int]:
+    """(output_steps, probe_steps, steps): frames divide the duration, probe windows divide the frames.
+
+    The intervals are adapted by less than a step each; the duration by less than half a step a window.
+    """
     frames = max(1, round(duration / interval))
     output_steps = max(1, round(duration / (frames * dt)))
-    return output_steps, frames * output_steps
-
-
-def _probe_steps(interval: float, dt: float, output_steps: int) -> int:
-    """Largest divisor of `output_steps` not above the wanted interval, so that windows end with frames."""
-    wanted = max(1, min(round(interval / dt), output_steps))
-    return next(steps for steps in range(wanted, 0, -1) if output_steps % steps == 0)
+    windows = 1
+    if probe_interval is not None:
+        windows = min(output_steps, max(1, round(duration / frames / probe_interval)))
+    probe_steps = max(1, round(output_steps / windows))
+    return windows * probe_steps, probe_steps, frames * windows * probe_steps
 
 
 def _wall(item) -> Wall:
@@ -206,16 +208,15 @@ def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow,
     if not isinstance(inflow, RowsInflow):
         return ()
     d = loaded.case.discs.diameter
-    count = theory.inflow_row_count(inflow.depth, d)
+    count = theory.row_count(inflow.depth, d)
     if count < 1:
         raise loaded.source.error(
             "inflow.depth", f"{inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
         )
-    heights = theory.inflow_row_heights(inflow.depth, d)
-    if inflow.profile == "power_law":
-        speeds = theory.inflow_row_speeds(inflow.depth, inflow.mean_speed, d, exact_discharge=inflow.exact_discharge)
-    else:
-        speeds = [inflow.mean_speed] * count
+    heights = theory.row_heights(inflow.depth, d)
+    speeds = theory.row_velocities(
+        inflow.depth, d, inflow.mean_speed, profile=inflow.profile, exact_discharge=inflow.exact_discharge
+    )
     rows = []
     for height, speed in zip(heights, speeds, strict=True):
         interval = math.ceil(inflow.spacing * d / (speed * dt) - 1e-9)
@@ -323,8 +324,8 @@ def _check_places(loaded: LoadedCase, positions, walls, inlets, domain, d: float
                 )
 
 
-def _probes(loaded: LoadedCase, walls, gates) -> tuple[str, ...]:
-    names = [wall.name for wall in walls] + [gate.wall.name for gate in gates]
+def _probes(loaded: LoadedCase, walls) -> tuple[str, ...]:
+    names = [wall.name for wall in walls]
     for index, name in enumerate(loaded.case.probes.forces):
         if name not in names:
             raise loaded.source.error(("probes", "forces", index), f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}")

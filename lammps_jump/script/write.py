@@ -1,0 +1,124 @@
+"""Scene to a folder that runs alone: ``in.lammps`` and, where needed, ``discs.data`` and ``disk.mol``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..scene import Scene
+from . import blocks, compiled
+from .blocks import number
+
+
+def script_text(
+    scene: Scene, *, kernel: str = "stock", ranks: int = 1, dump_format: str = "text", header: tuple[str, ...] = ()
+) -> str:
+    """The LAMMPS input script of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    kernel : {'stock', 'compiled'}
+        Styles that come with LAMMPS, or this project's plugin (``plugin load`` of a file named on the command line
+        through the variable ``plugin``).
+    ranks : int
+        Number of MPI ranks the run will have; more than one adds the cutting along x and its balancing.
+    dump_format : {'text', 'gz', 'binary'}
+    header : tuple of str
+        Comment lines for the top: version, case hash, command.
+    """
+    if kernel == "compiled":
+        law = [
+            ("contact law", compiled.contact_law(scene)),
+            ("neighbours", blocks.neighbours(scene)),
+            ("motion, gravity and walls", compiled.motion_and_walls(scene)),
+        ]
+        probes, schedule = compiled.probes(scene), compiled.schedule(scene)
+    else:
+        law = [
+            ("contact law: stiffness, gamma_n = c/m_eff, gamma_t, friction", blocks.contact_law(scene)),
+            ("neighbours", blocks.neighbours(scene)),
+            ("motion", blocks.motion(scene)),
+            ("walls", blocks.walls(scene)),
+        ]
+        probes, schedule = blocks.probes(scene), blocks.schedule(scene)
+    start_time = -scene.settle_steps * scene.time_step
+    sections = [
+        ("settings", (compiled.load(scene) if kernel == "compiled" else []) + blocks.settings(scene, ranks)),
+        ("box and discs", blocks.box_and_discs(scene)),
+        ("simulated time before the gate opens", [f"reset_timestep  0 time {number(start_time)}"] if start_time else []),
+        *law,
+        ("outlets", blocks.outlets(scene)),
+        ("pour", blocks.pours(scene)),
+        ("balance of the ranks", balance(scene, ranks)),
+        ("force on structures", probes),
+        ("guards", blocks.guards(scene)),
+        ("output", blocks.output(scene, dump_format)),
+        ("log", blocks.thermo(scene)),
+        ("run", schedule),
+    ]
+    lines = [f"# {line}" for line in (f"{scene.name}: {scene.description}".rstrip(": "), *header)]
+    for title, commands in sections:
+        if commands:
+            lines += ["", f"# --- {title}", *commands]
+    return "\n".join(lines) + "\n"
+
+
+def balance(scene: Scene, ranks: int) -> list[str]:
+    """Even shares of discs along x, moved as the flow fills the channel."""
+    if ranks == 1:
+        return []
+    return [f"fix             balance all balance {max(1, scene.output_steps)} 1.05 shift x 10 1.02"]
+
+
+def data_text(scene: Scene) -> str:
+    """Data file with the discs at the start (full precision)."""
+    (xlo, xhi), (ylo, yhi) = scene.domain
+    half, d = number(scene.radius), number(scene.diameter)
+    lines = [
+        f"{len(scene.positions)} discs of {scene.name}; the density column is of spheres, the script sets the mass",
+        "",
+        f"{len(scene.positions)} atoms",
+        "1 atom types",
+        "",
+        f"{number(xlo)} {number(xhi)} xlo xhi",
+        f"{number(ylo)} {number(yhi)} ylo yhi",
+        f"-{half} {half} zlo zhi",
+        "",
+        "Atoms # sphere",
+        "",
+    ]
+    density = number(scene.density)
+    lines += [f"{i} 1 {d} {density} {number(x)} {number(y)} 0" for i, (x, y) in enumerate(scene.positions, 1)]
+    if scene.velocities.any():
+        lines += ["", "Velocities", ""]
+        lines += [f"{i} {number(vx)} {number(vy)} 0 0 0 0" for i, (vx, vy) in enumerate(scene.velocities, 1)]
+    return "\n".join(lines) + "\n"
+
+
+def molecule_text(scene: Scene) -> str:
+    """One disc as a molecule: fix deposit in single-atom mode would insert a sphere of radius 0.5."""
+    d, m = number(scene.diameter), number(scene.mass)
+    return (
+        f"# one disc of {scene.name}\n\n1 atoms\n\nCoords\n\n1 0 0 0\n\nTypes\n\n1 1\n\n"
+        f"Diameters\n\n1 {d}\n\nMasses\n\n1 {m}\n"
+    )
+
+
+def write_script(
+    scene: Scene,
+    folder: Path,
+    *,
+    kernel: str = "stock",
+    ranks: int = 1,
+    dump_format: str = "text",
+    header: tuple[str, ...] = (),
+) -> Path:
+    """Write the script and its side files into `folder`; returns the path of ``in.lammps``."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if len(scene.positions):
+        (folder / blocks.DATA_FILE).write_text(data_text(scene))
+    if scene.inlets or scene.pours:
+        (folder / blocks.MOLECULE_FILE).write_text(molecule_text(scene))
+    path = folder / "in.lammps"
+    path.write_text(script_text(scene, kernel=kernel, ranks=ranks, dump_format=dump_format, header=header))
+    return path
