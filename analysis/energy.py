@@ -1,0 +1,126 @@
+"""Energy of the discs, frame by frame, from positions and velocities (thesis 4.28)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .contact_sums import pair_sums, wall_sums
+from .context import FlowContext
+from .dump import Frame
+
+
+@dataclass(frozen=True)
+class EnergyHistory:
+    """Energy against time, J per metre of width.
+
+    Attributes
+    ----------
+    time : ndarray, shape (frames,), s
+    kinetic, rotational, potential : ndarray, shape (frames,)
+        Potential energy is -m (gx x + gy y): zero at the origin.
+    elastic : ndarray or None, shape (frames,)
+        Pairs and walls; None where the stiffness is not known.
+    discs : ndarray of int, shape (frames,)
+    first, last : ndarray of int
+        Sorted ids of the first and last frame.
+    """
+
+    time: np.ndarray
+    kinetic: np.ndarray
+    rotational: np.ndarray
+    potential: np.ndarray
+    elastic: np.ndarray | None
+    discs: np.ndarray
+    same_discs: bool
+
+    @property
+    def total(self) -> np.ndarray:
+        """Sum of all parts, J/m (without elastic energy where that is not known)."""
+        return self.kinetic + self.rotational + self.potential + (0.0 if self.elastic is None else self.elastic)
+
+
+class EnergyLedger:
+    """Collects the energy of one frame after the other; ask for `result` at the end."""
+
+    def __init__(self, context: FlowContext):
+        self.context = context
+        self._rows: list[tuple[float, ...]] = []
+        self._ids: np.ndarray | None = None
+        self._same = True
+
+    def add(self, frame: Frame, time: float, elastic_pairs: float | None = None) -> None:
+        """Add a frame; `elastic_pairs` (J/m) spares the pair search where somebody did it already."""
+        context = self.context
+        mass, (gx, gy) = context.mass, context.gravity
+        x, y = frame.x, frame.y
+        kinetic = 0.5 * mass * float(np.dot(frame.vx, frame.vx) + np.dot(frame.vy, frame.vy))
+        rotational = 0.0
+        if "omegaz" in frame.columns:
+            spin = frame.column("omegaz")
+            rotational = 0.25 * mass * context.radius**2 * float(np.dot(spin, spin))
+        potential = -mass * float(gx * x.sum() + gy * y.sum())
+        elastic = np.nan
+        if context.stiffness is not None:
+            if elastic_pairs is None:
+                elastic_pairs = pair_sums(frame, context).energy
+            walls = sum(wall_sums(frame, wall, context, velocity=False).energy for wall in context.walls_at(time))
+            elastic = elastic_pairs + walls
+        ids = np.sort(frame.ids)
+        if self._ids is None:
+            self._ids = ids
+        elif self._same:
+            self._same = np.array_equal(ids, self._ids)
+        self._rows.append((time, kinetic, rotational, potential, elastic, frame.n))
+
+    def result(self) -> EnergyHistory:
+        """The history of all frames added."""
+        rows = np.array(self._rows, float).reshape(-1, 6)
+        elastic = rows[:, 4] if len(rows) and self.context.stiffness is not None else None
+        return EnergyHistory(*rows[:, :4].T, elastic, rows[:, 5].astype(int), self._same)
+
+
+def drift(time: np.ndarray, energy: np.ndarray) -> float:
+    """Straight-line change of the energy over the record relative to its first value, without dimension."""
+    if len(time) < 2 or energy[0] == 0 or time[-1] == time[0]:
+        return float("nan")
+    slope = np.polyfit(time - time[0], energy, 1)[0]
+    return float(slope * (time[-1] - time[0]) / energy[0])
+
+
+def summarise_energy(history: EnergyHistory, context: FlowContext) -> dict:
+    """Numbers for the summary.
+
+    Parameters
+    ----------
+    history : EnergyHistory
+    context : FlowContext
+
+    Returns
+    -------
+    dict
+        initial, final (J/m); max_deviation: largest abs(E - E0)/abs(E0); drift: straight-line change over the record
+        relative to E0; lowest and highest deviation; kinetic, potential and elastic energy at the end; closed: no disc
+        came or went. Deviations say something about the engine only where nothing dissipates (`conservative`).
+    """
+    if not len(history.time):
+        return {"initial": None, "max_deviation": None, "drift": None, "reason": "the dump holds no frame"}
+    total = history.total
+    start = float(total[0])
+    relative = (total - start) / abs(start) if start else np.full_like(total, np.nan)
+    conservative = context.restitution == 1.0 and not context.friction and history.same_discs
+    return {
+        "initial": start,
+        "final": float(total[-1]),
+        "max_deviation": float(np.max(np.abs(relative))) if start else None,
+        "lowest_deviation": float(relative.min()) if start else None,
+        "highest_deviation": float(relative.max()) if start else None,
+        "drift": drift(history.time, total) if start and len(total) > 1 else None,
+        "kinetic": float(history.kinetic[-1]),
+        "rotational": float(history.rotational[-1]),
+        "potential": float(history.potential[-1]),
+        "elastic": None if history.elastic is None else float(history.elastic[-1]),
+        "closed": bool(history.same_discs),
+        "conservative": bool(conservative),
+    }
