@@ -6,7 +6,7 @@ reads it (files with the ``DUMP…`` signature, revision 2, which carry the name
 
 from __future__ import annotations
 
-import gzip
+import io
 import struct
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
@@ -232,13 +232,45 @@ def _first_look(dump: Dump) -> Dump:
 
 
 def _open(path: Path, compressed: bool) -> BinaryIO:
-    return gzip.open(path, "rb") if compressed else open(path, "rb", buffering=0)
+    file = open(path, "rb", buffering=0)
+    return _Unzipped(file) if compressed else file
+
+
+class _Unzipped(io.RawIOBase):
+    """A gzip file as a stream that hands over every byte before a damage, which ``gzip`` does not."""
+
+    def __init__(self, file: BinaryIO):
+        self.file = file
+        self.unzip = zlib.decompressobj(wbits=31)
+        self.waiting = b""
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, target) -> int:
+        while True:
+            self.waiting = self.waiting or self.file.read(1 << 18)
+            if self.unzip.eof:  # another member may follow
+                if not self.waiting.strip(b"\0"):
+                    return 0
+                self.unzip = zlib.decompressobj(wbits=31)
+            if not self.waiting:
+                raise EOFError("it ends in the middle of the stream")
+            part = self.unzip.decompress(self.waiting, len(target))
+            self.waiting = self.unzip.unused_data if self.unzip.eof else self.unzip.unconsumed_tail
+            if part:
+                target[: len(part)] = part
+                return len(part)
+
+    def close(self) -> None:
+        self.file.close()
+        super().close()
 
 
 def _read_some(stream: BinaryIO, size: int) -> bytes:
     try:
         return stream.read(size)
-    except (EOFError, zlib.error, gzip.BadGzipFile):
+    except (EOFError, zlib.error):
         return b""
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import struct
 import zlib
 from collections.abc import Callable, Iterator
@@ -43,7 +42,7 @@ class _Buffer:
         self.begin, self.end = 0, left
         try:
             got = self.stream.readinto(memoryview(self.bytes)[left:])
-        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        except (EOFError, zlib.error) as error:
             self.damaged = f" (the gzip stream is damaged or cut short: {error})"
             got = 0
         self.end += got
@@ -244,7 +243,7 @@ def walk_binary(dump: Dump, stream, parse: Callable[[int], bool]) -> Walked:
         while left:
             try:
                 part = stream.read(left)
-            except (EOFError, zlib.error, gzip.BadGzipFile):
+            except (EOFError, zlib.error):
                 part = b""
             if not part:
                 raise _Truncated(f"at byte {position}")

@@ -1,0 +1,137 @@
+"""Writer of LAMMPS dumps, byte for byte as ``dump custom`` writes them: text, gzipped text, binary.
+
+Checked against files of LAMMPS 22Jul2025: see ``tests/unit/test_dump_write.py``.
+"""
+
+from __future__ import annotations
+
+import gzip
+import struct
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.errors import DumpError
+
+INTEGER_COLUMNS = frozenset({"id", "mol", "type", "proc", "procp1", "ix", "iy", "iz"})
+"""Columns that LAMMPS writes as integers in text."""
+
+BOUNDARY_CODES = {"p": 0, "f": 1, "s": 2, "m": 3}
+
+
+class DumpWriter:
+    """Writes frames one by one; use it in a ``with`` block.
+
+    Parameters
+    ----------
+    path : str or Path
+    columns : sequence of str
+        Names in order, ``id`` first by custom.
+    fmt : {'text', 'gz', 'binary'}
+    precision : str
+        Format of a float in text; ``%.17g`` keeps every bit. LAMMPS' own default is ``%g``.
+    boundary : (str, str, str)
+        LAMMPS boundary of each axis, two letters of p f s m.
+    units : str or None
+        Unit style, written with the first frame; None leaves it out.
+
+    Raises
+    ------
+    DumpError
+        A format that is not one of the three, or a path that cannot be written.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        columns: Sequence[str],
+        fmt: str = "text",
+        precision: str = "%.10g",
+        *,
+        boundary: Sequence[str] = ("ff", "ff", "pp"),
+        units: str | None = "si",
+    ):
+        if fmt not in ("text", "gz", "binary"):
+            raise DumpError(f"format '{fmt}' of {path}: it must be text, gz or binary.")
+        if not columns or len(set(columns)) < len(columns):
+            raise DumpError(f"columns {list(columns)} of {path}: each name once, at least one.")
+        self.path, self.columns, self.fmt = Path(path), tuple(columns), fmt
+        self.boundary, self.units = tuple(boundary), units
+        self._row = " ".join("%d" if name in INTEGER_COLUMNS else precision for name in self.columns) + "\n"
+        self._first = True
+        try:
+            # mtime 0: the same run gives the same bytes
+            self._file = gzip.GzipFile(path, "wb", compresslevel=4, mtime=0) if fmt == "gz" else open(path, "wb")
+        except OSError as error:
+            raise DumpError(f"{path}: cannot be written ({error.strerror or error}).") from error
+
+    def __enter__(self) -> DumpWriter:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._file.close()
+
+    def flush(self) -> None:
+        """Hand what was written to the system, so that a reader sees it."""
+        self._file.flush()
+
+    def write(self, step: int, time: float | None, box, columns: Mapping[str, np.ndarray]) -> None:
+        """Write one frame.
+
+        Parameters
+        ----------
+        step : int
+        time : float or None
+            s; None leaves ``ITEM: TIME`` out.
+        box : array_like, shape (3, 2) or (2, 2)
+            Bounds, m; z defaults to (-0.1, 0.1).
+        columns : mapping of str to array_like, shape (n,)
+            At least the columns of this writer.
+        """
+        bounds = np.array([[0.0, 0.0], [0.0, 0.0], [-0.1, 0.1]])
+        given = np.asarray(box, float)
+        bounds[: len(given)] = given
+        missing = [name for name in self.columns if name not in columns]
+        if missing:
+            raise DumpError(f"{self.path}: step {step} lacks column {missing[0]!r}; it has {' '.join(columns)}.")
+        values = np.column_stack([np.asarray(columns[name], float).reshape(-1) for name in self.columns])
+        if self.fmt == "binary":
+            self._file.write(self._binary(int(step), time, bounds, values))
+        else:
+            self._file.write(self._text(int(step), time, bounds, values).encode())
+        self._first = False
+
+    def _text(self, step: int, time: float | None, bounds: np.ndarray, values: np.ndarray) -> str:
+        head = f"ITEM: UNITS\n{self.units}\n" if self.units and self._first else ""
+        if time is not None:
+            head += f"ITEM: TIME\n{time:.16g}\n"
+        head += f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{len(values)}\n"
+        head += f"ITEM: BOX BOUNDS {' '.join(self.boundary)}\n"
+        head += "".join(f"{low:.16e} {high:.16e}\n" for low, high in bounds)
+        head += f"ITEM: ATOMS {' '.join(self.columns)}\n"
+        return head + (self._row * len(values)) % tuple(values.ravel().tolist())
+
+    def _binary(self, step: int, time: float | None, bounds: np.ndarray, values: np.ndarray) -> bytes:
+        signature, units = b"DUMPCUSTOM", (self.units or "" if self._first else "").encode()
+        names = " ".join(self.columns).encode()
+        codes = [BOUNDARY_CODES[letter] for sides in self.boundary for letter in sides]
+        parts = [
+            struct.pack("<q", -len(signature)),
+            signature,
+            struct.pack("<iiqqi", 1, 2, step, len(values), 0),
+            struct.pack("<6i", *codes),
+            struct.pack("<6d", *bounds.ravel()),
+            struct.pack("<ii", len(self.columns), len(units)),
+            units,
+            b"\0" if time is None else struct.pack("<bd", 1, time),
+            struct.pack("<i", len(names)),
+            names,
+            struct.pack("<ii", 1, values.size),
+            values.astype("<f8").tobytes(),
+        ]
+        return b"".join(parts)

@@ -1,0 +1,244 @@
+"""The reader on files of LAMMPS, on its own writer's and on damaged ones."""
+
+import gzip
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lammps_jump.analysis.dump import make_frame, open_dump
+from lammps_jump.analysis.dump_write import DumpWriter
+
+from lammps_jump.errors import DumpError
+
+DATA = Path(__file__).parents[1] / "data"
+HEAD = (
+    "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{n}\nITEM: BOX BOUNDS ff ff pp\n0 10\n0 5\n-0.1 0.1\n"
+    "ITEM: ATOMS {c}\n"
+)
+
+
+def text(rows, step=0, columns="id x y vx vy", n=None):
+    return HEAD.format(step=step, n=len(rows) if n is None else n, c=columns) + "".join(f"{row}\n" for row in rows)
+
+
+def write(tmp_path, content, name="dump"):
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def test_text_and_binary_of_lammps_hold_the_same_frames():
+    a, b = list(open_dump(DATA / "lammps_dump.lammpstrj")), list(open_dump(DATA / "lammps_dump.lammpsbin"))
+    assert [f.step for f in a] == [f.step for f in b] == [0, 100, 200, 300]
+    assert [f.n for f in a] == [30] * 4
+    for one, other in zip(a, b, strict=True):
+        assert one.time == pytest.approx(other.time, abs=1e-15)
+        np.testing.assert_array_equal(one.box, other.box)
+        for name in ("x", "y", "vx", "vy"):
+            # the text has ten digits
+            np.testing.assert_allclose(one.columns[name], other.columns[name], rtol=6e-10, atol=0)
+    assert open_dump(DATA / "lammps_dump.lammpsbin").units == "si"
+    assert open_dump(DATA / "lammps_dump_no_units.bin").units is None
+
+
+def test_scaled_positions_are_laid_out_in_the_box():
+    scaled = next(iter(open_dump(DATA / "lammps_dump_scaled.lammpstrj"))).sorted()
+    plain = next(iter(open_dump(DATA / "lammps_dump.lammpstrj"))).sorted()
+    # six digits of a box of 10 m
+    np.testing.assert_allclose(scaled.x, plain.x, atol=1e-5)
+    np.testing.assert_allclose(scaled.y, plain.y, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("source", "fmt"),
+    [("lammps_dump.lammpstrj", "text"), ("lammps_dump.lammpsbin", "binary"), ("lammps_dump_no_units.bin", "binary")],
+)
+def test_the_writer_gives_the_bytes_of_lammps(tmp_path, source, fmt):
+    dump = open_dump(DATA / source)
+    with DumpWriter(tmp_path / "copy", dump.columns, fmt, units=dump.units) as writer:
+        for frame in dump:
+            writer.write(frame.step, frame.time, frame.box, frame.columns)
+    assert (tmp_path / "copy").read_bytes() == (DATA / source).read_bytes()
+
+
+numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    frames=st.lists(st.lists(st.tuples(numbers, numbers), max_size=5), min_size=1, max_size=4),
+    fmt=st.sampled_from(["text", "gz", "binary"]),
+    time=st.one_of(st.none(), st.floats(-10, 10)),
+)
+def test_what_was_written_is_read_back_bit_by_bit(tmp_path_factory, frames, fmt, time):
+    path = tmp_path_factory.mktemp("round") / "dump"
+    with DumpWriter(path, ("id", "x", "y"), fmt, precision="%.17g") as writer:
+        for step, points in enumerate(frames):
+            x, y = np.array(points, float).reshape(-1, 2).T
+            writer.write(step, time, [[0, 1], [0, 1]], {"id": np.arange(len(x)) + 1, "x": x, "y": y})
+    dump = open_dump(path)
+    for _ in range(2):  # iterable again
+        read = list(dump)
+        assert [frame.n for frame in read] == [len(points) for points in frames]
+        for frame, points in zip(read, frames, strict=True):
+            expected = np.array(points, float).reshape(-1, 2)
+            np.testing.assert_array_equal(frame.x, expected[:, 0])
+            np.testing.assert_array_equal(frame.y, expected[:, 1])
+            assert frame.time is None if time is None else frame.time == pytest.approx(time, rel=1e-15, abs=0)
+    assert dump.warnings == [] and dump.count() == len(frames)
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    token=st.one_of(
+        numbers.map(repr),
+        numbers.map(lambda v: f"{v:.17e}"),
+        numbers.map(lambda v: f"{v:.10g}"),
+        st.decimals(allow_nan=False, allow_infinity=False, places=12, min_value=-(10**6), max_value=10**6).map(str),
+        st.sampled_from(["+1", "-.5", "5.", "0", "-0", "1e5", "1E-05", "123456789012345678901234", "5e-324", "inf"]),
+    )
+)
+def test_every_number_is_rounded_as_python_rounds_it(tmp_path_factory, token):
+    path = tmp_path_factory.mktemp("number") / "dump"
+    path.write_text(text([f"{token} 1 2"], columns="a x y"))
+    value = next(iter(open_dump(path))).columns["a"][0]
+    assert value == float(token) and np.signbit(value) == np.signbit(float(token))
+
+
+def test_random_17_digit_numbers_are_exact(tmp_path):
+    rng = np.random.default_rng(20)
+    values = rng.normal(size=4000) * 10.0 ** rng.integers(-30, 30, 4000)
+    path = write(tmp_path, text([f"{v:.17g} 1 2" for v in values], columns="a x y"))
+    np.testing.assert_array_equal(next(iter(open_dump(path))).columns["a"], values)
+
+
+def test_nan_and_words_and_windows_line_ends(tmp_path):
+    rows = ["1 Ar nan 2 -inf", "2 He 1.5 3 4"]
+    dump = open_dump(write(tmp_path, text(rows, columns="id element x y vx").replace("\n", "\r\n")))
+    (frame,) = dump
+    assert np.isnan(frame.x[0]) and frame.columns["vx"][0] == -np.inf and list(frame.ids) == [1, 2]
+    assert "element" not in frame.columns and "element" in dump.warnings[0]
+
+
+def test_the_number_of_discs_and_their_order_may_change(tmp_path):
+    content = text(["3 3 0 0 0", "1 1 0 0 0"]) + text([], step=1) + text(["2 2 0 0 0"], step=2)
+    dump = open_dump(write(tmp_path, content))
+    frames = list(dump)
+    assert [f.n for f in frames] == [2, 0, 1]
+    assert list(frames[0].sorted().ids) == [1, 3] and list(frames[0].sorted().x) == [1, 3]
+    assert [h.step for h in dump.headers()] == [0, 1, 2]
+    assert [f.step for f in dump.select([2, 0])] == [0, 2]
+
+
+def test_a_missing_column_names_those_there_are(tmp_path):
+    frame = next(iter(open_dump(write(tmp_path, text(["1 2 3"], columns="id x y")))))
+    with pytest.raises(DumpError, match=r"no column 'vx'.*id x y"):
+        _ = frame.vx
+    with pytest.raises(ValueError, match="read-only"):
+        frame.x[0] = 1.0
+
+
+GOOD = text(["1 1 2 3 4", "2 5 6 7 8"])
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "is empty"),
+        ("\n\n  \n", "is empty"),
+        ("hello world, this is no dump\n", "line 1"),
+        (bytes(range(256)) * 4, "not a LAMMPS dump"),
+        (struct.pack("<qq", 0, 30) + bytes(200), "binary2txt"),
+        (text(["1 1 2 3 4", "2 5 six 7 8"]), r"line 11: expected a number for y, found 'six'"),
+        (text(["1 1 2 3 4", "2 5 6 7"]), r"line 11: expected 5 values"),
+        (text(["1 1 2 3 4", "2 5 6 7 8 9"]), r"line 11: expected 5 values"),
+        (text(["1 1 2 3 4", "", "2 5 6 7 8"], n=2), r"line 11: expected 5 values"),
+        (text(["1 1 2 3 4", "2 5 6 7 8"], n=1), r"line 11: expected the next frame|line 11: expected 'ITEM"),
+        (text(["1 1 2 3 4"], n=2) + GOOD, r"line 11: expected disc 2 of 2"),
+        (text(["1 1 2 3 4", "2 5 6_0 7 8"]), r"line 11: expected a number for y"),
+        (text(["1 1 2"], columns="id x x"), "stands twice"),
+        (GOOD.replace("ITEM: TIMESTEP\n0\n", ""), "ITEM: TIMESTEP' first"),
+        (GOOD.replace("NUMBER OF ATOMS\n2", "NUMBER OF ATOMS\n-2"), "line 4: expected a number of discs"),
+        (GOOD.replace("NUMBER OF ATOMS\n2", "NUMBER OF ATOMS\ntwo"), "line 4: expected a number of discs"),
+        (GOOD.replace("0 10", "0 ten"), "line 6: expected two bounds"),
+        (GOOD.replace("ITEM: BOX", "ITEM: BIX"), "line 5"),
+        (GOOD[:40], "inside its first frame"),
+        (b"\x1f\x8b\x08\x00" + bytes(30), "empty|first frame|not a LAMMPS"),
+        (b"\x28\xb5\x2f\xfd" + bytes(30), "zstd"),
+    ],
+)
+def test_a_wrong_file_is_an_error_that_tells_where(tmp_path, content, message):
+    with pytest.raises(DumpError, match=message):
+        list(open_dump(write(tmp_path, content)))
+
+
+def test_missing_file_and_folder(tmp_path):
+    with pytest.raises(DumpError, match="No such file"):
+        open_dump(tmp_path / "nothing")
+    with pytest.raises(DumpError, match="folder"):
+        open_dump(tmp_path)
+
+
+@pytest.mark.parametrize("cut", [1, 5, 20, 60, 100])
+def test_a_cut_off_last_frame_is_reported_and_skipped(tmp_path, cut):
+    dump = open_dump(write(tmp_path, (GOOD + GOOD)[:-cut]))
+    assert len(list(dump)) == 1
+    assert "cut off" in dump.warnings[0] and "number 2" in dump.warnings[0]
+    assert dump.count() == 1
+
+
+@pytest.mark.parametrize("keep", [1400, 1500, 2000, 2700])
+def test_a_cut_off_binary_frame_is_reported_and_skipped(tmp_path, keep):
+    dump = open_dump(write(tmp_path, (DATA / "lammps_dump.lammpsbin").read_bytes()[:keep]))
+    assert len(list(dump)) == 1 and "cut off" in dump.warnings[0]
+
+
+def test_a_cut_off_gzip_stream_keeps_its_whole_frames(tmp_path):
+    rng = np.random.default_rng(3)
+    path = tmp_path / "dump.gz"
+    with DumpWriter(path, ("id", "x", "y"), "gz") as writer:
+        for step in range(20):
+            x, y = rng.random((2, 500))
+            writer.write(step, None, [[0, 1], [0, 1]], {"id": np.arange(500), "x": x, "y": y})
+    whole = path.read_bytes()
+    assert gzip.decompress(whole).startswith(b"ITEM: UNITS")
+    dump = open_dump(write(tmp_path, whole[: len(whole) // 2], "half.gz"))
+    frames = list(dump)
+    assert 5 <= len(frames) <= 14 and "cut" in dump.warnings[0]
+
+
+def test_damaged_binary_is_an_error(tmp_path):
+    good = bytearray((DATA / "lammps_dump.lammpsbin").read_bytes())
+    good[0x9B] = 7  # size of the only block
+    with pytest.raises(DumpError, match="does not fit"):
+        list(open_dump(write(tmp_path, bytes(good))))
+
+
+def test_a_frame_larger_than_the_buffer(tmp_path):
+    n = 200_000
+    x = np.arange(n) / 7
+    path = tmp_path / "dump"
+    with DumpWriter(path, ("id", "x", "y"), precision="%.17g") as writer:
+        for step in range(2):
+            writer.write(step, 0.1 * step, [[0, 1], [0, 1]], {"id": np.arange(n), "x": x, "y": -x})
+    frames = list(open_dump(path))
+    assert [f.n for f in frames] == [n, n]
+    np.testing.assert_array_equal(frames[1].y, -x)
+
+
+def test_frames_from_arrays_must_agree_in_length():
+    assert make_frame(0, None, [[0, 1], [0, 1]], {"x": [1, 2], "y": [3, 4]}).n == 2
+    with pytest.raises(DumpError, match="differ in length"):
+        make_frame(0, None, [[0, 1], [0, 1]], {"x": [1, 2], "y": [3]})
+
+
+def test_the_writer_says_what_is_wrong(tmp_path):
+    with pytest.raises(DumpError, match="text, gz or binary"):
+        DumpWriter(tmp_path / "a", ("id",), "xml")
+    with pytest.raises(DumpError, match="cannot be written"):
+        DumpWriter(tmp_path / "no" / "a", ("id",))
+    with DumpWriter(tmp_path / "b", ("id", "x")) as writer, pytest.raises(DumpError, match="lacks column 'x'"):
+        writer.write(0, None, [[0, 1], [0, 1]], {"id": [1]})
