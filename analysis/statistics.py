@@ -40,8 +40,8 @@ class BlockAverage:
 def block_average(series: np.ndarray) -> BlockAverage:
     """Mean and standard error of correlated series.
 
-    A level is the plateau when no later level with at least `LEAST_SAMPLES` blocks exceeds it by more than the
-    sum of their own errors, s / sqrt(2 (n - 1)); the last such level alone proves nothing and is not taken, unless
+    A level is the plateau when no later level with at least `LEAST_SAMPLES` blocks exceeds it by more than that
+    level's own error, s / sqrt(2 (n - 1)); the last such level alone proves nothing and is not taken, unless
     the series is constant. Samples that are NaN make that column NaN: means over gaps would hide them.
 
     Parameters
@@ -72,7 +72,7 @@ def block_average(series: np.ndarray) -> BlockAverage:
     for i in range(len(levels) - 1):
         level_out = np.ones(columns, bool)
         for j in range(i + 1, len(levels)):
-            level_out &= levels[j] <= levels[i] + errors[i] + errors[j]
+            level_out &= levels[j] <= levels[i] + errors[j]
         take = level_out & np.isnan(standard_error)
         standard_error[take] = levels[i][take]
         blocks[take] = counts[i]

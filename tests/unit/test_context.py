@@ -1,0 +1,140 @@
+"""What the analysis takes from a scene, and what it guesses from a bare dump."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.context import FlowContext, from_dump, from_scene
+from lammps_jump.analysis.dump import make_frame, open_dump
+from lammps_jump.analysis.dump_write import DumpWriter
+
+from lammps_jump.contact import derive
+from lammps_jump.errors import DumpError
+from lammps_jump.scene import Gate, InletRow, Outlet, Scene
+from lammps_jump.walls import Block, Box, Plane
+
+
+def scene(**changes):
+    coefficients = derive(
+        density=1000.0,
+        diameter=0.2,
+        restitution=0.2,
+        friction=0.1,
+        stiffness=2.56e7,
+        stiffness_wall=2.56e7,
+        impact_speed=16.0,
+        time_step_fraction=0.05,
+        integrator="velocity_verlet",
+        correct_restitution=False,
+        rotation=False,
+    )
+    values = {
+        "name": "s",
+        "description": "",
+        "diameter": 0.2,
+        "density": 1000.0,
+        "gravity": (0.0, -9.81),
+        "coefficients": coefficients,
+        "friction_law": "hooke",
+        "rotation": False,
+        "integrator": "velocity_verlet",
+        "domain": ((-1.0, 95.0), (-15.0, 40.0)),
+        "positions": np.empty((0, 2)),
+        "velocities": np.empty((0, 2)),
+        "walls": (Block("floor", (-10, 60.5), (-10, 0)), Block("sill", (60, 61), (-10, 2))),
+        "inlets": tuple(InletRow(0.0, 0.1 + 0.2 * i, 14.0 + i, 0.0, 0, 140, 0.2) for i in range(5)),
+        "outlets": (Outlet("x", 90.0, "above", 100), Outlet("y", -5.0, "below", 100)),
+        "steps": 1000,
+        "settle_steps": 200,
+    }
+    return Scene(**{**values, **changes})
+
+
+def test_context_of_a_channel():
+    c = from_scene(scene())
+    assert c.x_range == (0.0, 90.0)
+    assert (c.inflow_depth, c.inflow_speed) == (pytest.approx(1.0), pytest.approx(16.0))
+    # thesis 3.21-3.23 at n = 10: the table of PHYSICS section 0, five digits
+    assert c.dashpot == pytest.approx(20634, rel=1e-4) and c.dashpot_wall == pytest.approx(29181, rel=1e-4)
+    assert c.duration == pytest.approx(800 * c.time_step)
+    assert c.time(make_frame(200, None, [[0, 1], [0, 1]], {"x": [], "y": []})) == 0.0
+    assert c.time(make_frame(200, 3.5, [[0, 1], [0, 1]], {"x": [], "y": []})) == 3.5
+    np.testing.assert_array_equal(c.bed_height([0.0, 59.0, 60.2, 61.0]), [0, 0, 2, 2])
+    assert np.isnan(c.bed_height(61.5))
+    # half of the bin [60, 62] has no floor
+    np.testing.assert_allclose(c.mean_bed(np.array([58.0, 60.0, 61.0, 62.0])), [0, 2, np.nan])
+    np.testing.assert_allclose(c.mean_bed(np.array([59.0, 61.0])), [1.0])
+
+
+def test_walls_and_gates_bound_the_stretch():
+    gate = Gate(Plane("gate", "x", 4.0, "below"), 200)
+    c = from_scene(
+        scene(walls=(Plane("back", "x", 0.5, "above"), Plane("floor", "y", -1.0, "above")), inlets=(), gates=(gate,))
+    )
+    assert c.x_range == (0.5, 90.0)
+    assert c.bed_height(3.0) == -1.0
+    assert gate.wall in c.walls_at(-0.001) and gate.wall not in c.walls_at(0.0)
+    assert c.wall("gate") is gate.wall
+    with pytest.raises(KeyError):
+        c.wall("none")
+    box = from_scene(scene(walls=(Box("box", (0, 2), (0.25, 2)),), inlets=(), outlets=()))
+    assert box.x_range == (0, 2) and box.bed_height(1.0) == 0.25 and np.isnan(box.bed_height(3.0))
+
+
+def test_a_sluice_gate_is_no_floor_but_a_stack_is():
+    floor = Plane("floor", "y", 0.0, "above")
+    c = replace(from_scene(scene()), walls=(Block("sluice", (5, 6), (1, 9)), floor))
+    assert c.bed_height(5.5) == 0.0
+    stack = replace(c, walls=(Block("upper", (5, 6), (1, 3)), Block("lower", (4, 7), (-1, 1)), floor))
+    np.testing.assert_array_equal(stack.bed_height([4.5, 5.5]), [1, 3])
+
+
+def write(path, x, y, **more):
+    columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x, "vy": 0 * x, **more}
+    with DumpWriter(path, tuple(columns)) as writer:
+        writer.write(0, None, [[0, 10], [0, 5]], columns)
+    return open_dump(path)
+
+
+def test_a_bare_dump_is_guessed_and_the_guesses_are_named(tmp_path):
+    x, y = (part.ravel() for part in np.meshgrid(0.3 * np.arange(20) + 0.15, 0.3 * np.arange(5) + 1.15))
+    c = from_dump(write(tmp_path / "dump", x, y))
+    assert c.diameter == pytest.approx(0.3, rel=1e-8) and c.mass == pytest.approx(90, rel=1e-8)
+    assert c.bed_height(2.0) == pytest.approx(1.0)
+    assert c.x_range == pytest.approx((0.0, 6.0))
+    for word in ("Diameter guessed", "Density", "Mass", "Gravity", "Floor", "Profiles from", "step numbers"):
+        assert any(word in note for note in c.notes), word
+    assert c.stiffness is None
+
+
+def test_what_is_given_is_not_guessed(tmp_path):
+    x = np.array([0.1, 0.5])
+    c = from_dump(
+        write(tmp_path / "dump", x, 0 * x + 1, radius=0 * x + 0.05),
+        density=900,
+        gravity=9.81,
+        slope=30,
+        floor=0.0,
+        x_range=(0, 3),
+        time_step=1e-4,
+    )
+    assert c.diameter == pytest.approx(0.1) and c.mass == pytest.approx(9.0) and c.x_range == (0, 3)
+    assert c.gravity == pytest.approx((9.81 / 2, -9.81 * np.sqrt(3) / 2))
+    assert not any(word in note for note in c.notes for word in ("Density", "Gravity", "Floor", "Profiles"))
+    mixed = from_dump(write(tmp_path / "mixed", x, 0 * x + 1, diameter=np.array([0.1, 0.3]), mass=np.array([2.0, 4.0])))
+    assert mixed.diameter == pytest.approx(0.2) and mixed.mass == 3.0
+    assert any("differ in size" in note for note in mixed.notes)
+
+
+def test_what_cannot_be_guessed_is_an_error(tmp_path):
+    empty, one = np.array([]), np.array([1.0])
+    with pytest.raises(DumpError, match="no frame holds a disc"):
+        from_dump(write(tmp_path / "a", empty, empty))
+    with pytest.raises(DumpError, match="give the diameter"):
+        from_dump(write(tmp_path / "b", one, one))
+    with pytest.raises(DumpError, match="on top of each other"):
+        from_dump(write(tmp_path / "c", np.array([1.0, 1.0]), np.array([1.0, 1.0])))
+    for bad in ({"diameter": -1}, {"density": 0}, {"stiffness": float("nan")}, {"bin_width": 0}, {"time_step": -1}):
+        with pytest.raises(DumpError, match=next(iter(bad))):
+            from_dump(write(tmp_path / "d", one, one), **bad)
+    assert isinstance(from_dump(write(tmp_path / "e", one, one), diameter=0.2), FlowContext)

@@ -1,0 +1,272 @@
+"""Profiles of made-up flows whose depth, discharge and mass are known."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lammps_jump.analysis import profile_kernels
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dump import make_frame
+from lammps_jump.analysis.profiles import add_means, bin_edges, compute_profiles, read_profiles, write_profiles
+from lammps_jump.analysis.statistics import block_average
+
+from lammps_jump.errors import DumpError
+from lammps_jump.walls import Block, Plane
+
+D = 0.2
+BOX = [[-5, 25], [-5, 20]]
+
+
+def context(**changes):
+    values = {
+        "name": "made-up",
+        "diameter": D,
+        "mass": 1000 * D**2,
+        "density": 1000.0,
+        "gravity": (0.0, -9.81),
+        "domain": ((-5.0, 25.0), (-5.0, 20.0)),
+        "x_range": (0.0, 20.0),
+        "walls": (Plane("floor", "y", 0.0, "above"),),
+        "bin_width": 1.0,
+    }
+    return FlowContext(**{**values, **changes})
+
+
+def lattice(layers, x_low=-1.0, x_high=21.0, bed=0.0):
+    """Touching discs, `layers` high; layers may depend on x."""
+    centres = np.arange(x_low + D / 2, x_high, D)
+    high = np.broadcast_to(layers(centres) if callable(layers) else layers, centres.shape).astype(int)
+    x = np.repeat(centres, high)
+    y = bed + D * (np.concatenate([np.arange(n) for n in high]) + 0.5)
+    return x, y
+
+
+def frame(x, y, u=0.0, v=0.0, step=0, time=0.0):
+    x = np.asarray(x, float)
+    columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": x * 0 + u, "vy": x * 0 + v}
+    return make_frame(step, time, BOX, columns)
+
+
+def test_uniform_block():
+    x, y = lattice(20)
+    ds = compute_profiles([frame(x, y, u=2.0, v=1.0)], context())
+    expected = {
+        "surface_depth": 4.0,
+        "mass_depth": 4.0,
+        "velocity": 2.0,
+        "discharge": 8.0,
+        "momentum_flux": 16.0,
+        "energy_flux": 4.0 * 2.0 * 2.5,
+        "packing": np.pi / 4,
+        "surface_velocity": 2.0,
+        "centroid_height": 2.0,
+        "count": 100.0,
+    }
+    for name, value in expected.items():
+        np.testing.assert_allclose(ds[name], value, rtol=1e-12, err_msg=name)  # round-off of 110 terms
+
+
+def test_step_profile_moving_at_a_set_speed():
+    """A bore of 10 above 5 layers whose toe runs at -2 m/s: found in every frame to a bin."""
+    frames = []
+    for i in range(5):
+        toe = 15.0 - 2.0 * i
+        x, y = lattice(lambda c, toe=toe: np.where(c < toe, 5, 10))
+        frames.append(frame(x, y, u=np.where(x < toe, 8.0, 3.0), step=i, time=float(i)))
+    ds = compute_profiles(frames, context())
+    for i in range(5):
+        toe = 15.0 - 2.0 * i
+        upstream = ds.x.values < toe
+        np.testing.assert_allclose(ds.surface_depth[i], np.where(upstream, 1.0, 2.0), rtol=1e-12)
+        np.testing.assert_allclose(ds.mass_depth[i], np.where(upstream, 1.0, 2.0), rtol=1e-12)
+        np.testing.assert_allclose(ds.velocity[i], np.where(upstream, 8.0, 3.0), rtol=1e-12)
+        np.testing.assert_allclose(ds.discharge[i], np.where(upstream, 8.0, 6.0), rtol=1e-12)
+
+
+def test_an_empty_frame_is_dry():
+    ds = compute_profiles([frame([], [])], context())
+    for name in ("surface_depth", "mass_depth", "discharge", "count"):
+        assert (ds[name] == 0).all()
+    for name in ("velocity", "packing", "surface_velocity", "centroid_height"):
+        assert np.isnan(ds[name]).all()
+
+
+def test_one_disc_astride_an_edge():
+    """Centre at 3/10 of a diameter left of the edge: the right share is the circular segment beyond a = 0.6."""
+    ds = compute_profiles([frame([5.0 - 0.3 * D], [D / 2], u=2.0)], context())
+    a = 0.6
+    right = 0.5 - (a * np.sqrt(1 - a**2) + np.arcsin(a)) / np.pi
+    assert float(ds["count"][0, 5]) == pytest.approx(right, rel=1e-12)
+    assert float(ds["count"][0, 4]) == pytest.approx(1 - right, rel=1e-12)
+    assert float(ds["discharge"][0, 4]) == pytest.approx((1 - right) * D**2 * 2.0, rel=1e-12)
+
+
+def test_a_splashing_disc_does_not_raise_the_surface():
+    x, y = lattice(10)
+    quiet = compute_profiles([frame(x, y)], context())
+    splash = compute_profiles([frame(np.append(x, 10.5), np.append(y, 2.0 + 3.0 * D))], context())
+    np.testing.assert_array_equal(quiet.surface_depth, splash.surface_depth)
+    assert float(splash["count"].sum()) == pytest.approx(float(quiet["count"].sum()) + 1, rel=1e-12)
+    # a disc that lies on the surface does count, on the lines that it covers: 8 of 40
+    resting = compute_profiles([frame(np.append(x, 10.5), np.append(y, 2.0 + 0.5 * D))], context())
+    assert float(resting.surface_depth[0, 10]) == pytest.approx(2.0 + D * 8 / 40, rel=1e-12)
+
+
+def test_depth_is_measured_from_the_sill_and_not_at_all_beyond_the_floor():
+    walls = (Block("floor", (-10, 12), (-10, 0)), Block("sill", (8, 10), (-10, 1)))
+    low, high = lattice(5, -1, 8), lattice(5, 8, 10, bed=1.0)
+    behind = lattice(5, 10, 20)
+    x, y = (np.concatenate(parts) for parts in zip(low, high, behind, strict=True))
+    ds = compute_profiles([frame(x, y, u=1.0)], context(walls=walls))
+    np.testing.assert_allclose(ds.bed[:12], [0] * 8 + [1, 1, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(ds.surface_depth[0, :12], 1.0, rtol=1e-12)
+    assert np.isnan(ds.surface_depth[0, 12:]).all()
+    np.testing.assert_allclose(ds.discharge[0], 1.0, rtol=1e-12)  # mass needs no floor
+
+
+points = st.lists(
+    st.tuples(st.floats(-4, 24), st.floats(0.05, 6), st.floats(-20, 20), st.floats(-5, 5)), min_size=0, max_size=60
+)
+
+
+@settings(max_examples=80, deadline=None)
+@given(points=points, width=st.floats(0.03, 5.0), diameter=st.floats(0.05, 2.0))
+def test_mass_over_bins_and_outside_is_the_mass_of_the_discs(points, width, diameter):
+    x, y, u, v = np.array(points, float).reshape(-1, 4).T
+    c = context(diameter=diameter, mass=1000 * diameter**2, bin_width=width)
+    columns = {"id": np.arange(len(x)), "x": x, "y": y, "vx": u, "vy": v}
+    ds = compute_profiles([make_frame(0, 0.0, BOX, columns)], c)
+    binned = float((ds.mass_depth * c.density * width).sum() + ds.mass_left[0] + ds.mass_right[0])
+    # round-off: one unit in the last place a share
+    assert binned == pytest.approx(len(x) * c.mass, rel=1e-13, abs=1e-12)
+    assert float(ds["count"].min()) >= -1e-15
+
+
+@settings(max_examples=60, deadline=None)
+@given(points=points, width=st.sampled_from([0.25, 0.5, 1.0, 2.5]))
+def test_mirror_symmetry(points, width):
+    x, y, u, v = np.array(points, float).reshape(-1, 4).T
+    x = np.round(x * 64) / 64  # so that 20 - x is exact
+    here = compute_profiles(
+        [make_frame(0, 0.0, BOX, {"id": np.arange(len(x)), "x": x, "y": y, "vx": u, "vy": v})], context(bin_width=width)
+    )
+    there = compute_profiles(
+        [make_frame(0, 0.0, BOX, {"id": np.arange(len(x)), "x": 20 - x, "y": y, "vx": -u, "vy": v})],
+        context(bin_width=width),
+    )
+    for name, sign in (("mass_depth", 1), ("discharge", -1), ("momentum_flux", 1), ("count", 1)):
+        # shares are differences of segments of order one
+        np.testing.assert_allclose(here[name], sign * there[name][:, ::-1], rtol=1e-9, atol=1e-11, err_msg=name)
+    # a line that is tangent to a disc may fall on either side: one line of 8 a diameter, and then only its height
+    moved = np.abs(here.surface_depth.values - there.surface_depth.values[:, ::-1])
+    assert np.median(moved) < 1e-12
+
+
+def test_kernels_give_the_same_without_compilation():
+    rng = np.random.default_rng(5)
+    x, y = rng.uniform(-1, 6, 80), rng.uniform(0.1, 2, 80)
+    u, v = rng.normal(size=(2, 80))
+    compiled, plain = np.zeros((6, 5)), np.zeros((6, 5))
+    beyond, beyond_plain = np.zeros(2), np.zeros(2)
+    profile_kernels.bin_frame(x, y, u, v, 0.0, 1.0, 0.1, compiled, beyond)
+    profile_kernels._bin_frame_py(x, y, u, v, 0.0, 1.0, 0.1, plain, beyond_plain)
+    np.testing.assert_allclose(compiled, plain, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(beyond, beyond_plain, rtol=1e-14)
+    bed = np.zeros(80)
+    np.testing.assert_array_equal(
+        profile_kernels._connected(x, y, bed, 0.4, 0.1), profile_kernels._connected_py(x, y, bed, 0.4, 0.1)
+    )
+    a = profile_kernels.surface_frame(x, y, u, bed, np.zeros(200), 0.0, 1.0, 5, 0.1)
+    b = profile_kernels._surface_frame_py(x, y, u, bed, np.zeros(200), 0.0, 1.0, 5, 0.1)
+    np.testing.assert_allclose(a, b, rtol=1e-13)
+
+
+def test_connection_is_the_transitive_closure_of_nearness():
+    """Against a plain graph search with scipy, strays far away included (coarser grid)."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    rng = np.random.default_rng(6)
+    x = np.append(rng.uniform(0, 8, 150), [1e4, -1e4])
+    y = np.append(rng.uniform(0.1, 4, 150), [5e3, 1.0])
+    joined = profile_kernels._connected(x, y, np.zeros(152), 0.4, 0.1)
+    pairs = cKDTree(np.column_stack([x, y])).query_pairs(0.4, output_type="ndarray")
+    _, label = connected_components(coo_matrix((np.ones(len(pairs)), pairs.T), shape=(152, 152)), directed=False)
+    grounded = set(label[y <= 0.3])
+    np.testing.assert_array_equal(joined, [piece in grounded for piece in label])
+    assert 0 < joined.sum() < 152
+
+
+def test_netcdf_round_trip_with_units(tmp_path):
+    x, y = lattice(5)
+    frames = [frame(x, y, u=float(i), step=i, time=0.1 * i) for i in range(20)]
+    ds = compute_profiles(frames, context(), window=(0.5, 1.9))
+    path = write_profiles(ds, tmp_path / "profiles.nc")
+    again = read_profiles(path)
+    assert again.identical(ds)
+    assert again.discharge.attrs["units"] == "m2 s-1" and "discharge" in again.discharge.attrs["long_name"]
+    assert again.attrs["window_frames"] == 15
+    with pytest.raises(DumpError, match="not a profiles file"):
+        read_profiles(tmp_path / "none.nc")
+    with pytest.raises(DumpError, match="cannot be written"):
+        write_profiles(ds, tmp_path / "no" / "profiles.nc")
+
+
+def test_window_of_the_means():
+    x, y = lattice(5)
+    frames = [frame(x, y, u=2.0 if i >= 10 else 0.0, step=i, time=0.1 * i) for i in range(20)]
+    ds = compute_profiles(frames, context(), window=(1.0, 5.0))
+    np.testing.assert_allclose(ds.velocity_mean, 2.0)
+    np.testing.assert_allclose(ds.velocity_stderr, 0.0, atol=0)
+    few = add_means(ds, (1.5, 1.9))
+    assert np.isnan(few.velocity_stderr).all() and few.attrs["window_frames"] == 5
+    with pytest.raises(DumpError, match="no frame between"):
+        add_means(ds, (7.0, 8.0))
+
+
+def test_bins_and_what_cannot_be_binned():
+    np.testing.assert_allclose(bin_edges((0.0, 1.0), 0.1), np.arange(11) / 10)
+    np.testing.assert_allclose(bin_edges((0.0, 1.05), 0.5), [0, 0.5, 1.0])
+    assert len(bin_edges((0.0, 0.3), 0.5)) == 2
+    with pytest.raises(DumpError, match="bin_width"):
+        bin_edges((0.0, 1.0), 0.0)
+    with pytest.raises(DumpError, match="x_range"):
+        bin_edges((1.0, 1.0), 0.1)
+    with pytest.raises(DumpError, match="no frame"):
+        compute_profiles([], context())
+    with pytest.raises(DumpError, match=r"disc 2 at step 0.*no number"):
+        compute_profiles([frame([1.0, np.nan], [0.1, 0.1])], context())
+
+
+def ar1(n, phi, rng):
+    noise = rng.normal(size=n)
+    out = np.empty(n)
+    out[0] = noise[0] / np.sqrt(1 - phi**2)
+    for i in range(1, n):
+        out[i] = phi * out[i - 1] + noise[i]
+    return out
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.5, 0.9])
+def test_standard_error_of_a_correlated_series(phi):
+    """AR(1): the variance of the mean tends to sigma^2 / (1 - phi)^2 / n."""
+    rng = np.random.default_rng(11)
+    n, repeats = 4096, 60
+    series = np.column_stack([ar1(n, phi, rng) for _ in range(repeats)])
+    result = block_average(series)
+    exact = 1.0 / (1 - phi) / np.sqrt(n)
+    assert np.isfinite(result.standard_error).mean() > 0.8
+    # the plateau's own error is 1/sqrt(2 blocks), 5-15 % here; the median of 60 is well inside 15 %
+    assert np.nanmedian(result.standard_error) == pytest.approx(exact, rel=0.15)
+
+
+def test_no_standard_error_from_too_little():
+    rng = np.random.default_rng(12)
+    assert np.isnan(block_average(rng.normal(size=7)).standard_error)
+    assert np.isnan(block_average(rng.normal(size=12)).standard_error)
+    drift = block_average(np.linspace(0, 1, 64))
+    assert np.isnan(drift.standard_error) and drift.blocks == 0 and drift.lower_bound > 0.05
+    assert block_average(np.ones((20, 3))).standard_error.tolist() == [0, 0, 0]
+    gap = block_average(np.array([1.0] * 20 + [np.nan]))
+    assert np.isnan(gap.mean) and np.isnan(gap.standard_error)
