@@ -1,12 +1,93 @@
-"""Blocks that use this project's plugin styles in place of the stock ones."""
+"""Blocks that use this project's plugin styles (lammps_jump/kernels) in place of the stock ones."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from ..scene import Scene
+from ..walls import Block, Plane, Wall
+from .blocks import FORCES_FILE, GUARDS_PER_FRAME, inlets, number
+
+GLOBAL_VALUES = 9
+"""Length of the fix' vector before the probes' values."""
+OVERLAP = 7
 
 
-def load(scene: Scene) -> list[str]:
-    raise NotImplementedError
+def load(plugin: Path | None) -> list[str]:
+    """Load the plugin; ``-var plugin FILE`` on the command line names another build of it."""
+    return [f"variable        plugin index {plugin or 'jump_plugin.so'}", "plugin          load ${plugin}"]
 
 
-contact_law = motion_and_walls = probes = schedule = load
+def contact_law(scene: Scene) -> list[str]:
+    """Pair style for equal discs; what the scene lacks (friction, spin, soft touch) is not named and not computed."""
+    c = scene.coefficients
+    words = [
+        f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
+        f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter {number(scene.diameter)}",
+    ]
+    if scene.touch == "smooth":
+        words.append(f"touch smooth {number(scene.touch_width)}")
+    if scene.rotation:
+        words.append("spin yes")
+    return [" ".join(words), "pair_coeff      * *"]
+
+
+def motion_and_walls(scene: Scene) -> list[str]:
+    """One fix for integration, gravity, every wall and the force on the probed ones."""
+    c = scene.coefficients
+    lines = [f"timestep        {number(scene.time_step)}"]
+    words = ["fix             motion all jump/step"]
+    if any(scene.gravity):
+        words.append(f"gravity {number(scene.gravity[0])} {number(scene.gravity[1])}")
+    words.append(
+        f"k_wall {number(c.stiffness_wall)} gamma_wall {number(c.gamma_normal_wall)} "
+        f"gammat_wall {number(c.gamma_tangential_wall)} mu_wall {number(c.friction)}"
+    )
+    words += [_wall(item) for item in scene.walls]
+    words += [f"{_wall(gate.wall)} until {gate.release_step}" for gate in scene.gates]
+    if scene.probes:
+        words.append(f"probe {scene.probe_steps} {' '.join(scene.probes)}")
+    return [*lines, " &\n                ".join(words)]
+
+
+def _wall(item: Wall) -> str:
+    if isinstance(item, Plane):
+        return f"wall plane {item.name} {item.axis} {number(item.at)} {item.side}"
+    kind = "block" if isinstance(item, Block) else "box"
+    return f"wall {kind} {item.name} " + " ".join(number(value) for value in (*item.x, *item.y))
+
+
+def probes(scene: Scene) -> list[str]:
+    """Rows of forces.csv: the fix holds the mean over each window, every step counted, moments too."""
+    if not scene.probes:
+        return []
+    lines = ["variable        clock equal time"]
+    for index, name in enumerate(scene.probes):
+        how, title = ("append", f"# {name}") if index else ("file", "time,structure,fx,fy,moment")
+        first = GLOBAL_VALUES + 3 * index
+        lines += [f"variable        {label}_{name} equal f_motion[{first + i}]" for i, label in enumerate(("fx", "fy", "mz"), 1)]
+        lines += [
+            f'fix             write_{name} all print {scene.probe_steps} "${{clock}},{name},${{fx_{name}}},${{fy_{name}}},${{mz_{name}}}" &',
+            f'                {how} {FORCES_FILE} screen no title "{title}"',
+        ]
+    return lines
+
+
+def guards(scene: Scene) -> list[str]:
+    """Ends a run whose discs are too deep in each other; the fix tells the largest overlap, and nothing moves in z."""
+    every = max(1, scene.output_steps // GUARDS_PER_FRAME)
+    return [
+        f"variable        overlap equal f_motion[{OVERLAP}]",
+        f"fix             guard_overlap all halt {every} v_overlap > {number(scene.overlap_limit)} error hard",
+    ]
+
+
+def schedule(scene: Scene) -> list[str]:
+    """The run; gates open inside the fix, only inlets behind a settling phase need a second run."""
+    if scene.settle_steps and scene.inlets:
+        return [
+            f"run             {scene.settle_steps}",
+            *inlets(scene),
+            f"run             {scene.steps - scene.settle_steps}",
+        ]
+    return [*inlets(scene), f"run             {scene.steps}"]

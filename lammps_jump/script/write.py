@@ -10,7 +10,13 @@ from .blocks import number
 
 
 def script_text(
-    scene: Scene, *, kernel: str = "stock", ranks: int = 1, dump_format: str = "text", header: tuple[str, ...] = ()
+    scene: Scene,
+    *,
+    kernel: str = "stock",
+    ranks: int = 1,
+    dump_format: str = "text",
+    header: tuple[str, ...] = (),
+    plugin: Path | None = None,
 ) -> str:
     """The LAMMPS input script of a scene.
 
@@ -18,13 +24,14 @@ def script_text(
     ----------
     scene : Scene
     kernel : {'stock', 'compiled'}
-        Styles that come with LAMMPS, or this project's plugin (``plugin load`` of a file named on the command line
-        through the variable ``plugin``).
+        Styles that come with LAMMPS, or this project's plugin.
     ranks : int
         Number of MPI ranks the run will have; more than one adds the cutting along x and its balancing.
     dump_format : {'text', 'gz', 'binary'}
     header : tuple of str
         Comment lines for the top: version, case hash, command.
+    plugin : Path, optional
+        The plugin's shared object, needed for the compiled kernel; ``-var plugin FILE`` names another one.
     """
     if kernel == "compiled":
         law = [
@@ -43,7 +50,7 @@ def script_text(
         probes, schedule = blocks.probes(scene), blocks.schedule(scene)
     start_time = -scene.settle_steps * scene.time_step
     sections = [
-        ("settings", (compiled.load(scene) if kernel == "compiled" else []) + blocks.settings(scene, ranks)),
+        ("settings", (compiled.load(plugin) if kernel == "compiled" else []) + blocks.settings(scene, ranks)),
         ("box and discs", blocks.box_and_discs(scene)),
         ("simulated time before the gate opens", [f"reset_timestep  0 time {number(start_time)}"] if start_time else []),
         *law,
@@ -51,7 +58,7 @@ def script_text(
         ("pour", blocks.pours(scene)),
         ("balance of the ranks", balance(scene, ranks)),
         ("force on structures", probes),
-        ("guards", blocks.guards(scene)),
+        ("guards", compiled.guards(scene) if kernel == "compiled" else blocks.guards(scene)),
         ("output", blocks.output(scene, dump_format)),
         ("log", blocks.thermo(scene)),
         ("run", schedule),
@@ -112,6 +119,7 @@ def write_script(
     ranks: int = 1,
     dump_format: str = "text",
     header: tuple[str, ...] = (),
+    plugin: Path | None = None,
 ) -> Path:
     """Write the script and its side files into `folder`; returns the path of ``in.lammps``."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -120,5 +128,6 @@ def write_script(
     if scene.inlets or scene.pours:
         (folder / blocks.MOLECULE_FILE).write_text(molecule_text(scene))
     path = folder / "in.lammps"
-    path.write_text(script_text(scene, kernel=kernel, ranks=ranks, dump_format=dump_format, header=header))
+    text = script_text(scene, kernel=kernel, ranks=ranks, dump_format=dump_format, header=header, plugin=plugin)
+    path.write_text(text)
     return path

@@ -1,0 +1,1 @@
+"""lammps-jump: free-surface flow with discs on LAMMPS, from a YAML case to a report."""

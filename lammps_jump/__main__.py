@@ -1,0 +1,5 @@
+"""``python -m lammps_jump``."""
+
+from .cli import main
+
+main()

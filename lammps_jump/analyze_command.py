@@ -1,0 +1,106 @@
+"""``lammps-jump analyze`` and ``animate``: a run folder, or anybody's dump."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from .errors import CaseError, DumpError
+from .pipeline import Say
+
+
+def analyze_target(
+    target: Path,
+    *,
+    out: Path | None,
+    case: Path | None,
+    diameter: float | None,
+    density: float,
+    bin_width: float | None,
+    assignments: list[str],
+    quiet: bool,
+    say: Say,
+) -> dict[str, Any]:
+    """Analyse; returns the numbers found, which are also in ``summary.json`` of the folder of results."""
+    if not target.exists():
+        raise DumpError(f"{target}: no such run folder or dump")
+    if target.is_dir() and (target / "case.yaml").exists():
+        from .display import print_summary
+        from .pipeline import reanalyse
+
+        sets = [*assignments, *([f"analysis.bin_width={bin_width}"] if bin_width else [])]
+        summary = reanalyse(target, sets, quiet)
+        if not quiet:
+            print_summary(summary, target)
+        return summary
+    return _bare_dump(target, out, case, diameter, density, bin_width, assignments, say)
+
+
+def find_dump(target: Path) -> Path:
+    """The dump of a folder, or the file itself.
+
+    Raises
+    ------
+    DumpError
+    """
+    if target.is_file():
+        return target
+    found = sorted(target.glob("dump.*"))
+    if not found:
+        raise DumpError(f"{target}: holds neither case.yaml nor a dump (dump.*); name a run folder or a dump file")
+    return found[0]
+
+
+def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say) -> dict[str, Any]:
+    from .analysis.analyze import AnalysisRequest, analyze_dump
+    from .analysis.context import from_dump, from_scene
+    from .analysis.dump import open_dump
+    from .summary import write_summary
+
+    path = find_dump(target)
+    if diameter is not None and not diameter > 0:
+        raise CaseError(f"--diameter {diameter}: allowed is > 0 m")
+    if not density > 0:
+        raise CaseError(f"--density {density}: allowed is > 0 kg/m^3")
+    if bin_width is not None and not bin_width > 0:
+        raise CaseError(f"--bin-width {bin_width}: allowed is > 0 m")
+    if case is not None:
+        from .case import load_case
+        from .case.to_scene import build_scene
+
+        context = from_scene(build_scene(load_case(case, assignments)))
+    else:
+        context = from_dump(open_dump(path), diameter=diameter, density=density)
+    folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
+    parts = analyze_dump(path, context, AnalysisRequest(bin_width=bin_width, jump=True, front=True), folder)
+    write_summary(folder, {"name": path.name, **parts})
+    for note in getattr(context, "notes", ()):
+        say(f"note: {note}")
+    say(f"results are in {folder}")
+    return parts
+
+
+def animate_target(target: Path, out: Path | None, fps: int) -> Path:
+    """Write the moving picture of a folder or dump; returns its path."""
+    from .analysis.animate import animate
+    from .analysis.context import from_dump, from_scene
+    from .analysis.dump import open_dump
+
+    if not target.exists():
+        raise DumpError(f"{target}: no such run folder or dump")
+    if not 1 <= fps <= 120:
+        raise CaseError(f"--fps {fps}: allowed is 1 to 120")
+    path = find_dump(target)
+    dump = open_dump(path)
+    forces = None
+    if (path.parent / "case.yaml").exists():
+        from .case import load_case
+        from .case.to_scene import build_scene
+
+        context = from_scene(build_scene(load_case(path.parent / "case.yaml")))
+        forces = path.parent / "forces.csv" if (path.parent / "forces.csv").exists() else None
+    else:
+        context = from_dump(dump)
+    destination = out or path.parent / "animation.mp4"
+    animate(dump, context, destination, fps=fps, forces=forces)
+    return destination

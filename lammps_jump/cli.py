@@ -1,0 +1,194 @@
+"""Command line: options and their help; the work is done in the modules each command imports when it is called."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .errors import JumpError
+
+app = typer.Typer(
+    name="lammps-jump",
+    help="Free-surface flow with discs: one YAML case in; a LAMMPS script, a run, profiles, figures and a report out.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+CaseFile = Annotated[Path, typer.Argument(help="Case file (YAML); inputs/ holds one for each scene.", show_default=False)]
+Sets = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Change one value: path=value, list items by index or name. May be repeated.", metavar="PATH=VALUE"),
+]
+Out = Annotated[Path | None, typer.Option("--out", help="Folder for the results (default: runs/<name of the case>).")]
+EngineName = Annotated[str | None, typer.Option("--engine", help="lammps or native.")]
+Kernel = Annotated[str | None, typer.Option("--kernel", help="auto, stock or compiled (LAMMPS only).")]
+Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks, or auto.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; errors only.")]
+Force = Annotated[bool, typer.Option("--force", help="Run even where the folder already holds this result.")]
+
+
+def _say(quiet: bool):
+    return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
+
+
+def _assignments(sets: list[str] | None, engine: str | None = None, kernel: str | None = None, ranks: str | None = None) -> list[str]:
+    chosen = [f"engine.{key}={value}" for key, value in (("name", engine), ("kernel", kernel), ("ranks", ranks)) if value is not None]
+    return [*(sets or []), *chosen]
+
+
+@app.command("build-and-run")
+def build_and_run(
+    case: CaseFile,
+    out: Out = None,
+    engine: EngineName = None,
+    kernel: Kernel = None,
+    ranks: Ranks = None,
+    set_: Sets = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """The whole job: validate, write the script, run, analyse, report."""
+    from . import pipeline
+    from .display import print_summary
+
+    summary = pipeline.build_and_run(
+        case, out=out, assignments=_assignments(set_, engine, kernel, ranks), force=force, quiet=quiet, say=_say(quiet)
+    )
+    if not quiet:
+        print_summary(summary, out or Path("runs") / summary["name"])
+
+
+@app.command()
+def build(
+    case: CaseFile,
+    out: Out = None,
+    kernel: Kernel = None,
+    ranks: Ranks = None,
+    set_: Sets = None,
+    slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a SLURM cluster.")] = False,
+) -> None:
+    """Write the run folder (case and LAMMPS script) and stop there."""
+    from . import pipeline
+
+    prepared = pipeline.prepare(case, _assignments(set_, None, kernel, ranks), out)
+    pipeline.write_folder(prepared)
+    if slurm:
+        from .lammps_engine.slurm import write_job
+
+        print(f"job file: {write_job(prepared.scene, prepared.folder, prepared.ranks)}")
+    print(f"{prepared.folder}: run it with `lammps-jump run {prepared.folder}`, or there with `lmp -in in.lammps`")
+
+
+@app.command()
+def run(
+    folder: Annotated[Path, typer.Argument(help="Folder made by `lammps-jump build`.", show_default=False)],
+    quiet: Quiet = False,
+) -> None:
+    """Run a built folder and analyse it."""
+    from . import pipeline
+    from .display import print_summary
+
+    prepared = pipeline.reopen(folder)
+    pipeline.write_folder(prepared)
+    summary = pipeline.run_folder(prepared, build_seconds=0.0, quiet=quiet, say=_say(quiet))
+    if not quiet:
+        print_summary(summary, folder)
+
+
+@app.command()
+def analyze(
+    target: Annotated[Path, typer.Argument(help="Run folder, or any LAMMPS custom dump with x y.", show_default=False)],
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for the results (default: beside the dump).")] = None,
+    case: Annotated[Path | None, typer.Option("--case", help="Case file that belongs to a bare dump.")] = None,
+    diameter: Annotated[float | None, typer.Option(help="Disc diameter, m (guessed from a bare dump).")] = None,
+    density: Annotated[float, typer.Option(help="Density, kg/m^3.")] = 1000.0,
+    bin_width: Annotated[float | None, typer.Option(help="Width of a profile bin, m.")] = None,
+    set_: Sets = None,
+    quiet: Quiet = False,
+) -> None:
+    """Depth profiles, jump, front, forces and figures of a run folder or of anybody's dump."""
+    from .analyze_command import analyze_target
+
+    analyze_target(
+        target, out=out, case=case, diameter=diameter, density=density, bin_width=bin_width, assignments=set_ or [],
+        quiet=quiet, say=_say(quiet),
+    )
+
+
+@app.command()
+def check(
+    case: CaseFile,
+    engine: EngineName = None,
+    kernel: Kernel = None,
+    set_: Sets = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """Validate a case; print what is derived from it and what will be skipped. Runs and writes nothing."""
+    from .check import check_case
+
+    print(check_case(case, _assignments(set_, engine, kernel), as_json=as_json))
+
+
+@app.command()
+def new(scene: Annotated[str, typer.Argument(help="Scene to start from; without it, the list.")] = "") -> None:
+    """Print a starting case of a scene: lammps-jump new dam_break > my_case.yaml"""
+    from .scenes import scene_names, scene_text
+
+    print(scene_text(scene) if scene else "\n".join(scene_names()), end="" if scene else "\n")
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of case files, for editors."""
+    import json
+
+    from .case.models import Case
+
+    print(json.dumps({"$schema": "https://json-schema.org/draft/2020-12/schema", **Case.model_json_schema()}, indent=2))
+
+
+@app.command()
+def doctor() -> None:
+    """Tell whether the engines are usable here, and if not, what to install."""
+    from .doctor import examine
+
+    text, healthy = examine()
+    print(text)
+    if not healthy:
+        raise typer.Exit(1)
+
+
+@app.command()
+def animate(
+    folder: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
+    out: Annotated[Path | None, typer.Option("--out", help="File (.mp4 or .gif); default animation.mp4 in the folder.")] = None,
+    fps: Annotated[int, typer.Option(help="Frames a second.")] = 20,
+) -> None:
+    """Moving picture of a run: discs as true circles coloured by speed, forces on structures, time."""
+    from .analyze_command import animate_target
+
+    print(animate_target(folder, out, fps))
+
+
+def main() -> None:
+    """Entry point: errors of ours become one paragraph and an exit status, never a traceback."""
+    try:
+        app(standalone_mode=True)
+    except JumpError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(error.exit_status) from None
+    except KeyboardInterrupt:
+        print("\nended by the user; nothing more was written", file=sys.stderr)
+        raise SystemExit(130) from None
+    except BrokenPipeError:
+        sys.stderr.close()
+        raise SystemExit(0) from None
+
+
+if __name__ == "__main__":
+    main()

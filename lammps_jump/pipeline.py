@@ -1,0 +1,336 @@
+"""From a case to a finished run folder: load, build, run, analyse, summarise, report."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from . import summary as summaries
+from .case import LoadedCase, case_hash, load_case, resolved_yaml
+from .case.to_scene import build_scene
+from .errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
+from .progress import ProgressLine
+from .run_result import RunResult
+from .scene import Scene
+
+OWN_FILES = (
+    "case.yaml",
+    "in.lammps",
+    "discs.data",
+    "disk.mol",
+    "log.lammps",
+    "dump.lammpstrj",
+    "dump.lammpstrj.gz",
+    "dump.lammpstrj.bin",
+    "forces.csv",
+    "profiles.nc",
+    "summary.json",
+    "animation.mp4",
+    "report.html",
+)
+"""What a run folder may hold of an earlier run; nothing else in it is ever deleted."""
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A case made ready: everything decided, nothing written yet."""
+
+    loaded: LoadedCase
+    scene: Scene
+    folder: Path
+    kernel: str
+    ranks: int
+    plugin: Path | None
+    notes: tuple[str, ...]
+
+    @property
+    def hash(self) -> str:
+        """Hash of the resolved case with the engine's choices."""
+        return f"{case_hash(self.loaded.case)}-{self.kernel}"
+
+
+def prepare(path: str | Path, assignments: list[str], out: Path | None) -> Prepared:
+    """Validate a case and decide folder, kernel and ranks; writes nothing.
+
+    Raises
+    ------
+    CaseError, SetupError
+    """
+    loaded = load_case(path, assignments)
+    scene = build_scene(loaded)
+    folder = out or Path("runs") / loaded.case.name
+    kernel, plugin, ranks, notes = _engine_choice(loaded, scene)
+    return Prepared(loaded, scene, folder, kernel, ranks, plugin, tuple(notes))
+
+
+def _engine_choice(loaded: LoadedCase, scene: Scene) -> tuple[str, Path | None, int, list[str]]:
+    engine = loaded.case.engine
+    if engine.name == "native":
+        if engine.ranks not in (1, "auto"):
+            raise loaded.source.error("engine.ranks", f"{engine.ranks} ranks; the native engine runs on one core")
+        return "numba", None, 1, []
+    from .lammps_engine.loader import load_lammps
+    from .lammps_engine.ranks import choose_ranks
+
+    load_lammps()
+    ranks, notes = choose_ranks(engine.ranks, scene)
+    if engine.kernel == "stock":
+        return "stock", None, ranks, notes
+    from .kernels.build import availability, plugin_path
+
+    needed = engine.kernel == "compiled" or scene.touch == "smooth"
+    needed = needed or (scene.friction_law == "sign" and scene.coefficients.friction > 0)
+    try:
+        status = availability()
+        if not status.available:
+            raise SetupError(status.reason)
+        return "compiled", plugin_path(), ranks, notes
+    except SetupError as error:
+        if needed:
+            raise SetupError(f"the compiled kernel is needed here and cannot be used: {error}") from None
+        return "stock", None, ranks, [*notes, f"stock LAMMPS styles are used: {error}"]
+
+
+def build_and_run(
+    path: str | Path,
+    *,
+    out: Path | None = None,
+    assignments: list[str] | None = None,
+    force: bool = False,
+    quiet: bool = False,
+    say: Say = print,
+) -> dict[str, Any]:
+    """The whole job; returns the summary.
+
+    Raises
+    ------
+    CaseError, SetupError
+        Before anything is written.
+    RunError, RunInterrupted
+        After a run that failed or was ended; its folder is kept, with what it had.
+    """
+    begin = time.perf_counter()
+    prepared = prepare(path, assignments or [], out)
+    if not force:
+        stored = stored_result(prepared)
+        if stored is not None:
+            say(f"{prepared.folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
+                "of computing): nothing to do. --force runs it again.")
+            return stored
+    for note in (*prepared.scene.warnings, *prepared.notes):
+        say(f"note: {note}")
+    _announce(prepared, say)
+    write_folder(prepared)
+    built = time.perf_counter() - begin
+    return run_folder(prepared, build_seconds=built, quiet=quiet, say=say)
+
+
+def stored_result(prepared: Prepared) -> dict[str, Any] | None:
+    """The summary of a finished run of the same resolved case in the same folder, else None."""
+    stored = summaries.read_summary(prepared.folder)
+    if stored is None or stored.get("status") != "complete" or stored.get("case_hash") != prepared.hash:
+        return None
+    try:
+        same = (prepared.folder / "case.yaml").read_text() == resolved_yaml(prepared.loaded.case)
+    except OSError:
+        return None
+    finished = all((prepared.folder / name).exists() for name in ("profiles.nc", "report.html"))
+    return stored if same and finished and any(prepared.folder.glob("dump.lammpstrj*")) else None
+
+
+def write_folder(prepared: Prepared) -> None:
+    """Make the run folder with ``case.yaml`` and, for LAMMPS, the script; earlier results of ours are removed.
+
+    Raises
+    ------
+    SetupError
+        Where the folder cannot be made or written.
+    """
+    folder = prepared.folder
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in OWN_FILES:
+            (folder / name).unlink(missing_ok=True)
+        for figure in (folder / "figures").glob("*.png"):
+            figure.unlink()
+        (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
+        if prepared.loaded.case.engine.name == "lammps":
+            from .script import write_script
+
+            write_script(
+                prepared.scene,
+                folder,
+                kernel=prepared.kernel,
+                ranks=prepared.ranks,
+                dump_format=prepared.loaded.case.run.dump_format,
+                header=_header(prepared),
+                plugin=prepared.plugin,
+            )
+    except OSError as error:
+        raise SetupError(
+            f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or mend its permissions"
+        ) from None
+
+
+def _header(prepared: Prepared) -> tuple[str, ...]:
+    c = prepared.scene.coefficients
+    version = summaries.versions().get("lammps_jump", "?")
+    return (
+        f"written by lammps-jump {version} from case {prepared.hash}; run it with: lmp -in in.lammps",
+        f"d = {prepared.scene.diameter:g} m, m = {c.mass:g} kg/m, k = {c.stiffness:g} N/m, e = {c.restitution:g}, ks = {c.friction:g}",
+        f"dt = {c.time_step:.6g} s = {c.time_step_fraction:g} of 2/omega; stable up to {c.stable_fraction:.3f} in the densest packing",
+    )
+
+
+def _announce(prepared: Prepared, say: Say) -> None:
+    scene, c = prepared.scene, prepared.scene.coefficients
+    engine = prepared.loaded.case.engine.name
+    say(
+        f"{scene.name}: {engine} ({prepared.kernel}{f', {prepared.ranks} ranks' if prepared.ranks > 1 else ''}), "
+        f"{scene.steps} steps of {c.time_step:.4g} s, e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m "
+        f"-> {prepared.folder}"
+    )
+
+
+def run_folder(prepared: Prepared, *, build_seconds: float, quiet: bool, say: Say) -> dict[str, Any]:
+    """Run the engine in a folder that `write_folder` made, analyse and report; see `build_and_run`."""
+    result = _run_engine(prepared, quiet)
+    begin = time.perf_counter()
+    parts: dict[str, Any] = {}
+    trouble = ""
+    try:
+        parts = _analyse(prepared, result, quiet)
+    except DumpError as error:
+        trouble = str(error)
+    seconds = {"build": build_seconds, "run": result.seconds, "analysis": time.perf_counter() - begin}
+    if result.status != "complete" and trouble:
+        parts.setdefault("warnings", []).append(f"not analysed: {trouble}")
+    summary = _compose(prepared, result, seconds, parts)
+    summaries.write_summary(prepared.folder, summary)
+    _report(prepared, summary)
+    seconds["analysis"] = time.perf_counter() - begin
+    summaries.write_summary(prepared.folder, {**summary, "wall_seconds": seconds})
+    if result.status == "interrupted":
+        raise RunInterrupted(result.message)
+    if result.status == "failed":
+        raise RunError(result.message)
+    if trouble:
+        raise RunError(f"the run is complete, its dump could not be analysed: {trouble}")
+    return {**summary, "wall_seconds": seconds}
+
+
+def _compose(prepared: Prepared, result: RunResult, seconds: dict[str, float], parts: dict[str, Any]) -> dict[str, Any]:
+    found = dict(parts)
+    warnings = [*prepared.scene.warnings, *prepared.notes, *found.pop("warnings", [])]
+    summary = summaries.compose(
+        prepared.scene, result, case_hash=prepared.hash, seconds=seconds, parts={**found, "warnings": warnings}
+    )
+    summary["ranks"] = prepared.ranks
+    return summary
+
+
+def _run_engine(prepared: Prepared, quiet: bool) -> RunResult:
+    scene = prepared.scene
+    line = ProgressLine(scene.time(scene.steps), quiet=quiet)
+    dump_format = prepared.loaded.case.run.dump_format
+    if prepared.loaded.case.engine.name == "native":
+        from .native import run_native
+
+        result = run_native(scene, prepared.folder, progress=line, dump_format=dump_format)
+    else:
+        from .lammps_engine import run_lammps
+
+        result = run_lammps(
+            scene, prepared.folder, kernel=prepared.kernel, ranks=prepared.ranks, plugin=prepared.plugin, progress=line
+        )
+    line.finish()
+    return result
+
+
+def analysis_request(prepared: Prepared):
+    """What the case asks of the analysis."""
+    from .analysis.analyze import AnalysisRequest
+
+    case = prepared.loaded.case
+    asked = case.analysis
+    inflow = case.inflow if case.inflow is not None and case.inflow.kind == "rows" else None
+    return AnalysisRequest(
+        bin_width=asked.bin_width,
+        window=asked.window,
+        jump=asked.jump,
+        energy=asked.energy,
+        front=asked.front,
+        fields=asked.fields,
+        animate=asked.animation,
+        forces=bool(prepared.scene.probes),
+        inflow_depth=inflow.depth if inflow else None,
+        inflow_speed=inflow.mean_speed if inflow else None,
+    )
+
+
+def _analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
+    from .analysis.analyze import analyze_run
+
+    return analyze_run(prepared.folder, prepared.scene, analysis_request(prepared), result=result, quiet=quiet)
+
+
+def _report(prepared: Prepared, summary: dict[str, Any]) -> None:
+    from .analysis.report import write_report
+
+    write_report(prepared.folder, summary, resolved_yaml(prepared.loaded.case))
+
+
+def reopen(folder: Path, assignments: list[str] | None = None) -> Prepared:
+    """The `Prepared` of a folder that `write_folder` made.
+
+    Raises
+    ------
+    CaseError
+        Where it holds no ``case.yaml``.
+    """
+    case_file = folder / "case.yaml"
+    if not case_file.exists():
+        raise CaseError(f"{folder}: holds no case.yaml, so it is no run folder; make one with `lammps-jump build CASE`")
+    prepared = prepare(case_file, assignments or [], folder)
+    stored = summaries.read_summary(folder)
+    if stored and stored.get("kernel") in ("stock", "compiled") and prepared.kernel != "numba":
+        prepared = replace(prepared, kernel=stored["kernel"])
+    return prepared
+
+
+def reanalyse(folder: Path, assignments: list[str], quiet: bool) -> dict[str, Any]:
+    """Analyse a run folder again (``--set analysis.…`` may ask for other things) and rewrite summary and report."""
+    prepared = reopen(folder, assignments)
+    stored = summaries.read_summary(folder) or {}
+    discs = stored.get("discs") or {}
+    result = RunResult(
+        engine=stored.get("engine", prepared.loaded.case.engine.name),
+        kernel=stored.get("kernel", prepared.kernel),
+        status=stored.get("status", "unknown"),
+        message=stored.get("message") or "",
+        steps=stored.get("steps", 0),
+        disc_steps=stored.get("disc_steps", 0.0),
+        inserted=discs.get("inserted", 0),
+        present=discs.get("present", 0),
+        removed=discs.get("removed", 0),
+        lost=discs.get("lost", 0),
+        seconds=(stored.get("wall_seconds") or {}).get("run", 0.0),
+        versions=stored.get("versions", {}),
+        ledger=stored.get("ledger"),
+        breakdown=stored.get("breakdown_seconds") or {},
+    )
+    begin = time.perf_counter()
+    parts = _analyse(prepared, result, quiet)
+    seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
+    seconds["analysis"] = time.perf_counter() - begin
+    summary = _compose(prepared, result, seconds, parts)
+    summary["case_hash"] = stored.get("case_hash", prepared.hash)
+    (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
+    summaries.write_summary(folder, summary)
+    _report(prepared, summary)
+    return summary
