@@ -8,7 +8,6 @@
 #include "error.h"
 #include "force.h"
 #include "modify.h"
-#include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
@@ -170,9 +169,14 @@ template <bool SPIN> void FixJumpStep::drift()
   const double dtfm = dtf / pair->mass;
   const double kick_x = 0.5 * dtv * gx, kick_y = 0.5 * dtv * gy;
   PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
+  double lo_x = 1e300, hi_x = -1e300, lo_y = 1e300, hi_y = -1e300;
   for (int i = 0; i < n; i++) {
     const double vx = v[3 * i] + (dtfm * f[3 * i] + kick_x);
     const double vy = v[3 * i + 1] + (dtfm * f[3 * i + 1] + kick_y);
+    lo_x = vx < lo_x ? vx : lo_x;
+    hi_x = vx > hi_x ? vx : hi_x;
+    lo_y = vy < lo_y ? vy : lo_y;
+    hi_y = vy > hi_y ? vy : hi_y;
     const double px = x[3 * i] + dtv * vx;
     const double py = x[3 * i + 1] + dtv * vy;
     v[3 * i] = vx;
@@ -181,6 +185,11 @@ template <bool SPIN> void FixJumpStep::drift()
     x[3 * i + 1] = py;
     disc[i] = {px, py, vx, vy};
   }
+  pair->range_lo[0] = lo_x;
+  pair->range_hi[0] = hi_x;
+  pair->range_lo[1] = lo_y;
+  pair->range_hi[1] = hi_y;
+  near_moved += dtv * std::max(std::max(std::fabs(lo_x), std::fabs(hi_x)), std::max(std::fabs(lo_y), std::fabs(hi_y)));
   if (SPIN) {
     double *const __restrict omega = atom->omega[0];
     const double *const __restrict torque = atom->torque[0];
@@ -195,11 +204,20 @@ template <bool SPIN> void FixJumpStep::drift()
 
 void FixJumpStep::initial_integrate(int)
 {
-  if (atom->nlocal == 0) return;
+  if (atom->nlocal == 0) {
+    pair->range_lo[0] = pair->range_lo[1] = 1e300;    // ghosts may widen it
+    pair->range_hi[0] = pair->range_hi[1] = -1e300;
+    pair->packed_step = update->ntimestep;
+    return;
+  }
   pair->reserve(atom->nlocal + atom->nghost);
   pair->spin ? drift<true>() : drift<false>();
   // others may move discs before the forces: then the pair style packs them itself
-  pair->packed_step = modify->n_post_integrate ? -1 : update->ntimestep;
+  pair->packed_step = update->ntimestep;
+  if (modify->n_post_integrate) {
+    pair->packed_step = -1;
+    near_moved = 1e300;
+  }
 }
 
 void FixJumpStep::final_integrate()
@@ -223,10 +241,12 @@ void FixJumpStep::final_integrate()
   }
 }
 
-/** Discs that can reach a face before the next neighbour build: each moves half a skin at most till then. */
+/** Discs that can reach a face before one of them has moved by the margin. */
 void FixJumpStep::find_near()
 {
-  const double margin = 0.5 * pair->diameter + neighbor->skin;
+  const double margin = 0.5 * pair->diameter + NEAR_MARGIN * pair->diameter;
+  near_moved = 0.0;
+  near_order = pair->order;
   const int n = atom->nlocal;
   const auto *const disc = pair->disc.data();
   for (auto &face : faces) {
@@ -307,7 +327,7 @@ template <Friction FRICTION, bool SMOOTH> void FixJumpStep::push()
 
 void FixJumpStep::post_force(int)
 {
-  if (neighbor->ago == 0) find_near();
+  if (near_order != pair->order || update->setupflag || !(near_moved < NEAR_MARGIN * pair->diameter)) find_near();
   touching = 0;
   law.eps = jump::SIGN_RAMP * pair->largest_speed;
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();

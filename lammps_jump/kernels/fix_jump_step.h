@@ -47,6 +47,7 @@ class FixJumpStep : public Fix {
  private:
   enum Kind { PLANE_X, PLANE_Y, BLOCK };
   static constexpr int LEDGER = 9;
+  static constexpr double NEAR_MARGIN = 0.5;    // diameters
 
   struct Wall {
     std::string name;
@@ -59,7 +60,7 @@ class FixJumpStep : public Fix {
     int wall;
     double at, sign;              // plane
     double xlo, xhi, ylo, yhi;    // block
-    std::vector<int> near;        // local discs that can reach it before the next neighbour build
+    std::vector<int> near;        // local discs that can reach it before they have moved by the margin
   };
 
   class PairJumpDisc *pair = nullptr;
@@ -69,6 +70,8 @@ class FixJumpStep : public Fix {
   jump::Law law;
   std::vector<Wall> walls;
   std::vector<Face> faces;
+  bigint near_order = -1;
+  double near_moved = 0.0;    // bound of a disc's displacement in x or y since the lists of near discs
   double dtv = 0.0, dtf = 0.0, dt_spin = 0.0;
 
   int probe_every = 1;

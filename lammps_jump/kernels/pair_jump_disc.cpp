@@ -2,13 +2,14 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "force.h"
 #include "memory.h"
-#include "neigh_list.h"
 #include "neighbor.h"
 #include "update.h"
 
+#include <algorithm>
 #include <cstring>
 
 using namespace LAMMPS_NS;
@@ -97,6 +98,9 @@ void PairJumpDisc::settings(int narg, char **arg)
       }
     } else if (key == "spin") {
       spin = yes(a + 1);
+    } else if (key == "skin") {
+      skin = value(a + 1);
+      if (!(skin > 0.0)) error->all(FLERR, "pair_style jump/disc: skin must be above 0");
     } else if (key == "ledger") {
       ledger = yes(a + 1);
     } else {
@@ -127,6 +131,7 @@ void PairJumpDisc::choose()
   law.mu = mu;
   law.reach = 0.5 * diameter + 0.5 * diameter;
   law.width = width;
+  if (!(skin > 0.0)) skin = 0.3 * diameter;
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)
@@ -146,8 +151,11 @@ void PairJumpDisc::init_style()
     error->all(FLERR, "pair_style jump/disc needs comm_modify vel yes on more than one rank");
   if (spin && !atom->omega_flag) error->all(FLERR, "pair_style jump/disc spin yes needs atom_style sphere");
   if (spin && !atom->torque_flag) error->all(FLERR, "pair_style jump/disc spin yes needs an atom style with torque");
-  neighbor->add_request(this);
+  if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol)
+    error->all(FLERR, "pair_style jump/disc knows no neigh_modify exclude");
   packed_step = -1;
+  listed.clear();
+  candidates = 0;
 }
 
 double PairJumpDisc::init_one(int i, int j)
@@ -200,28 +208,164 @@ void PairJumpDisc::check_equal_discs(int from, int to)
   }
 }
 
-void PairJumpDisc::flatten()
+/** Whether the local discs that the list knows still have the same indices (more may have come after them). */
+bool PairJumpDisc::keeps_order() const
 {
-  const int inum = list->inum;
-  size_t total = 0;
-  for (int ii = 0; ii < inum; ii++) total += list->numneigh[list->ilist[ii]];
-  if (first.size() < total) {
-    first.resize(total + total / 4 + 64);
-    second.resize(first.size());
-    hit.resize(first.size());
+  const size_t n = listed.size();
+  return n > 0 && (size_t) atom->nlocal >= n && memcmp(listed.data(), atom->tag, n * sizeof(tagint)) == 0;
+}
+
+/** Whether this rank computes the pair; at least one of the two is local.
+
+    With newton on, a pair across a border belongs to one rank only. Ranks build their lists at different times, so
+    the choice must not depend on positions: it goes by the ids. */
+bool PairJumpDisc::is_mine(int i, int j) const
+{
+  const int nlocal = atom->nlocal;
+  if (i < nlocal && j < nlocal) return true;
+  if (!force->newton_pair) return true;
+  const tagint mine = atom->tag[i < nlocal ? i : j], other = atom->tag[i < nlocal ? j : i];
+  return (mine + other) % 2 == 0 ? mine < other : mine > other;
+}
+
+void PairJumpDisc::remember_order()
+{
+  listed.assign(atom->tag, atom->tag + atom->nlocal);
+  order++;
+}
+
+/** All pairs closer than the reach and the room to move, from the packed positions.
+
+    Cells are as wide as that distance and numbered along y first: what a disc can meet and that comes after it lies
+    in two runs of the sorted discs, its own cell with the one above, and the three cells beside. */
+void PairJumpDisc::build_list(double room_to_move)
+{
+  const int nlocal = atom->nlocal;
+  const int n = nlocal + atom->nghost;
+  candidates = 0;
+  margin = room_to_move;
+  moved[0] = moved[1] = 0.0;
+  check_equal_discs(0, nlocal);
+  remember_order();
+  if (n == 0) return;
+
+  const double cut = law.reach + margin;
+  double xlo = disc[0].x, xhi = xlo, ylo = disc[0].y, yhi = ylo;
+  for (int i = 1; i < n; i++) {
+    xlo = std::min(xlo, disc[i].x);
+    xhi = std::max(xhi, disc[i].x);
+    ylo = std::min(ylo, disc[i].y);
+    yhi = std::max(yhi, disc[i].y);
   }
-  size_t p = 0;
-  for (int ii = 0; ii < inum; ii++) {
-    const int i = list->ilist[ii];
-    const int *const jlist = list->firstneigh[i];
-    const int n = list->numneigh[i];
-    for (int jj = 0; jj < n; jj++, p++) {
-      first[p] = i;
-      second[p] = jlist[jj] & NEIGHMASK;
+  if (!(xhi - xlo < 1e9 * cut) || !(yhi - ylo < 1e9 * cut))
+    error->one(FLERR, "jump/disc: discs are spread over {} m by {} m: the run has blown up", xhi - xlo, yhi - ylo);
+  double side = cut * (1.0 + 1e-9);    // rounding must not put neighbours two cells apart
+  const double most = 16.0 * n + 65536.0;    // far-flung discs must not cost memory: wider cells then
+  while (((xhi - xlo) / side + 1.0) * ((yhi - ylo) / side + 3.0) > most) side *= 2.0;
+  const double inverse = 1.0 / side;
+  const int nx = (int) ((xhi - xlo) * inverse) + 1;
+  const int ny = (int) ((yhi - ylo) * inverse) + 3;    // an empty row below and above: no tests at the rims
+  const size_t cells = (size_t) (nx + 1) * ny + 1;
+
+  cell_of.resize(n);
+  cell_start.assign(cells + 1, 0);
+  sorted.resize(n);
+  sorted_x.resize(n + 8);
+  sorted_y.resize(n + 8);
+  for (int i = 0; i < n; i++) {
+    const int c = (int) ((disc[i].x - xlo) * inverse) * ny + (int) ((disc[i].y - ylo) * inverse) + 1;
+    cell_of[i] = c;
+    cell_start[c + 1]++;
+  }
+  for (size_t c = 0; c < cells; c++) cell_start[c + 1] += cell_start[c];
+  // fill from the back, so that a cell keeps the order of the indices and its start ends where it belongs
+  for (int i = n - 1; i >= 0; i--) {
+    const int s = --cell_start[cell_of[i] + 1];
+    sorted[s] = i;
+    sorted_x[s] = disc[i].x;
+    sorted_y[s] = disc[i].y;
+  }
+  // now cell_start[c + 1] is where cell c begins: the discs of cell c are [cell_start[c + 1], cell_start[c + 2])
+  const double cut_sq = cut * cut;
+  const bool ghosts = n > nlocal;
+  size_t found = 0;
+  for (int s = 0; s < n; s++) {
+    const int i = sorted[s];
+    const int c = cell_of[i];
+    const double x = sorted_x[s], y = sorted_y[s];
+    const int beside = c + ny - 1;
+    const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[beside + 1], cell_start[beside + 4]}};
+    const size_t room = found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]);
+    if (first.size() < room) {
+      first.resize(room + room / 2 + 1024);
+      second.resize(first.size());
+    }
+    for (const auto &run : runs) {
+      if (ghosts) {
+        for (int t = run[0]; t < run[1]; t++) {
+          const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+          const int j = sorted[t];
+          if (dx * dx + dy * dy >= cut_sq || (i >= nlocal && j >= nlocal) || !is_mine(i, j)) continue;
+          first[found] = i < j ? i : j;    // a local disc comes first
+          second[found] = i < j ? j : i;
+          found++;
+        }
+      } else {
+        for (int t = run[0]; t < run[1]; t++) {
+          const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+          first[found] = i;
+          second[found] = sorted[t];
+          found += dx * dx + dy * dy < cut_sq;
+        }
+      }
     }
   }
-  candidates = total;
-  check_equal_discs(0, atom->nlocal);
+  candidates = found;
+  if (hit.size() < first.size() + 1) hit.resize(first.size() + 1);
+}
+
+/** New discs at the end, the others as they were: add the pairs of the new ones. */
+void PairJumpDisc::append_to_list(int from)
+{
+  const int n = atom->nlocal;
+  check_equal_discs(from, n);
+  // the others may have moved since the list was built: reach as far as they still may
+  const double cut = law.reach + margin;
+  for (int j = from; j < n; j++) {
+    const size_t room = candidates + j;
+    if (first.size() < room + 1) {
+      first.resize(room + room / 2 + 1024);
+      second.resize(first.size());
+      hit.resize(first.size() + 1);
+    }
+    for (int i = 0; i < j; i++) {
+      const double dx = disc[j].x - disc[i].x, dy = disc[j].y - disc[i].y;
+      first[candidates] = i;
+      second[candidates] = j;
+      candidates += dx * dx + dy * dy < cut * cut;
+    }
+  }
+  remember_order();
+}
+
+/** Keep the list usable for the positions that are packed now. */
+void PairJumpDisc::update_list()
+{
+  const int nlocal = atom->nlocal;
+  const bool reneighboured = neighbor->ago == 0;
+  const bool driven = packed_step == update->ntimestep && !update->setupflag;    // by fix jump/step
+  if (!driven) {
+    if (reneighboured || listed.empty()) build_list(neighbor->skin);
+    return;
+  }
+  for (int c = 0; c < 2; c++) moved[c] += update->dt * std::max(range_hi[c] - range_lo[c], 0.0);
+  const bool stale = !(moved[0] * moved[0] + moved[1] * moved[1] < margin * margin);
+  const bool fixed_indices =
+      comm->nprocs == 1 && atom->nghost == 0 && !domain->xperiodic && !domain->yperiodic;
+  if (stale || (reneighboured && !(fixed_indices && keeps_order())))
+    build_list(skin);
+  else if (reneighboured && nlocal > (int) listed.size())
+    append_to_list((int) listed.size());
 }
 
 void PairJumpDisc::find_largest_speed()
@@ -316,11 +460,19 @@ void PairJumpDisc::compute(int eflag, int vflag)
   const int nlocal = atom->nlocal;
   const int nall = nlocal + atom->nghost;
   reserve(nall);
-  const bool rebuilt = neighbor->ago == 0;
-  if (rebuilt) flatten();
-  if (rebuilt || packed_step != update->ntimestep) pack(0, nlocal);
+  // fix jump/step has packed the local discs; a reneighbouring may have moved them to other indices since
+  if (neighbor->ago == 0 || packed_step != update->ntimestep) pack(0, nlocal);
+  if (nall > nlocal) {
+    pack(nlocal, nall);
+    for (int i = nlocal; i < nall; i++) {
+      range_lo[0] = std::min(range_lo[0], disc[i].vx);
+      range_hi[0] = std::max(range_hi[0], disc[i].vx);
+      range_lo[1] = std::min(range_lo[1], disc[i].vy);
+      range_hi[1] = std::max(range_hi[1], disc[i].vy);
+    }
+  }
+  update_list();
   packed_step = update->ntimestep;
-  if (nall > nlocal) pack(nlocal, nall);
   if (sign) find_largest_speed();
 
   auto run = [&](auto smooth_tag, auto ledger_tag) {
@@ -415,21 +567,21 @@ void PairJumpDisc::read_restart(FILE *fp)
 
 void PairJumpDisc::write_restart_settings(FILE *fp)
 {
-  const double numbers[7] = {k, gamma, gamma_t, mu, mass, diameter, width};
+  const double numbers[8] = {k, gamma, gamma_t, mu, mass, diameter, width, skin};
   const int flags[4] = {sign, smooth, spin, ledger};
-  fwrite(numbers, sizeof(double), 7, fp);
+  fwrite(numbers, sizeof(double), 8, fp);
   fwrite(flags, sizeof(int), 4, fp);
 }
 
 void PairJumpDisc::read_restart_settings(FILE *fp)
 {
-  double numbers[7];
+  double numbers[8];
   int flags[4];
   if (comm->me == 0) {
-    utils::sfread(FLERR, numbers, sizeof(double), 7, fp, nullptr, error);
+    utils::sfread(FLERR, numbers, sizeof(double), 8, fp, nullptr, error);
     utils::sfread(FLERR, flags, sizeof(int), 4, fp, nullptr, error);
   }
-  MPI_Bcast(numbers, 7, MPI_DOUBLE, 0, world);
+  MPI_Bcast(numbers, 8, MPI_DOUBLE, 0, world);
   MPI_Bcast(flags, 4, MPI_INT, 0, world);
   k = numbers[0];
   gamma = numbers[1];
@@ -438,6 +590,7 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
   mass = numbers[4];
   diameter = numbers[5];
   width = numbers[6];
+  skin = numbers[7];
   sign = flags[0];
   smooth = flags[1];
   spin = flags[2];
@@ -447,6 +600,9 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
 
 double PairJumpDisc::memory_usage()
 {
-  return disc.capacity() * sizeof(Disc) + rim.capacity() * sizeof(double) +
-      (first.capacity() + second.capacity() + hit.capacity()) * sizeof(int);
+  return disc.capacity() * sizeof(Disc) +
+      (rim.capacity() + sorted_x.capacity() + sorted_y.capacity()) * sizeof(double) +
+      (first.capacity() + second.capacity() + hit.capacity() + cell_of.capacity() + cell_start.capacity() +
+       sorted.capacity() + listed.capacity()) *
+      sizeof(int);
 }

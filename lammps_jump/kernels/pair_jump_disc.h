@@ -1,9 +1,15 @@
 /* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D
-                        [touch sharp | touch smooth S] [spin yes|no] [ledger yes|no]
+                        [touch sharp | touch smooth S] [spin yes|no] [ledger yes|no] [skin L]
    pair_coeff * *
 
    Contact forces between equal discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Equal discs
-   only: a disc of another mass or diameter is an error. Works with any fixes; `fix jump/step` shares its arrays. */
+   only: a disc of another mass or diameter is an error. Works with any fixes; `fix jump/step` shares its arrays.
+
+   The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs closer than D + L, L = 0.3 D
+   unless given) and asks LAMMPS for none. The list holds until the discs can have moved L against one another. Where
+   fix jump/step moves the discs, that is bounded by the sum over the steps of dt times the range of the velocities
+   (all the discs of a jet move together: only the range counts); under other integrators the list is built when LAMMPS
+   reneighbours, with LAMMPS' skin. Without ghosts it also outlives a reneighbouring that only brought new discs. */
 
 #ifndef LMP_PAIR_JUMP_DISC_H
 #define LMP_PAIR_JUMP_DISC_H
@@ -46,6 +52,9 @@ class PairJumpDisc : public Pair {
   std::vector<double> rim;                           // R omega, with spin
   bigint packed_step = -1;                           // step for which the local discs are packed
 
+  bigint order = 0;                                  // counts the changes of what the indices of discs mean
+  double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};                   // least and largest velocity of the discs, this step
+
   void reserve(int);
   void pack(int, int);
   double elastic_energy() const;
@@ -55,13 +64,23 @@ class PairJumpDisc : public Pair {
  private:
   double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
   jump::Law law;
-  std::vector<int> first, second;    // candidate pairs, flat, in the order of the neighbour list
+  double skin = 0.0, margin = 0.0;   // asked for, and of the list as it stands
+  std::vector<int> first, second;    // candidate pairs, flat, cell by cell
   std::vector<int> hit;              // candidates that touch
   size_t candidates = 0;
+  double moved[2] = {0.0, 0.0};      // bound of the relative displacement since the list was built
+  std::vector<tagint> listed;        // ids of the local discs in the list, by index
+  std::vector<int> cell_of, cell_start, sorted;
+  std::vector<double> sorted_x, sorted_y;
 
   void allocate();
   void choose();
-  void flatten();
+  bool keeps_order() const;
+  bool is_mine(int, int) const;
+  void build_list(double);
+  void append_to_list(int);
+  void update_list();
+  void remember_order();
   void find_largest_speed();
   template <jump::Friction, bool SMOOTH, bool LEDGER> void evaluate();
 };
