@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from ..errors import RunError
+from ..errors import CaseError, RunError
 from ..run_result import Progress, ProgressCallback, RunResult
 from ..scene import Scene
+from .cells import CellSimulation
 from .output import DumpWriter, Frame, write_forces
 from .simulation import NativeSimulation
 
@@ -136,8 +137,12 @@ def simulate(
     return NativeRun(result, tuple(frames), tuple(simulation.forces))
 
 
-def _make(scene: Scene, search: str, cell_size: float | None, ledger: bool):
-    return NativeSimulation(scene, ledger=ledger)
+def _make(scene: Scene, search: str, cell_size: float | None, ledger: bool) -> NativeSimulation:
+    if search == "verlet":
+        return NativeSimulation(scene, ledger=ledger)
+    if search == "cells":
+        return CellSimulation(scene, cell_size=cell_size, ledger=ledger)
+    raise CaseError(f"contact search {search!r} is not known: use 'verlet' or 'cells'")
 
 
 def run_native(

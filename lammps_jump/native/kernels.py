@@ -6,7 +6,8 @@ file, because the compiler's cache watches a function's own file only.
 
 What a scene lacks is passed as None, and the compiler drops the branch: ``omega`` (no spin), ``friction`` (ks = 0),
 ``sign`` (LAMMPS' viscous ramp rather than the thesis' sign law), ``touch`` (sharp contact), ``dash_x`` (no energy
-ledger), ``ux`` (damping with the half-step velocity rather than the extrapolated one).
+ledger), ``ux`` (damping with the half-step velocity rather than the extrapolated one), ``grid`` and ``owner``
+(neighbour list rather than the thesis' cells).
 
 Time levels. Between steps the arrays hold x_n, v_(n-1/2) and F_n, so that velocity Verlet and the thesis'
 leap-frog are the same loop: they differ in the velocity that dashpot and friction see, v_(n-1/2) in LAMMPS' order
@@ -49,6 +50,17 @@ class Motion(NamedTuple):
     reach2: float
 
 
+class Grid(NamedTuple):
+    """Fixed cells of the thesis' contact search; `first` (cells + 2) is the first list entry of each cell."""
+
+    x_low: float
+    y_low: float
+    inverse: float
+    columns: int
+    rows: int
+    first: np.ndarray
+
+
 def _fastest_py(n, ux, uy):
     """Speed of the fastest disc (m/s): v_max of thesis (4.20)."""
     a = b = 0.0  # two chains, half the waiting
@@ -63,6 +75,24 @@ def _fastest_py(n, ux, uy):
     return sqrt(max(a, b))
 
 
+def _power_py(n, px, py, vx, vy, fx, fy, half):
+    """Sum of p . (v + half f) over the discs; takes p to zero for the next step."""
+    power = 0.0
+    for i in range(n):
+        power += px[i] * (vx[i] + half * fx[i]) + py[i] * (vy[i] + half * fy[i])
+        px[i] = 0.0
+        py[i] = 0.0
+    return power
+
+
+def _power_of_torque_py(n, torque, omega, half):
+    """Sum of torque (omega + half torque) over the discs."""
+    power = 0.0
+    for i in range(n):
+        power += torque[i] * (omega[i] + half * torque[i])
+    return power
+
+
 def _kick_drift_py(
     n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega, dash_x, dash_y, slide_x, slide_y, work
 ):
@@ -75,21 +105,11 @@ def _kick_drift_py(
     kick = dt / motion.mass
     weight_x, weight_y, reach2 = motion.weight_x, motion.weight_y, motion.reach2
     if dash_x is not None:
-        lost = slid = 0.0
-        for i in range(n):
-            wx = vx[i] + 0.5 * kick * fx[i]
-            wy = vy[i] + 0.5 * kick * fy[i]
-            lost += dash_x[i] * wx + dash_y[i] * wy
-            dash_x[i] = 0.0
-            dash_y[i] = 0.0
-            if slide_x is not None:
-                slid += slide_x[i] * wx + slide_y[i] * wy
-                slide_x[i] = 0.0
-                slide_y[i] = 0.0
-                if omega is not None:
-                    slid += torque[i] * (omega[i] + 0.5 * dt / motion.inertia * torque[i])
-        work[0] -= dt * lost
-        work[1] -= dt * slid
+        work[0] -= dt * _power(n, dash_x, dash_y, vx, vy, fx, fy, 0.5 * kick)
+        if slide_x is not None:
+            work[1] -= dt * _power(n, slide_x, slide_y, vx, vy, fx, fy, 0.5 * kick)
+            if omega is not None:
+                work[1] -= dt * _power_of_torque(n, torque, omega, 0.5 * dt / motion.inertia)
     if omega is not None:
         turn = dt / motion.inertia
         for i in range(n):
@@ -123,7 +143,8 @@ def _kick_drift_py(
 
 
 def _pair_forces_py(
-    n,
+    rows,
+    owner,
     x,
     y,
     ux,
@@ -145,17 +166,20 @@ def _pair_forces_py(
 ):
     """Add the forces of all touching pairs of the half list to fx, fy, torque.
 
+    Row r of the list belongs to disc r, or to disc ``owner[r]`` where the cells made it.
+
     Normal: k delta + c delta_dot while delta > 0, tensile tail kept (thesis 3.11). Tangential: min(c_t abs(v_t),
     ks abs(F_n)) (LAMMPS gran/hooke) or ks abs(F_n) sat(v_t / eps) (thesis 4.18-4.21, `sign` = 1 / eps), torque arm R.
     """
     diameter, k, c, ct = law.diameter, law.stiffness, law.damping, law.tangential
     d2 = diameter * diameter
     radius = 0.5 * diameter
-    for i in range(n):
+    for row in range(rows):
+        i = row if owner is None else owner[row]
         xi, yi, uxi, uyi = x[i], y[i], ux[i], uy[i]
-        sum_x = sum_y = 0.0
-        first = start[i]
-        last = start[i + 1]
+        sum_x = sum_y = lost_x = lost_y = slid_x = slid_y = turn = 0.0
+        first = start[row]
+        last = start[row + 1]
         for p in range(first, last):
             j = neighbours[p]
             dx = xi - x[j]
@@ -193,24 +217,34 @@ def _pair_forces_py(
                     px -= ft * ny
                     py += ft * nx
                     if omega is not None:
-                        torque[i] -= radius * ft
+                        turn -= radius * ft
                         torque[j] -= radius * ft
                     if slide_x is not None:
-                        slide_x[i] -= ft * ny
-                        slide_y[i] += ft * nx
+                        slid_x -= ft * ny
+                        slid_y += ft * nx
                         slide_x[j] += ft * ny
                         slide_y[j] -= ft * nx
                 if dash_x is not None:
-                    dash_x[i] += dashpot * nx
-                    dash_y[i] += dashpot * ny
-                    dash_x[j] -= dashpot * nx
-                    dash_y[j] -= dashpot * ny
+                    ex = dashpot * nx
+                    ey = dashpot * ny
+                    lost_x += ex
+                    lost_y += ey
+                    dash_x[j] -= ex
+                    dash_y[j] -= ey
                 sum_x += px
                 sum_y += py
                 fx[j] -= px
                 fy[j] -= py
         fx[i] += sum_x
         fy[i] += sum_y
+        if omega is not None:
+            torque[i] += turn
+        if dash_x is not None:
+            dash_x[i] += lost_x
+            dash_y[i] += lost_y
+        if slide_x is not None:
+            slide_x[i] += slid_x
+            slide_y[i] += slid_y
 
 
 def _wall_gap_py(kind, a, b, c, d, px, py):
@@ -296,13 +330,13 @@ def _wall_forces_py(
 
 
 def _forces_py(
-    n, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near, law,
+    n, rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near, law,
     friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
 ):  # fmt: skip
     """All forces of one step; `sign` not None asks for the thesis' law with eps = 0.01 v_max (4.20), v_max now."""
     if sign is None:
         _pair_forces(
-            n, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, None, touch,
+            rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, None, touch,
             dash_x, dash_y, slide_x, slide_y,
         )  # fmt: skip
         _wall_forces(
@@ -313,7 +347,7 @@ def _forces_py(
         eps = sign * _fastest(n, ux, uy)
         slope = 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
         _pair_forces(
-            n, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, slope, touch,
+            rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, slope, touch,
             dash_x, dash_y, slide_x, slide_y,
         )  # fmt: skip
         _wall_forces(
@@ -324,14 +358,15 @@ def _forces_py(
 
 def _advance_py(
     steps, pending, hold, n, x, y, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
-    start, neighbours, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
+    start, neighbours, owner, grid, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
     dash_x, dash_y, slide_x, slide_y, work, wall_sum,
 ):  # fmt: skip
     """Up to `steps` steps; returns (steps done, state): DONE, HELD or OLD.
 
     Starts with the forces of the step it stands at where `pending`. Stops after a drift, before its forces, where the
     list has become too old (OLD), and after the last drift where `hold` (HELD): discs come and go between drift and
-    forces.
+    forces. With a `grid` the pairs are searched anew every step (`_cell_pairs`); OLD then means that a disc is outside
+    the grid or `neighbours` is short.
     """
     done = 0
     while True:
@@ -348,19 +383,78 @@ def _advance_py(
             if hold and done == steps:
                 return done, HELD
         pending = False
+        rows = n
+        if grid is not None:
+            rows = _cell_pairs(n, x, y, law.diameter, grid, owner, start, neighbours)
+            if rows < 0:
+                return done, OLD
         if ux is None:
             _forces(
-                n, x, y, vx, vy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near,
-                law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+                n, rows, owner, x, y, vx, vy, omega, fx, fy, torque, start, neighbours, face_kind, face_data,
+                face_start, near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
             )  # fmt: skip
         else:
             _forces(
-                n, x, y, ux, uy, uomega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near,
-                law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+                n, rows, owner, x, y, ux, uy, uomega, fx, fy, torque, start, neighbours, face_kind, face_data,
+                face_start, near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
             )  # fmt: skip
 
 
-def _elastic_py(n, x, y, start, neighbours, face_kind, face_data, face_start, near, law, touch):
+def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
+    """Touching pairs by the thesis' contact search (its chapter 3); the number of rows, or -1.
+
+    Every disc is entered in each cell that its square overlaps; within a cell every two discs are tried, and a
+    touching pair counts only in the cell that holds its contact point, the middle between the centres. Row r of the
+    list belongs to disc ``owner[r]``. -1: a disc is outside the grid, or `neighbours` is short.
+    """
+    radius = 0.5 * diameter
+    d2 = diameter * diameter
+    first, inverse, columns, rows = grid.first, grid.inverse, grid.columns, grid.rows
+    for c in range(first.size):
+        first[c] = 0
+    for i in range(n):
+        px = (x[i] - grid.x_low) * inverse
+        py = (y[i] - grid.y_low) * inverse
+        if not (px >= 0.0 and px < columns and py >= 0.0 and py < rows):
+            return -1
+        reach = radius * inverse
+        for cx in range(int(max(px - reach, 0.0)), min(int(px + reach), columns - 1) + 1):
+            for cy in range(int(max(py - reach, 0.0)), min(int(py + reach), rows - 1) + 1):
+                first[cx * rows + cy + 2] += 1
+    for c in range(2, first.size):
+        first[c] += first[c - 1]
+    for i in range(n):
+        px = (x[i] - grid.x_low) * inverse
+        py = (y[i] - grid.y_low) * inverse
+        reach = radius * inverse
+        for cx in range(int(max(px - reach, 0.0)), min(int(px + reach), columns - 1) + 1):
+            for cy in range(int(max(py - reach, 0.0)), min(int(py + reach), rows - 1) + 1):
+                place = first[cx * rows + cy + 1]
+                owner[place] = i
+                first[cx * rows + cy + 1] = place + 1
+    count = 0
+    start[0] = 0
+    for c in range(columns * rows):
+        for a in range(first[c], first[c + 1]):
+            i = owner[a]
+            xi, yi = x[i], y[i]
+            if count + first[c + 1] - a > neighbours.size:
+                return -1
+            for b in range(a + 1, first[c + 1]):
+                j = owner[b]
+                dx = xi - x[j]
+                dy = yi - y[j]
+                if dx * dx + dy * dy < d2:
+                    cx = int((0.5 * (xi + x[j]) - grid.x_low) * inverse)
+                    cy = int((0.5 * (yi + y[j]) - grid.y_low) * inverse)
+                    if cx * rows + cy == c:
+                        neighbours[count] = j
+                        count += 1
+            start[a + 1] = count
+    return first[columns * rows]
+
+
+def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face_start, near, law, touch):
     """Elastic energy of pairs and of walls (J per m of width) and the largest overlap with its disc.
 
     k delta^2 / 2 (thesis 4.28); with a smooth touch of width s: k delta^3 / (6 s) up to s, beyond it
@@ -370,8 +464,9 @@ def _elastic_py(n, x, y, start, neighbours, face_kind, face_data, face_start, ne
     worst = 0.0
     where = -1
     diameter = law.diameter
-    for i in range(n):
-        for p in range(start[i], start[i + 1]):
+    for row in range(rows):
+        i = row if owner is None else owner[row]
+        for p in range(start[row], start[row + 1]):
             j = neighbours[p]
             overlap = diameter - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
             if overlap > 0.0:
@@ -405,9 +500,14 @@ def _shape_py(overlap, touch):
 _shape = njit(cache=True)(_shape_py)
 _wall_gap = njit(cache=True)(_wall_gap_py)
 _fastest = njit(cache=True)(_fastest_py)
+# a sum in any order runs on vector units: the books change in their last digits, the trajectory does not
+_power = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_py)
+_power_of_torque = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_of_torque_py)
 _kick_drift = njit(cache=True)(_kick_drift_py)
 _pair_forces = njit(cache=True)(_pair_forces_py)
 _wall_forces = njit(cache=True)(_wall_forces_py)
 _forces = njit(cache=True)(_forces_py)
+_cell_pairs = njit(cache=True)(_cell_pairs_py)
 advance = njit(cache=True)(_advance_py)
+cell_pairs = _cell_pairs
 elastic = njit(cache=True)(_elastic_py)

@@ -195,10 +195,18 @@ class NativeSimulation:
         d = self.discs
         return kernels.advance(
             steps, pending, hold, d.n, d.x, d.y, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
-            d.uomega, d.start, d.neighbours, self._face_kind, self._face_data, self._face_start, self._near, self._law,
+            d.uomega, *self._list(), self._face_kind, self._face_data, self._face_start, self._near, self._law,
             self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
             self._work, self._wall_sum,
         )  # fmt: skip
+
+    def _list(self) -> tuple:
+        """What `kernels.advance` takes as start, neighbours, owner, grid."""
+        return self.discs.start, self.discs.neighbours, None, None
+
+    def _rows(self) -> tuple:
+        """Rows of the list that stands, and their owners."""
+        return self.discs.n, None
 
     def _compute_forces(self) -> None:
         """Forces at the start, weight included."""
@@ -278,8 +286,9 @@ class NativeSimulation:
 
     def _elastic_and_worst(self) -> tuple[float, float, float, int]:
         d = self.discs
+        start, listed, _, _ = self._list()
         return kernels.elastic(
-            d.n, d.x, d.y, d.start, d.neighbours, self._face_kind, self._face_data, self._face_start, self._near,
+            *self._rows(), d.x, d.y, start, listed, self._face_kind, self._face_data, self._face_start, self._near,
             self._law, self._touch,
         )  # fmt: skip
 
@@ -319,8 +328,8 @@ class NativeSimulation:
             )
         raise RunError(
             f"disc {self._place(i)} has left the domain x {a:g} … {b:g} m, y {c:g} … {e:g} m. Put an outflow "
-            "where discs leave, close the gap between the walls, or enlarge the domain; where nothing should leave, lower "
-            "run.time_step_fraction."
+            "where discs leave, close the gap between the walls, or enlarge the domain; where nothing should leave, "
+            "lower run.time_step_fraction."
         )
 
     def _place(self, i: int) -> str:
