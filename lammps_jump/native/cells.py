@@ -36,7 +36,8 @@ class CellSimulation(NativeSimulation):
         inverse = 1.0 / self.cell_size
         columns = int((x_high - x_low) * inverse) + 1
         rows = int((y_high - y_low) * inverse) + 1
-        self._grid = kernels.Grid(x_low, y_low, inverse, columns, rows, np.zeros(columns * rows + 2, np.int64))
+        first = np.zeros(columns * rows + 2, np.int64)
+        self._grid = kernels.Grid(x_low, y_low, inverse, columns, rows, first, np.zeros(1, np.int64))
         self._slots = (ceil(scene.diameter * inverse) + 1) ** 2
         self._owner = np.empty(0, np.int32)
         self._pairs = np.empty(256, np.int32)
@@ -47,9 +48,7 @@ class CellSimulation(NativeSimulation):
         return self._start, self._pairs, self._owner, self._grid
 
     def _rows(self) -> tuple:
-        # the kernel does not hand its rows back; the entry behind the last cell is their number
-        grid = self._grid
-        return int(grid.first[grid.columns * grid.rows]), self._owner
+        return int(self._grid.used[0]), self._owner
 
     def _rebuild(self) -> None:
         d = self.discs

@@ -51,7 +51,7 @@ class Motion(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Fixed cells of the thesis' contact search; `first` (cells + 2) is the first list entry of each cell."""
+    """Fixed cells of the thesis' contact search; `first`: first list entry of each cell, `used`: rows in use."""
 
     x_low: float
     y_low: float
@@ -59,6 +59,7 @@ class Grid(NamedTuple):
     columns: int
     rows: int
     first: np.ndarray
+    used: np.ndarray
 
 
 def _fastest_py(n, ux, uy):
@@ -405,53 +406,65 @@ def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
 
     Every disc is entered in each cell that its square overlaps; within a cell every two discs are tried, and a
     touching pair counts only in the cell that holds its contact point, the middle between the centres. Row r of the
-    list belongs to disc ``owner[r]``. -1: a disc is outside the grid, or `neighbours` is short.
+    list belongs to disc ``owner[r]``. Only the window of cells that discs occupy is looked at. -1: a disc is outside
+    the grid, or `neighbours` is short.
     """
-    radius = 0.5 * diameter
     d2 = diameter * diameter
-    first, inverse, columns, rows = grid.first, grid.inverse, grid.columns, grid.rows
-    for c in range(first.size):
+    inverse = grid.inverse
+    reach = 0.5 * diameter * inverse
+    first = grid.first
+    left, right, low, high = grid.columns, -1, grid.rows, -1
+    for i in range(n):
+        px = (x[i] - grid.x_low) * inverse
+        py = (y[i] - grid.y_low) * inverse
+        if not (px >= 0.0 and px < grid.columns and py >= 0.0 and py < grid.rows):
+            return -1
+        left = min(left, int(max(px - reach, 0.0)))
+        right = max(right, min(int(px + reach), grid.columns - 1))
+        low = min(low, int(max(py - reach, 0.0)))
+        high = max(high, min(int(py + reach), grid.rows - 1))
+    rows = max(high - low + 1, 0)
+    cells = rows * max(right - left + 1, 0)
+    for c in range(cells + 2):
         first[c] = 0
     for i in range(n):
         px = (x[i] - grid.x_low) * inverse
         py = (y[i] - grid.y_low) * inverse
-        if not (px >= 0.0 and px < columns and py >= 0.0 and py < rows):
-            return -1
-        reach = radius * inverse
-        for cx in range(int(max(px - reach, 0.0)), min(int(px + reach), columns - 1) + 1):
-            for cy in range(int(max(py - reach, 0.0)), min(int(py + reach), rows - 1) + 1):
+        for cx in range(int(max(px - reach, 0.0)) - left, min(int(px + reach), right) - left + 1):
+            for cy in range(int(max(py - reach, 0.0)) - low, min(int(py + reach), high) - low + 1):
                 first[cx * rows + cy + 2] += 1
-    for c in range(2, first.size):
+    for c in range(2, cells + 2):
         first[c] += first[c - 1]
     for i in range(n):
         px = (x[i] - grid.x_low) * inverse
         py = (y[i] - grid.y_low) * inverse
-        reach = radius * inverse
-        for cx in range(int(max(px - reach, 0.0)), min(int(px + reach), columns - 1) + 1):
-            for cy in range(int(max(py - reach, 0.0)), min(int(py + reach), rows - 1) + 1):
+        for cx in range(int(max(px - reach, 0.0)) - left, min(int(px + reach), right) - left + 1):
+            for cy in range(int(max(py - reach, 0.0)) - low, min(int(py + reach), high) - low + 1):
                 place = first[cx * rows + cy + 1]
                 owner[place] = i
                 first[cx * rows + cy + 1] = place + 1
     count = 0
     start[0] = 0
-    for c in range(columns * rows):
-        for a in range(first[c], first[c + 1]):
+    for c in range(cells):
+        last = first[c + 1]
+        for a in range(first[c], last):
             i = owner[a]
             xi, yi = x[i], y[i]
-            if count + first[c + 1] - a > neighbours.size:
+            if count + last - a > neighbours.size:
                 return -1
-            for b in range(a + 1, first[c + 1]):
+            for b in range(a + 1, last):
                 j = owner[b]
                 dx = xi - x[j]
                 dy = yi - y[j]
                 if dx * dx + dy * dy < d2:
-                    cx = int((0.5 * (xi + x[j]) - grid.x_low) * inverse)
-                    cy = int((0.5 * (yi + y[j]) - grid.y_low) * inverse)
+                    cx = int((0.5 * (xi + x[j]) - grid.x_low) * inverse) - left
+                    cy = int((0.5 * (yi + y[j]) - grid.y_low) * inverse) - low
                     if cx * rows + cy == c:
                         neighbours[count] = j
                         count += 1
             start[a + 1] = count
-    return first[columns * rows]
+    grid.used[0] = first[cells]
+    return first[cells]
 
 
 def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face_start, near, law, touch):
