@@ -43,8 +43,8 @@ struct Law {
 struct ContactForce {
   double fx, fy;       // on the disc, N
   double twist;        // tangential force times its sense: moment on the disc is -(lever) * twist
-  double dashpot;      // power lost in the dashpot, W
-  double rubbing;      // power lost in friction, W
+  double dash_x, dash_y;    // share of the dashpot in the force
+  double rub_x, rub_y;      // share of friction in the force
 };
 
 /** Elastic energy of an overlap, J per metre of width. */
@@ -82,11 +82,13 @@ inline ContactForce contact_force(const Law &law, double dx, double dy, double v
   } else {
     ccel = law.k * overlap * rinv - damp;
   }
-  out.dashpot = damp * vnnr;
+  out.dash_x = -dx * damp;
+  out.dash_y = -dy * damp;
   out.fx = dx * ccel;
   out.fy = dy * ccel;
   out.twist = 0.0;
-  out.rubbing = 0.0;
+  out.rub_x = 0.0;
+  out.rub_y = 0.0;
   if (has_friction(FRICTION)) {
     double vtx = vx - dx * vnnr * rsqinv;
     double vty = vy - dy * vnnr * rsqinv;
@@ -111,7 +113,8 @@ inline ContactForce contact_force(const Law &law, double dx, double dy, double v
     out.fx += fsx;
     out.fy += fsy;
     out.twist = rinv * (dx * fsy - dy * fsx);
-    out.rubbing = rate * slip * slip;
+    out.rub_x = fsx;
+    out.rub_y = fsy;
   }
   return out;
 }

@@ -16,7 +16,7 @@
      about the lower-left corner (block, box) or the plane's point nearest the origin.
 
    Global vector: 1 elastic energy of the pairs, 2 of the walls, 3 dashpot loss since the start, 4 friction loss since
-   the start (both with `ledger yes`), 5 kinetic energy, 6 potential energy of gravity, 7 largest overlap,
+   the start (both with `ledger yes`: work in each half kick, exact for velocity Verlet), 5 kinetic energy, 6 potential energy of gravity, 7 largest overlap,
    8 largest speed of the last force evaluation (law sign), 9 number of discs touching walls, then for each probe
    fx, fy, moment. Global scalar: 1 + 2. All in SI per metre of width. Restarts keep losses and open windows. */
 
@@ -85,6 +85,7 @@ class FixJumpStep : public Fix {
 
   int add_wall(int, int, char **);
   void find_near();
+  void book_half_kick();
   void reduce();
   template <bool SPIN> void drift();
   template <jump::Friction, bool SMOOTH> void push();

@@ -153,6 +153,8 @@ void PairJumpDisc::init_style()
   if (spin && !atom->torque_flag) error->all(FLERR, "pair_style jump/disc spin yes needs an atom style with torque");
   if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol)
     error->all(FLERR, "pair_style jump/disc knows no neigh_modify exclude");
+  if (ledger && force->newton_pair && (comm->nprocs > 1 || domain->xperiodic || domain->yperiodic))
+    error->all(FLERR, "pair_style jump/disc ledger yes needs newton off where discs have images on other ranks");
   packed_step = -1;
   listed.clear();
   candidates = 0;
@@ -169,6 +171,10 @@ void PairJumpDisc::reserve(int n)
   if ((size_t) n > disc.size()) {
     disc.resize(n + n / 4 + 64);
     if (spin) rim.resize(disc.size());
+    if (ledger) {
+      dash.resize(2 * disc.size(), 0.0);
+      rub.resize(2 * disc.size(), 0.0);
+    }
   }
 }
 
@@ -392,6 +398,10 @@ template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evalua
   const int nlocal = atom->nlocal;
   const bool newton = force->newton_pair;
   const double radius = 0.5 * diameter;
+  if (LEDGER) {
+    std::fill(dash.begin(), dash.end(), 0.0);
+    std::fill(rub.begin(), rub.end(), 0.0);
+  }
   double *const __restrict f = atom->f ? atom->f[0] : nullptr;
   double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
 
@@ -404,9 +414,9 @@ template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evalua
     contacts += dx * dx + dy * dy < reach_sq;
   }
 
-  double dashpot = 0.0, rubbing = 0.0;
   alignas(64) double between[BATCH][4];
-  alignas(64) double rims[BATCH], fx[BATCH], fy[BATCH], twist[BATCH], lost[BATCH], rubbed[BATCH];
+  alignas(64) double rims[BATCH], fx[BATCH], fy[BATCH], twist[BATCH];
+  alignas(64) double lost[LEDGER ? BATCH : 1][4];
   for (size_t begin = 0; begin < contacts; begin += BATCH) {
     const int n = (int) (contacts - begin < BATCH ? contacts - begin : BATCH);
     for (int c = 0; c < n; c++) {
@@ -424,8 +434,10 @@ template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evalua
       fy[c] = out.fy;
       if (jump::has_spin(FRICTION)) twist[c] = radius * out.twist;
       if (LEDGER) {
-        lost[c] = out.dashpot;
-        rubbed[c] = out.rubbing;
+        lost[c][0] = out.dash_x;
+        lost[c][1] = out.dash_y;
+        lost[c][2] = out.rub_x;
+        lost[c][3] = out.rub_y;
       }
     }
     for (int c = 0; c < n; c++) {
@@ -440,17 +452,18 @@ template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evalua
         if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= twist[c];
       }
       if (LEDGER) {
-        const double share = newton || j < nlocal ? 1.0 : 0.5;
-        dashpot += share * lost[c];
-        rubbing += share * rubbed[c];
+        for (int axis = 0; axis < 2; axis++) {
+          dash[2 * i + axis] += lost[c][axis];
+          rub[2 * i + axis] += lost[c][2 + axis];
+          if (j < nlocal) {
+            dash[2 * j + axis] -= lost[c][axis];
+            rub[2 * j + axis] -= lost[c][2 + axis];
+          }
+        }
       }
       if (evflag)
         ev_tally_xyz(i, j, nlocal, newton, 0.0, 0.0, fx[c], fy[c], 0.0, between[c][0], between[c][1], 0.0);
     }
-  }
-  if (LEDGER && !update->setupflag) {
-    dashpot_loss += dashpot * update->dt;
-    friction_loss += rubbing * update->dt;
   }
 }
 
@@ -601,7 +614,7 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
 double PairJumpDisc::memory_usage()
 {
   return disc.capacity() * sizeof(Disc) +
-      (rim.capacity() + sorted_x.capacity() + sorted_y.capacity()) * sizeof(double) +
+      (rim.capacity() + dash.capacity() + rub.capacity() + sorted_x.capacity() + sorted_y.capacity()) * sizeof(double) +
       (first.capacity() + second.capacity() + hit.capacity() + cell_of.capacity() + cell_start.capacity() +
        sorted.capacity() + listed.capacity()) *
       sizeof(int);

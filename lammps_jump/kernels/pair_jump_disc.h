@@ -46,7 +46,7 @@ class PairJumpDisc : public Pair {
   jump::Friction friction = jump::Friction::NONE;
   bool sign = false, smooth = false, spin = false, ledger = false;
   double mass = 0.0, diameter = 0.0, width = 0.0;
-  double dashpot_loss = 0.0, friction_loss = 0.0;    // this rank, since the start, J/m
+  std::vector<double> dash, rub;                     // dashpot and friction forces on the local discs (x, y), ledger
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc> disc;                            // local discs, then ghosts
   std::vector<double> rim;                           // R omega, with spin
