@@ -1,0 +1,40 @@
+# Each target is what a person would type; `make run` and `make test` set up on their own.
+PYTHON ?= python3
+VENV   ?= .venv
+BIN     = $(VENV)/bin
+CASE   ?= inputs/hydraulic_jump.yaml
+
+.PHONY: run test check bench stress cross-validation sensitivity lint doctor clean
+
+# a stamp, so that the environment is made once and again when the dependencies change
+$(VENV)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --editable '.[test]'
+	touch $@
+
+run: $(VENV)/.ready
+	$(BIN)/lammps-jump build-and-run $(CASE)
+
+test: $(VENV)/.ready
+	$(BIN)/python -m pytest -n 2 -m "not slow"
+
+check: $(VENV)/.ready
+	$(BIN)/python -m pytest
+
+bench: $(VENV)/.ready
+	for scene in energy_box_16 dam_break hydraulic_jump_frictionless; do $(BIN)/lammps-jump bench inputs/$$scene.yaml || exit 1; done
+
+stress: $(VENV)/.ready
+	$(BIN)/lammps-jump stress
+
+cross-validation: $(VENV)/.ready
+	for scene in energy_box_16 dam_break quick_jump hydraulic_jump_frictionless hydraulic_jump; do $(BIN)/lammps-jump cross-validate inputs/$$scene.yaml || exit 1; done
+
+lint: $(VENV)/.ready
+	$(BIN)/pip install --quiet ruff && $(BIN)/ruff check . && $(BIN)/ruff format --check .
+
+doctor: $(VENV)/.ready
+	$(BIN)/lammps-jump doctor
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info
