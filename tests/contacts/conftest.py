@@ -1,0 +1,223 @@
+"""What the contact tests share: the engines behind one face, and a table entry turned into a scene and a record.
+
+An engine here is anything with ``run(steps)``, ``positions``, ``velocities`` (n, 2) and ``spin`` (n,).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, radians, sin
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from lammps_jump import contact
+from lammps_jump.scene import Scene
+from lammps_jump.walls import Block, Box, Plane
+
+WALL_KINDS = {"plane": Plane, "block": Block, "box": Box}
+ENGINES = {
+    # integrator, friction law
+    "lammps": ("velocity_verlet", "hooke"),
+    "native_verlet": ("velocity_verlet", "hooke"),
+    "native_leapfrog": ("leapfrog_extrapolated", "hooke"),
+    "native_thesis": ("leapfrog_extrapolated", "sign"),
+}
+
+
+# --- engines ----------------------------------------------------------------------------------------------------
+
+
+class LammpsEngine:
+    """The generated script up to its run, then stepped from here."""
+
+    def __init__(self, scene: Scene, spins: list[float], folder: Path):
+        from lammps_jump.lammps_engine.loader import load_lammps
+        from lammps_jump.script import write_script
+
+        path = write_script(scene, folder)
+        commands = path.read_text().partition("# --- run")[0]
+        commands = commands.replace("discs.data", str(folder / "discs.data"))
+        commands = commands.replace("dump.lammpstrj", str(folder / "dump.lammpstrj"))
+        self.lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none"])
+        self.lmp.commands_string(commands)
+        for i, spin in enumerate(spins, 1):
+            if spin:
+                self.lmp.command(f"set atom {i} omega 0 0 {spin!r}")
+        self.lmp.command("run 0")
+
+    def run(self, steps: int) -> None:
+        self.lmp.command(f"run {steps} pre no post no")
+
+    def _by_id(self, name: str) -> np.ndarray:
+        n = self.lmp.get_natoms()
+        order = np.argsort(self.lmp.numpy.extract_atom("id")[:n])
+        return self.lmp.numpy.extract_atom(name)[:n][order]
+
+    @property
+    def positions(self) -> np.ndarray:
+        return self._by_id("x")[:, :2].copy()
+
+    @property
+    def velocities(self) -> np.ndarray:
+        return self._by_id("v")[:, :2].copy()
+
+    @property
+    def spin(self) -> np.ndarray:
+        return self._by_id("omega")[:, 2].copy()
+
+    def close(self) -> None:
+        self.lmp.close()
+
+
+class NativeEngine:
+    """The native engine; spins are put in by hand, because no scene starts with any."""
+
+    def __init__(self, scene: Scene, spins: list[float]):
+        from lammps_jump.native import NativeSimulation
+
+        self.simulation = NativeSimulation(scene)
+        discs = self.simulation.discs
+        if any(spins):
+            given = np.array(spins)[discs.ids[: discs.n] - 1]
+            for array in (discs.omega, discs.uomega):
+                if array is not None:
+                    array[: discs.n] = given
+        self.run = self.simulation.run
+
+    positions = property(lambda self: self.simulation.positions)
+    velocities = property(lambda self: self.simulation.velocities)
+    spin = property(lambda self: self.simulation.spin)
+
+    def close(self) -> None:
+        pass
+
+
+def start(engine: str, scene: Scene, spins: list[float], folder: Path):
+    return LammpsEngine(scene, spins, folder) if engine == "lammps" else NativeEngine(scene, spins)
+
+
+# --- from a table entry to a record -----------------------------------------------------------------------------
+
+
+def make_scene(case: dict, engine: str, *, correct: bool = False) -> Scene:
+    """The scene of a table entry for one engine."""
+    integrator, law = ENGINES[engine]
+    coefficients = contact.derive(
+        density=case["density"],
+        diameter=case["diameter"],
+        restitution=case["restitution"],
+        friction=case["friction"],
+        stiffness=case["stiffness"],
+        stiffness_wall=case["stiffness"],
+        impact_speed=3.0,
+        time_step_fraction=case["fraction"],
+        integrator=integrator,
+        correct_restitution=correct,
+        rotation=case["rotation"],
+    )
+    slope = radians(case["slope"])
+    gravity = (case["gravity"] * sin(slope), -case["gravity"] * cos(slope))
+    resting = 0.5 * case["diameter"] + coefficients.mass * gravity[1] / coefficients.stiffness
+    places = [(disc["x"], resting if disc["y"] == "resting" else disc["y"]) for disc in case["discs"]]
+    walls = []
+    for wall in case.get("walls", []):
+        fields = {key: tuple(value) if isinstance(value, list) else value for key, value in wall.items()}
+        walls.append(WALL_KINDS[fields.pop("kind")](**fields))
+    return Scene(
+        name="contact",
+        description="",
+        diameter=case["diameter"],
+        density=case["density"],
+        gravity=gravity,
+        coefficients=coefficients,
+        friction_law=law,
+        rotation=case["rotation"],
+        integrator=integrator,
+        domain=((-6.0, 6.0), (-6.0, 6.0)),
+        positions=np.array(places, float),
+        velocities=np.array([(disc.get("vx", 0), disc.get("vy", 0)) for disc in case["discs"]], float),
+        walls=tuple(walls),
+        steps=10**9,
+        output_steps=10**8,
+        skin=0.3 * case["diameter"],
+        overlap_limit=0.5 * case["diameter"],
+    )
+
+
+@dataclass
+class Record:
+    """What an engine did: t (s,), x and v (s, n, 2), w (s, n), the start included."""
+
+    case: dict
+    scene: Scene
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    w: np.ndarray
+
+    @property
+    def c(self) -> contact.Coefficients:
+        return self.scene.coefficients
+
+    @property
+    def omega(self) -> float:
+        """Contact frequency: of the wall where there is one, else of the pair."""
+        return self.c.omega_wall if self.scene.walls else self.c.omega
+
+    @property
+    def gap(self) -> np.ndarray:
+        """`gaps` of the samples, shape (s,)."""
+        return gaps(self.scene, self.x)
+
+    def normal(self) -> np.ndarray:
+        """Unit normal at touch, from wall to disc 1, or from disc 2 to disc 1."""
+        i = int(np.argmax(self.gap < 0))
+        if self.scene.walls:
+            _, nx, ny = self.scene.walls[0].contacts(*self.x[i, 0])[0]
+            return np.array([float(nx), float(ny)])
+        r = self.x[i, 0] - self.x[i, 1]
+        return r / np.hypot(*r)
+
+
+def gaps(scene: Scene, x: np.ndarray) -> np.ndarray:
+    """Distance of surfaces at positions x (s, n, 2): of the first wall and disc 1, or of the two discs."""
+    if scene.walls:
+        return scene.walls[0].signed_distance(*x[:, 0].T) - scene.radius
+    return np.hypot(*(x[:, 1] - x[:, 0]).T) - scene.diameter
+
+
+def play(case: dict, engine: str, folder: Path) -> Record:
+    """Run an entry on an engine."""
+    scene = make_scene(case, engine)
+    sim = start(engine, scene, [disc.get("spin", 0.0) for disc in case["discs"]], folder)
+    samples, every = [(0, sim.positions, sim.velocities, sim.spin)], case["samples"] or 1
+
+    def sample() -> None:
+        sim.run(every)
+        samples.append((samples[-1][0] + every, sim.positions, sim.velocities, sim.spin))
+
+    try:
+        if "seconds" in case["run"]:
+            left = round(case["run"]["seconds"] / scene.time_step / every)
+        else:
+            while gaps(scene, samples[-1][1][None])[0] > 0:
+                sample()
+                assert len(samples) < 20_000, "the discs never touch"
+            omega = scene.coefficients.omega_wall if scene.walls else scene.coefficients.omega
+            duration = contact.contact_duration(case["restitution"], omega)
+            left = int(case["run"]["contacts"] * duration / scene.time_step)
+        for _ in range(left):
+            sample()
+    finally:
+        sim.close()
+    t, x, v, w = (np.array(part) for part in zip(*samples, strict=True))
+    return Record(case, scene, t * scene.time_step, x, v, w)
+
+
+@pytest.fixture
+def rig():
+    """`make_scene`, `start` and `play`."""
+    return SimpleNamespace(make_scene=make_scene, start=start, play=play)
