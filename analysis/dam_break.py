@@ -150,7 +150,7 @@ class Comparison:
 
 
 def against_curve(x: np.ndarray, y: np.ndarray, curve_x, curve_y, *, beyond: float = -np.inf) -> Comparison:
-    """Measured y(x) at the points of a tabulated curve with x > `beyond` that the measurement covers (linear between)."""
+    """Measured y(x), linear in between, at the points x > `beyond` of a tabulated curve that the measurement covers."""
     good = np.isfinite(x) & np.isfinite(y)
     x, y = x[good], y[good]
     curve_x, curve_y = np.asarray(curve_x, float), np.asarray(curve_y, float)

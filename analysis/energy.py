@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .contact_series import ContactCollector
 from .contact_sums import pair_sums, wall_sums
 from .context import FlowContext
 from .dump import Frame
@@ -23,8 +24,8 @@ class EnergyHistory:
     elastic : ndarray or None, shape (frames,)
         Pairs and walls; None where the stiffness is not known.
     discs : ndarray of int, shape (frames,)
-    first, last : ndarray of int
-        Sorted ids of the first and last frame.
+    same_discs : bool
+        Every frame holds the same ids.
     """
 
     time: np.ndarray
@@ -44,14 +45,15 @@ class EnergyHistory:
 class EnergyLedger:
     """Collects the energy of one frame after the other; ask for `result` at the end."""
 
-    def __init__(self, context: FlowContext):
-        self.context = context
+    def __init__(self, context: FlowContext, contacts: ContactCollector | None = None):
+        """`contacts` saw the same frame just before: its elastic energy is used instead of a second pair search."""
+        self.context, self.contacts = context, contacts
         self._rows: list[tuple[float, ...]] = []
         self._ids: np.ndarray | None = None
         self._same = True
 
-    def add(self, frame: Frame, time: float, elastic_pairs: float | None = None) -> None:
-        """Add a frame; `elastic_pairs` (J/m) spares the pair search where somebody did it already."""
+    def add(self, frame: Frame, time: float) -> None:
+        """Add a frame."""
         context = self.context
         mass, (gx, gy) = context.mass, context.gravity
         x, y = frame.x, frame.y
@@ -62,11 +64,11 @@ class EnergyLedger:
             rotational = 0.25 * mass * context.radius**2 * float(np.dot(spin, spin))
         potential = -mass * float(gx * x.sum() + gy * y.sum())
         elastic = np.nan
-        if context.stiffness is not None:
-            if elastic_pairs is None:
-                elastic_pairs = pair_sums(frame, context).energy
+        if self.contacts is not None:
+            elastic = self.contacts.latest
+        elif context.stiffness is not None:
             walls = sum(wall_sums(frame, wall, context, velocity=False).energy for wall in context.walls_at(time))
-            elastic = elastic_pairs + walls
+            elastic = pair_sums(frame, context).energy + walls
         ids = np.sort(frame.ids)
         if self._ids is None:
             self._ids = ids

@@ -1,0 +1,282 @@
+"""Where the jump is in each frame: a ramp between two levels, fitted to the mass depth; and how fast it moves.
+
+Everything here speaks of a stream that flows towards larger x; `jump.analyse_jump` mirrors the others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import nan, sqrt
+
+import numpy as np
+
+LEAST_RATIO = 1.5
+"""A rise below this ratio of mass depths is taken for waves of the stream, not for a jump (Fr1 = 1.37)."""
+LEAST_SHARE = 0.6
+"""The ramp must explain this share of the depth's variance along the reach."""
+CREST_SHARE = 0.8
+"""The reach ends where the depth behind its crest falls below this share of it: drawdown, or a heap's back."""
+COARSE = 64
+"""Most places tried for each end of the ramp in the first search; the second is eight times finer."""
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """Two levels with a straight ramp from `toe` to `end` between them; `share` is the variance explained."""
+
+    toe: float
+    end: float
+    depth_1: float
+    depth_2: float
+    share: float
+
+
+def _ramp_integral(x: np.ndarray, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Integral from -infinity to x of the unit ramp from toe to end (a step where they coincide)."""
+    length = np.maximum(end - toe, 1e-12)
+    inside = np.clip(x - toe, 0.0, length)
+    return 0.5 * inside**2 / length + np.maximum(x - end, 0.0)
+
+
+def _shapes(edges: np.ndarray, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Mean of unit ramps over bins, shape (ramps, bins)."""
+    integral = _ramp_integral(edges[None, :], toe[:, None], end[:, None])
+    return np.diff(integral, axis=1) / np.diff(edges)
+
+
+@lru_cache(maxsize=64)
+def _coarse(bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Toe and end (in bins) of all ramps between a coarse set of edges, and their shapes."""
+    places = np.unique(np.round(np.linspace(0, bins, min(bins, COARSE) + 1)).astype(int))[1:-1].astype(float)
+    i, j = np.triu_indices(len(places))
+    toe, end = places[i], places[j]
+    return toe, end, _shapes(np.arange(bins + 1.0), toe, end)
+
+
+def _best(depth: np.ndarray, toe: np.ndarray, end: np.ndarray, shapes: np.ndarray) -> tuple[int, Ramp] | None:
+    """The ramp among `shapes` that leaves the least squares, rising ones only."""
+    mean = shapes.mean(axis=1)
+    spread = (shapes**2).mean(axis=1) - mean**2
+    covariance = shapes @ depth / len(depth) - mean * depth.mean()
+    rise = np.where(spread > 1e-12, covariance / np.maximum(spread, 1e-12), 0.0)
+    gain = np.where(rise > 0, rise * covariance, -1.0)
+    if not len(gain) or gain.max() <= 0:
+        return None
+    best = int(np.argmax(gain))
+    low = float(depth.mean() - rise[best] * mean[best])
+    share = float(gain[best] / max(depth.var(), 1e-300))
+    return best, Ramp(float(toe[best]), float(end[best]), low, low + float(rise[best]), share)
+
+
+def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
+    """Least-squares ramp through a depth profile, ends to an eighth of a bin; None where nothing rises.
+
+    Parameters
+    ----------
+    edges : ndarray, shape (bins + 1,), m
+        Equally spaced.
+    depth : ndarray, shape (bins,), m
+    """
+    bins = len(depth)
+    if bins < 4 or not np.isfinite(depth).all():
+        return None
+    toe, end, shapes = _coarse(bins)
+    found = _best(depth, toe, end, shapes)
+    if found is None:
+        return None
+    ramp = found[1]
+    reach = max(1.0, bins / COARSE)
+    offsets = np.linspace(-reach, reach, 17)
+    i, j = np.meshgrid(ramp.toe + offsets, ramp.end + offsets, indexing="ij")
+    # the coarse edges themselves are among the candidates, so the second fit is never worse
+    keep = (i <= j) & (i > 0) & (j < bins)
+    toe, end = i[keep], j[keep]
+    ramp = _best(depth, toe, end, _shapes(np.arange(bins + 1.0), toe, end))[1]
+    width = edges[1] - edges[0]
+    return Ramp(edges[0] + ramp.toe * width, edges[0] + ramp.end * width, ramp.depth_1, ramp.depth_2, ramp.share)
+
+
+@dataclass(frozen=True)
+class JumpTrack:
+    """The jump frame by frame; NaN where it was not found, and `why` says the reason.
+
+    Attributes
+    ----------
+    time : ndarray, shape (frames,), s
+    toe, end : ndarray, m
+        Of the fitted ramp.
+    position : ndarray, m
+        Where a sharp front between the mean levels of the window would hold the same mass.
+    depth_1, depth_2, velocity_1, velocity_2 : ndarray
+        Mass depth (m) and velocity (m/s) of the fitted levels' stretches.
+    reach_end : ndarray, m
+        Where the part of the profile that was looked at ends.
+    why : tuple of str
+        Empty where a jump was found.
+    """
+
+    time: np.ndarray
+    toe: np.ndarray
+    end: np.ndarray
+    position: np.ndarray
+    depth_1: np.ndarray
+    depth_2: np.ndarray
+    velocity_1: np.ndarray
+    velocity_2: np.ndarray
+    reach_end: np.ndarray
+    why: tuple[str, ...]
+
+    @property
+    def found(self) -> np.ndarray:
+        """Whether a frame has a jump, shape (frames,)."""
+        return np.array([not reason for reason in self.why], bool)
+
+
+def _crest_reach(depth: np.ndarray) -> int:
+    """Number of bins up to where the depth, smoothed over five bins, has fallen off behind its crest."""
+    padded = np.pad(depth, 2, mode="edge")
+    smooth = np.convolve(padded, np.full(5, 0.2), mode="valid")
+    crest = int(np.argmax(smooth))
+    below = np.flatnonzero(smooth[crest:] < CREST_SHARE * smooth[crest])
+    return crest + int(below[0]) if below.size else len(depth)
+
+
+def track_jump(
+    edges: np.ndarray,
+    time: np.ndarray,
+    depth: np.ndarray,
+    discharge: np.ndarray,
+    gravity: float,
+    diameter: float,
+    in_window: np.ndarray,
+) -> JumpTrack:
+    """Follow the jump through the frames.
+
+    A frame has a jump where a ramp that rises at least `LEAST_RATIO`-fold explains `LEAST_SHARE` of the depth's
+    variance, the stream before it is deeper than half a disc and supercritical, and the one behind it subcritical.
+
+    Parameters
+    ----------
+    edges : ndarray, shape (bins + 1,), m
+        Of the reach: level floor, nothing in the way.
+    time : ndarray, shape (frames,), s
+    depth, discharge : ndarray, shape (frames, bins)
+        Mass depth, m, and discharge, m^2/s.
+    gravity : float
+        m/s^2 across the bed.
+    diameter : float
+        m.
+    in_window : ndarray of bool, shape (frames,)
+        Frames whose levels define `position`.
+    """
+    frames = len(time)
+    values = np.full((7, frames), nan)
+    why: list[str] = []
+    for k in range(frames):
+        bins = _crest_reach(depth[k])
+        reason, row = _look(edges[: bins + 1], depth[k, :bins], discharge[k, :bins], gravity, diameter)
+        values[:, k] = (*row, edges[bins])
+        why.append(reason)
+    found = np.array([not reason for reason in why], bool)
+    values[:6, ~found] = nan
+    position = np.full(frames, nan)
+    chosen = found & in_window if (found & in_window).any() else found
+    if chosen.any():
+        level_1, level_2 = np.median(values[2, chosen]), np.median(values[3, chosen])
+        for k in np.flatnonzero(found):
+            position[k] = equivalent_position(edges, depth[k], values[0, k], values[1, k], level_1, level_2)
+    toe, end, depth_1, depth_2, velocity_1, velocity_2, reach = values
+    return JumpTrack(time, toe, end, position, depth_1, depth_2, velocity_1, velocity_2, reach, tuple(why))
+
+
+def _look(edges, depth, discharge, gravity, diameter) -> tuple[str, tuple[float, ...]]:
+    nothing = (nan,) * 6
+    if depth.max(initial=0.0) < 0.5 * diameter:
+        return "the channel is dry", nothing
+    ramp = fit_ramp(edges, depth)
+    if ramp is None or ramp.depth_2 < LEAST_RATIO * max(ramp.depth_1, 0.0):
+        return f"the depth nowhere rises {LEAST_RATIO}-fold", nothing
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    before, behind = middle < ramp.toe, middle > ramp.end
+    if not before.any() or not behind.any():
+        return "the rise has no level stretch on both sides", nothing
+    depth_1, depth_2 = depth[before].mean(), depth[behind].mean()
+    if depth_1 < 0.5 * diameter:
+        return "no stream in front of the rise (a wave runs on a dry bed)", nothing
+    if ramp.share < LEAST_SHARE:
+        return f"no ramp between two levels fits (it explains {100 * ramp.share:.0f} % of the variance)", nothing
+    velocity_1, velocity_2 = (
+        discharge[before].sum() / depth[before].sum(),
+        discharge[behind].sum() / depth[behind].sum(),
+    )
+    froude_1, froude_2 = velocity_1 / sqrt(gravity * depth_1), velocity_2 / sqrt(gravity * depth_2)
+    if froude_1 <= 1:
+        return f"the stream in front of the rise is subcritical (Fr = {froude_1:.2f})", nothing
+    if froude_2 >= 1:
+        return f"the stream behind the rise is still supercritical (Fr = {froude_2:.2f})", nothing
+    return "", (ramp.toe, ramp.end, depth_1, depth_2, velocity_1, velocity_2)
+
+
+def equivalent_position(
+    edges: np.ndarray, depth: np.ndarray, toe: float, end: float, depth_1: float, depth_2: float
+) -> float:
+    """Where a step between two levels holds the mass of the profile around the ramp, m (exact for any step).
+
+    ``(x - a) s1 + (b - x) s2 = integral of s from a to b``, with a and b at bin edges a bin beyond the ramp's ends.
+    """
+    width = edges[1] - edges[0]
+    first = max(0, int(np.floor((toe - edges[0]) / width)) - 1)
+    last = min(len(depth), int(np.ceil((end - edges[0]) / width)) + 1)
+    a, b = edges[first], edges[last]
+    return float((b * depth_2 - a * depth_1 - depth[first:last].sum() * width) / (depth_2 - depth_1))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Straight-line motion.
+
+    Attributes
+    ----------
+    speed, error : float
+        m/s; the error is the standard error of the slope with the residuals' correlation allowed for.
+    start : float
+        Position at t = 0 of the fit, m.
+    points : int
+    wander : float
+        Standard deviation of the residuals, m.
+    """
+
+    speed: float
+    error: float
+    start: float
+    points: int
+    wander: float
+
+
+def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
+    """Speed by least squares; NaN with fewer than two points, its error with fewer than four.
+
+    The standard error of independent residuals is multiplied by sqrt((1 + r)/(1 - r)), r >= 0 their lag-one
+    correlation (first-order autoregression; Bartlett's effective number of samples), corrected for the bias
+    -(1 + 4 r)/n of its estimate, and r <= 0.95.
+    """
+    good = np.isfinite(position) & np.isfinite(time)
+    t, x = time[good], position[good]
+    n = len(t)
+    if n < 2 or np.ptp(t) == 0:
+        return Motion(nan, nan, nan, n, nan)
+    centred = t - t.mean()
+    speed = float(np.dot(centred, x) / np.dot(centred, centred))
+    start = float(x.mean() - speed * t.mean())
+    residual = x - start - speed * t
+    wander = float(residual.std())
+    if n < 4:
+        return Motion(speed, nan, start, n, wander)
+    square = float(np.dot(residual, residual))
+    if square <= 1e-24 * max(float(np.dot(x, x)), 1e-300):
+        return Motion(speed, 0.0, start, n, wander)
+    r = float(np.dot(residual[1:], residual[:-1])) / square
+    r = min(max(r + (1.0 + 4.0 * r) / n, 0.0), 0.95)
+    error = sqrt(square / (n - 2) / float(np.dot(centred, centred)) * (1 + r) / (1 - r))
+    return Motion(speed, error, start, n, wander)
