@@ -1,0 +1,460 @@
+"""The plugin's styles against the stock styles and against the native engine, on small scenes written out here."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lammps_jump.contact import derive
+from lammps_jump.errors import SetupError
+from lammps_jump.kernels import plugin_path
+from lammps_jump.scene import Gate, InletRow, Outlet, Scene
+from lammps_jump.walls import Block, Box, Plane
+
+pytestmark = pytest.mark.lammps
+
+DIAMETER = 0.2
+EQUAL = 1e-9  # diameters after 1000 steps: the agreement that is promised
+# Sums are taken in another order, so the last digit differs; collisions amplify it some ten-fold each.
+
+
+@pytest.fixture(scope="session")
+def plugin():
+    try:
+        return plugin_path()
+    except SetupError as error:
+        pytest.skip(f"no compiled kernel here: {error}")
+
+
+@pytest.fixture(scope="module")
+def lammps():
+    from lammps_jump.lammps_engine.loader import load_lammps
+
+    try:
+        return load_lammps().lammps
+    except SetupError as error:
+        pytest.skip(str(error))
+
+
+def scene(positions, velocities, walls, *, friction=0.0, law="hooke", rotation=False, restitution=0.2, **more):
+    """A scene of discs of 40 kg with the coefficients of the hydraulic jump."""
+    coefficients = derive(
+        density=1000.0,
+        diameter=DIAMETER,
+        restitution=restitution,
+        friction=friction,
+        stiffness=2.56e7,
+        stiffness_wall=2.56e7,
+        impact_speed=16.0,
+        time_step_fraction=more.pop("fraction", 0.05),
+        integrator="velocity_verlet",
+        correct_restitution=True,
+        rotation=rotation,
+    )
+    settings = {"gravity": (0.0, -9.81), "steps": 1000, "output_steps": 1000, "skin": 0.06, "overlap_limit": DIAMETER}
+    return Scene(
+        name="small",
+        description="",
+        diameter=DIAMETER,
+        density=1000.0,
+        coefficients=coefficients,
+        friction_law=law,
+        rotation=rotation,
+        integrator="velocity_verlet",
+        domain=((-3.0, 9.0), (-4.0, 9.0)),
+        positions=np.asarray(positions, float),
+        velocities=np.asarray(velocities, float),
+        walls=tuple(walls),
+        **{**settings, **more},
+    )
+
+
+def cloud(seed, nx=12, ny=12, speed=3.0, at=(0.3, 0.3)):
+    """Discs near a lattice with random velocities, so that many collide within 1000 steps."""
+    generator = np.random.default_rng(seed)
+    grid = np.array([(at[0] + 0.21 * i, at[1] + 0.21 * j) for i in range(nx) for j in range(ny)])
+    return grid + generator.normal(0, 0.002, grid.shape), generator.normal(0, speed, grid.shape)
+
+
+def text(wall):
+    if isinstance(wall, Plane):
+        return f"plane {wall.name} {wall.axis} {wall.at!r} {wall.side}"
+    kind = "block" if isinstance(wall, Block) else "box"
+    return f"{kind} {wall.name} {wall.x[0]!r} {wall.x[1]!r} {wall.y[0]!r} {wall.y[1]!r}"
+
+
+def stock_wall(wall, law):
+    if isinstance(wall, Plane):
+        ends = f"{wall.at!r} NULL" if wall.side == "above" else f"NULL {wall.at!r}"
+        return [f"fix {wall.name} all wall/gran {law} {wall.axis}plane {ends}"]
+    if isinstance(wall, Box):
+        return [line for face in wall.faces() for line in stock_wall(face, law)]
+    extent = f"{wall.x[0]!r} {wall.x[1]!r} {wall.y[0]!r} {wall.y[1]!r}"
+    return [
+        f"region {wall.name} block {extent} INF INF side out",
+        f"fix {wall.name} all wall/gran/region {law} region {wall.name}",
+    ]
+
+
+def start(case, *, newton="off"):
+    (xlo, xhi), (ylo, yhi) = case.domain
+    lines = [
+        "units si",
+        "dimension 2",
+        f"newton {newton}",
+        "boundary f f p",
+        "atom_style sphere",
+        "comm_modify vel yes",
+    ]
+    lines += [f"region domain block {xlo} {xhi} {ylo} {yhi} -0.1 0.1", "create_box 1 domain"]
+    for index, (x, y) in enumerate(case.positions, 1):
+        lines.append(f"create_atoms 1 single {float(x)!r} {float(y)!r} 0")
+        vx, vy = case.velocities[index - 1]
+        lines += [f"group one id {index}", f"velocity one set {float(vx)!r} {float(vy)!r} 0", "group one delete"]
+    lines += [f"set group all diameter {case.diameter!r}", f"set group all mass {case.mass!r}"]
+    return [*lines, "neighbor 0.06 bin", f"timestep {case.time_step!r}"]
+
+
+def traffic(case, folder):
+    lines = []
+    if case.inlets:
+        d, m = case.diameter, case.mass
+        parts = ["disc", "1 atoms", "Coords", "1 0 0 0", "Types", "1 1", "Diameters", f"1 {d!r}", "Masses", f"1 {m!r}"]
+        (folder / "disc.mol").write_text("\n\n".join(parts) + "\n")
+        lines.append(f"molecule disc {folder / 'disc.mol'}")
+    for index, row in enumerate(case.inlets):
+        lines += [
+            f"region in{index} block {row.x} {row.x} {row.y} {row.y} 0 0",
+            f"fix in{index} all deposit 999 0 {row.every_steps} {7 + index} region in{index} mol disc id max "
+            f"near {row.clearance} attempt 1 vx {row.vx} {row.vx} vy {row.vy} {row.vy}",
+        ]
+    for index, out in enumerate(case.outlets):
+        lines += [
+            f"region out{index} block INF INF INF {out.at} INF INF",
+            f"fix out{index} all evaporate {out.every_steps} 100000 out{index} 3",
+        ]
+    return lines
+
+
+def stock(case, folder, newton="off"):
+    c = case.coefficients
+    rub = f"{c.gamma_tangential!r} {c.friction!r} 1" if c.friction else "0 0 0"
+    wall_rub = f"{c.gamma_tangential_wall!r} {c.friction!r} 1" if c.friction else "0 0 0"
+    law = f"hooke {c.stiffness_wall!r} NULL {c.gamma_normal_wall!r} {wall_rub}"
+    lines = [*start(case, newton=newton), f"pair_style gran/hooke {c.stiffness!r} NULL {c.gamma_normal!r} {rub}"]
+    lines += ["pair_coeff * *", f"fix move all {'nve/sphere disc' if case.rotation else 'nve'}"]
+    lines += [f"fix gravity all gravity {-case.gravity[1]!r} vector 0 -1 0"] if case.gravity[1] else []
+    return [*lines, *(line for wall in case.walls for line in stock_wall(wall, law)), *traffic(case, folder)]
+
+
+def styles(case, plugin, *, probe="", ledger=False, skin=None):
+    c = case.coefficients
+    words = f"law {case.friction_law} k {c.stiffness!r} gamma {c.gamma_normal!r} gammat {c.gamma_tangential!r}"
+    words += f" mu {c.friction!r} mass {case.mass!r} diameter {case.diameter!r}"
+    words += f" spin {'yes' if case.rotation else 'no'} ledger {'yes' if ledger else 'no'}"
+    words += f" touch smooth {case.touch_width!r}" if case.touch == "smooth" else ""
+    words += f" skin {skin!r}" if skin else ""
+    walls = " ".join(f"wall {text(wall)}" for wall in case.walls)
+    walls += "".join(f" wall {text(gate.wall)} until {gate.release_step}" for gate in case.gates)
+    fix = f"fix step all jump/step gravity {case.gravity[0]!r} {case.gravity[1]!r} k_wall {c.stiffness_wall!r}"
+    fix += f" gamma_wall {c.gamma_normal_wall!r} gammat_wall {c.gamma_tangential_wall!r} mu_wall {c.friction!r}"
+    return [f"plugin load {plugin}", f"pair_style jump/disc {words}", "pair_coeff * *", f"{fix} {walls} {probe}"]
+
+
+def compiled(case, plugin, folder, newton="off", **options):
+    return [*start(case, newton=newton), *styles(case, plugin, **options), *traffic(case, folder)]
+
+
+class Run:
+    """A LAMMPS instance that has done some commands; the discs in the order of their ids."""
+
+    def __init__(self, lammps, lines):
+        self.engine = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        self.do(*lines)
+
+    def do(self, *lines):
+        for line in lines:
+            self.engine.command(line)
+        return self
+
+    def discs(self, name="x"):
+        n = self.engine.extract_global("nlocal")
+        order = np.argsort(np.array(self.engine.numpy.extract_atom("id")[:n]))
+        return np.array(self.engine.numpy.extract_atom(name)[:n])[order]
+
+    def vector(self, n):
+        return np.array([self.engine.extract_fix("step", 0, 1, index) for index in range(n)])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self.engine.close()
+
+
+def final(lammps, lines, steps, *names):
+    with Run(lammps, lines) as run:
+        run.do(f"run {steps}")
+        return [run.discs(name) for name in names]
+
+
+CLOUD = cloud(1)
+FLOOR = (Plane("floor", "y", 0.0, "above"), Plane("left", "x", 0.0, "above"), Plane("lid", "y", 3.2, "below"))
+CORNERS = (
+    Block("ground", (-2.5, 1.2), (-3.0, 0.1)),
+    Block("sill", (1.2, 2.0), (-3.0, 0.25)),
+    Box("room", (0.1, 4.0), (-2.0, 3.5)),
+)
+CASES = {
+    "pairs alone": dict(walls=(), gravity=(0.0, 0.0)),
+    "planes": dict(walls=FLOOR),
+    "planes, friction": dict(walls=FLOOR, friction=0.3),
+    "planes, friction, spin": dict(walls=FLOOR, friction=0.3, rotation=True),
+    "corners": dict(walls=CORNERS),
+    "corners, friction": dict(walls=CORNERS, friction=0.3),
+    "corners, friction, spin": dict(walls=CORNERS, friction=0.3, rotation=True),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_hooke_equals_the_stock_styles(lammps, plugin, tmp_path, name):
+    case = scene(*CLOUD, **CASES[name])
+    names = ("x", "v", "omega") if case.rotation else ("x", "v")
+    expected = final(lammps, stock(case, tmp_path), 1000, *names)
+    found = final(lammps, compiled(case, plugin, tmp_path), 1000, *names)
+    assert np.abs(expected[0][:, :2] - case.positions).max() > DIAMETER  # discs have moved and collided
+    assert np.abs(found[0] - expected[0]).max() < EQUAL * DIAMETER
+    assert np.abs(found[1] - expected[1]).max() < 1e-8  # m/s, of speeds of 10 m/s: velocities are a digit worse
+    if case.rotation:
+        assert np.abs(expected[2]).max() > 1
+        assert np.abs(found[2] - expected[2]).max() < 1e-7  # rad/s, of 20 rad/s
+
+
+@pytest.mark.parametrize("newton", ["on", "off"])
+def test_discs_that_come_and_go_equal_the_stock_styles(lammps, plugin, tmp_path, newton):
+    rows = tuple(InletRow(2.5, 1.0 + 0.25 * i, -12.0, 0.0, 0, 180 - 30 * i, 0.999 * DIAMETER) for i in range(3))
+    walls = (Block("ground", (-2.5, 1.2), (-3.0, 0.1)), Plane("left", "x", 0.0, "above"))
+    case = scene(*cloud(4, 9, 9), walls, friction=0.2, inlets=rows, outlets=(Outlet("y", 0.15, "below", 50),))
+    # sorting often, so that the list must notice that the indices mean other discs
+    more = ["atom_modify sort 70 0.3"]
+    expected = final(lammps, stock(case, tmp_path, newton) + more, 1000, "id", "x")
+    found = final(lammps, compiled(case, plugin, tmp_path, newton) + more, 1000, "id", "x")
+    assert np.array_equal(expected[0], found[0])
+    assert found[0].max() > 81 and len(found[0]) < found[0].max()  # discs have come and gone
+    assert np.abs(found[1] - expected[1]).max() < EQUAL * DIAMETER
+
+
+@pytest.mark.parametrize("skin", [0.002, 0.03, 0.3])
+def test_the_skin_of_the_list_changes_no_result(lammps, plugin, tmp_path, skin):
+    case = scene(*CLOUD, FLOOR, friction=0.1)
+    expected = final(lammps, compiled(case, plugin, tmp_path), 600, "x")[0]
+    found = final(lammps, compiled(case, plugin, tmp_path, skin=skin), 600, "x")[0]
+    assert np.abs(found - expected).max() < EQUAL * DIAMETER
+
+
+def test_the_pair_style_works_with_stock_fixes(lammps, plugin, tmp_path):
+    case = scene(*CLOUD, (), gravity=(0.0, 0.0), friction=0.2)
+    expected = final(lammps, stock(case, tmp_path), 1000, "x")[0]
+    lines = [*start(case), *styles(case, plugin)[:3], "fix move all nve"]
+    assert np.abs(final(lammps, lines, 1000, "x")[0] - expected).max() < EQUAL * DIAMETER
+
+
+NATIVE = {
+    "sign": dict(friction=0.2, law="sign"),
+    # a rolling contact is three times as stiff in friction: with ks = 0.2 the ramp of the sign law would chatter here
+    # (ks F_n dt 3 / (eps m_eff) > 2) and blow round-off up
+    "sign, spin": dict(friction=0.05, law="sign", rotation=True),
+    "hooke, spin": dict(friction=0.2, rotation=True),
+    "sign, smooth touch": dict(friction=0.2, law="sign", touch="smooth", touch_width=0.003),
+    "no friction, smooth touch": dict(touch="smooth", touch_width=0.003),
+}
+
+
+@pytest.mark.parametrize("name", NATIVE)
+def test_every_law_equals_the_native_engine(lammps, plugin, tmp_path, name):
+    from lammps_jump.native.engine import simulate
+
+    walls = (*CORNERS[:2], Plane("left", "x", 0.1, "above"))
+    case = scene(*CLOUD, walls, **NATIVE[name], probes=("ground", "sill"), probe_steps=250)
+    native = simulate(case, keep_frames=True)
+    last = native.frames[-1]
+    order = np.argsort(last.ids)
+    expected = np.column_stack([last.x, last.y])[order]
+    lines = compiled(case, plugin, tmp_path, ledger=True, probe="probe 250 ground sill")
+    with Run(lammps, lines) as run:
+        run.do("run 1000")
+        found, values = run.discs()[:, :2], run.vector(15)
+    assert np.abs(found - expected).max() < EQUAL * DIAMETER
+    # the same books, to round-off of energies of 1e5 J/m
+    books = native.result.ledger
+    assert values[0] + values[1] == pytest.approx(books["elastic"], rel=1e-6, abs=1e-5)
+    assert values[2] == pytest.approx(books["dissipated_dashpots"], rel=1e-8)
+    assert values[3] == pytest.approx(books["dissipated_friction"], rel=1e-8, abs=1e-6)
+    assert values[4] == pytest.approx(books["kinetic"], rel=1e-8)
+    if case.friction_law == "sign":
+        assert values[7] > 0
+    # the same mean force and moment over the last window of 250 steps
+    rows = {wall: force for step, wall, *force in native.forces if step == 1000}
+    for index, wall in enumerate(("ground", "sill")):
+        assert values[9 + 3 * index : 12 + 3 * index] == pytest.approx(rows[wall], rel=1e-7, abs=1e-4)
+
+
+def test_the_ledger_closes_with_the_square_of_the_step(lammps, plugin, tmp_path):
+    errors = []
+    for fraction, steps in ((0.04, 750), (0.02, 1500), (0.01, 3000)):
+        case = scene(*CLOUD, (Box("room", (0.1, 3.0), (0.1, 3.5)),), friction=0.2, rotation=True, fraction=fraction)
+        with Run(lammps, compiled(case, plugin, tmp_path, ledger=True)) as run:
+            run.do("run 0")
+            before = run.vector(6)
+            assert before[2] == before[3] == 0
+            run.do(f"run {steps}")
+            after = run.vector(6)
+        assert (after[2:4] > 0.01 * before.sum()).all()
+        errors.append(abs(after.sum() / before.sum() - 1))
+    assert errors[1] < 2e-4
+    # second order: each halving divides by four; the phases of first touch scatter by a factor of two
+    assert errors[0] / errors[2] > 8
+
+
+def test_a_gate_is_felt_until_its_step(lammps, plugin, tmp_path):
+    gate = Gate(Plane("gate", "x", 0.5, "below"), 400)
+    # pressed against the gate by a sideways weight
+    case = scene([[0.4, 0.5]], [[0.0, 0.0]], (), gates=(gate,), gravity=(9.81, 0.0))
+    with Run(lammps, compiled(case, plugin, tmp_path, probe="probe 1 gate")) as run:
+        run.do("run 399")
+        held = run.vector(12)
+        assert held[8] == 1 and held[9] > 0.1 * case.mass * 9.81
+        assert abs(run.discs()[0, 0] - 0.4) < 1e-3 * DIAMETER
+        run.do("run 1")
+        assert run.vector(12)[8] == 0 and run.vector(12)[9] == 0
+        run.do("run 1000")
+        assert run.discs()[0, 0] > 0.41  # through where the gate was
+
+
+def test_floor_force_and_moment_are_the_weight_of_the_discs(lammps, plugin, tmp_path):
+    case = scene([[1.0, 0.1], [2.0, 0.1]], np.zeros((2, 2)), (Block("floor", (0.0, 3.0), (-1.0, 0.0)),))
+    with Run(lammps, compiled(case, plugin, tmp_path, probe="probe 2000 floor")) as run:
+        run.do("run 20000")
+        fx, fy, moment = run.vector(12)[9:]
+    weight = case.mass * 9.81
+    assert fx == 0
+    assert fy == pytest.approx(-2 * weight, rel=1e-6)
+    assert moment == pytest.approx(-(1.0 + 2.0) * weight, rel=1e-6)  # about (0, -1)
+
+
+def test_a_centre_inside_a_block_feels_nothing_and_one_behind_a_plane_is_pushed_back(lammps, plugin, tmp_path):
+    case = scene([[1.0, -0.5]], [[0.0, 0.0]], (Block("floor", (0.0, 3.0), (-1.0, 0.0)),), gravity=(0.0, 0.0))
+    with Run(lammps, compiled(case, plugin, tmp_path)) as run:
+        run.do("run 10")
+        assert np.array_equal(run.discs("v")[0], np.zeros(3))
+    case = replace(case, walls=(Plane("floor", "y", 0.0, "above"),))
+    with Run(lammps, compiled(case, plugin, tmp_path)) as run:
+        run.do("run 0")
+        assert run.discs("f")[0, 1] == pytest.approx(case.coefficients.stiffness_wall * 0.6)
+
+
+def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
+    case = scene(*CLOUD, FLOOR, friction=0.3, rotation=True)
+    options = dict(ledger=True, probe="probe 300 floor")
+    with Run(lammps, compiled(case, plugin, tmp_path, **options)) as run:
+        run.do("run 500", f"write_restart {tmp_path / 'half'}", "run 100")
+        expected, books = run.discs(), run.vector(12)
+    # only the plugin and the fix are named again: the pair style comes out of the restart file
+    plug, _, _, fix = styles(case, plugin, **options)
+    lines = [plug, f"read_restart {tmp_path / 'half'}", "comm_modify vel yes", "neighbor 0.06 bin"]
+    with Run(lammps, [*lines, f"timestep {case.time_step!r}", fix]) as run:
+        run.do("run 100")
+        found, again = run.discs(), run.vector(12)
+    # the dashpot of the step at the cut sees the velocity of the step, not of the half step: LAMMPS recomputes forces
+    assert np.abs(found - expected).max() < 1e-4 * DIAMETER
+    assert again[2:4] == pytest.approx(books[2:4], rel=1e-3)
+    assert again[9:] == pytest.approx(books[9:], rel=0.02, abs=10.0)  # the window from 300 to 600 went on
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("law hooke", "law stone"), "law is hooke or sign, not 'stone'"),
+        ((" k 2", " k -2"), "must be above 0"),
+        ((" mu 0.2", " mu -0.2"), "must not be negative"),
+        (("spin no", "spin maybe"), "maybe"),
+        (("spin no", "colour no"), "unknown keyword 'colour'"),
+        (("diameter 0.2", "diameter 0.21"), "has diameter 0.2"),
+        (("mass 40", "mass 41"), "has mass 40"),
+        (("plane floor y", "plane floor z"), "axis of a plane is x or y"),
+        (("plane floor", "cone floor"), "a plane, block or box, not 'cone'"),
+        (("wall plane left", "wall plane floor"), "two walls are called 'floor'"),
+        (("probe 10 floor", "probe 10 roof"), "unknown wall 'roof'"),
+        (("probe 10 floor", "probe 0 floor"), "must be above 0"),
+        (("fix step all", "fix step part"), "its group is all"),
+        (("k_wall", "kwall"), "unknown keyword 'kwall'"),
+    ],
+)
+def test_bad_commands_are_refused_by_name(lammps, plugin, tmp_path, change, message):
+    case = scene(*cloud(2, 3, 3), FLOOR[:2], friction=0.2)
+    lines = compiled(case, plugin, tmp_path, probe="probe 10 floor")
+    changed = [line.replace(*change) if line.startswith(("pair_style", "fix step")) else line for line in lines]
+    assert changed != lines
+    engine = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    try:
+        with pytest.raises(Exception, match=message):
+            for line in ("region part block 0 1 0 1 -1 1", *changed, "run 1"):
+                engine.command(line)
+                if line.startswith("create_box"):
+                    engine.command("group part region part")
+    finally:
+        engine.close()
+
+
+RANKS_PROGRAM = """
+import sys
+from lammps_jump.lammps_engine.loader import load_lammps
+engine = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+for line in open(sys.argv[1]):
+    engine.command(line.strip())
+values = [engine.extract_fix("step", 0, 1, index) for index in range(12)]
+if engine.extract_setting("world_rank") == 0:
+    print(*(repr(value) for value in values))
+engine.close()
+"""
+
+
+@pytest.mark.parametrize("newton", ["on", "off"])
+def test_two_ranks_equal_one(plugin, tmp_path, newton):
+    from lammps_jump.lammps_engine.loader import program
+
+    mpiexec = program("mpiexec")
+    if mpiexec is None:
+        pytest.skip("the mpich wheel brings no mpiexec")
+    rows = (InletRow(2.5, 1.0, -12.0, 0.0, 0, 150, 0.999 * DIAMETER),)
+    walls = (Block("ground", (-2.5, 1.2), (-3.0, 0.1)), Plane("left", "x", 0.0, "above"))
+    # discs cross the border between the ranks, enter, fall off the ground's end and are taken out
+    case = scene(*cloud(4, 9, 9), walls, friction=0.2, law="sign", rotation=True, inlets=rows)
+    case = replace(case, domain=((-1.0, 3.0), (-4.0, 9.0)), outlets=(Outlet("y", 0.15, "below", 50),))
+    lines = compiled(case, plugin, tmp_path, newton, ledger=newton == "off", probe="probe 500 ground")
+    lines.insert(0, "processors * 1 1")
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    results = []
+    for ranks in (1, 2):
+        dump = tmp_path / f"dump{ranks}"
+        script = tmp_path / f"in{ranks}"
+        write = f"write_dump all custom {dump} id x y modify sort id format float %.17g"
+        script.write_text("\n".join([*lines, "run 1000", write]) + "\n")
+        program_file = Path(tmp_path / "ranks.py")
+        program_file.write_text(RANKS_PROGRAM)
+        command = [str(mpiexec), "-n", str(ranks), sys.executable, str(program_file), str(script)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+        assert done.returncode == 0, done.stderr + done.stdout
+        values = np.array([float(word) for word in done.stdout.split()])
+        results.append((np.loadtxt(dump, skiprows=9), values))
+    (one, values), (two, again) = results
+    assert len(one) != len(case.positions)
+    assert np.array_equal(one[:, 0], two[:, 0])
+    assert np.abs(one[:, 1:] - two[:, 1:]).max() < EQUAL * DIAMETER
+    assert again == pytest.approx(values, rel=1e-6, abs=1e-6)
