@@ -298,3 +298,8 @@ def make_frame(step: int, time: float | None, box, columns: Mapping[str, np.ndar
         lengths = ", ".join(f"{name} {len(values)}" for name, values in arrays.items())
         raise DumpError(f"the columns of step {step} differ in length: {lengths}.")
     return Frame(int(step), None if time is None else float(time), bounds, _frozen(arrays))
+
+
+def ten_indices(count: int, pictures: int = 10) -> list[int]:
+    """Indices of equally spaced frames out of `count`, the first and the last among them."""
+    return sorted({round(i) for i in np.linspace(0, count - 1, min(pictures, count))}) if count else []

@@ -20,7 +20,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.walls import Block, Box, Interval, Plane
 
 from .context import FlowContext
-from .dump import Dump, Frame
+from .dump import Dump, Frame, ten_indices
 from .painter import View, blank, colour_table, coloured, paint_discs, paint_walls
 
 STYLE = {
@@ -191,8 +191,8 @@ def _extent(profiles: xr.Dataset) -> Interval:
 
 
 def _occupied(profiles: xr.Dataset) -> Interval:
-    """The bins from the first to the last that ever held a disc, m; all where none did."""
-    held = np.flatnonzero(profiles["count"].values.sum(axis=0) > 0)
+    """The bins from the first to the last that held a disc in the window, m; all where none did."""
+    held = np.flatnonzero(profiles["count_mean"].values > 0)
     low, high = _extent(profiles)
     if not held.size:
         return low, high
@@ -255,11 +255,6 @@ def _edges(time: np.ndarray) -> np.ndarray:
         return np.array([time[0] - 0.5, time[0] + 0.5])
     middle = 0.5 * (time[1:] + time[:-1])
     return np.concatenate([[time[0] - (middle[0] - time[0])], middle, [time[-1] + (time[-1] - middle[-1])]])
-
-
-def ten_indices(count: int, pictures: int = 10) -> list[int]:
-    """Indices of equally spaced frames, the first and the last among them."""
-    return sorted({round(i) for i in np.linspace(0, count - 1, min(pictures, count))}) if count else []
 
 
 def snapshots(

@@ -1,0 +1,314 @@
+"""Coarse-grained fields on a grid: density, velocity, kinetic and contact stress.
+
+Definitions: I. Goldhirsch, "Stress, stress asymmetry and couple stress: from discrete particles to continuous
+fields", Granular Matter 12 (2010) 239; walls end a contact's branch at their surface as in T. Weinhart et al.,
+Granular Matter 14 (2012) 289. Each disc's kernel is normalised over the cells that are not inside a wall, so no
+mass, momentum or force moment is lost into walls: sums over the grid equal the discs' to round-off.
+
+Normalising alone would make a uniform fluid look thin at a wall (ln 2 = 0.69 of it at a plane): discs near the wall
+lose little to it there, and those further off do not make up for it. So every cell carries a weight a, found by
+balancing (R. Sinkhorn, Ann. Math. Statist. 35 (1964) 876): a(r) sum over r' of W(r - r') a(r') = 1 on the open
+cells. With it a uniform fluid stays uniform up to the wall, and nothing is lost either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import ceil, exp, floor, sqrt
+
+import numpy as np
+import xarray as xr
+from numba import njit
+
+from lammps_jump.errors import DumpError
+from lammps_jump.walls import Interval
+
+from .contacts_found import find_contacts
+from .context import FlowContext
+from .dump import Frame
+
+KERNELS = {"lucy": 0, "gaussian": 1}
+GAUSS = np.polynomial.legendre.leggauss(4)
+"""Points along a contact's branch: exact to degree 7 for a polynomial kernel."""
+
+BALANCING_ROUNDS = 12
+"""Each round about halves the error of the balance: 12 leave some 1e-4."""
+
+LONG_NAMES = {
+    "density": ("kg m-3", "bulk density"),
+    "velocity_x": ("m s-1", "horizontal velocity"),
+    "velocity_y": ("m s-1", "vertical velocity"),
+    "kinetic_xx": ("Pa", "kinetic stress xx, compression positive"),
+    "kinetic_xy": ("Pa", "kinetic stress xy, compression positive"),
+    "kinetic_yy": ("Pa", "kinetic stress yy, compression positive"),
+    "contact_xx": ("Pa", "contact stress xx, compression positive"),
+    "contact_xy": ("Pa", "contact stress xy, compression positive"),
+    "contact_yy": ("Pa", "contact stress yy, compression positive"),
+    "pressure": ("Pa", "half the trace of contact and kinetic stress"),
+    "hydrostatic": ("Pa", "weight of the density above, per area"),
+}
+
+
+def compute_fields(
+    frame: Frame,
+    context: FlowContext,
+    *,
+    x: Interval | None = None,
+    y: Interval | None = None,
+    spacing: float | None = None,
+    reach: float | None = None,
+    kernel: str = "lucy",
+    stress: bool | None = None,
+) -> xr.Dataset:
+    """Fields of one frame.
+
+    Parameters
+    ----------
+    frame : Frame
+    context : FlowContext
+    x, y : (float, float), optional
+        Extent of the grid, m; default the studied stretch, and from the floor to above the highest disc in it.
+    spacing : float, optional
+        Cell size, m; default half a diameter.
+    reach : float, optional
+        Where the kernel ends, m; default two diameters. Lucy: W ~ (1 + 3 q)(1 - q)^3, q = r/reach (standard
+        deviation 0.37 reach, 2-D); gaussian: standard deviation reach/3, cut at reach.
+    kernel : {'lucy', 'gaussian'}
+    stress : bool, optional
+        Contact stress too; default where the stiffness is known.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dims (y, x), cell centres; NaN inside walls, and for velocities where there is no mass. ``contact_*`` from
+        normal forces (spring and dashpot, no friction). ``hydrostatic`` is the integral of density g upwards within
+        the grid, to hold against ``contact_yy + kinetic_yy``.
+
+    Raises
+    ------
+    DumpError
+        An unknown kernel, or sizes that are not positive.
+    """
+    spacing = 0.5 * context.diameter if spacing is None else spacing
+    reach = 2.0 * context.diameter if reach is None else reach
+    if kernel not in KERNELS:
+        raise DumpError(f"kernel '{kernel}': it must be one of {', '.join(KERNELS)}.")
+    if not (spacing > 0 and reach > 0):
+        raise DumpError(f"spacing = {spacing} m, reach = {reach} m: both must be above 0.")
+    x = x or context.x_range
+    y = y or _heights(frame, context, x)
+    # a margin of one reach, so that discs outside the asked-for extent contribute what they should
+    margin = ceil(reach / spacing)
+    nx, ny = (max(1, round((high - low) / spacing)) for low, high in (x, y))
+    if (nx + 2 * margin) * (ny + 2 * margin) > 50_000_000:
+        raise DumpError(f"a grid of {nx} x {ny} cells is too fine; raise spacing ({spacing} m).")
+    low_x, low_y = x[0] - margin * spacing, y[0] - margin * spacing
+    centre_x = low_x + (np.arange(nx + 2 * margin) + 0.5) * spacing
+    centre_y = low_y + (np.arange(ny + 2 * margin) + 0.5) * spacing
+    mesh = np.meshgrid(centre_x, centre_y)
+    open_ = np.ones(mesh[0].shape, bool)
+    for wall in context.walls_at(context.time(frame)):
+        open_ &= wall.signed_distance(*mesh) > 0
+    cell_weight = balance(open_, _kernel_table(spacing, reach, KERNELS[kernel]), BALANCING_ROUNDS)
+    geometry = (low_x, low_y, spacing, reach, KERNELS[kernel])
+
+    m = context.mass
+    moving = "vx" in frame.columns and "vy" in frame.columns
+    u, v = (frame.vx, frame.vy) if moving else (np.zeros(frame.n), np.zeros(frame.n))
+    weights = m * np.column_stack([np.ones(frame.n), u, v, u * u, u * v, v * v])
+    sums = np.zeros((6, *open_.shape))
+    spread(np.column_stack([frame.x, frame.y]), weights, cell_weight, *geometry, sums)
+    density = sums[0]
+    some = density > 0
+    safe = np.where(some, density, 1.0)
+    vx, vy = sums[1] / safe, sums[2] / safe
+    fields = {
+        "density": density,
+        "velocity_x": np.where(some, vx, np.nan),
+        "velocity_y": np.where(some, vy, np.nan),
+        "kinetic_xx": np.maximum(sums[3] - density * vx * vx, 0.0),
+        "kinetic_xy": sums[4] - density * vx * vy,
+        "kinetic_yy": np.maximum(sums[5] - density * vy * vy, 0.0),
+    }
+    if stress is None:
+        stress = context.stiffness is not None
+    if stress:
+        contact = np.zeros((3, *open_.shape))
+        points, moments = _force_moments(frame, context)
+        spread(points, moments, cell_weight, *geometry, contact)
+        fields |= {f"contact_{name}": part for name, part in zip(("xx", "xy", "yy"), contact, strict=True)}
+        fields["pressure"] = 0.5 * (contact[0] + contact[2] + fields["kinetic_xx"] + fields["kinetic_yy"])
+    above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
+    fields["hydrostatic"] = above * spacing * abs(context.gravity[1])
+    inner = (slice(margin, margin + ny), slice(margin, margin + nx))
+    return xr.Dataset(
+        {
+            name: (
+                ("y", "x"),
+                np.where(open_, values, np.nan)[inner],
+                dict(zip(("units", "long_name"), LONG_NAMES[name], strict=True)),
+            )
+            for name, values in fields.items()
+        },
+        coords={
+            "x": ("x", centre_x[margin : margin + nx], {"units": "m", "long_name": "distance along the channel"}),
+            "y": ("y", centre_y[margin : margin + ny], {"units": "m", "long_name": "height"}),
+            "time": ((), context.time(frame), {"units": "s", "long_name": "simulated time"}),
+        },
+        attrs={
+            "kernel": kernel,
+            "reach": float(reach),
+            "spacing": float(spacing),
+            "title": f"fields of {context.name}",
+        },
+    )
+
+
+def mean_fields(frames: Iterable[Frame], context: FlowContext, *, x: Interval, y: Interval, **options) -> xr.Dataset:
+    """Time mean of `compute_fields` over frames: what a bed pressure needs, for contact forces ring.
+
+    Velocities are means by mass; stresses are means of each frame's (kinetic stress about each frame's own velocity).
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+    context : FlowContext
+    x, y : (float, float)
+        Extent, m; one grid for all frames.
+    **options
+        As in `compute_fields`.
+
+    Raises
+    ------
+    DumpError
+        No frame.
+    """
+    total, count = None, 0
+    for frame in frames:
+        fields = compute_fields(frame, context, x=x, y=y, **options).drop_vars("time")
+        for axis in ("x", "y"):
+            fields[f"velocity_{axis}"] = (fields[f"velocity_{axis}"] * fields["density"]).where(
+                fields["density"] != 0, 0 * fields["density"]
+            )
+        total = fields if total is None else total + fields
+        count += 1
+    if total is None:
+        raise DumpError("there is no frame to make fields of.")
+    mean = total / count
+    for axis in ("x", "y"):
+        mean[f"velocity_{axis}"] = mean[f"velocity_{axis}"] / mean["density"].where(mean["density"] > 0)
+    for name, (units, long_name) in LONG_NAMES.items():
+        if name in mean:
+            mean[name].attrs = {"units": units, "long_name": f"time mean of {long_name}"}
+    mean.attrs = {**fields.attrs, "frames": count}
+    return mean
+
+
+def _heights(frame: Frame, context: FlowContext, x: Interval) -> Interval:
+    floors = context.bed_height(np.linspace(*x, 400))
+    floors = floors[np.isfinite(floors)]
+    inside = frame.y[(frame.x >= x[0]) & (frame.x <= x[1])]
+    low = float(floors.min()) if floors.size else float(inside.min(initial=context.domain[1][0]))
+    return low, max(float(inside.max(initial=low)) + context.diameter, low + 2 * context.diameter)
+
+
+def _force_moments(frame: Frame, context: FlowContext) -> tuple[np.ndarray, np.ndarray]:
+    """Points along the branches of all contacts and what each carries: its share of force (x) branch."""
+    found = find_contacts(frame, context)
+    branch = found.start - found.end
+    force = found.force[:, None] * found.normal
+    moment = np.column_stack([force[:, 0] * branch[:, 0], force[:, 0] * branch[:, 1], force[:, 1] * branch[:, 1]])
+    nodes, weights = 0.5 * (GAUSS[0] + 1), 0.5 * GAUSS[1]
+    points = (found.end[:, None, :] + nodes[None, :, None] * branch[:, None, :]).reshape(-1, 2)
+    return points, (weights[None, :, None] * moment[:, None, :]).reshape(-1, 3)
+
+
+def _kernel_table(spacing: float, reach: float, kind: int) -> np.ndarray:
+    """The kernel between cell centres, summing to 1, shape (2 k + 1, 2 k + 1) with k = floor(reach / spacing)."""
+    k = int(reach / spacing)
+    steps = np.arange(-k, k + 1) * spacing
+    q = np.hypot(*np.meshgrid(steps, steps)) / reach
+    table = np.where(q < 1, (1 + 3 * q) * (1 - np.minimum(q, 1)) ** 3 if kind == 0 else np.exp(-4.5 * q * q), 0.0)
+    return table / table.sum()
+
+
+def _balance_py(open_, table, rounds):
+    """Weights a of the cells with a(r) sum W(r - r') a(r') = 1 on open cells, 0 in walls; 1 off the grid."""
+    rows, columns = open_.shape
+    k = table.shape[0] // 2
+    a = np.where(open_, 1.0, 0.0)
+    affected = np.zeros(open_.shape, np.bool_)  # a wall lies within three reaches: the others stay at 1
+    far = 3 * k
+    for r in range(rows):
+        for c in range(columns):
+            if not open_[r, c]:
+                # only a face can matter, and its cells see an open neighbour
+                face = False
+                for rr in range(max(r - 1, 0), min(r + 2, rows)):
+                    for cc in range(max(c - 1, 0), min(c + 2, columns)):
+                        face = face or open_[rr, cc]
+                if face:
+                    affected[max(r - far, 0) : r + far + 1, max(c - far, 0) : c + far + 1] = True
+    for _ in range(rounds):
+        new = a.copy()
+        for r in range(rows):
+            for c in range(columns):
+                if not (open_[r, c] and affected[r, c]):
+                    continue
+                total = 0.0
+                for i in range(-k, k + 1):
+                    for j in range(-k, k + 1):
+                        rr, cc = r + i, c + j
+                        inside = 0 <= rr < rows and 0 <= cc < columns
+                        total += table[i + k, j + k] * (a[rr, cc] if inside else 1.0)
+                new[r, c] = sqrt(a[r, c] / total)
+        a = new
+    return a
+
+
+def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, kind, sums):
+    """Add each point's weights to ``sums[quantity, row, column]``, per area, over the open cells in reach.
+
+    `cell_weight` is that of `balance`, zero in walls; each point's shares are normalised to one.
+    A point without an open cell in reach gives everything to the cell it lies in; one off the grid with nothing in
+    reach gives nothing.
+    """
+    rows, columns = cell_weight.shape
+    quantities = sums.shape[0]
+    area = spacing * spacing
+    for i in range(len(points)):
+        px, py = points[i, 0], points[i, 1]
+        c0 = max(ceil((px - reach - low_x) / spacing - 0.5), 0)
+        c1 = min(floor((px + reach - low_x) / spacing - 0.5), columns - 1)
+        r0 = max(ceil((py - reach - low_y) / spacing - 0.5), 0)
+        r1 = min(floor((py + reach - low_y) / spacing - 0.5), rows - 1)
+        total = 0.0
+        for pass_ in range(2):
+            for r in range(r0, r1 + 1):
+                dy = low_y + (r + 0.5) * spacing - py
+                for c in range(c0, c1 + 1):
+                    if cell_weight[r, c] == 0.0:
+                        continue
+                    dx = low_x + (c + 0.5) * spacing - px
+                    q = sqrt(dx * dx + dy * dy) / reach
+                    if q >= 1.0:
+                        continue
+                    w = (1.0 + 3.0 * q) * (1.0 - q) ** 3 if kind == 0 else exp(-4.5 * q * q)
+                    w *= cell_weight[r, c]
+                    if pass_ == 0:
+                        total += w
+                    else:
+                        share = w / total / area
+                        for k in range(quantities):
+                            sums[k, r, c] += share * weights[i, k]
+            if total <= 0.0:
+                break
+        if total <= 0.0:
+            c, r = floor((px - low_x) / spacing), floor((py - low_y) / spacing)
+            if 0 <= c < columns and 0 <= r < rows:
+                for k in range(quantities):
+                    sums[k, r, c] += weights[i, k] / area
+
+
+spread = njit(cache=True)(_spread_py)
+balance = njit(cache=True)(_balance_py)

@@ -1,0 +1,155 @@
+"""Exports: what was written is what another reader gets back."""
+
+import base64
+import csv
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dump import make_frame, open_dump, ten_indices
+from lammps_jump.analysis.dump_write import DumpWriter
+from lammps_jump.analysis.exports import (
+    write_pictures,
+    write_profiles_csv,
+    write_pvd,
+    write_table,
+    write_vti,
+    write_vtp,
+)
+from lammps_jump.analysis.fields import compute_fields
+from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.run_folder import find_dump, open_run_dump, read_forces
+
+from lammps_jump.errors import DumpError
+from lammps_jump.walls import Plane
+
+CONTEXT = FlowContext(
+    name="made-up",
+    diameter=0.2,
+    mass=40.0,
+    density=1000.0,
+    gravity=(0.0, -9.81),
+    domain=((0.0, 2.0), (0.0, 2.0)),
+    x_range=(0.0, 2.0),
+    walls=(Plane("floor", "y", 0.0, "above"),),
+    bin_width=0.5,
+)
+
+
+def frame(step=0):
+    x = (np.arange(10) + 0.5) * 0.2
+    columns = {"id": np.arange(10, 0, -1), "x": x, "y": 0 * x + 0.1, "vx": 0 * x + 1.0, "vy": 0 * x}
+    return make_frame(step, 0.1 * step, [[0, 2], [0, 2]], columns)
+
+
+def rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.reader(file))
+
+
+def test_table(tmp_path):
+    table = {"time": [0.0, 0.5], "n": np.array([1, 2]), "depth": [1 / 3, np.nan], "name": ["a, b", None]}
+    path = write_table(table, tmp_path / "t.csv", {"time": "s", "n": "1"})
+    assert rows(path) == [["time [s]", "n", "depth", "name"], ["0", "1", "0.3333333333", "a, b"], ["0.5", "2", "", ""]]
+    with pytest.raises(DumpError, match="equally long"):
+        write_table({"a": [1], "b": [1, 2]}, tmp_path / "t.csv")
+    with pytest.raises(DumpError, match="cannot be written"):
+        write_table({"a": [1]}, tmp_path / "no" / "t.csv")
+
+
+def test_profiles_as_tables(tmp_path):
+    profiles = compute_profiles([frame(i) for i in range(9)], CONTEXT)
+    mean, full = write_profiles_csv(profiles, tmp_path)
+    head, *body = rows(mean)
+    assert len(body) == 4 and head[0] == "x [m]"
+    depth = head.index("mass_depth_mean [m]")
+    np.testing.assert_allclose([float(row[depth]) for row in body], profiles.mass_depth_mean, rtol=1e-9)
+    head, *body = rows(full)
+    assert len(body) == 36
+    discharge = head.index("discharge [m2 s-1]")
+    np.testing.assert_allclose([float(row[discharge]) for row in body], profiles.discharge.values.ravel(), rtol=1e-9)
+
+
+def vtk_array(element):
+    raw = base64.b64decode(element.text)
+    size = int(np.frombuffer(raw[:8], "<u8")[0])
+    kind = "<f8" if element.get("type") == "Float64" else "<i8"
+    assert len(raw) == 8 + size
+    values = np.frombuffer(raw[8:], kind)
+    return values.reshape(-1, int(element.get("NumberOfComponents")))
+
+
+def test_fields_as_a_vtk_image(tmp_path):
+    fields = compute_fields(frame(), CONTEXT, y=(0.0, 0.5))
+    root = ET.parse(write_vti(fields, tmp_path / "f.vti")).getroot()
+    image = root.find("ImageData")
+    ny, nx = fields.density.shape
+    assert image.get("WholeExtent") == f"0 {nx} 0 {ny} 0 1"
+    origin = [float(v) for v in image.get("Origin").split()]
+    np.testing.assert_allclose(origin, [0, 0, 0], atol=1e-12)
+    arrays = {a.get("Name"): vtk_array(a) for a in image.iter("DataArray")}
+    # x runs fastest in VTK
+    np.testing.assert_array_equal(arrays["density"].reshape(ny, nx), fields.density)
+    np.testing.assert_array_equal(arrays["velocity"][:, 0].reshape(ny, nx), fields.velocity_x)
+    assert arrays["velocity"].shape == (nx * ny, 3)
+
+
+def test_discs_and_collection_for_paraview(tmp_path):
+    root = ET.parse(write_vtp(frame(), tmp_path / "d.vtp", 0.2)).getroot()
+    arrays = {a.get("Name"): vtk_array(a) for a in root.iter("DataArray")}
+    np.testing.assert_array_equal(arrays["points"][:, 0], frame().x)
+    np.testing.assert_array_equal(arrays["id"].ravel(), np.arange(10, 0, -1))
+    assert arrays["offsets"].ravel().tolist() == list(range(1, 11))
+    pvd = write_pvd([(0.0, tmp_path / "d.vtp"), (0.5, "e.vtp")], tmp_path / "all.pvd")
+    sets = list(ET.parse(pvd).getroot().iter("DataSet"))
+    assert [s.get("file") for s in sets] == ["d.vtp", "e.vtp"] and float(sets[1].get("timestep")) == 0.5
+
+
+def dump(tmp_path, frames):
+    path = tmp_path / "dump.lammpstrj"
+    with DumpWriter(path, ("id", "x", "y", "vx", "vy")) as writer:
+        for step in range(frames):
+            f = frame(step)
+            writer.write(step, f.time, f.box, f.columns)
+    return open_dump(path)
+
+
+def test_the_ten_pictures_of_the_thesis(tmp_path):
+    source = dump(tmp_path, 91)
+    paths = write_pictures(source, tmp_path)
+    assert [path.name for path in paths] == [f"picture{i}.dat" for i in range(10)]
+    table = np.loadtxt(paths[3])
+    assert table[:, 0].tolist() == list(range(1, 11))
+    np.testing.assert_allclose(table[:, 1], frame().x[::-1], rtol=1e-9)
+    assert ten_indices(91) == list(range(0, 91, 10)) and ten_indices(3) == [0, 1, 2] and ten_indices(0) == []
+    assert len(write_pictures(dump(tmp_path, 4), tmp_path)) == 4
+
+
+def test_run_folder(tmp_path):
+    with pytest.raises(DumpError, match="no dump in this folder"):
+        find_dump(tmp_path)
+    dump(tmp_path, 2)
+    assert open_run_dump(tmp_path).count() == 2
+    with pytest.raises(DumpError, match="no such file"):
+        find_dump(tmp_path / "nothing")
+
+
+def test_forces(tmp_path):
+    path = tmp_path / "forces.csv"
+    path.write_text("time,structure,fx,fy,moment\n0.1,sill,1,2,3\n0.1,floor,4,5,6\n0.2,sill,-1,-2e3,-3\n")
+    forces = read_forces(path)
+    assert list(forces) == ["sill", "floor"]
+    np.testing.assert_array_equal(forces["sill"].fx, [1, -1])
+    np.testing.assert_array_equal(forces["sill"].time, [0.1, 0.2])
+    np.testing.assert_array_equal(forces["floor"].moment, [6])
+    path.write_text("time,structure,fx,fy,moment\n0.1,sill,1,2,3\n0.2,sill,")
+    assert len(read_forces(path)["sill"].time) == 1
+    path.write_text("time,structure,fx,fy,moment\n0.1,sill,1,2,x\n0.2,sill,1,2,3\n")
+    with pytest.raises(DumpError, match="line 2"):
+        read_forces(path)
+    path.write_text("t,structure\n")
+    with pytest.raises(DumpError, match="no column 'time'"):
+        read_forces(path)
+    with pytest.raises(DumpError, match="cannot be read"):
+        read_forces(tmp_path / "none.csv")
