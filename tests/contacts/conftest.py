@@ -21,6 +21,8 @@ WALL_KINDS = {"plane": Plane, "block": Block, "box": Box}
 ENGINES = {
     # integrator, friction law
     "lammps": ("velocity_verlet", "hooke"),
+    "compiled": ("velocity_verlet", "hooke"),
+    "compiled_sign": ("velocity_verlet", "sign"),
     "native_verlet": ("velocity_verlet", "hooke"),
     "native_leapfrog": ("leapfrog_extrapolated", "hooke"),
     "native_thesis": ("leapfrog_extrapolated", "sign"),
@@ -30,14 +32,25 @@ ENGINES = {
 # --- engines ----------------------------------------------------------------------------------------------------
 
 
+def plugin() -> Path:
+    """This project's plugin; the test is skipped, with the reason, where it cannot be built."""
+    from lammps_jump.kernels import availability, plugin_path
+
+    status = availability()
+    if not status.available:
+        pytest.skip(f"no compiled kernel: {status.reason}")
+    return plugin_path()
+
+
 class LammpsEngine:
     """The generated script up to its run, then stepped from here."""
 
-    def __init__(self, scene: Scene, spins: list[float], folder: Path):
+    def __init__(self, scene: Scene, spins: list[float], folder: Path, *, compiled: bool):
         from lammps_jump.lammps_engine.loader import load_lammps
         from lammps_jump.script import write_script
 
-        path = write_script(scene, folder)
+        chosen = {"kernel": "compiled", "plugin": plugin()} if compiled else {}
+        path = write_script(scene, folder, **chosen)
         commands = path.read_text().partition("# --- run")[0]
         commands = commands.replace("discs.data", str(folder / "discs.data"))
         commands = commands.replace("dump.lammpstrj", str(folder / "dump.lammpstrj"))
@@ -96,7 +109,9 @@ class NativeEngine:
 
 
 def start(engine: str, scene: Scene, spins: list[float], folder: Path):
-    return LammpsEngine(scene, spins, folder) if engine == "lammps" else NativeEngine(scene, spins)
+    if engine.startswith("native"):
+        return NativeEngine(scene, spins)
+    return LammpsEngine(scene, spins, folder, compiled=engine.startswith("compiled"))
 
 
 # --- from a table entry to a record -----------------------------------------------------------------------------

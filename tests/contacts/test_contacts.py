@@ -14,7 +14,8 @@ from lammps_jump.walls import Box
 
 TABLE = yaml.safe_load((Path(__file__).parent / "cases.yaml").read_text())
 CASES = {name: TABLE["defaults"] | case for name, case in TABLE["cases"].items()}
-ENGINES = ("lammps", "native_verlet", "native_leapfrog", "native_thesis")
+ENGINES = ("lammps", "compiled", "compiled_sign", "native_verlet", "native_leapfrog", "native_thesis")
+SIGN = ("compiled_sign", "native_thesis")
 
 
 # --- models: quantity -> (measured, expected, absolute scale or None for relative) ----------------------------------
@@ -204,9 +205,9 @@ MODELS = {
 def table():
     for name, case in CASES.items():
         for engine in ENGINES:
-            smooth_twin = engine == "native_thesis" and not case["friction"]  # no friction, no law of friction
+            smooth_twin = engine in SIGN and not case["friction"]  # no friction, no law of friction
             if not smooth_twin and engine not in case.get("skip", {}):
-                marks = [pytest.mark.lammps] if engine == "lammps" else []
+                marks = [] if engine.startswith("native") else [pytest.mark.lammps]
                 yield pytest.param(name, engine, id=f"{name}-{engine}", marks=marks)
 
 
@@ -263,10 +264,14 @@ def mean_restitution(
 
 CLOSED_FORM = {
     "lammps": contact.lagged_restitution,
+    "compiled": contact.lagged_restitution,
     "native_verlet": contact.lagged_restitution,
     "native_leapfrog": contact.extrapolated_restitution,
 }
-MEASURED = [pytest.param("lammps", marks=pytest.mark.lammps), "native_verlet", "native_leapfrog"]
+MEASURED = [
+    *(pytest.param(engine, marks=pytest.mark.lammps) for engine in ("lammps", "compiled")),
+    *("native_verlet", "native_leapfrog"),
+]
 
 
 @pytest.mark.parametrize("engine", MEASURED)
@@ -300,9 +305,10 @@ def test_order_of_convergence_of_the_restitution(engine, order, tmp_path, rig):
 
 
 @pytest.mark.lammps
+@pytest.mark.parametrize("engine", ["lammps", "compiled"])
 @pytest.mark.parametrize("name", ["head_on_pair_thesis", "block_corner_glancing", "slide_over_floor_spin"])
-def test_same_law_and_integrator_give_the_same_path(name, tmp_path, rig):
-    """LAMMPS and the native velocity Verlet are the same arithmetic but for its order."""
-    mine, theirs = (rig.play(CASES[name], engine, tmp_path) for engine in ("native_verlet", "lammps"))
+def test_same_law_and_integrator_give_the_same_path(name, engine, tmp_path, rig):
+    """LAMMPS, stock and compiled, and the native velocity Verlet are the same arithmetic but for its order."""
+    mine, theirs = (rig.play(CASES[name], which, tmp_path) for which in ("native_verlet", engine))
     assert np.abs(mine.x - theirs.x).max() < 1e-9 * mine.scene.diameter
     assert np.abs(mine.w - theirs.w).max() < 1e-9 * max(1.0, np.abs(mine.w).max())
