@@ -84,8 +84,8 @@ class DumpWriter:
             struct.pack("=6d", x_low, x_high, y_low, y_high, -half, half),
             struct.pack("=i", table.shape[1]),
             struct.pack("=i", len(units)) + units,
-            struct.pack("=i", len(columns)) + columns,
             struct.pack("=bd", 1, frame.time),
+            struct.pack("=i", len(columns)) + columns,
             struct.pack("=ii", 1, table.size),  # one writer, its numbers
             table.tobytes(),
         ]

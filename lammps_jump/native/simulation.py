@@ -158,7 +158,7 @@ class NativeSimulation:
 
     def run_some(self, target: int) -> None:
         """Go on towards step `target` for at most about a tenth of a second of work."""
-        limit = self.step + max(1, WORK_PER_CALL // max(1, self.discs.n))
+        limit = self.step + max(1, WORK_PER_CALL // max(32, self.discs.n))
         stop = min(target, limit, self._next_window())
         event = self._next_event()
         hold = event is not None and event <= stop
