@@ -44,7 +44,7 @@ def load_lammps() -> ModuleType:
     """
     # The number of OpenMP threads is a setting of each thread: LAMMPS sets one for the thread that creates it, the
     # thread that runs the script would spin with all cores in every check of the neighbour list (measured 40x).
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ["OMP_NUM_THREADS"] = "1"
     try:
         ctypes.CDLL(str(mpi_library()), ctypes.RTLD_GLOBAL)
     except OSError as error:
