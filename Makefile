@@ -16,10 +16,10 @@ run: $(VENV)/.ready
 	$(BIN)/lammps-jump build-and-run $(CASE)
 
 test: $(VENV)/.ready
-	$(BIN)/python -m pytest -n 2 -m "not slow"
+	$(BIN)/python -m pytest -n 2
 
 check: $(VENV)/.ready
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 -m ""
 
 bench: $(VENV)/.ready
 	for scene in energy_box_16 dam_break hydraulic_jump_frictionless; do $(BIN)/lammps-jump bench inputs/$$scene.yaml || exit 1; done

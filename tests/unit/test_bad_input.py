@@ -1,0 +1,165 @@
+"""Wrong input: one paragraph that names the place, exit status 2, nothing written, no traceback."""
+
+from __future__ import annotations
+
+import gzip
+import sys
+from pathlib import Path
+
+import pytest
+
+from lammps_jump.cli import main
+
+GOOD = """\
+name: good
+gravity: 9.81
+discs: {diameter: 0.2, density: 1000}
+contact:
+  restitution: 0.2
+  friction: 0.1
+  penetration_fraction: 10
+  impact_speed: 16
+domain: {x: [-1, 20], y: [-5, 10]}
+walls:
+  - {name: floor, kind: block, x: [-2, 10], y: [-4, 0]}
+inflow: {kind: rows, x: 0, depth: 1.0, mean_speed: 16, profile: power_law}
+outflow: [{x_beyond: 15}, {y_below: -3}]
+run: {duration: 0.01}
+"""
+
+# (what is wrong, text to replace, replacement, what the message must name)
+WRONG_CASES = [
+    ("unknown field", "friction: 0.1", "frction: 0.1", ["case.yaml:6", "contact.frction", "did you mean 'friction'"]),
+    ("unknown top field", "gravity: 9.81", "gravitation: 9.81", ["case.yaml:2", "gravity"]),
+    ("duplicate field", "friction: 0.1", "friction: 0.1\n  friction: 0.2", ["case.yaml:7", "contact.friction", "twice", "line 6"]),
+    ("missing group", "discs: {diameter: 0.2, density: 1000}\n", "", ["discs", "required"]),
+    ("missing field", "diameter: 0.2, ", "", ["case.yaml:3", "discs.diameter", "required"]),
+    ("negative diameter", "diameter: 0.2", "diameter: -0.2", ["case.yaml:3", "discs.diameter", "-0.2", "> 0"]),
+    ("zero density", "density: 1000", "density: 0", ["discs.density", "> 0"]),
+    ("NaN", "friction: 0.1", "friction: .nan", ["case.yaml:6", "contact.friction", "finite"]),
+    ("infinity", "impact_speed: 16", "impact_speed: .inf", ["contact.impact_speed", "finite"]),
+    ("restitution above 1", "restitution: 0.2", "restitution: 1.2", ["case.yaml:5", "contact.restitution", "<= 1"]),
+    ("restitution 0", "restitution: 0.2", "restitution: 0", ["contact.restitution", "> 0"]),
+    ("wrong unit", "diameter: 0.2", "diameter: 20 kg", ["discs.diameter", "20 kg", "m"]),
+    ("unknown unit", "diameter: 0.2", "diameter: 20 florps", ["discs.diameter", "20 florps"]),
+    ("text for a number", "restitution: 0.2", "restitution: much", ["contact.restitution", "much"]),
+    ("truth for a number", "friction: 0.1", "friction: true", ["contact.friction", "true"]),
+    ("number for a group", "discs: {diameter: 0.2, density: 1000}", "discs: 5", ["case.yaml:3", "discs"]),
+    ("unknown word", "profile: power_law", "profile: parabolic", ["inflow.profile", "parabolic", "power_law"]),
+    ("unknown kind of wall", "kind: block", "kind: circle", ["walls[0]", "circle", "block"]),
+    ("no kind of wall", "kind: block, ", "", ["walls[0]", "kind"]),
+    ("interval backwards", "x: [-2, 10]", "x: [10, -2]", ["walls[0].x", "low < high"]),
+    ("interval of three", "x: [-2, 10]", "x: [1, 2, 3]", ["walls[0].x"]),
+    ("two walls of one name", "inflow:", "  - {name: floor, kind: block, x: [11, 12], y: [-4, 0]}\ninflow:", ["walls[1].name", "floor"]),
+    ("bad name", "name: good", "name: ../evil", ["case.yaml:1", "name", "../evil"]),
+    ("zero rows", "depth: 1.0", "depth: 0.1", ["inflow.depth", "0.1", "one diameter"]),
+    ("inlet in a wall", "y: [-4, 0]", "y: [-4, 0.5]", ["inflow", "row 1", "floor"]),
+    ("inlet outside", "x: 0, depth", "x: 30, depth", ["inflow", "30", "domain.x"]),
+    ("outlet outside", "x_beyond: 15", "x_beyond: 25", ["outflow[0].x_beyond", "25", "domain"]),
+    ("two outlets in one", "{x_beyond: 15}", "{x_beyond: 15, x_before: 1}", ["outflow[0]", "exactly one"]),
+    ("no discs at all", "inflow: {kind: rows, x: 0, depth: 1.0, mean_speed: 16, profile: power_law}\n", "", ["no discs"]),
+    ("unstable step", "duration: 0.01", "duration: 0.01, time_step_fraction: 0.5", ["run.time_step_fraction", "0.5", "allow_unstable"]),
+    ("no duration", "duration: 0.01", "seed: 1", ["run.duration", "required"]),
+    ("zero duration", "duration: 0.01", "duration: 0", ["run.duration", "> 0"]),
+    ("stiffness twice", "penetration_fraction: 10", "penetration_fraction: 10\n  stiffness: 1e7", ["contact", "stiffness"]),
+    ("no stiffness", "  penetration_fraction: 10\n  impact_speed: 16\n", "", ["contact", "impact_speed"]),
+    ("unknown probe", "run:", "probes: {forces: [flor]}\nrun:", ["probes.forces[0]", "flor", "did you mean 'floor'"]),
+    ("scheme of the other engine", "duration: 0.01", "duration: 0.01, integrator: leapfrog_extrapolated", ["run.integrator", "native"]),
+    ("law not in stock LAMMPS", "  friction: 0.1", "  friction: 0.1\n  friction_law: sign", ["contact.friction_law", "hooke"]),
+    ("half a rank", "run:", "engine: {ranks: 0}\nrun:", ["engine.ranks", "0"]),
+    ("tabs", "  restitution: 0.2", "\trestitution: 0.2", ["case.yaml:5", "not YAML"]),
+    ("a list", GOOD, "- 1\n- 2\n", ["case.yaml:1", "mapping"]),
+    ("empty", GOOD, "", ["case.yaml", "empty"]),
+    ("overlapping discs", "inflow:", "initial: [{kind: list, positions: [[1, 1], [1.05, 1]]}]\ninflow:", ["initial", "overlap", "d/n"]),
+    ("disc in a wall", "inflow:", "initial: [{kind: list, positions: [[1, -1]]}]\ninflow:", ["walls[0]", "floor"]),
+    ("disc outside", "inflow:", "initial: [{kind: list, positions: [[50, 1]]}]\ninflow:", ["domain", "50"]),
+    ("column too thin", "inflow:", "initial: [{kind: column, x: [5, 5.1], y: [0, 3]}]\ninflow:", ["initial[0]", "not one disc"]),
+    ("speeds for too few", "inflow:", "initial: [{kind: list, positions: [[1, 1], [2, 2]], velocities: [[0, 0]]}]\ninflow:", ["initial[0]"]),
+]
+
+
+def attempt(monkeypatch, capsys, folder: Path, *arguments: str) -> tuple[int, str]:
+    """Run the command line in `folder`; exit status and what went to stderr."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "argv", ["lammps-jump", *arguments])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    captured = capsys.readouterr()
+    return int(stop.value.code or 0), captured.err
+
+
+@pytest.mark.parametrize("old, new, named", [row[1:] for row in WRONG_CASES], ids=[row[0] for row in WRONG_CASES])
+def test_wrong_case_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
+    assert old in GOOD
+    (tmp_path / "case.yaml").write_text(GOOD.replace(old, new, 1))
+    extra = ["--kernel", "stock"] if "sign" in new else []
+    status, message = attempt(monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", *extra)
+    assert status == 2, message
+    for text in named:
+        assert text in message
+    assert "Traceback" not in message and message.count("\n") == 1, message
+    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"], "nothing may be written"
+
+
+@pytest.mark.parametrize(
+    "assignment, named",
+    [
+        ("contact.frction=0", ["--set contact.frction=0", "did you mean 'friction'"]),
+        ("contact.friction", ["path=value"]),
+        ("walls.sill.y=[-10,3]", ["walls", "no item 'sill'", "floor"]),
+        ("name.x=1", ["single value"]),
+        ("contact.friction=[", ["not YAML"]),
+        ("contact.friction=-1", ["--set contact.friction=-1", ">= 0"]),
+    ],
+)
+def test_wrong_assignment_is_refused(monkeypatch, capsys, tmp_path, assignment, named):
+    (tmp_path / "case.yaml").write_text(GOOD)
+    status, message = attempt(monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", "--set", assignment)
+    assert status == 2
+    for text in named:
+        assert text in message
+    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
+
+
+def test_files_that_are_no_case(monkeypatch, capsys, tmp_path):
+    (tmp_path / "binary.yaml").write_bytes(bytes(range(256)))
+    (tmp_path / "nul.yaml").write_bytes(b"name: a\x00b\n")
+    (tmp_path / "folder.yaml").mkdir()
+    for name, words in [
+        ("binary.yaml", "not text"),
+        ("nul.yaml", "binary"),
+        ("folder.yaml", "is a folder"),
+        ("absent.yaml", "no such case file"),
+    ]:
+        status, message = attempt(monkeypatch, capsys, tmp_path, "build-and-run", name)
+        assert status == 2 and name in message and words in message
+
+
+def test_folder_that_cannot_be_written(monkeypatch, capsys, tmp_path):
+    (tmp_path / "case.yaml").write_text(GOOD)
+    (tmp_path / "occupied").write_text("a file stands where the folder should be")
+    status, message = attempt(
+        monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", "--out", "occupied/run", "--kernel", "stock", "--quiet"
+    )
+    assert status == 2 and "occupied/run" in message and "--out" in message
+
+
+def test_things_that_are_no_dump(monkeypatch, capsys, tmp_path):
+    (tmp_path / "words.txt").write_text("this is not a dump\n")
+    (tmp_path / "empty.lammpstrj").write_text("")
+    (tmp_path / "zip.gz").write_bytes(gzip.compress(b"still not a dump\n"))
+    (tmp_path / "nothing_here").mkdir()
+    for name in ("words.txt", "empty.lammpstrj", "zip.gz", "nothing_here", "absent"):
+        status, message = attempt(monkeypatch, capsys, tmp_path, "analyze", name)
+        assert status == 2 and name in message, message
+    assert not list(tmp_path.glob("*_analysis"))
+
+
+def test_unknown_scene_names_the_nearest(monkeypatch, capsys, tmp_path):
+    status, message = attempt(monkeypatch, capsys, tmp_path, "new", "dam_brake")
+    assert status == 2 and "dam_break" in message
+
+
+def test_unknown_option_is_a_usage_error(monkeypatch, capsys, tmp_path):
+    status, message = attempt(monkeypatch, capsys, tmp_path, "check", "--bogus")
+    assert status == 2 and "bogus" in message

@@ -1,0 +1,199 @@
+"""Case files: units, YAML numbers, --set, defaults, hashes; and round trips of random cases."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lammps_jump.case import case_hash, load_case, parse_case, resolved_yaml
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.errors import CaseError
+from lammps_jump.scenes import scene_names, scene_text
+from lammps_jump.walls import Plane
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+SMALL = """\
+discs: {{diameter: {diameter}}}
+contact: {{restitution: 0.5, impact_speed: 10}}
+initial: [{{kind: lattice, nx: 2, ny: 2, spacing: 1, origin: [0, 0]}}]
+run: {{duration: 1}}
+"""
+
+
+def case_with(diameter="0.2", assignments=()):
+    return parse_case(SMALL.format(diameter=diameter), "small.yaml", assignments).case
+
+
+@pytest.mark.parametrize(
+    "text, metres",
+    [("0.2", 0.2), ("20 cm", 0.2), ("'200 mm'", 0.2), ("2e-1", 0.2), ("'1e-4 km'", 0.1), ("1e0", 1.0), (".5", 0.5), ("1.", 1.0)],
+)
+def test_numbers_and_units(text, metres):
+    # exact but for the one rounding of the unit's factor
+    assert case_with(text).discs.diameter == pytest.approx(metres, rel=1e-15)
+
+
+def test_yaml_exponents_are_numbers():
+    loaded = parse_case(SMALL.format(diameter="0.2"), assignments=["contact.stiffness=1e7", "contact.impact_speed=1E1"])
+    assert loaded.case.contact.stiffness == 1e7
+    assert loaded.case.contact.impact_speed == 10.0
+
+
+def test_name_defaults_to_the_file():
+    assert case_with().name == "small"
+
+
+def test_set_by_name_and_index():
+    case = load_case(INPUTS / "hydraulic_jump.yaml", ["walls.sill.y=[-10,3]", "outflow.0.x_beyond=80", "contact.friction=0"]).case
+    assert case.walls[1].y == (-10.0, 3.0)
+    assert case.outflow[0].x_beyond == 80.0
+    assert case.contact.friction == 0.0
+
+
+def test_set_makes_missing_groups():
+    assert case_with(assignments=["engine.name=native"]).engine.name == "native"
+
+
+def test_resolved_case_is_itself_a_case_and_complete():
+    for path in sorted(INPUTS.glob("*.yaml")):
+        case = load_case(path).case
+        text = resolved_yaml(case)
+        again = parse_case(text).case
+        assert again == case, path.name
+        assert "time_step_fraction" in text and "correct_restitution" in text
+
+
+def test_hash_ignores_what_does_not_change_the_run():
+    base = case_with()
+    assert case_hash(base) == case_hash(case_with(assignments=["description=other words", "analysis.energy=true"]))
+    assert case_hash(base) != case_hash(case_with(assignments=["run.seed=2"]))
+    assert case_hash(base) != case_hash(case_with(assignments=["run.time_step_fraction=0.06"]))
+
+
+def test_frozen():
+    with pytest.raises(ValueError, match="frozen"):
+        case_with().run.seed = 3
+
+
+def test_every_scene_is_offered_and_valid():
+    assert {"hydraulic_jump", "dam_break", "quick_jump"} <= set(scene_names())
+    for name in scene_names():
+        assert parse_case(scene_text(name)).case.name == name
+
+
+def test_schema_names_every_field():
+    from lammps_jump.case.models import Case
+
+    schema = Case.model_json_schema()
+    assert set(schema["properties"]) == set(Case.model_fields)
+    assert json.dumps(schema)
+
+
+def test_thesis_numbers_of_the_hydraulic_jump():
+    scene = build_scene(load_case(INPUTS / "hydraulic_jump.yaml"))
+    c = scene.coefficients
+    assert c.mass == pytest.approx(40, rel=1e-12)
+    assert c.stiffness == pytest.approx(2.56e7, rel=1e-12)
+    assert c.time_step == pytest.approx(8.839e-5, rel=1e-4)  # PHYSICS section 0, four digits printed
+    assert c.damping == pytest.approx(20634, rel=1e-4)
+    assert c.damping_wall == pytest.approx(29181, rel=1e-4)
+    assert c.correction == pytest.approx(0.9775, abs=5e-5)
+    speeds = [row.vx for row in scene.inlets]
+    assert speeds == pytest.approx([13.160, 15.396, 16.562, 17.377, 18.013], abs=5e-4)
+
+
+def test_column_carries_its_weight_from_the_start():
+    """Every row's overlap with the row below equals the weight above (thesis figure 6.2)."""
+    scene = build_scene(load_case(INPUTS / "dam_break.yaml"))
+    c = scene.coefficients
+    assert len(scene.positions) == 1200
+    column = scene.positions[:: 20][:, 1]
+    overlap = scene.diameter - (column[1:] - column[:-1])
+    above = 59 - pytest.importorskip("numpy").arange(59)
+    # d - overlap is formed from sums of up to 60 terms of 12 m: 1e-13 m of round-off, 1e-9 of an overlap
+    assert overlap == pytest.approx(above * c.mass * 9.81 / c.stiffness, abs=1e-12)
+    floor = scene.radius - column[0]
+    assert floor * c.stiffness_wall == pytest.approx(60 * c.mass * 9.81, rel=1e-9)
+
+
+def test_gate_stands_until_time_zero():
+    scene = build_scene(load_case(INPUTS / "wave_structure.yaml"))
+    (gate,) = scene.gates
+    assert gate.wall == Plane("gate", "x", 4.0, "below")
+    assert scene.time(gate.release_step) == 0.0
+    assert gate.release_step * scene.time_step >= 2.0
+    assert scene.settle_steps % scene.output_steps == 0
+
+
+def test_frames_and_probe_windows_divide_the_run():
+    for path in sorted(INPUTS.glob("*.yaml")):
+        scene = build_scene(load_case(path))
+        assert scene.steps % scene.output_steps == 0
+        assert scene.output_steps % scene.probe_steps == 0
+        wanted = load_case(path).case.run.duration
+        # the intervals are rounded to whole steps, at most half a step a probe window
+        assert scene.time(scene.steps) == pytest.approx(wanted, rel=0.5 / scene.probe_steps + 1e-3)
+
+
+def test_skips_are_named():
+    skipped = " ".join(build_scene(load_case(INPUTS / "energy_box_16.yaml")).skipped)
+    for word in ("friction", "dashpots", "spin", "gravity", "inlet", "outlet"):
+        assert word in skipped
+
+
+def test_walls_out_of_reach_are_left_out():
+    loaded = parse_case(
+        SMALL.format(diameter="0.2"),
+        assignments=["walls=[{kind: plane, name: far, axis: x, at: 500, side: below}]", "domain={x: [-5, 5], y: [-5, 5]}"],
+    )
+    scene = build_scene(loaded)
+    assert scene.walls == () and any("far" in text for text in scene.skipped)
+
+
+def test_near_the_limit_is_a_warning_beyond_it_an_error():
+    assert not build_scene(parse_case(SMALL.format(diameter="0.2"))).warnings
+    close = build_scene(parse_case(SMALL.format(diameter="0.2"), assignments=["run.time_step_fraction=0.37"]))
+    assert any("limit of stability" in text for text in close.warnings)
+    with pytest.raises(CaseError, match="allow_unstable"):
+        build_scene(parse_case(SMALL.format(diameter="0.2"), assignments=["run.time_step_fraction=0.5"]))
+    build_scene(parse_case(SMALL.format(diameter="0.2"), assignments=["run.time_step_fraction=0.5", "run.allow_unstable=true"]))
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    diameter=st.floats(0.01, 1.0),
+    restitution=st.floats(0.05, 1.0),
+    friction=st.floats(0.0, 2.0),
+    duration=st.floats(0.01, 5.0),
+    counts=st.tuples(st.integers(1, 5), st.integers(1, 5)),
+)
+def test_random_cases_survive_the_round_trip(diameter, restitution, friction, duration, counts):
+    text = (
+        f"discs: {{diameter: {diameter!r}}}\n"
+        f"contact: {{restitution: {restitution!r}, friction: {friction!r}, impact_speed: 5}}\n"
+        f"initial: [{{kind: lattice, nx: {counts[0]}, ny: {counts[1]}, spacing: {2 * diameter!r}, origin: [0, 0]}}]\n"
+        f"run: {{duration: {duration!r}}}\n"
+    )
+    loaded = parse_case(text)
+    again = parse_case(resolved_yaml(loaded.case))
+    assert again.case == loaded.case and case_hash(again.case) == case_hash(loaded.case)
+    scene = build_scene(loaded)
+    assert len(scene.positions) == counts[0] * counts[1]
+    assert scene.steps % scene.output_steps == 0 and scene.steps >= 1
+
+
+def test_check_is_quick_to_import():
+    """`check` and ``--help`` need neither engine nor plotting: what is not imported cannot slow the start."""
+    code = (
+        "import sys; from lammps_jump.check import check_case; import lammps_jump.cli; from pathlib import Path; "
+        f"check_case(Path({str(INPUTS / 'hydraulic_jump.yaml')!r}), []); "
+        "print([m for m in ('lammps', 'numba', 'matplotlib', 'xarray', 'scipy', 'MDAnalysis', 'pint') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
