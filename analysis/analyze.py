@@ -249,12 +249,8 @@ def with_velocities(dump: Dump, context: FlowContext, warnings: list[str]) -> It
 
 
 def _find_forces(places: tuple[Path, ...], warnings: list[str]) -> dict:
-    from importlib.util import find_spec
-
     from .run_folder import read_forces
 
-    if find_spec(f"{__package__}.forces") is None:
-        return {}
     for place in places:
         if (place / "forces.csv").is_file():
             try:
