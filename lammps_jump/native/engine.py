@@ -156,6 +156,7 @@ def run_native(
     keep_frames: bool = False,
     search: str = "verlet",
     cell_size: float | None = None,
+    ledger: bool = True,
 ) -> RunResult:
     """Run a scene on the native engine and leave dump and forces.csv in `folder`.
 
@@ -173,6 +174,8 @@ def run_native(
         Here without effect on the result; see `simulate`, which returns the frames.
     search : {'verlet', 'cells'}
         Neighbour list, or the thesis' own contact search in cells of `cell_size` (m, default 2 d).
+    ledger : bool
+        Keep the books of dissipated energy; a quarter of the stepping time.
 
     Returns
     -------
@@ -189,4 +192,5 @@ def run_native(
         keep_frames=keep_frames,
         search=search,
         cell_size=cell_size,
+        ledger=ledger,
     ).result

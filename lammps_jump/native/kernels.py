@@ -501,6 +501,22 @@ def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face
     return pairs, walls, worst, where
 
 
+def _newcomers_py(first, n, x, y, face_kind, face_data, law, touch):
+    """Elastic energy (J per m of width) of the contacts of discs `first` … n - 1, the newest, found without a list."""
+    energy = 0.0
+    for i in range(first, n):
+        for j in range(i):
+            overlap = law.diameter - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
+            if overlap > 0.0:
+                energy += law.stiffness * _shape(overlap, touch)
+        for face in range(face_kind.size):
+            a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
+            overlap = 0.5 * law.diameter - _wall_gap(face_kind[face], a, b, c, d, x[i], y[i])[0]
+            if overlap > 0.0:
+                energy += law.stiffness_wall * _shape(overlap, touch)
+    return energy
+
+
 def _shape_py(overlap, touch):
     """Elastic energy over stiffness (m^2) at an overlap."""
     if touch is None:
@@ -524,3 +540,4 @@ _cell_pairs = njit(cache=True)(_cell_pairs_py)
 advance = njit(cache=True)(_advance_py)
 cell_pairs = _cell_pairs
 elastic = njit(cache=True)(_elastic_py)
+newcomers = njit(cache=True)(_newcomers_py)

@@ -101,6 +101,7 @@ class NativeSimulation:
         self._books = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
         self.traffic = Traffic(scene)
         self._window_start = 0
+        self._carried: dict[str, np.ndarray] = {}
         self._load_discs()
         self._load_walls()
         self._rebuild()
@@ -129,16 +130,19 @@ class NativeSimulation:
             discs.ux[:n], discs.uy[:n] = discs.vx[:n], discs.vy[:n]
 
     def _load_walls(self) -> None:
+        """Faces that are there now; sums of the window go on, also those of a gate that has just been taken away."""
+        if hasattr(self, "_wall_sum"):
+            self._carry_window_over()
         gates = tuple(gate.wall for gate in self.scene.gates if self.step < gate.release_step)
         self._face_kind, self._face_data, self._face_names = faces_of((*self.scene.walls, *gates))
         faces = self._face_kind.size
         self._face_start = np.zeros(faces + 1, np.int64)
         self._near = np.empty(0, np.int32)
-        old = getattr(self, "_wall_sum", None)
         self._wall_sum = np.zeros((faces, 3))
-        if old is not None:  # permanent walls come first and keep their sums
-            kept = min(faces, len(old))
-            self._wall_sum[:kept] = old[:kept]
+
+    def _carry_window_over(self) -> None:
+        for name, row in zip(self._face_names, self._wall_sum, strict=True):
+            self._carried[name] = self._carried.get(name, 0.0) + row
 
     def _start_half_step_back(self) -> None:
         discs, n = self.discs, self.discs.n
@@ -223,18 +227,16 @@ class NativeSimulation:
         elif old:
             self._rebuild()
         before = discs.n
-        elastic = None
-        reach = scene_reach = self.scene.diameter + self.skin
-        reach = scene_reach + 0.5 * self.skin  # the others may have moved half a skin since the list was made
+        reach = self.scene.diameter + 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for identity, x, y, vx, vy in self.traffic.arrivals(self.step, discs):
-            if elastic is None and self._ledger_on:
-                elastic = self._elastic()
             discs.append(identity, x, y, vx, vy, self._weight, reach)
             self._books["brought_in"] += self._free_energy(x, y, vx, vy)
         if discs.n > before:
             self._list_walls()
             if self._ledger_on:
-                self._books["brought_in"] += self._elastic() - elastic
+                self._books["brought_in"] += kernels.newcomers(
+                    before, discs.n, discs.x, discs.y, self._face_kind, self._face_data, self._law, self._touch
+                )
         if any(gate.release_step == self.step for gate in self.scene.gates):
             elastic = self._elastic()
             self._load_walls()
@@ -342,11 +344,12 @@ class NativeSimulation:
 
     def _close_window(self) -> None:
         steps = self.step - self._window_start
+        self._carry_window_over()
         for name in self.scene.probes:
-            rows = [k for k, owner in enumerate(self._face_names) if owner == name]
-            mean = self._wall_sum[rows].sum(axis=0) / steps if rows else np.zeros(3)
+            mean = self._carried.get(name, np.zeros(3)) / steps
             self.forces.append((self.step, name, *(float(v) for v in mean)))
         self._wall_sum[:] = 0.0
+        self._carried = {}
         self._window_start = self.step
 
     def _by_id(self, values: np.ndarray) -> np.ndarray:

@@ -212,3 +212,20 @@ def test_wrong_search_is_refused():
         run_native(handmade_scene([[0, 0]], [[0, 0]]), None, search="octree")
     with pytest.raises(CaseError, match="a tenth of the disc diameter"):
         CellSimulation(handmade_scene([[0, 0]], [[0, 0]]), cell_size=0.001)
+
+
+def test_probe_on_a_gate_counts_until_its_release():
+    """Two gates, the first of which goes in mid-window: each keeps its own sum."""
+    gates = (Gate(Plane("early", "x", 0.18, "below"), 51), Gate(Plane("late", "y", 0.18, "below"), 10**6))
+    corner = (Plane("left", "x", 0.0, "above"), Plane("low", "y", 0.0, "above"))
+    scene = handmade_scene(
+        [[0.09, 0.09]], [[0, 0]], corner, gates=gates, gravity=(0.0, 0.0), restitution=1.0,
+        probes=("early", "late"), probe_steps=100,
+    )  # fmt: skip
+    simulation = NativeSimulation(scene)
+    simulation.run(200)
+    push = scene.coefficients.stiffness_wall * 0.01
+    rows = {(step, name): (fx, fy) for step, name, fx, fy, _ in simulation.forces}
+    assert rows[100, "early"] == pytest.approx((0.5 * push, 0.0), rel=1e-9)
+    assert rows[200, "early"] == (0.0, 0.0)
+    assert rows[100, "late"] == pytest.approx((0.0, push), rel=1e-9)
