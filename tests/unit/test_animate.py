@@ -1,0 +1,171 @@
+"""Films and the painter behind them: true circles, the right pixels, files that decode."""
+
+import numpy as np
+import pytest
+from lammps_jump.analysis import painter
+from lammps_jump.analysis.animate import animate, still
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dump import open_dump
+from lammps_jump.analysis.dump_write import DumpWriter
+from lammps_jump.analysis.painter import View, blank, coloured, paint_arrow, paint_discs, paint_walls
+from lammps_jump.analysis.run_folder import ForceHistory
+
+from lammps_jump.errors import DumpError
+from lammps_jump.walls import Block, Box, Plane
+
+CONTEXT = FlowContext(
+    name="made-up",
+    diameter=0.2,
+    mass=40.0,
+    density=1000.0,
+    gravity=(0.0, -9.81),
+    domain=((0.0, 8.0), (0.0, 4.0)),
+    x_range=(0.0, 8.0),
+    walls=(Plane("floor", "y", 0.0, "above"), Block("sill", (6.0, 6.5), (0.0, 1.0))),
+)
+
+
+@pytest.fixture
+def dump(tmp_path):
+    path = tmp_path / "dump"
+    with DumpWriter(path, ("id", "x", "y", "vx", "vy"), "binary") as writer:
+        for step in range(12):
+            n = 40 + step
+            x, y = 0.3 + 0.1 * np.arange(n), 0.1 + 0.2 * (np.arange(n) % 9)
+            columns = {"id": np.arange(n), "x": x, "y": y, "vx": 0 * x + step, "vy": 0 * x}
+            writer.write(step, 0.1 * step, [[0, 8], [0, 4]], columns)
+    return open_dump(path)
+
+
+def test_a_disc_is_a_true_circle_of_its_size():
+    view = View((0.0, 4.0), (0.0, 3.0), 400, 300)
+    picture = blank(view)
+    paint_discs(picture, view, np.array([2.0]), np.array([1.0]), 0.5, np.array([[0, 0, 0]]))
+    ink = 1 - picture[..., 0] / 255
+    # area pi R^2 in pixels; the linear rim makes it (R^2 + 1/12) pi, rounding to bytes 1/510 a rim pixel
+    assert ink.sum() == pytest.approx(np.pi * (50**2 + 1 / 12), rel=1e-3)
+    rows, columns = np.nonzero(ink > 0.5)
+    assert (rows.mean() + 0.5, columns.mean() + 0.5) == (pytest.approx(200), pytest.approx(200))
+    assert np.ptp(rows) == np.ptp(columns) == 99
+    np.testing.assert_array_equal(picture, picture[:, ::-1][:, list(range(400))])  # mirror in x = 2
+
+
+def test_discs_smaller_than_a_pixel_keep_their_ink_and_those_outside_none():
+    view = View((0.0, 10.0), (0.0, 10.0), 50, 50)
+    picture = blank(view)
+    paint_discs(picture, view, np.array([5.0]), np.array([5.0]), 0.05, np.array([[0, 0, 0]]))
+    ink = (1 - picture[..., 0] / 255).sum()
+    assert 0.2 < ink / (np.pi * 0.25**2) < 1.6  # radius a quarter pixel: a grey dot, not a black one
+    picture = blank(view)
+    far = np.array([-5.0, 20.0, np.nan, 1e300])
+    paint_discs(picture, view, far, np.array([5.0, 5.0, 5.0, -1e300]), 0.5, np.zeros((4, 3)))
+    assert (picture == 255).all()
+
+
+def test_walls_and_arrows():
+    view = View((0.0, 4.0), (0.0, 4.0), 40, 40)
+    picture = blank(view)
+    paint_walls(picture, view, (Box("box", (1.0, 3.0), (1.0, 3.0)),))
+    white = (picture == 255).all(axis=2)
+    assert white.sum() == 20 * 20 and white[10:30, 10:30].all()
+    picture = blank(view)
+    paint_walls(picture, view, (Plane("top", "y", 3.0, "below"), Plane("left", "x", 1.0, "above")))
+    assert (picture == 255).all(axis=2).sum() == 30 * 30
+    picture = blank(view)
+    paint_arrow(picture, (5, 20), (35, 20), 3.0, (255, 0, 0))
+    red = (picture[..., 1] < 128) & (picture[..., 0] > 200)
+    assert red[19:21, 6:33].all() and not red[:, 37:].any() and red[:, 24].sum() > red[:, 10].sum()
+    untouched = blank(view)
+    paint_arrow(untouched, (5, 20), (5, 20), 3.0, (255, 0, 0))
+    assert (untouched == 255).all()
+
+
+def test_painter_without_compilation():
+    rng = np.random.default_rng(2)
+    one = np.full((30, 40, 3), 255, np.uint8)
+    two = one.copy()
+    columns, rows = rng.uniform(-3, 43, 12), rng.uniform(-3, 33, 12)
+    colours = rng.integers(0, 255, (12, 3)).astype(np.uint8)
+    painter._paint_discs(one, columns, rows, 4.3, colours)
+    painter._paint_discs_py(two, columns, rows, 4.3, colours)
+    np.testing.assert_array_equal(one, two)
+    arrow = (5.0, 6.0, 0.6, 0.8, 20.0, 8.0, 2.0, np.array([9, 8, 7], np.uint8))
+    painter._paint_arrow(one, *arrow)
+    painter._paint_arrow_py(two, *arrow)
+    np.testing.assert_array_equal(one, two)
+
+
+def test_colours_run_from_zero_to_the_top():
+    table = painter.colour_table()
+    assert table.shape == (256, 3)
+    np.testing.assert_array_equal(coloured(np.array([0.0, 5.0, 99.0, np.nan]), 5.0, table), table[[0, 255, 255, 0]])
+    # readable in grey: brightness rises all the way
+    assert np.all(np.diff(table @ [0.299, 0.587, 0.114]) > -1)
+
+
+def decoded(path):
+    from imageio_ffmpeg import read_frames
+
+    reader = read_frames(str(path))
+    meta = next(reader)
+    width, height = meta["size"]
+    return meta, [np.frombuffer(data, np.uint8).reshape(height, width, 3) for data in reader]
+
+
+def test_mp4_decodes_to_the_frames_of_the_dump(dump, tmp_path):
+    seen = []
+    forces = {
+        "sill": ForceHistory(np.array([0.0, 1.1]), np.array([0.0, 5e4]), np.array([0.0, 1e4]), np.zeros(2)),
+        "gone": ForceHistory(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0)),
+    }
+    out = animate(
+        dump,
+        CONTEXT,
+        tmp_path / "a.mp4",
+        fps=10,
+        forces=forces,
+        progress=lambda done, total: seen.append((done, total)),
+    )
+    meta, frames = decoded(out)
+    assert meta["codec"] == "h264" and meta["pix_fmt"].startswith("yuv420p") and meta["fps"] == 10
+    assert len(frames) == 12 and seen[-1] == (12, 12)
+    height, width, _ = frames[0].shape
+    assert height % 2 == 0 and width % 2 == 0 and width <= 1280
+    # the first frame's discs rest (dark blue), the last one's move (yellow); the arrow grows red on the sill
+    reddish = [((f[..., 0] > 150) & (f[..., 1] < 90) & (f[..., 2] < 110)).sum() for f in (frames[0], frames[-1])]
+    assert reddish[0] == 0 and reddish[1] > 200
+
+
+def test_gif_has_its_frames(dump, tmp_path):
+    from PIL import Image
+
+    out = animate(dump, CONTEXT, tmp_path / "a.gif", fps=20, width=400, frames=[0, 4, 8])
+    with Image.open(out) as image:
+        assert image.n_frames == 3 and image.info["duration"] == 50
+
+
+def test_a_still_shows_walls_discs_and_a_gate(dump, tmp_path):
+    from PIL import Image
+
+    frame = next(iter(dump))
+    out = still(frame, CONTEXT, tmp_path / "now.png", width=640, forces={})
+    with Image.open(out) as image:
+        picture = np.asarray(image)
+    assert picture.shape[1] <= 640
+    assert ((picture == painter.SOLID).all(axis=2)).sum() > 200
+    assert not (tmp_path / "now.png.part").exists()
+
+
+def test_what_cannot_be_filmed_is_an_error(dump, tmp_path):
+    with pytest.raises(DumpError, match=r"\.mp4 or \.gif"):
+        animate(dump, CONTEXT, tmp_path / "a.avi")
+    with pytest.raises(DumpError, match="fps"):
+        animate(dump, CONTEXT, tmp_path / "a.mp4", fps=0)
+    with pytest.raises(DumpError, match="width"):
+        animate(dump, CONTEXT, tmp_path / "a.mp4", width=10)
+    with pytest.raises(DumpError, match="no such frames"):
+        animate(dump, CONTEXT, tmp_path / "a.mp4", frames=[99])
+    with pytest.raises(DumpError, match="cannot be written"):
+        animate(dump, CONTEXT, tmp_path / "no" / "a.mp4")
+    with pytest.raises(DumpError, match="cannot be written"):
+        animate(dump, CONTEXT, tmp_path / "no" / "a.gif")

@@ -1,0 +1,106 @@
+"""Figures: labelled, sized, drawn from the data, without touching matplotlib's global state."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from lammps_jump.analysis import figures
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dump import make_frame
+from lammps_jump.analysis.profiles import compute_profiles
+from matplotlib._pylab_helpers import Gcf
+
+from lammps_jump.errors import DumpError
+from lammps_jump.walls import Block
+
+CONTEXT = FlowContext(
+    name="made-up",
+    diameter=0.2,
+    mass=40.0,
+    density=1000.0,
+    gravity=(0.0, -9.81),
+    domain=((0.0, 20.0), (0.0, 5.0)),
+    x_range=(0.0, 20.0),
+    walls=(Block("floor", (-1, 15), (-1, 0)), Block("sill", (14, 15), (-1, 1))),
+    bin_width=1.0,
+)
+
+
+def frames(n=12):
+    x, y = (part.ravel() for part in np.meshgrid((np.arange(60) + 0.5) * 0.2, (np.arange(5) + 0.5) * 0.2))
+    columns = {"id": np.arange(len(x)), "x": x, "y": y, "vx": 0 * x + 3.0, "vy": 0 * x + 4.0}
+    return [make_frame(i, 0.5 * i, [[0, 20], [0, 5]], columns) for i in range(n)]
+
+
+@pytest.fixture(scope="module")
+def profiles():
+    return compute_profiles(frames(), CONTEXT)
+
+
+def texts(figure):
+    figure.canvas.draw()
+    return [t.get_text() for axes in figure.axes for t in (axes.xaxis.label, axes.yaxis.label, axes._left_title)]
+
+
+def test_depth_profile(profiles, tmp_path):
+    before = dict(mpl.rcParams)
+    figure = figures.depth_profile(profiles, CONTEXT, y1=1.0, y2=4.2, lines={"critical": 2.0}, marks={"toe": 5.0})
+    labels = " ".join(texts(figure))
+    for word in ("[m]", "[m/s]", "Distance x", "made-up", "frames"):
+        assert word in labels
+    upper = figure.axes[0]
+    surface = upper.lines[0].get_ydata()
+    np.testing.assert_allclose(surface[:12], 1.0)
+    levels = {round(float(line.get_ydata()[0]), 6) for line in upper.lines if len(set(line.get_ydata())) == 1}
+    assert {4.2, 2.0} <= levels
+    assert any("Bélanger" in text.get_text() for text in upper.texts)
+    path = figures.save(figure, tmp_path / "depth.png")
+    assert path.read_bytes().startswith(b"\x89PNG")
+    assert dict(mpl.rcParams) == before
+    assert not Gcf.figs  # pyplot's list of open figures
+
+
+def test_xt_map(profiles, tmp_path):
+    figure = figures.xt_map(profiles, toe=(np.array([5.0, 6.0]), np.array([1.0, 2.0])))
+    assert "Time t [s]" in texts(figure) and any("Depth" in text for text in texts(figure))
+    mesh = figure.axes[0].collections[0]
+    np.testing.assert_allclose(mesh.get_array().reshape(12, 20)[:, :12], 1.0)
+    figures.save(figure, tmp_path / "xt.svg")
+    one = compute_profiles(frames(1), CONTEXT)
+    figures.save(figures.xt_map(one, "velocity"), tmp_path / "one.png")
+
+
+def test_ten_snapshots(tmp_path):
+    figure = figures.snapshots(frames(21), CONTEXT)
+    titles = [axes._left_title.get_text() or axes.get_title() for axes in figure.axes if axes.images]
+    assert len(titles) == 10 and titles[0].startswith("t = 0.00 s") and titles[-1].startswith("t = 10.00 s")
+    picture = figure.axes[0].images[0].get_array()
+    blue = (np.abs(picture.astype(int) - figures.colour_table()[-1]).sum(axis=2) < 30).mean()
+    assert blue > 0.05  # all discs move at 5 m/s, the top of the scale
+    figures.save(figure, tmp_path / "ten.png")
+    assert len([axes for axes in figures.snapshots(frames(3), CONTEXT).axes if axes.images]) == 3
+    with pytest.raises(DumpError, match="no frame"):
+        figures.snapshots([], CONTEXT)
+
+
+def test_empty_flow_can_be_drawn(tmp_path):
+    empty = [
+        make_frame(i, float(i), [[0, 20], [0, 5]], {c: [] for c in ("id", "x", "y", "vx", "vy")}) for i in range(3)
+    ]
+    profiles = compute_profiles(empty, CONTEXT)
+    figures.save(figures.depth_profile(profiles, CONTEXT), tmp_path / "a.png")
+    figures.save(figures.xt_map(profiles), tmp_path / "b.png")
+    figures.save(figures.snapshots(empty, CONTEXT), tmp_path / "c.png")
+
+
+def test_end_of_a_colour_scale():
+    assert figures.top_of([np.full(1000, 18.2)]) == 20.0
+    assert figures.top_of([np.full(1000, 0.31)]) == pytest.approx(0.35)
+    assert figures.top_of([np.zeros(3)]) == 1.0 and figures.top_of([]) == 1.0
+    assert figures.top_of([np.append(np.full(1000, 1.0), 500.0)]) == 1.0
+
+
+def test_a_figure_that_cannot_be_written(profiles, tmp_path):
+    figure = figures.xt_map(profiles)
+    for name in ("no/a.png", "a.xyz"):
+        with pytest.raises(DumpError, match="cannot be written"):
+            figures.save(figure, tmp_path / name)
