@@ -7,7 +7,10 @@
    normal     F_n = k delta - m_eff gamma_n (v.n)                 thesis T-4359 (3.11); LAMMPS gran/hooke
    hooke      F_t = min(ks |F_n|, m_eff gamma_t |v_t|)            LAMMPS gran/hooke, opposite to v_t
    sign       F_t = ks |F_n| min(1, |v_t| / eps), eps = v_max/100 thesis (4.18)-(4.21), opposite to v_t
-   smooth     k delta -> k delta^2/(2 s) below delta = s, k (delta - s/2) beyond; dashpot times min(1, delta/s)
+   smooth     k delta -> F = k delta^2/(2 s) below delta = s, k (delta - s/2) beyond; E(delta) its energy; the dashpot
+              times min(1, delta/s) (ramp), or times F / sqrt(2 k E) (even): in z = sqrt(2 E / k) and the time that
+              runs with dz/ddelta the contact is then the linear one, so that restitution is the same at every speed
+              and width (derived in docs/kernels.md)
 
    The tensile tail of F_n is kept, as the thesis keeps it. Every branch is a template argument: a scene pays for
    nothing it lacks. The order of the operations follows gran/hooke, so that results agree with it to round-off
@@ -21,6 +24,8 @@
 namespace jump {
 
 enum class Friction { NONE, HOOKE, HOOKE_SPIN, SIGN, SIGN_SPIN };
+
+enum class Touch { SHARP, RAMP, EVEN };
 
 constexpr bool has_friction(Friction f) { return f != Friction::NONE; }
 constexpr bool has_spin(Friction f) { return f == Friction::HOOKE_SPIN || f == Friction::SIGN_SPIN; }
@@ -48,10 +53,10 @@ struct ContactForce {
 };
 
 /** Elastic energy of an overlap, J per metre of width. */
-template <bool SMOOTH> inline double elastic_energy(const Law &law, double overlap)
+template <Touch TOUCH> inline double elastic_energy(const Law &law, double overlap)
 {
   if (overlap <= 0.0) return 0.0;
-  if (!SMOOTH) return 0.5 * law.k * overlap * overlap;
+  if (TOUCH == Touch::SHARP) return 0.5 * law.k * overlap * overlap;
   const double s = law.width;
   if (overlap < s) return law.k * overlap * overlap * overlap / (6.0 * s);
   return law.k * (s * s / 6.0 + 0.5 * (overlap * overlap - s * s) - 0.5 * s * (overlap - s));
@@ -60,7 +65,7 @@ template <bool SMOOTH> inline double elastic_energy(const Law &law, double overl
 /** Force on a disc whose centre lies at (dx, dy) from its partner's; (vx, vy) is its relative velocity.
 
     rim is R (omega_i + omega_j), the speed of the rims at the contact; free of branches, so that it vectorises. */
-template <Friction FRICTION, bool SMOOTH>
+template <Friction FRICTION, Touch TOUCH>
 inline ContactForce contact_force(const Law &law, double dx, double dy, double vx, double vy, double rim)
 {
   ContactForce out;
@@ -72,10 +77,17 @@ inline ContactForce contact_force(const Law &law, double dx, double dy, double v
   const double overlap = law.reach - r;
   double damp = law.damping * vnnr * rsqinv;
   double ccel;
-  if (SMOOTH) {
+  if (TOUCH != Touch::SHARP) {
     const double share = overlap / law.width;
     const double ramp = share < 1.0 ? share : 1.0;
-    damp *= ramp;
+    if (TOUCH == Touch::RAMP) {
+      damp *= ramp;
+    } else {
+      // (F / sqrt(2 k E))^2: 3 delta/(4 s) below s, q^2/(q^2 + s^2/12) with q = delta - s/2 beyond
+      const double q = overlap - 0.5 * law.width;
+      const double beyond = q * q / (q * q + law.width * law.width / 12.0);
+      damp *= std::sqrt(share < 1.0 ? 0.75 * share : beyond);
+    }
     // both branches in one: k (overlap - s ramp/2) ramp is k delta^2/(2 s) below s and k (delta - s/2) beyond
     const double spring = law.k * ramp * (overlap - 0.5 * law.width * ramp);
     ccel = spring * rinv - damp;

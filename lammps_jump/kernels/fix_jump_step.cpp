@@ -17,6 +17,7 @@ using namespace LAMMPS_NS;
 using namespace FixConst;
 using jump::ContactForce;
 using jump::Friction;
+using jump::Touch;
 
 FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
@@ -294,12 +295,12 @@ void FixJumpStep::find_near()
   }
 }
 
-template <Friction FRICTION, bool SMOOTH>
+template <Friction FRICTION, Touch TOUCH>
 void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const jump::Law &rule, double *on_wall)
 {
   const auto &a = pair->disc[i];
   const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
-  const ContactForce out = jump::contact_force<FRICTION, SMOOTH>(rule, dx, dy, a.vx, a.vy, rim);
+  const ContactForce out = jump::contact_force<FRICTION, TOUCH>(rule, dx, dy, a.vx, a.vy, rim);
   double *const f = atom->f[i];
   f[0] += out.fx;
   f[1] += out.fy;
@@ -317,7 +318,7 @@ void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const jum
   touching++;
 }
 
-template <Friction FRICTION, bool SMOOTH> void FixJumpStep::push()
+template <Friction FRICTION, Touch TOUCH> void FixJumpStep::push()
 {
   const double reach = law.reach;
   const auto *const disc = pair->disc.data();
@@ -330,7 +331,7 @@ template <Friction FRICTION, bool SMOOTH> void FixJumpStep::push()
         const double dx = disc[i].x - std::min(std::max(disc[i].x, face.xlo), face.xhi);
         const double dy = disc[i].y - std::min(std::max(disc[i].y, face.ylo), face.yhi);
         const double rsq = dx * dx + dy * dy;
-        if (rsq < reach * reach && rsq > 0.0) touch<FRICTION, SMOOTH>(face, i, dx, dy, law, on_wall);
+        if (rsq < reach * reach && rsq > 0.0) touch<FRICTION, TOUCH>(face, i, dx, dy, law, on_wall);
       }
     } else {
       const bool along_x = face.kind == PLANE_X;
@@ -339,18 +340,29 @@ template <Friction FRICTION, bool SMOOTH> void FixJumpStep::push()
         const double distance = face.sign * off;
         if (distance >= reach) continue;
         if (distance > 0.0) {
-          touch<FRICTION, SMOOTH>(face, i, along_x ? off : 0.0, along_x ? 0.0 : off, law, on_wall);
+          touch<FRICTION, TOUCH>(face, i, along_x ? off : 0.0, along_x ? 0.0 : off, law, on_wall);
         } else {
           // the centre is behind the plane: the push back goes on growing (contact of the same overlap in front)
           jump::Law behind = law;
           behind.reach = 2.0 * reach - distance;
           const double off_front = face.sign * reach;
-          touch<FRICTION, SMOOTH>(face, i, along_x ? off_front : 0.0, along_x ? 0.0 : off_front, behind, on_wall);
+          touch<FRICTION, TOUCH>(face, i, along_x ? off_front : 0.0, along_x ? 0.0 : off_front, behind, on_wall);
         }
       }
     }
     if (wall.probe >= 0)
       for (int c = 0; c < 3; c++) window[3 * wall.probe + c] += on_wall[c];
+  }
+}
+
+template <Touch TOUCH> void FixJumpStep::push_all()
+{
+  switch (friction) {
+    case Friction::NONE: push<Friction::NONE, TOUCH>(); break;
+    case Friction::HOOKE: push<Friction::HOOKE, TOUCH>(); break;
+    case Friction::HOOKE_SPIN: push<Friction::HOOKE_SPIN, TOUCH>(); break;
+    case Friction::SIGN: push<Friction::SIGN, TOUCH>(); break;
+    case Friction::SIGN_SPIN: push<Friction::SIGN_SPIN, TOUCH>(); break;
   }
 }
 
@@ -360,16 +372,10 @@ void FixJumpStep::post_force(int)
   touching = 0;
   law.eps = jump::SIGN_RAMP * pair->largest_speed;
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
-  switch (friction) {
-    case Friction::NONE: pair->smooth ? push<Friction::NONE, true>() : push<Friction::NONE, false>(); break;
-    case Friction::HOOKE: pair->smooth ? push<Friction::HOOKE, true>() : push<Friction::HOOKE, false>(); break;
-    case Friction::HOOKE_SPIN:
-      pair->smooth ? push<Friction::HOOKE_SPIN, true>() : push<Friction::HOOKE_SPIN, false>();
-      break;
-    case Friction::SIGN: pair->smooth ? push<Friction::SIGN, true>() : push<Friction::SIGN, false>(); break;
-    case Friction::SIGN_SPIN:
-      pair->smooth ? push<Friction::SIGN_SPIN, true>() : push<Friction::SIGN_SPIN, false>();
-      break;
+  switch (pair->touch) {
+    case Touch::SHARP: push_all<Touch::SHARP>(); break;
+    case Touch::RAMP: push_all<Touch::RAMP>(); break;
+    case Touch::EVEN: push_all<Touch::EVEN>(); break;
   }
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step
@@ -415,7 +421,7 @@ void FixJumpStep::reduce()
       }
       const double deep = law.reach - distance;
       overlap = std::max(overlap, deep);
-      sum[1] += pair->smooth ? jump::elastic_energy<true>(law, deep) : jump::elastic_energy<false>(law, deep);
+      sum[1] += pair->elastic_energy(law, deep);
     }
   }
   sum[2] = dashpot_loss;

@@ -84,12 +84,13 @@ class FixJumpStep : public Fix {
   bigint output_step = -1;
 
   int add_wall(int, int, char **);
+  template <jump::Touch> void push_all();
   void find_near();
   void book_half_kick();
   void reduce();
   template <bool SPIN> void drift();
-  template <jump::Friction, bool SMOOTH> void push();
-  template <jump::Friction, bool SMOOTH> void touch(const Face &, int, double, double, const jump::Law &, double *);
+  template <jump::Friction, jump::Touch TOUCH> void push();
+  template <jump::Friction, jump::Touch> void touch(const Face &, int, double, double, const jump::Law &, double *);
 };
 
 }    // namespace LAMMPS_NS

@@ -15,9 +15,11 @@
 using namespace LAMMPS_NS;
 using jump::ContactForce;
 using jump::Friction;
+using jump::Touch;
 
 namespace {
-typedef double Vec4 __attribute__((vector_size(32)));
+typedef double Vec4 __attribute__((vector_size(32), may_alias));
+typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
 constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
 }    // namespace
 
@@ -96,6 +98,11 @@ void PairJumpDisc::settings(int narg, char **arg)
       } else {
         error->all(FLERR, "pair_style jump/disc: touch is sharp or smooth S, not '{}'", name);
       }
+    } else if (key == "dashpot") {
+      const std::string name = a + 1 < narg ? arg[a + 1] : "";
+      if (name != "ramp" && name != "even")
+        error->all(FLERR, "pair_style jump/disc: dashpot (of a smooth touch) is ramp or even, not '{}'", name);
+      even = name == "even";
     } else if (key == "spin") {
       spin = yes(a + 1);
     } else if (key == "skin") {
@@ -124,6 +131,7 @@ void PairJumpDisc::choose()
   friction = !rubs ? Friction::NONE
       : sign       ? (spin ? Friction::SIGN_SPIN : Friction::SIGN)
                    : (spin ? Friction::HOOKE_SPIN : Friction::HOOKE);
+  touch = !smooth ? Touch::SHARP : even ? Touch::EVEN : Touch::RAMP;
   const double m_eff = mass * mass / (mass + mass);
   law.k = k;
   law.damping = m_eff * gamma;
@@ -327,7 +335,6 @@ void PairJumpDisc::build_list(double room_to_move)
     }
   }
   candidates = found;
-  if (hit.size() < first.size() + 1) hit.resize(first.size() + 1);
 }
 
 /** New discs at the end, the others as they were: add the pairs of the new ones. */
@@ -342,7 +349,6 @@ void PairJumpDisc::append_to_list(int from)
     if (first.size() < room + 1) {
       first.resize(room + room / 2 + 1024);
       second.resize(first.size());
-      hit.resize(first.size() + 1);
     }
     for (int i = 0; i < j; i++) {
       const double dx = disc[j].x - disc[i].x, dy = disc[j].y - disc[i].y;
@@ -387,12 +393,11 @@ void PairJumpDisc::find_largest_speed()
   law.eps = jump::SIGN_RAMP * largest_speed;
 }
 
-template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evaluate()
+template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evaluate()
 {
   const Disc *const __restrict at = disc.data();
   const int *const __restrict one = first.data();
   const int *const __restrict two = second.data();
-  int *const __restrict touching = hit.data();
   const double reach_sq = law.reach * law.reach;
   const jump::Law rule = law;
   const int nlocal = atom->nlocal;
@@ -405,33 +410,32 @@ template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evalua
   double *const __restrict f = atom->f ? atom->f[0] : nullptr;
   double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
 
-  size_t contacts = 0;
-  for (size_t p = 0; p < candidates; p++) {
-    const Disc &a = at[one[p]];
-    const Disc &b = at[two[p]];
-    const double dx = a.x - b.x, dy = a.y - b.y;
-    touching[contacts] = (int) p;
-    contacts += dx * dx + dy * dy < reach_sq;
-  }
-
-  alignas(64) double between[BATCH][4];
-  alignas(64) double rims[BATCH], fx[BATCH], fy[BATCH], twist[BATCH];
+  // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
+  alignas(64) double between[BATCH + 1][4];
+  alignas(64) double rims[BATCH + 1], twist[BATCH], force_on[BATCH][2];
   alignas(64) double lost[LEDGER ? BATCH : 1][4];
-  for (size_t begin = 0; begin < contacts; begin += BATCH) {
-    const int n = (int) (contacts - begin < BATCH ? contacts - begin : BATCH);
-    for (int c = 0; c < n; c++) {
-      const int p = touching[begin + c];
-      const Vec4 a = *reinterpret_cast<const Vec4 *>(&at[one[p]]);
-      const Vec4 b = *reinterpret_cast<const Vec4 *>(&at[two[p]]);
-      *reinterpret_cast<Vec4 *>(between[c]) = a - b;
-      if (jump::has_spin(FRICTION)) rims[c] = rim[one[p]] + rim[two[p]];
+  int touching[BATCH + 1];
+  for (size_t begin = 0; begin < candidates; begin += BATCH) {
+    const size_t end = begin + BATCH < candidates ? begin + BATCH : candidates;
+    int n = 0;
+    for (size_t p = begin; p < end; p++) {
+      // written whether it touches or not, and counted only if it does: a branch here would be guessed wrong often
+      const double dx = at[one[p]].x - at[two[p]].x, dy = at[one[p]].y - at[two[p]].y;
+      touching[n] = (int) p;
+      n += dx * dx + dy * dy < reach_sq;
     }
     for (int c = 0; c < n; c++) {
-      const ContactForce out = jump::contact_force<FRICTION, SMOOTH>(rule, between[c][0], between[c][1], between[c][2],
-                                                              between[c][3],
-                                                              jump::has_spin(FRICTION) ? rims[c] : 0.0);
-      fx[c] = out.fx;
-      fy[c] = out.fy;
+      const int i = one[touching[c]], j = two[touching[c]];
+      *reinterpret_cast<Vec4 *>(between[c]) =
+          *reinterpret_cast<const Vec4 *>(&at[i]) - *reinterpret_cast<const Vec4 *>(&at[j]);
+      if (jump::has_spin(FRICTION)) rims[c] = rim[i] + rim[j];
+    }
+    for (int c = 0; c < n; c++) {
+      const ContactForce out =
+          jump::contact_force<FRICTION, TOUCH>(rule, between[c][0], between[c][1], between[c][2], between[c][3],
+                                                jump::has_spin(FRICTION) ? rims[c] : 0.0);
+      force_on[c][0] = out.fx;
+      force_on[c][1] = out.fy;
       if (jump::has_spin(FRICTION)) twist[c] = radius * out.twist;
       if (LEDGER) {
         lost[c][0] = out.dash_x;
@@ -441,14 +445,12 @@ template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evalua
       }
     }
     for (int c = 0; c < n; c++) {
-      const int p = touching[begin + c];
-      const int i = one[p], j = two[p];
-      f[3 * i] += fx[c];
-      f[3 * i + 1] += fy[c];
+      const int i = one[touching[c]], j = two[touching[c]];
+      const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
+      *reinterpret_cast<Vec2 *>(f + 3 * i) += push;
       if (jump::has_spin(FRICTION)) torque[3 * i + 2] -= twist[c];
       if (newton || j < nlocal) {
-        f[3 * j] -= fx[c];
-        f[3 * j + 1] -= fy[c];
+        *reinterpret_cast<Vec2 *>(f + 3 * j) -= push;
         if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= twist[c];
       }
       if (LEDGER) {
@@ -462,7 +464,7 @@ template <Friction FRICTION, bool SMOOTH, bool LEDGER> void PairJumpDisc::evalua
         }
       }
       if (evflag)
-        ev_tally_xyz(i, j, nlocal, newton, 0.0, 0.0, fx[c], fy[c], 0.0, between[c][0], between[c][1], 0.0);
+        ev_tally_xyz(i, j, nlocal, newton, 0.0, 0.0, push[0], push[1], 0.0, between[c][0], between[c][1], 0.0);
     }
   }
 }
@@ -488,26 +490,34 @@ void PairJumpDisc::compute(int eflag, int vflag)
   packed_step = update->ntimestep;
   if (sign) find_largest_speed();
 
-  auto run = [&](auto smooth_tag, auto ledger_tag) {
-    constexpr bool S = decltype(smooth_tag)::value;
+  auto run = [&](auto touch_tag, auto ledger_tag) {
+    constexpr Touch T = decltype(touch_tag)::value;
     constexpr bool L = decltype(ledger_tag)::value;
     switch (friction) {
-      case Friction::NONE: evaluate<Friction::NONE, S, L>(); break;
-      case Friction::HOOKE: evaluate<Friction::HOOKE, S, L>(); break;
-      case Friction::HOOKE_SPIN: evaluate<Friction::HOOKE_SPIN, S, L>(); break;
-      case Friction::SIGN: evaluate<Friction::SIGN, S, L>(); break;
-      case Friction::SIGN_SPIN: evaluate<Friction::SIGN_SPIN, S, L>(); break;
+      case Friction::NONE: evaluate<Friction::NONE, T, L>(); break;
+      case Friction::HOOKE: evaluate<Friction::HOOKE, T, L>(); break;
+      case Friction::HOOKE_SPIN: evaluate<Friction::HOOKE_SPIN, T, L>(); break;
+      case Friction::SIGN: evaluate<Friction::SIGN, T, L>(); break;
+      case Friction::SIGN_SPIN: evaluate<Friction::SIGN_SPIN, T, L>(); break;
     }
   };
-  using std::false_type;
-  using std::true_type;
-  if (smooth)
-    ledger ? run(true_type{}, true_type{}) : run(true_type{}, false_type{});
-  else
-    ledger ? run(false_type{}, true_type{}) : run(false_type{}, false_type{});
+  auto run_touch = [&](auto touch_tag) {
+    ledger ? run(touch_tag, std::true_type{}) : run(touch_tag, std::false_type{});
+  };
+  switch (touch) {
+    case Touch::SHARP: run_touch(std::integral_constant<Touch, Touch::SHARP>{}); break;
+    case Touch::RAMP: run_touch(std::integral_constant<Touch, Touch::RAMP>{}); break;
+    case Touch::EVEN: run_touch(std::integral_constant<Touch, Touch::EVEN>{}); break;
+  }
 
   if (eflag_global) eng_vdwl += elastic_energy();
   if (vflag_fdotr) virial_fdotr_compute();
+}
+
+/** Elastic energy of one overlap under the touch in use, J/m. */
+double PairJumpDisc::elastic_energy(const jump::Law &rule, double overlap) const
+{
+  return smooth ? jump::elastic_energy<Touch::RAMP>(rule, overlap) : jump::elastic_energy<Touch::SHARP>(rule, overlap);
 }
 
 /** Elastic energy in the pairs of this rank, from the positions of the last force evaluation, J/m. */
@@ -521,7 +531,7 @@ double PairJumpDisc::elastic_energy() const
     const double dx = a.x - b.x, dy = a.y - b.y;
     const double overlap = law.reach - std::sqrt(dx * dx + dy * dy);
     const double share = force->newton_pair || second[p] < nlocal ? 1.0 : 0.5;
-    sum += share * (smooth ? jump::elastic_energy<true>(law, overlap) : jump::elastic_energy<false>(law, overlap));
+    sum += share * elastic_energy(law, overlap);
   }
   return sum;
 }
@@ -544,11 +554,13 @@ double PairJumpDisc::single(int i, int j, int, int, double rsq, double, double, 
   if (rsq >= law.reach * law.reach) return 0.0;
   const double dx = atom->x[i][0] - atom->x[j][0], dy = atom->x[i][1] - atom->x[j][1];
   const double vx = atom->v[i][0] - atom->v[j][0], vy = atom->v[i][1] - atom->v[j][1];
-  const ContactForce out = smooth ? jump::contact_force<Friction::NONE, true>(law, dx, dy, vx, vy, 0.0)
-                           : jump::contact_force<Friction::NONE, false>(law, dx, dy, vx, vy, 0.0);
+  const ContactForce out = touch == Touch::SHARP
+      ? jump::contact_force<Friction::NONE, Touch::SHARP>(law, dx, dy, vx, vy, 0.0)
+      : touch == Touch::RAMP ? jump::contact_force<Friction::NONE, Touch::RAMP>(law, dx, dy, vx, vy, 0.0)
+                             : jump::contact_force<Friction::NONE, Touch::EVEN>(law, dx, dy, vx, vy, 0.0);
   fforce = (out.fx * dx + out.fy * dy) / rsq;
   const double overlap = law.reach - std::sqrt(rsq);
-  return smooth ? jump::elastic_energy<true>(law, overlap) : jump::elastic_energy<false>(law, overlap);
+  return elastic_energy(law, overlap);
 }
 
 void *PairJumpDisc::extract(const char *name, int &dim)
@@ -581,21 +593,21 @@ void PairJumpDisc::read_restart(FILE *fp)
 void PairJumpDisc::write_restart_settings(FILE *fp)
 {
   const double numbers[8] = {k, gamma, gamma_t, mu, mass, diameter, width, skin};
-  const int flags[4] = {sign, smooth, spin, ledger};
+  const int flags[5] = {sign, smooth, even, spin, ledger};
   fwrite(numbers, sizeof(double), 8, fp);
-  fwrite(flags, sizeof(int), 4, fp);
+  fwrite(flags, sizeof(int), 5, fp);
 }
 
 void PairJumpDisc::read_restart_settings(FILE *fp)
 {
   double numbers[8];
-  int flags[4];
+  int flags[5];
   if (comm->me == 0) {
     utils::sfread(FLERR, numbers, sizeof(double), 8, fp, nullptr, error);
-    utils::sfread(FLERR, flags, sizeof(int), 4, fp, nullptr, error);
+    utils::sfread(FLERR, flags, sizeof(int), 5, fp, nullptr, error);
   }
   MPI_Bcast(numbers, 8, MPI_DOUBLE, 0, world);
-  MPI_Bcast(flags, 4, MPI_INT, 0, world);
+  MPI_Bcast(flags, 5, MPI_INT, 0, world);
   k = numbers[0];
   gamma = numbers[1];
   gamma_t = numbers[2];
@@ -606,8 +618,9 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
   skin = numbers[7];
   sign = flags[0];
   smooth = flags[1];
-  spin = flags[2];
-  ledger = flags[3];
+  even = flags[2];
+  spin = flags[3];
+  ledger = flags[4];
   choose();
 }
 
@@ -615,7 +628,7 @@ double PairJumpDisc::memory_usage()
 {
   return disc.capacity() * sizeof(Disc) +
       (rim.capacity() + dash.capacity() + rub.capacity() + sorted_x.capacity() + sorted_y.capacity()) * sizeof(double) +
-      (first.capacity() + second.capacity() + hit.capacity() + cell_of.capacity() + cell_start.capacity() +
+      (first.capacity() + second.capacity() + cell_of.capacity() + cell_start.capacity() +
        sorted.capacity() + listed.capacity()) *
       sizeof(int);
 }

@@ -1,5 +1,5 @@
 /* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D
-                        [touch sharp | touch smooth S] [spin yes|no] [ledger yes|no] [skin L]
+                        [touch sharp | touch smooth S] [dashpot ramp|even] [spin yes|no] [ledger yes|no] [skin L]
    pair_coeff * *
 
    Contact forces between equal discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Equal discs
@@ -44,7 +44,7 @@ class PairJumpDisc : public Pair {
   // shared with fix jump/step
 
   jump::Friction friction = jump::Friction::NONE;
-  bool sign = false, smooth = false, spin = false, ledger = false;
+  bool sign = false, smooth = false, even = false, spin = false, ledger = false;
   double mass = 0.0, diameter = 0.0, width = 0.0;
   std::vector<double> dash, rub;                     // dashpot and friction forces on the local discs (x, y), ledger
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
@@ -52,12 +52,14 @@ class PairJumpDisc : public Pair {
   std::vector<double> rim;                           // R omega, with spin
   bigint packed_step = -1;                           // step for which the local discs are packed
 
+  jump::Touch touch = jump::Touch::SHARP;
   bigint order = 0;                                  // counts the changes of what the indices of discs mean
   double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};                   // least and largest velocity of the discs, this step
 
   void reserve(int);
   void pack(int, int);
   double elastic_energy() const;
+  double elastic_energy(const jump::Law &, double) const;
   double largest_overlap() const;
   void check_equal_discs(int, int);
 
@@ -66,7 +68,6 @@ class PairJumpDisc : public Pair {
   jump::Law law;
   double skin = 0.0, margin = 0.0;   // asked for, and of the list as it stands
   std::vector<int> first, second;    // candidate pairs, flat, cell by cell
-  std::vector<int> hit;              // candidates that touch
   size_t candidates = 0;
   double moved[2] = {0.0, 0.0};      // bound of the relative displacement since the list was built
   std::vector<tagint> listed;        // ids of the local discs in the list, by index
@@ -82,7 +83,7 @@ class PairJumpDisc : public Pair {
   void update_list();
   void remember_order();
   void find_largest_speed();
-  template <jump::Friction, bool SMOOTH, bool LEDGER> void evaluate();
+  template <jump::Friction, jump::Touch TOUCH, bool LEDGER> void evaluate();
 };
 
 }    // namespace LAMMPS_NS
