@@ -13,8 +13,8 @@ SCHEMES = ("velocity_verlet", "leapfrog_extrapolated")
 
 
 def packing(xi: float, *, square: bool = False, wall: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness and damping matrices over the mass of 6 x 6 discs, periodic in x, and in y unless on a wall."""
-    rows = columns = 6
+    """Stiffness and damping matrices over the mass of 4 x 4 discs, periodic in x, and in y unless on a wall."""
+    rows = columns = 4
     n = rows * columns
     springs, dashpots = np.zeros((2, 2 * n, 2 * n))
     c_pair = 2 * xi * np.sqrt(K * M / 2)
