@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -291,18 +292,21 @@ def _mp4(pictures, out: Path, fps: float, shape) -> None:
     command += ["-r", f"{fps:g}", "-i", "-", "-an", "-c:v", "libx264", "-preset", "fast", "-crf", "20"]
     # yuv420p and the index in front: plays in every browser while loading
     command += ["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(out)]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        try:
-            for picture in pictures:
-                process.stdin.write(picture.tobytes())
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        for picture in pictures:
+            process.stdin.write(picture.tobytes())
+    except BrokenPipeError:
+        pass  # ffmpeg ended early; its message says why
+    except BaseException:
+        process.kill()
+        raise
+    finally:
+        with suppress(OSError):
             process.stdin.close()
-        except BrokenPipeError:
-            pass
-        except BaseException:
-            process.kill()
-            raise
         message = process.stderr.read().decode(errors="replace").strip()
-        process.stdin = None
+        process.stderr.close()
+        process.wait()
     if process.returncode:
         raise SetupError(f"{out}: ffmpeg failed ({message.splitlines()[-1] if message else process.returncode}).")
 
