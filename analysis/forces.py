@@ -19,6 +19,7 @@ from .context import FlowContext
 from .dump import Frame
 from .reflected_wave import ReflectedWave, track_reflection
 from .run_folder import ForceHistory
+from .statistics import block_average
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -251,7 +252,8 @@ def analyse_forces(
     if momentum is not None:
         identities = tuple(impulse_identity(forces, momentum, context, axis) for axis in ("x", "y"))
     reflected = _reflected(structures, context, profiles)
-    summary: dict = {name: _numbers(force, context) for name, force in structures.items()}
+    window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
+    summary: dict = {name: _numbers(force, window) for name, force in structures.items()}
     summary |= _settled(structures, context, profiles, momentum)
     notes = [_sentence(identity) for identity in identities]
     if reflected is not None:
@@ -320,7 +322,23 @@ def _at_times(time: np.ndarray, profiles: xr.Dataset, values: np.ndarray) -> np.
     return np.interp(time, frames, values, left=nan, right=nan) if len(frames) > 1 else np.full(len(time), nan)
 
 
-def _numbers(force: StructureForce, context: FlowContext) -> dict:
+def _window_mean(force: StructureForce, window: tuple[float, float]) -> dict:
+    """Mean force over the window of the profiles with its standard error, and the mean hydrostatic estimate."""
+    inside = (force.history.time > window[0]) & (force.history.time <= window[1] + 1e-9)
+    if not inside.any():
+        return {"mean_fx": None, "mean_fy": None}
+    numbers = {}
+    for key in ("fx", "fy"):
+        result = block_average(getattr(force.history, key)[inside])
+        error = float(result.standard_error)
+        numbers[f"mean_{key}"] = float(result.mean)
+        numbers[f"mean_{key}_error"] = error if np.isfinite(error) else float(result.lower_bound)
+    known = inside & np.isfinite(force.hydrostatic)
+    numbers["mean_hydrostatic"] = float(force.hydrostatic[known].mean()) if known.any() else None
+    return numbers
+
+
+def _numbers(force: StructureForce, window: tuple[float, float]) -> dict:
     history = force.history
     values = force.smooth[force.component]
     live = history.time > 0 if (history.time > 0).any() else np.ones(len(history.time), bool)
@@ -350,6 +368,7 @@ def _numbers(force: StructureForce, context: FlowContext) -> dict:
         "hydrostatic": biggest(force.hydrostatic)[0],
         "stagnation": biggest(force.oncoming)[0],
         "largest_depth": biggest(force.depth)[0],
+        **_window_mean(force, window),
     }
 
 
@@ -399,6 +418,8 @@ def impulse_identity(
         return Identity(axis, reason="no wall was probed")
     first = next(iter(forces.values()))
     span = _common_span(first.time, momentum, context)
+    if not momentum.same.any():
+        return Identity(axis, reason="discs enter or leave between all frames")
     if span is None:
         return Identity(axis, reason="no two frames hold the same discs and fall on ends of the force windows")
     a, b = span
@@ -477,9 +498,10 @@ def _sentence(identity: Identity) -> str:
     if not np.isfinite(identity.change):
         return f"Impulse identity along {identity.axis}: not formed, {identity.reason}."
     text = (
-        f"Impulse identity along {identity.axis}, t = {identity.start:.3f} to {identity.end:.3f} s: momentum of the discs "
-        f"changes by {identity.change:.8g} N s/m, walls and gravity give {identity.walls + identity.gravity:.8g} N s/m; "
-        f"they differ by {identity.relative:.1e} of the walls' total impulse."
+        f"Impulse identity along {identity.axis}, t = {identity.start:.3f} to {identity.end:.3f} s: the discs' "
+        f"momentum changes by {identity.change:.8g} N s/m, walls and gravity give "
+        f"{identity.walls + identity.gravity:.8g} N s/m; they differ by {identity.relative:.1e} of the walls' total "
+        "impulse."
     )
     return text + (f" Incomplete: {identity.reason}." if identity.reason else "")
 

@@ -18,7 +18,6 @@ from .context import FlowContext
 from .jump_state import (
     END_SHARE,
     TOE_SHARE,
-    ZONE,
     Balance,
     MovingProfile,
     State,
@@ -186,16 +185,18 @@ def analyse_jump(profiles: xr.Dataset, context: FlowContext, contacts: ContactSe
 
 def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
     """Average in the moving frame; toe, end, states, balances."""
-    track, width, speed = result.track, result.bin_width, result.motion.speed
+    track, speed = result.track, result.motion.speed
     shifted = {name: values[used] for name, values in data.items()}
-    moving = move_along(x, track.time[used], shifted, track.position[used], track.reach_end[used])
-    toe = float(np.median(track.toe[used] - track.position[used]))
-    end = float(np.median(track.end[used] - track.position[used]))
+    # the fitted straight motion carries the frame: a control volume at a steady speed has an exact account
+    front = result.motion.start + speed * track.time[used]
+    moving = move_along(x, track.time[used], shifted, front, track.reach_end[used])
+    toe = float(np.median(track.toe[used] - front))
+    end = float(np.median(track.end[used] - front))
+    levels = float(np.median(track.depth_1[used])), float(np.median(track.depth_2[used]))
     depth, surface = moving.mean("mass_depth"), moving.mean("surface_depth")
     # twice: the states need the ends, the ends need the levels
     for _ in range(2):
-        longest = ZONE * float(np.median(track.depth_2[used]))
-        before, behind, enough = zones(moving, toe, end, width, longest)
+        before, behind, enough = zones(moving, toe, end, *levels)
         one = measure_state(moving, before, speed, gravity)
         two = measure_state(moving, behind, speed, gravity)
         toe, end = _ends(moving.xi, depth, one.mass_depth.value, two.mass_depth.value, toe, end)
@@ -348,7 +349,6 @@ def summarise_jump(result: JumpResult) -> dict:
     froude = one.froude_relative
     front = float(result.motion.start + result.motion.speed * track.time[used[-1]])
     density_ratio = two.bulk_density / one.bulk_density
-    resistance = _resistance(result, gravity)
     summary |= {
         "time": float(track.time[used[-1]]),
         "position": sign * front,
@@ -371,8 +371,8 @@ def summarise_jump(result: JumpResult) -> dict:
         "u2": sign * two.velocity.value,
         "packing_1": one.packing.value,
         "packing_2": two.packing.value,
-        "beta_1": one.beta,
-        "beta_2": two.beta,
+        "beta_1": one.beta(result.motion.speed),
+        "beta_2": two.beta(result.motion.speed),
         "froude": froude,
         "froude_lab": one.froude,
         "froude_downstream": two.froude_relative,
@@ -382,8 +382,8 @@ def summarise_jump(result: JumpResult) -> dict:
         "belanger_ratio": theory.belanger(froude),
         "belanger_y2": s1 * theory.belanger(froude),
         "density_ratio": density_ratio,
-        **_density_relation(froude, density_ratio, resistance, one.beta, two.beta, s2 / s1),
     }
+    summary |= _relations(result, gravity)
     summary["belanger_deviation"] = summary["sequent_ratio"] / summary["belanger_ratio"] - 1
     summary |= _lengths(result, froude, s1, s2)
     summary |= _energy(result, gravity)
@@ -399,18 +399,23 @@ def summarise_jump(result: JumpResult) -> dict:
         "mass": result.mass,
         "roller": result.roller,
     }
+    summary["momentum_terms"]["pressure_error"] = terms.pressure_error / terms.downstream
     return summary
 
 
-def _resistance(result: JumpResult, gravity: float) -> float:
-    """K of PHYSICS 2.2c from the measured bed force and slope: K (1 + S) = -2 F / (g s1^2), F along the stream."""
-    one, two = result.upstream.mass_depth.value, result.downstream.mass_depth.value
-    force = result.balance.bed + result.balance.slope
-    return -2.0 * force / (gravity * one**2) / (1.0 + two / one)
+def _relations(result: JumpResult, gravity: float) -> dict:
+    """Sequent ratios by momentum, one measured ingredient after the other.
 
-
-def _density_relation(froude, density_ratio, resistance, beta_1, beta_2, ratio) -> dict:
-    """Sequent ratio by momentum with the measured change of density; then with bed force and velocity profiles too."""
+    `density_relation_ratio`: the change of density (PHYSICS 2.2c); `full_relation_ratio`: bed force and slope, and the
+    momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure, and what the
+    control volume stores.
+    """
+    one, two, terms = result.upstream, result.downstream, result.balance
+    froude, s1, s2 = one.froude_relative, one.mass_depth.value, two.mass_depth.value
+    beta_1, beta_2 = one.beta(result.motion.speed), two.beta(result.motion.speed)
+    density_ratio = two.bulk_density / one.bulk_density
+    # K (1 + S) = -2 F / (g s1^2) with F the force of bed and slope along the stream
+    resistance = -2.0 * (terms.bed + terms.slope) / (gravity * s1**2) / (1.0 + s2 / s1)
     values: dict[str, float | None] = {}
     for name, arguments in (
         ("density_relation_ratio", (froude, density_ratio)),
@@ -420,9 +425,23 @@ def _density_relation(froude, density_ratio, resistance, beta_1, beta_2, ratio) 
             values[name] = theory.sequent_ratio(*arguments)
         except ValueError:
             values[name] = None
+    values["pressure_relation_ratio"] = None
+    if isfinite(terms.pressure):
+        thrust = [2.0 * state.thrust.value / (gravity * state.mass_depth.value**2) for state in (one, two)]
+        other = 2.0 * (terms.bed + terms.slope + terms.unsteady) / (gravity * s1**2)
+        values["pressure_relation_ratio"] = _largest_ratio(froude, beta_1, beta_2, *thrust, other)
+        values["pressure_coefficient_1"] = thrust[0] * s1 / one.surface_depth.value
+        values["pressure_coefficient_2"] = thrust[1] * s2 / two.surface_depth.value
     expected = values["density_relation_ratio"]
-    values["density_relation_deviation"] = ratio / expected - 1 if expected else None
+    values["density_relation_deviation"] = s2 / s1 / expected - 1 if expected else None
     return values
+
+
+def _largest_ratio(froude, beta_1, beta_2, thrust_1, thrust_2, other) -> float | None:
+    """Largest root S of 2 Fr^2 (beta_1 - beta_2/S) + p1 - p2 S^2 + other = 0; p thrust over g s^2/2."""
+    roots = np.roots([-thrust_2, 0.0, 2 * froude**2 * beta_1 + thrust_1 + other, -2 * froude**2 * beta_2])
+    real = roots[np.abs(roots.imag) < 1e-9].real
+    return float(real.max()) if real.size and real.max() > 0 else None
 
 
 def _lengths(result: JumpResult, froude: float, s1: float, s2: float) -> dict:

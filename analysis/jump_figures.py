@@ -64,16 +64,17 @@ def frame_figure(result: JumpResult) -> Figure | None:
         for state, name in ((result.upstream, "1"), (result.downstream, "2")):
             upper.plot(state.zone, [state.mass_depth.value] * 2, color=RED, lw=4, alpha=0.5, solid_capstyle="butt")
             text = f"s{'₁' if name == '1' else '₂'} = {state.mass_depth.value:.2f} m, Fr = {state.froude_relative:.2f}"
-            upper.annotate(text, (np.mean(state.zone), state.mass_depth.value), (0, -14), ha="center", color=RED,
-                           textcoords="offset points", fontsize=8)  # fmt: skip
+            place = np.mean(state.zone), state.mass_depth.value
+            offset = (0, 8 if name == "1" else -16)
+            upper.annotate(text, place, offset, ha="center", color=RED, textcoords="offset points", fontsize=8)
         for axes in (upper, lower):
             for place, dash in ((result.surface_toe, ":"), (result.surface_end, "-.")):
                 axes.axvline(place, color=GREY, lw=1, ls=dash)
         theory_length = "" if found["length_theory"] is None else f"; thesis (4.27) {found['length_theory']:.1f} m"
         upper.set_title(f"{result.context.name}, front's frame: length {found['length']:.1f} m{theory_length}")
-        upper.set_ylim(bottom=0, top=1.25 * max(np.nanmax(depth), found["belanger_y2"] or 0))
+        upper.set_ylim(bottom=0, top=1.1 * max(np.nanmax(depth), found["belanger_y2"] or 0))
         upper.set_ylabel("Depth [m]")
-        upper.legend(loc="upper left")
+        upper.legend(loc="center left", frameon=True, framealpha=0.95, edgecolor="none")
         with np.errstate(invalid="ignore", divide="ignore"):
             lower.plot(moving.xi, moving.mean("discharge") / depth, color=BLUE, label="mean velocity u")
         lower.plot(moving.xi, moving.mean("surface_velocity"), color=GOLD, ls="--", label="at the surface")
@@ -116,7 +117,7 @@ def balance_figure(result: JumpResult) -> Figure | None:
         axes.set_yticks(places, rows)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel("Share of the downstream momentum function [%]")
-        axes.set_title("Momentum across the jump, in the front's frame: the parts add up to the last")
+        axes.set_title("Momentum across the jump, front's frame: all parts and their sum")
     return figure
 
 
@@ -145,7 +146,9 @@ def head_figure(profiles: xr.Dataset, result: JumpResult) -> Figure | None:
                 f"front's frame: {found['head_upstream']:.2f} m → {found['head_downstream']:.2f} m,\n"
                 f"lost {found['energy_loss']:.2f} m; Bélanger {found['energy_loss_theory']:.2f} m"
             )
-            axes.annotate(text, (0.98, 0.97), xycoords="axes fraction", ha="right", va="top", fontsize=8, color=RED)
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+            axes.annotate(text, (0.99, 0.98), xycoords="axes fraction", ha="right", va="top", fontsize=8, color=RED,
+                          bbox=box)  # fmt: skip
             for place in (found["toe"], found["end"]):
                 axes.axvline(place, color=RED, lw=1, ls=":")
         elif found["inflow"]:
@@ -156,5 +159,5 @@ def head_figure(profiles: xr.Dataset, result: JumpResult) -> Figure | None:
         axes.set_xlabel("Distance x [m]")
         axes.set_ylabel("Energy head [m]")
         axes.set_title(f"{context.name}: energy head, mean of the window (laboratory frame)")
-        axes.legend(loc="lower left")
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.12), frameon=True, framealpha=0.95, edgecolor="none")
     return figure

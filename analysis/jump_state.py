@@ -13,13 +13,14 @@ import numpy as np
 
 from lammps_jump import theory
 
-from .jump_track import straight_motion
 from .statistics import block_average
 
 TOE_SHARE, END_SHARE = 0.05, 0.95
 """Toe and end of the mean profile: where these shares of the rise are reached."""
-ZONE = 5.0
-"""Longest stretch over which a state is averaged, in units of the depth downstream."""
+UPSTREAM_ZONE, DOWNSTREAM_ZONE = 5.0, 1.5
+"""Longest stretches over which the states are averaged, in units of the depth there (four bins at least)."""
+COVERED = 0.9
+"""Share of the frames that must reach a place behind the jump for it to count."""
 
 
 @dataclass(frozen=True)
@@ -39,13 +40,13 @@ class MovingProfile:
     time: np.ndarray
     fields: dict[str, np.ndarray]
 
-    def mean(self, name: str) -> np.ndarray:
-        """Mean over the frames that cover at least half of the window there, else NaN, shape (bins,)."""
+    def mean(self, name: str, share: float = 0.5) -> np.ndarray:
+        """Mean over the frames, NaN where fewer than this share of them has a value, shape (bins,)."""
         values = self.fields[name]
         good = np.isfinite(values)
         counts = good.sum(axis=0)
         total = np.where(good, values, 0.0).sum(axis=0)
-        return np.where(counts >= max(1, 0.5 * len(values)), total / np.maximum(counts, 1), np.nan)
+        return np.where(counts >= max(1, share * len(values)), total / np.maximum(counts, 1), np.nan)
 
 
 def move_along(
@@ -133,10 +134,17 @@ class State:
         """Mass depth over surface depth: density of the packed discs over that of the discs' material (rho)."""
         return self.mass_depth.value / self.surface_depth.value
 
-    @property
-    def beta(self) -> float:
-        """Momentum coefficient s * sum(m u^2) / (sum(m u))^2, velocity fluctuations included."""
-        return self.momentum_flux.value * self.mass_depth.value / self.discharge.value**2
+    def relative_flux(self, speed: float) -> float:
+        """Momentum flux through a plane that moves at `speed`, m^3/s^2, velocity fluctuations included."""
+        return self.momentum_flux.value - 2 * speed * self.discharge.value + speed**2 * self.mass_depth.value
+
+    def uniform_flux(self, speed: float) -> float:
+        """The same with the mean velocity everywhere: s (u - c)^2."""
+        return self.mass_depth.value * (self.velocity.value - speed) ** 2
+
+    def beta(self, speed: float) -> float:
+        """Momentum coefficient in the frame that moves at `speed`: relative over uniform flux."""
+        return self.relative_flux(speed) / self.uniform_flux(speed)
 
 
 def measure_state(moving: MovingProfile, zone: tuple[float, float], speed: float, gravity: float) -> State:
@@ -161,19 +169,20 @@ def measure_state(moving: MovingProfile, zone: tuple[float, float], speed: float
 
 
 def zones(
-    moving: MovingProfile, toe: float, end: float, gap: float, longest: float
+    moving: MovingProfile, toe: float, end: float, depth_1: float, depth_2: float
 ) -> tuple[tuple[float, float], tuple[float, float], bool]:
     """Stretches before the toe and behind the end, and whether the second one is long enough (two bins).
 
-    A gap is left on both sides; where the profile ends too soon behind the jump the last two bins must do.
+    A bin is left free on both sides; where the profile ends too soon behind the jump its last two bins must do.
     """
-    covered = moving.xi[np.isfinite(moving.mean("mass_depth"))]
+    covered = moving.xi[np.isfinite(moving.mean("mass_depth", COVERED))]
     width = moving.xi[1] - moving.xi[0]
     first, last = covered[0], covered[-1]
-    before_end = max(toe - gap, first)
-    before = (max(first, before_end - longest), before_end)
-    behind_start = end + gap
+    before_end = max(toe - width, first)
+    before = (max(first, before_end - max(UPSTREAM_ZONE * depth_1, 4 * width)), before_end)
+    behind_start = end + width
     enough = behind_start + width <= last + 1e-9
+    longest = max(DOWNSTREAM_ZONE * depth_2, 4 * width)
     behind = (behind_start, min(behind_start + longest, last)) if enough else (last - width, last)
     return before, behind, enough
 
@@ -203,6 +212,8 @@ class Balance:
         Growth of the momentum between the two stations, taken off.
     unexplained : float
         Sum of all of them: 0 for a perfect account; contains the pressure where that is not known.
+    pressure_error : float
+        Standard error of `pressure` from the scatter between frames.
     """
 
     upstream: float
@@ -215,6 +226,7 @@ class Balance:
     slope: float
     unsteady: float
     unexplained: float
+    pressure_error: float
 
 
 def balance(moving: MovingProfile, one: State, two: State, speed: float, gravity: float, along: float) -> Balance:
@@ -232,32 +244,28 @@ def balance(moving: MovingProfile, one: State, two: State, speed: float, gravity
         Across and along the bed, m/s^2.
     """
 
-    def relative_flux(state: State) -> float:
-        c = speed
-        return state.momentum_flux.value - 2 * c * state.discharge.value + c**2 * state.mass_depth.value
-
-    def uniform(state: State) -> float:
-        return state.mass_depth.value * (state.velocity.value - speed) ** 2
-
     def still(state: State, depth: float) -> float:
         return 0.5 * gravity * state.mass_depth.value * depth
 
     start, stop = np.mean(one.zone), np.mean(two.zone)
-    upstream = uniform(one) + still(one, one.mass_depth.value)
-    downstream = uniform(two) + still(two, two.mass_depth.value)
-    profile = (relative_flux(one) - uniform(one)) - (relative_flux(two) - uniform(two))
+    upstream = one.uniform_flux(speed) + still(one, one.mass_depth.value)
+    downstream = two.uniform_flux(speed) + still(two, two.mass_depth.value)
+    uneven = [state.relative_flux(speed) - state.uniform_flux(speed) for state in (one, two)]
+    profile = uneven[0] - uneven[1]
     high_1, high_2 = still(one, one.surface_depth.value), still(two, two.surface_depth.value)
     packing = (high_1 - still(one, one.mass_depth.value)) - (high_2 - still(two, two.mass_depth.value))
     pressure = (one.thrust.value - high_1) - (two.thrust.value - high_2)
     momentum = integral(moving, moving.fields["discharge"] - speed * moving.fields["mass_depth"], start, stop)
-    unsteady = -straight_motion(moving.time, momentum).speed if len(moving.time) > 2 else 0.0
+    unsteady = -growth_rate(moving.time, momentum)
     weight = np.nanmean(integral(moving, moving.fields["mass_depth"], start, stop))
     slope = along * float(weight)
     bed = float(np.nanmean(integral(moving, moving.fields["bed"], start, stop))) if "bed" in moving.fields else 0.0
     classical = upstream - downstream
     known = [classical, profile, packing, pressure, bed, slope, unsteady]
+    error = float(np.hypot(one.thrust.error, two.thrust.error))
+    unexplained = float(np.nansum(known))
     return Balance(
-        upstream, downstream, classical, profile, packing, pressure, bed, slope, unsteady, float(np.nansum(known))
+        upstream, downstream, classical, profile, packing, pressure, bed, slope, unsteady, unexplained, error
     )
 
 
@@ -269,13 +277,21 @@ def integral(moving: MovingProfile, values: np.ndarray, start: float, stop: floa
     return (values[:, used] * share[used]).sum(axis=1)
 
 
+def growth_rate(time: np.ndarray, amount: np.ndarray) -> float:
+    """Mean rate of change between the first and the last frame that have a value: exact for what flowed in between."""
+    good = np.flatnonzero(np.isfinite(amount))
+    if good.size < 2:
+        return 0.0
+    return float((amount[good[-1]] - amount[good[0]]) / (time[good[-1]] - time[good[0]]))
+
+
 def account_of_mass(moving: MovingProfile, one: State, two: State, speed: float) -> dict[str, float]:
     """Mass fluxes through the moving front, m^2/s: s1 (u1 - c), s2 (u2 - c), their relative difference, storage."""
     flux_1 = one.discharge.value - speed * one.mass_depth.value
     flux_2 = two.discharge.value - speed * two.mass_depth.value
     start, stop = np.mean(one.zone), np.mean(two.zone)
     mass = integral(moving, moving.fields["mass_depth"], start, stop)
-    growth = straight_motion(moving.time, mass).speed if len(moving.time) > 2 else 0.0
+    growth = growth_rate(moving.time, mass)
     return {
         "upstream": flux_1,
         "downstream": flux_2,

@@ -64,10 +64,11 @@ class ReflectedWave:
         """One sentence for the report."""
         if self.motion.points < 3:
             return f"No wave could be followed back from '{self.structure}'."
+        speed = f"{self.motion.speed:+.2f} ± {self.motion.error:.2f} m/s"
         return (
-            f"The wave thrown back by '{self.structure}' runs at {self.motion.speed:+.2f} ± {self.motion.error:.2f} m/s; the "
-            f"oncoming stream of {self.depth:.2f} m and {self.velocity:.2f} m/s stopped by a wall would throw back a bore of "
-            f"{self.bore_depth:.2f} m at {self.bore_speed:+.2f} m/s."
+            f"The wave thrown back by '{self.structure}' runs at {speed}; the oncoming stream of {self.depth:.2f} m and "
+            f"{self.velocity:.2f} m/s stopped by a wall would throw back a bore of {self.bore_depth:.2f} m at "
+            f"{self.bore_speed:+.2f} m/s."
         )
 
 
