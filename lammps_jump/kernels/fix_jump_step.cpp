@@ -19,6 +19,14 @@ using jump::ContactForce;
 using jump::Friction;
 using jump::Touch;
 
+namespace {
+// x and y of a row of LAMMPS' arrays (three numbers a disc) as one
+typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
+
+inline Vec2 &at(double *rows, int i) { return *reinterpret_cast<Vec2 *>(rows + 3 * i); }
+inline const Vec2 &at(const double *rows, int i) { return *reinterpret_cast<const Vec2 *>(rows + 3 * i); }
+}    // namespace
+
 FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
   if (igroup != 0) error->all(FLERR, "fix jump/step acts on all discs: its group is all");
@@ -168,29 +176,23 @@ template <bool SPIN> void FixJumpStep::drift()
   const double *const __restrict f = atom->f[0];
   const int n = atom->nlocal;
   const double dtfm = dtf / pair->mass;
-  const double kick_x = 0.5 * dtv * gx, kick_y = 0.5 * dtv * gy;
+  const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
   PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
-  double lo_x = 1e300, hi_x = -1e300, lo_y = 1e300, hi_y = -1e300;
+  Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
   for (int i = 0; i < n; i++) {
-    const double vx = v[3 * i] + (dtfm * f[3 * i] + kick_x);
-    const double vy = v[3 * i + 1] + (dtfm * f[3 * i + 1] + kick_y);
-    lo_x = vx < lo_x ? vx : lo_x;
-    hi_x = vx > hi_x ? vx : hi_x;
-    lo_y = vy < lo_y ? vy : lo_y;
-    hi_y = vy > hi_y ? vy : hi_y;
-    const double px = x[3 * i] + dtv * vx;
-    const double py = x[3 * i + 1] + dtv * vy;
-    v[3 * i] = vx;
-    v[3 * i + 1] = vy;
-    x[3 * i] = px;
-    x[3 * i + 1] = py;
-    disc[i] = {px, py, vx, vy};
+    const Vec2 speed = at(v, i) + (dtfm * at(f, i) + kick);
+    const Vec2 place = at(x, i) + dtv * speed;
+    at(v, i) = speed;
+    at(x, i) = place;
+    disc[i] = {place[0], place[1], speed[0], speed[1]};
+    lo = speed < lo ? speed : lo;
+    hi = speed > hi ? speed : hi;
   }
-  pair->range_lo[0] = lo_x;
-  pair->range_hi[0] = hi_x;
-  pair->range_lo[1] = lo_y;
-  pair->range_hi[1] = hi_y;
-  near_moved += dtv * std::max(std::max(std::fabs(lo_x), std::fabs(hi_x)), std::max(std::fabs(lo_y), std::fabs(hi_y)));
+  for (int axis = 0; axis < 2; axis++) {
+    pair->range_lo[axis] = lo[axis];
+    pair->range_hi[axis] = hi[axis];
+  }
+  near_moved += dtv * std::max(std::max(-lo[0], hi[0]), std::max(-lo[1], hi[1]));
   if (SPIN) {
     double *const __restrict omega = atom->omega[0];
     const double *const __restrict torque = atom->torque[0];
@@ -257,11 +259,8 @@ void FixJumpStep::final_integrate()
   double *const __restrict v = atom->v[0];
   const double *const __restrict f = atom->f[0];
   const double dtfm = dtf / pair->mass;
-  const double kick_x = 0.5 * dtv * gx, kick_y = 0.5 * dtv * gy;
-  for (int i = 0; i < n; i++) {
-    v[3 * i] += dtfm * f[3 * i] + kick_x;
-    v[3 * i + 1] += dtfm * f[3 * i + 1] + kick_y;
-  }
+  const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
+  for (int i = 0; i < n; i++) at(v, i) += dtfm * at(f, i) + kick;
   if (pair->spin) {
     double *const __restrict omega = atom->omega[0];
     const double *const __restrict torque = atom->torque[0];
