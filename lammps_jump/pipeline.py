@@ -24,7 +24,7 @@ OWN_FILES = (
     "log.lammps",
     "dump.lammpstrj",
     "dump.lammpstrj.gz",
-    "dump.lammpstrj.bin",
+    "dump.lammpsbin",
     "forces.csv",
     "profiles.nc",
     "summary.json",
@@ -140,7 +140,7 @@ def stored_result(prepared: Prepared) -> dict[str, Any] | None:
     except OSError:
         return None
     finished = all((prepared.folder / name).exists() for name in ("profiles.nc", "report.html"))
-    return stored if same and finished and any(prepared.folder.glob("dump.lammpstrj*")) else None
+    return stored if same and finished and any(prepared.folder.glob("dump.lammps*")) else None
 
 
 def write_folder(prepared: Prepared) -> None:

@@ -85,7 +85,7 @@ def _missing(scene: Scene, folder: Path, state: tuple | None) -> str:
 
     if state is None:
         return ""
-    path = next(iter(folder.glob("dump.lammpstrj*")), None)
+    path = next(iter(folder.glob("dump.lammps*")), None)
     if path is None:
         return ""
     last = None

@@ -15,11 +15,13 @@ from pathlib import Path
 from ..errors import SetupError
 from ..run_result import Progress, ProgressCallback, RunResult
 from ..scene import Scene
+from ..script.blocks import raw_forces
 from .diagnose import explain
 from .loader import load_lammps, program, wheel_version
 from .log import LogSummary, read_log
 
 POLL_SECONDS = 0.1
+HEADER = "time,structure,fx,fy,moment"
 
 
 @dataclass
@@ -75,7 +77,7 @@ def run_lammps(
     else:
         outcome = _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop)
     seconds = time.perf_counter() - begin
-    _tidy_forces(folder)
+    _gather_forces(scene, folder)
     return _result(scene, folder, kernel, outcome, read_log(folder / "log.lammps"), seconds)
 
 
@@ -171,25 +173,26 @@ def _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop) -> _O
             outcome.interrupted = True
             process.terminate()
             process.wait(timeout=30)
-    output = process.stdout.read() if process.stdout else ""
+    output, _ = process.communicate()
     if process.returncode and not outcome.interrupted:
         outcome.error = next((line for line in output.splitlines() if "ERROR" in line), "") or read_log(log).error
         outcome.error = outcome.error or f"mpiexec ended with status {process.returncode}: {output.strip()[-500:]}"
     return outcome
 
 
-def _tidy_forces(folder: Path) -> None:
-    """Leave one header and data rows: fix print writes titles between them and a row before the first step."""
-    path = folder / "forces.csv"
-    if not path.exists():
-        return
-    lines = path.read_text().splitlines()
-    header = "time,structure,fx,fy,moment"
-    rows = [line for line in lines if line and not line.startswith(("#", "time"))]
-    if rows:
-        first = rows[0].split(",")[0]
-        rows = [row for row in rows if row.split(",")[0] != first]
-    path.write_text("\n".join([header, *rows]) + "\n")
+def _gather_forces(scene: Scene, folder: Path) -> None:
+    """One ``forces.csv`` from the files of the structures, in order of time; their rows before the first step go."""
+    rows = []
+    for order, name in enumerate(scene.probes):
+        raw = folder / raw_forces(name)
+        if not raw.exists():
+            continue
+        for line in raw.read_text().splitlines()[2:]:
+            if line.count(",") == HEADER.count(","):  # the last line of a run that was ended may be torn
+                rows.append((float(line.split(",", 1)[0]), order, line))
+        raw.unlink()
+    if scene.probes:
+        (folder / "forces.csv").write_text("\n".join([HEADER, *(line for *_, line in sorted(rows))]) + "\n")
 
 
 def _result(

@@ -5,10 +5,9 @@ from __future__ import annotations
 from ..scene import Scene
 from ..walls import Block, Box, Plane, Wall
 
-DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpstrj.bin"}
+DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
-FORCES_FILE = "forces.csv"
 GUARDS_PER_FRAME = 2
 LOG_LINES_PER_FRAME = 5
 
@@ -190,6 +189,11 @@ def moment_point(item: Wall) -> tuple[float, float]:
     return item.x[0], item.y[0]
 
 
+def raw_forces(name: str) -> str:
+    """File of one structure: LAMMPS buffers, so that two fixes writing one file would tear each other's lines."""
+    return f"forces_{name}.raw"
+
+
 def probes(scene: Scene) -> list[str]:
     """Force on each probed structure, every step summed, averaged over a window, one CSV row a window.
 
@@ -201,8 +205,7 @@ def probes(scene: Scene) -> list[str]:
     n = scene.probe_steps
     few = max(1, n // 10)
     lines = ["variable        clock equal time"]
-    for index, name in enumerate(scene.probes):
-        how, title = ("append", f"# {name}") if index else ("file", "time,structure,fx,fy,moment")
+    for name in scene.probes:
         item = scene.wall(name)
         x0, y0 = (f"({number(value)})" for value in moment_point(item))
         parts = [f"f_wall_{name}_x", f"f_wall_{name}_y"] if isinstance(item, Box) else [f"f_wall_{name}"]
@@ -221,7 +224,7 @@ def probes(scene: Scene) -> list[str]:
             f"variable        fy_{name} equal -({'+'.join(along[1::2])})",
             f"variable        mz_{name} equal -f_moment_{name}",
             f"fix             write_{name} all print {n} \"${{clock}},{name},${{fx_{name}}},${{fy_{name}}},${{mz_{name}}}\" &",
-            f'                {how} {FORCES_FILE} screen no title "{title}"',
+            f'                file {raw_forces(name)} screen no title "time,structure,fx,fy,moment"',
         ]
     return lines
 

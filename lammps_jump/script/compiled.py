@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..scene import Scene
 from ..walls import Block, Plane, Wall
-from .blocks import FORCES_FILE, GUARDS_PER_FRAME, inlets, number
+from .blocks import GUARDS_PER_FRAME, inlets, number, raw_forces
 
 GLOBAL_VALUES = 9
 """Length of the fix' vector before the probes' values."""
@@ -63,12 +63,11 @@ def probes(scene: Scene) -> list[str]:
         return []
     lines = ["variable        clock equal time"]
     for index, name in enumerate(scene.probes):
-        how, title = ("append", f"# {name}") if index else ("file", "time,structure,fx,fy,moment")
         first = GLOBAL_VALUES + 3 * index
         lines += [f"variable        {label}_{name} equal f_motion[{first + i}]" for i, label in enumerate(("fx", "fy", "mz"), 1)]
         lines += [
             f'fix             write_{name} all print {scene.probe_steps} "${{clock}},{name},${{fx_{name}}},${{fy_{name}}},${{mz_{name}}}" &',
-            f'                {how} {FORCES_FILE} screen no title "{title}"',
+            f'                file {raw_forces(name)} screen no title "time,structure,fx,fy,moment"',
         ]
     return lines
 

@@ -1,0 +1,27 @@
+"""Writes the golden scripts anew: ``python tests/golden/make.py``; read the difference before committing it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lammps_jump.case import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.script import script_text
+
+HERE = Path(__file__).parent
+INPUTS = HERE.parents[1] / "inputs"
+
+
+def golden_texts() -> dict[str, str]:
+    """File name -> script, for every scene and both kernels."""
+    texts = {}
+    for path in sorted(INPUTS.glob("*.yaml")):
+        scene = build_scene(load_case(path))
+        for kernel in ("stock", "compiled"):
+            texts[f"{path.stem}.{kernel}.lammps"] = script_text(scene, kernel=kernel)
+    return texts
+
+
+if __name__ == "__main__":
+    for name, text in golden_texts().items():
+        (HERE / name).write_text(text)

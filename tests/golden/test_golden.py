@@ -1,0 +1,55 @@
+"""The generated script of every scene, line by line: a change must be meant."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+_spec = importlib.util.spec_from_file_location("golden_make", HERE / "make.py")
+_make = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(_make)
+TEXTS = _make.golden_texts()
+
+
+@pytest.mark.parametrize("name", sorted(TEXTS))
+def test_script_is_the_golden_one(name):
+    assert TEXTS[name] == (HERE / name).read_text(), "meant? then run: python tests/golden/make.py"
+
+
+def test_no_golden_file_is_left_over():
+    assert {path.name for path in HERE.glob("*.lammps")} == set(TEXTS)
+
+
+def test_blocks_stand_only_where_needed():
+    box = TEXTS["energy_box_16.stock.lammps"]
+    for word in ("gravity", "deposit", "evaporate", "wall/gran/region", "enforce2d", "omegaz", "nve/sphere"):
+        assert word not in box, word
+    collapse = TEXTS["column_collapse.stock.lammps"]
+    assert "nve/sphere disc" in collapse and "omegaz" in collapse
+    jump = TEXTS["hydraulic_jump_frictionless.stock.lammps"]
+    # no friction: dampflag and coefficients are zero in pair and walls
+    assert "gran/hooke 25600000 NULL 1008.5" in jump and " 0 0 0\n" in jump
+    assert jump.count("fix deposit") == 0 and jump.count(" all deposit ") == 5
+
+
+def test_traps_of_the_design_are_avoided():
+    for name, text in TEXTS.items():
+        if ".stock." not in name:
+            continue
+        assert "hooke/history" not in text
+        assert text.index("thermo_style") < text.index("thermo_modify")  # the style resets the other
+        if " all deposit " in text:
+            lines = [line for line in text.splitlines() if line.startswith("region          inlet_")]
+            assert lines and all(line.endswith(" 0 0") for line in lines)  # flat in z
+            assert text.count("mol disk id max") == text.count(" all deposit ")
+        for line in text.splitlines():
+            if line.startswith("region          solid_"):
+                assert line.endswith("INF INF side out")  # a finite face in z would be a contact
+            if "wall/gran" in line:
+                gamma = line.split("hooke ")[1].split()[2]
+                assert float(gamma) > 0  # zero is a NaN in this wheel
+        assert "format float %.10g" in text
+        assert "comm_modify     vel yes" in text

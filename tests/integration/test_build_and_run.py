@@ -1,0 +1,269 @@
+"""The whole job on LAMMPS: every scene of inputs/ shortened, the contract, balances, interruption and failure."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lammps_jump import pipeline
+from lammps_jump.analysis.dump import open_dump
+from lammps_jump.case import load_case, parse_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.errors import RunError, RunInterrupted
+from lammps_jump.lammps_engine import run_lammps
+from lammps_jump.lammps_engine.loader import program
+from lammps_jump.scenes import scene_names
+from lammps_jump.script import write_script
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+pytestmark = pytest.mark.lammps
+
+CONTRACT_FILES = ("case.yaml", "in.lammps", "log.lammps", "summary.json", "profiles.nc", "report.html")
+CONTRACT_KEYS = {
+    "name", "engine", "kernel", "versions", "coefficients", "steps", "wall_seconds", "disc_steps_per_second", "discs",
+}  # fmt: skip
+
+
+def job(name: str, folder: Path, *assignments: str, kernel: str = "stock", **options):
+    return pipeline.build_and_run(
+        INPUTS / f"{name}.yaml",
+        out=folder,
+        assignments=[f"engine.kernel={kernel}", *assignments],
+        quiet=True,
+        say=lambda text: None,
+        **options,
+    )
+
+
+def numbers(tree):
+    if isinstance(tree, dict):
+        for value in tree.values():
+            yield from numbers(value)
+    elif isinstance(tree, list):
+        for value in tree:
+            yield from numbers(value)
+    elif isinstance(tree, float):
+        yield tree
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_every_scene_leaves_the_contract(name, tmp_path):
+    settle = ["initial.0.settle=0.05"] if name in ("wave_structure", "column_collapse") else []
+    job(name, tmp_path, "run.duration=0.2", "run.output_interval=0.05", *settle)
+    for file in CONTRACT_FILES:
+        assert (tmp_path / file).stat().st_size > 0
+    assert list((tmp_path / "figures").glob("*.png"))
+    summary = json.loads((tmp_path / "summary.json").read_text(), parse_constant=pytest.fail)  # NaN is no JSON
+    assert CONTRACT_KEYS <= set(summary)
+    assert all(np.isfinite(value) for value in numbers(summary))
+    discs = summary["discs"]
+    assert discs["inserted"] == discs["present"] + discs["removed"] and discs["lost"] == 0
+    assert discs["inserted"] > 0 and summary["status"] == "complete"
+    assert (tmp_path / "forces.csv").exists() == bool(load_case(INPUTS / f"{name}.yaml").case.probes.forces)
+
+
+def test_folder_runs_alone_with_the_same_dump(tmp_path):
+    job("quick_jump", tmp_path / "run", "run.duration=0.5")
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    for name in ("in.lammps", "disk.mol"):
+        shutil.copy(tmp_path / "run" / name, alone)
+    subprocess.run([program("lmp"), "-in", "in.lammps"], cwd=alone, check=True, capture_output=True)
+    assert (alone / "dump.lammpstrj").read_bytes() == (tmp_path / "run" / "dump.lammpstrj").read_bytes()
+
+
+def test_energy_box_starts_at_5760_joules_and_stays_near(tmp_path):
+    """Thesis: 5760 J. 3 % at f = 0.05 is the contract's bound for 120 s; 10 s see fewer collisions, so it holds a fortiori."""
+    summary = job("energy_box_16", tmp_path, "run.duration=10")
+    assert summary["energy"]["initial"] == pytest.approx(5760, rel=1e-9)
+    assert summary["energy"]["max_deviation"] < 0.03
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fraction, bound", [(0.05, 0.03), (0.01, 0.002)])
+def test_energy_box_whole(tmp_path, fraction, bound):
+    """The contract's bounds: 3 % at f = 0.05, 0.2 % at f = 0.01, elastic energy included."""
+    summary = job("energy_box_16", tmp_path, f"run.time_step_fraction={fraction}")
+    assert summary["energy"]["initial"] == pytest.approx(5760, rel=1e-9)
+    assert summary["energy"]["max_deviation"] < bound
+
+
+def test_row_speeds_and_counts_while_the_inlet_is_free(tmp_path):
+    """floor(u t / (s d)) + 1 discs a row to within one, at the row speeds of PHYSICS section 4."""
+    summary = job("hydraulic_jump", tmp_path, "run.duration=0.4")
+    scene = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", ["run.duration=0.4"]))
+    exact = [scene.steps * scene.time_step * row.vx / (1.02 * scene.diameter) for row in scene.inlets]
+    assert abs(summary["discs"]["inserted"] - sum(np.floor(exact) + 1)) <= len(scene.inlets)
+
+
+def test_discs_enter_with_their_rows_speed(tmp_path):
+    """vx is the row's speed. The rows touch: in a millisecond the weight on their slanting contact adds at most
+    g t times the slope (2 m/s * 1 ms / 0.2 m), 1e-4 m/s, so 1e-5 of the speed for each row above."""
+    job("hydraulic_jump", tmp_path, "run.duration=0.001", "run.output_interval=0.001")
+    speeds = [row.vx for row in build_scene(load_case(INPUTS / "hydraulic_jump.yaml")).inlets]
+    last = list(open_dump(tmp_path / "dump.lammpstrj"))[-1].sorted()
+    assert last.n == 5
+    assert last.vx == pytest.approx(speeds, rel=5e-5)
+
+
+SETTLED = """\
+name: tank
+discs: {diameter: 0.1, density: 1000}
+contact: {restitution: 0.2, friction: 0, impact_speed: 6}
+walls:
+  - {name: left, kind: plane, axis: x, at: 0, side: above}
+  - {name: right, kind: plane, axis: x, at: 1.0, side: below}
+  - {name: floor, kind: plane, axis: y, at: 0, side: above}
+initial: [{kind: column, x: [0, 1], y: [0, 1], hydrostatic: true, jitter: 0.002, gate: false}]
+domain: {x: [-0.5, 1.5], y: [-0.5, 3]}
+run: {duration: 3, time_step_fraction: 0.1, output_interval: 0.5}
+probes: {forces: [floor, left, right], interval: 0.5}
+"""
+
+
+@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+def test_floor_carries_the_weight_of_a_settled_tank(tmp_path, kernel):
+    """N m g to 0.1 % (an identity of equilibrium, PHYSICS 3.4), and the side walls push alike."""
+    if kernel == "compiled":
+        from lammps_jump.kernels.build import availability
+
+        if not availability().available:
+            pytest.skip(availability().reason)
+    (tmp_path / "tank.yaml").write_text(SETTLED)
+    pipeline.build_and_run(
+        tmp_path / "tank.yaml", out=tmp_path / "run", assignments=[f"engine.kernel={kernel}"], quiet=True, say=lambda text: None
+    )
+    last = {}
+    for line in (tmp_path / "run" / "forces.csv").read_text().splitlines()[1:]:
+        time, name, fx, fy, _ = line.split(",")
+        last[name] = (float(time), float(fx), float(fy))
+    assert last["floor"][2] == pytest.approx(-100 * 10 * 9.81, rel=1e-3)
+    assert last["left"][1] + last["right"][1] == pytest.approx(0, abs=1e-3 * abs(last["floor"][2]))
+
+
+def test_stored_result_is_returned_and_force_runs_again(tmp_path):
+    said: list[str] = []
+
+    def again(**options):
+        return pipeline.build_and_run(
+            INPUTS / "energy_box_7.yaml", out=tmp_path, assignments=["run.duration=1", "engine.kernel=stock"], quiet=True,
+            say=said.append, **options,
+        )  # fmt: skip
+
+    first = again()
+    stamp = (tmp_path / "dump.lammpstrj").stat().st_mtime_ns
+    assert again() == json.loads((tmp_path / "summary.json").read_text())
+    assert (tmp_path / "dump.lammpstrj").stat().st_mtime_ns == stamp
+    assert any("already holds" in text for text in said)
+    assert again(force=True)["steps"] == first["steps"]
+    assert (tmp_path / "dump.lammpstrj").stat().st_mtime_ns != stamp
+
+
+def test_interrupted_run_keeps_its_frames(tmp_path):
+    scene = build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=20000"]))
+    write_script(scene, tmp_path)
+    seen = []
+    result = run_lammps(scene, tmp_path, progress=seen.append, should_stop=lambda: len(seen) > 2)
+    assert result.status == "interrupted" and "--force" in result.message
+    assert 0 < result.steps < scene.steps
+    assert result.inserted == result.present == 16 and result.lost == 0
+    frames = list(open_dump(tmp_path / "dump.lammpstrj"))
+    assert len(frames) > 1 and frames[-1].step <= result.steps
+
+
+def test_lost_disc_is_named_and_the_folder_kept(tmp_path):
+    case = tmp_path / "leak.yaml"
+    case.write_text(
+        "discs: {diameter: 0.2}\ncontact: {restitution: 0.5, impact_speed: 5}\ngravity: 0\n"
+        "domain: {x: [-1, 2], y: [-1, 1]}\n"
+        "initial: [{kind: list, positions: [[0, 0], [0, 0.5]], velocities: [[5, 0], [0, 0]]}]\nrun: {duration: 2}\n"
+    )
+    with pytest.raises(RunError, match=r"lost.*disc 1, last seen at \(\d\.\d+, 0\).*widen domain") as error:
+        pipeline.build_and_run(case, out=tmp_path / "run", assignments=["engine.kernel=stock"], quiet=True, say=lambda text: None)
+    assert error.value.exit_status == 1
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["status"] == "failed" and summary["discs"]["lost"] == 1
+    assert (tmp_path / "run" / "dump.lammpstrj").exists()
+
+
+def test_deep_overlap_ends_the_run_and_names_the_discs(tmp_path):
+    """Two discs at 40 times the design speed would pass through each other."""
+    case = parse_case(
+        "discs: {diameter: 0.2}\ncontact: {restitution: 1, impact_speed: 1}\ngravity: 0\n"
+        "initial: [{kind: list, positions: [[0, 0], [1, 0]], velocities: [[40, 0], [-40, 0]]}]\n"
+        "domain: {x: [-5, 6], y: [-1, 1]}\nrun: {duration: 0.02, output_interval: 0.0002}\n"
+    )
+    scene = build_scene(case)
+    write_script(scene, tmp_path)
+    result = run_lammps(scene, tmp_path)
+    assert result.status == "failed"
+    assert "overlap too deeply at t = 0.0" in result.message and "discs" in result.message and "2 d/n" in result.message
+
+
+def test_a_run_that_blows_up_is_reported(tmp_path):
+    """Beyond the stable step the motion diverges; the run must end with a message, not with NaN in its files."""
+    case = parse_case(
+        "discs: {diameter: 0.2}\ncontact: {restitution: 0.2, impact_speed: 16, correct_restitution: false}\n"
+        "walls: [{name: box, kind: box, x: [0, 1], y: [0, 1]}]\n"
+        "initial: [{kind: lattice, nx: 5, ny: 5, spacing: 0.198, origin: [0.1, 0.1], jitter: 0.001}]\n"
+        "run: {duration: 5, time_step_fraction: 1.2, allow_unstable: true}\n"
+    )
+    scene = build_scene(case)
+    write_script(scene, tmp_path)
+    result = run_lammps(scene, tmp_path)
+    assert result.status == "failed" and "time_step_fraction" in result.message or "domain" in result.message
+    assert "nan" not in (tmp_path / "dump.lammpstrj").read_text().lower()
+
+
+def test_two_ranks_balance_and_agree_with_one(tmp_path):
+    results = {}
+    for ranks in (1, 2):
+        summary = job("dam_break", tmp_path / str(ranks), "run.duration=0.1", "run.output_interval=0.05", f"engine.ranks={ranks}")
+        assert summary["discs"] == {"inserted": 1200, "present": 1200, "removed": 0, "lost": 0}
+        results[ranks] = list(open_dump(tmp_path / str(ranks) / "dump.lammpstrj"))[-1].sorted()
+    # 1,085 steps of a column just released: sums in another order, not yet amplified by chaos
+    assert np.abs(results[1].x - results[2].x).max() < 1e-9 * 0.2
+    assert np.abs(results[1].y - results[2].y).max() < 1e-9 * 0.2
+
+
+@pytest.mark.parametrize("dump_format, name", [("gz", "dump.lammpstrj.gz"), ("binary", "dump.lammpsbin")])
+def test_other_dump_formats_hold_the_same_frames(tmp_path, dump_format, name):
+    frames = {}
+    for kind, file in (("text", "dump.lammpstrj"), (dump_format, name)):
+        job("energy_box_7", tmp_path / kind, "run.duration=1", f"run.dump_format={kind}")
+        frames[kind] = list(open_dump(tmp_path / kind / file))
+    assert len(frames["text"]) == len(frames[dump_format]) == 11
+    for text, other in zip(frames["text"], frames[dump_format], strict=True):
+        assert text.step == other.step and text.time == pytest.approx(other.time)
+        assert text.sorted().x == pytest.approx(other.sorted().x, rel=1e-9)  # ten digits in text
+
+
+def test_command_line_exit_status(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "lammps_jump", "build-and-run", str(INPUTS / "energy_box_7.yaml"), "--out", str(tmp_path / "run"),
+         "--set", "run.duration=0.5", "--kernel", "stock"],
+        capture_output=True, text=True, cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "0 lost" in done.stdout and "report.html" in done.stdout
+
+
+def test_build_then_run(tmp_path):
+    prepared = pipeline.prepare(INPUTS / "energy_box_7.yaml", ["run.duration=0.5", "engine.kernel=stock"], tmp_path)
+    pipeline.write_folder(prepared)
+    assert not (tmp_path / "dump.lammpstrj").exists()
+    reopened = replace(pipeline.reopen(tmp_path))
+    assert reopened.hash == prepared.hash
+    summary = pipeline.run_folder(reopened, build_seconds=0.0, quiet=True, say=lambda text: None)
+    assert summary["discs"]["lost"] == 0
+
+
+def test_interruption_is_an_error_of_its_own():
+    assert issubclass(RunInterrupted, RunError) and RunInterrupted.exit_status == 1
