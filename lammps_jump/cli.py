@@ -19,10 +19,16 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-CaseFile = Annotated[Path, typer.Argument(help="Case file (YAML); inputs/ holds one for each scene.", show_default=False)]
+CaseFile = Annotated[
+    Path, typer.Argument(help="Case file (YAML); inputs/ holds one for each scene.", show_default=False)
+]
 Sets = Annotated[
     list[str] | None,
-    typer.Option("--set", help="Change one value: path=value, list items by index or name. May be repeated.", metavar="PATH=VALUE"),
+    typer.Option(
+        "--set",
+        help="Change one value: path=value, list items by index or name. May be repeated.",
+        metavar="PATH=VALUE",
+    ),
 ]
 Out = Annotated[Path | None, typer.Option("--out", help="Folder for the results (default: runs/<name of the case>).")]
 EngineName = Annotated[str | None, typer.Option("--engine", help="lammps or native.")]
@@ -36,8 +42,14 @@ def _say(quiet: bool):
     return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
 
 
-def _assignments(sets: list[str] | None, engine: str | None = None, kernel: str | None = None, ranks: str | None = None) -> list[str]:
-    chosen = [f"engine.{key}={value}" for key, value in (("name", engine), ("kernel", kernel), ("ranks", ranks)) if value is not None]
+def _assignments(
+    sets: list[str] | None, engine: str | None = None, kernel: str | None = None, ranks: str | None = None
+) -> list[str]:
+    chosen = [
+        f"engine.{key}={value}"
+        for key, value in (("name", engine), ("kernel", kernel), ("ranks", ranks))
+        if value is not None
+    ]
     return [*(sets or []), *chosen]
 
 
@@ -103,7 +115,9 @@ def run(
 @app.command()
 def analyze(
     target: Annotated[Path, typer.Argument(help="Run folder, or any LAMMPS custom dump with x y.", show_default=False)],
-    out: Annotated[Path | None, typer.Option("--out", help="Folder for the results (default: beside the dump).")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the results (default: beside the dump).")
+    ] = None,
     case: Annotated[Path | None, typer.Option("--case", help="Case file that belongs to a bare dump.")] = None,
     diameter: Annotated[float | None, typer.Option(help="Disc diameter, m (guessed from a bare dump).")] = None,
     density: Annotated[float, typer.Option(help="Density, kg/m^3.")] = 1000.0,
@@ -115,8 +129,15 @@ def analyze(
     from .analyze_command import analyze_target
 
     analyze_target(
-        target, out=out, case=case, diameter=diameter, density=density, bin_width=bin_width, assignments=set_ or [],
-        quiet=quiet, say=_say(quiet),
+        target,
+        out=out,
+        case=case,
+        diameter=diameter,
+        density=density,
+        bin_width=bin_width,
+        assignments=set_ or [],
+        quiet=quiet,
+        say=_say(quiet),
     )
 
 
@@ -163,10 +184,30 @@ def doctor() -> None:
         raise typer.Exit(1)
 
 
+@app.command("cross-validate")
+def cross_validate(
+    case: CaseFile,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/<name>_cross_validation).")] = None,
+    members: Annotated[int | None, typer.Option(help="Runs in each ensemble (default 6, quick 3).")] = None,
+    kernel: Annotated[str, typer.Option(help="LAMMPS kernel of the ensembles: auto, stock or compiled.")] = "auto",
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer members, no comparison of laws.")] = False,
+    set_: Sets = None,
+    quiet: Quiet = False,
+) -> None:
+    """Hold LAMMPS and the native engine against each other; exit status 1 where they must agree and do not."""
+    from .studies.cross_validation import run_command
+
+    options = {"members": members, "kernel": kernel, "quick": quick, "quiet": quiet}
+    if not run_command(case, out=out, assignments=set_ or [], say=_say(quiet), **options):
+        raise typer.Exit(1)
+
+
 @app.command()
 def animate(
     folder: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
-    out: Annotated[Path | None, typer.Option("--out", help="File (.mp4 or .gif); default animation.mp4 in the folder.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="File (.mp4 or .gif); default animation.mp4 in the folder.")
+    ] = None,
     fps: Annotated[int, typer.Option(help="Frames a second.")] = 20,
 ) -> None:
     """Moving picture of a run: discs as true circles coloured by speed, forces on structures, time."""

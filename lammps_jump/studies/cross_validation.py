@@ -1,0 +1,467 @@
+"""LAMMPS and the native engine held against each other on one case: disc by disc, then by statistics.
+
+Three parts: the engines must walk the same path over the first thousand steps with contacts (same law, same
+integrator, same start); afterwards their ensembles must not differ; and what the choice of friction law, integrator
+and restitution correction changes is measured. `docs/cross_validation.md` says how to read the result.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..case import LoadedCase, load_case
+from ..case.to_scene import build_scene
+from ..errors import SetupError
+from ..progress import ProgressLine
+from ..scene import Scene
+from ..summary import plain, versions
+from .cv_quantities import Comparison, Quantities, Wanted, compare, measure
+from .cv_scenes import friction_scene, micro_scenes
+from .cv_statistics import CONFIDENCE, FAMILY_ERROR
+from .cv_trajectories import (
+    AGREEMENT,
+    CONTACT_STEPS,
+    DeterministicCheck,
+    Growth,
+    Separation,
+    check_scene,
+    crossing_step,
+    fit_growth,
+    plain_scene,
+    run_lammps_frames,
+    run_native_frames,
+    separation,
+)
+from .ensembles import JITTER, EngineChoice, Member, perturbed, run_ensemble
+
+MEMBERS, QUICK_MEMBERS = 6, 3
+DIVERGENCE_WORK = 4e7
+"""Disc-steps of the run in which the divergence is measured (a few seconds on each engine)."""
+QUICK_DIVERGENCE_WORK = 5e6
+FRAMES = 400
+TWIN_JITTER = 1e-15
+"""The twin of the native run starts this far off (diameters, and relative speeds): a few last digits."""
+SEQUENT_LIMIT, SPEED_LIMIT = 0.03, 0.10
+"""Between the engines: sequent depth and shock speed of a jump (shares)."""
+RESULT_FILE, REPORT_FILE = "cross_validation.json", "cross_validation.html"
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """How two runs of the case part after they have agreed.
+
+    Attributes
+    ----------
+    engines, twin : Separation
+        LAMMPS from native; native from native with a start a few last digits off.
+    growth, twin_growth : Growth
+    levels : dict of str to (step or None)
+        First step beyond each separation, in diameters.
+    """
+
+    engines: Separation
+    twin: Separation
+    growth: Growth
+    twin_growth: Growth
+    levels: dict[str, int | None]
+    kernel: str
+
+
+@dataclass
+class Study:
+    """Everything a cross-validation found; figures and report are made from it."""
+
+    name: str
+    scene: Scene
+    loaded: LoadedCase
+    engine: EngineChoice
+    checks: list[DeterministicCheck]
+    known: dict[tuple[str, str], str]
+    divergence: Divergence | None
+    members: dict[str, list[Member]]
+    quantities: dict[str, list[Quantities]]
+    comparison: Comparison | None
+    laws: dict[str, tuple[str, Comparison]]
+    criteria: list[dict[str, Any]]
+    notes: list[str]
+    seconds: float = 0.0
+
+    @property
+    def passed(self) -> bool:
+        """Nothing that must agree disagrees."""
+        checks = all(check.agrees or (check.name, check.kernel) in self.known for check in self.checks)
+        statistics = self.comparison is None or self.comparison.agrees
+        return checks and statistics and all(item["met"] is not False for item in self.criteria)
+
+
+KNOWN_DIFFERENCES = {
+    ("gate", "stock"): "stock LAMMPS starts a second run when the gate opens and evaluates the forces of that step "
+    "anew, with the velocities of the full step: one half kick of one step differs, the native engine and the "
+    "compiled kernel go straight on",
+}
+"""Scenes in which the engines are not meant to agree to round-off, with the reason."""
+
+
+def cross_validate(
+    path: str | Path,
+    *,
+    out: Path | None = None,
+    assignments: list[str] | None = None,
+    members: int | None = None,
+    quick: bool = False,
+    kernel: str = "auto",
+    quiet: bool = False,
+    say: Say = print,
+) -> dict[str, Any]:
+    """Compare the engines on a case and leave ``cross_validation.json``, figures and a report in a folder.
+
+    Parameters
+    ----------
+    path : str or Path
+        Case file.
+    out : Path, optional
+        Default ``runs/<name>_cross_validation``. Finished members are kept in it: an interrupted study goes on.
+    assignments : list of str, optional
+        ``--set`` texts.
+    members : int, optional
+        Runs in each ensemble, at least 2; default 6, with `quick` 3.
+    quick : bool
+        Fewer members, a shorter divergence run, no comparison of laws.
+    kernel : {'auto', 'stock', 'compiled'}
+        LAMMPS kernel of the ensembles; the disc-by-disc part uses stock, and the compiled one
+        where there is one.
+
+    Returns
+    -------
+    dict
+        What is in the JSON file; ``passed`` is False where something that must agree does not.
+
+    Raises
+    ------
+    CaseError, SetupError
+        Before anything runs.
+    RunError
+        Where a run fails.
+    """
+    begin = time.perf_counter()
+    count = members if members is not None else (QUICK_MEMBERS if quick else MEMBERS)
+    if count < 2:
+        raise SetupError(f"--members {count}: a spread needs at least 2 members in each engine")
+    study = _prepare(path, assignments or [], kernel)
+    folder = out or Path("runs") / f"{study.name}_cross_validation"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SetupError(f"{folder}: cannot be made ({error.strerror or error}); name another with --out") from None
+    for note in study.notes:
+        say(f"note: {note}")
+    _disc_by_disc(study, say, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
+    seeds = list(range(1, count + 1))
+    _ensembles(study, seeds, folder, quiet, say)
+    if not quick:
+        _laws(study, path, assignments or [], seeds, folder, quiet, say)
+    study.criteria = criteria(study)
+    study.seconds = time.perf_counter() - begin
+    from .cv_figures import draw_all
+    from .cv_report import write_report
+
+    report = as_dict(study, seeds)
+    (folder / RESULT_FILE).write_text(json.dumps(report, indent=1, allow_nan=False) + "\n")
+    figures = draw_all(study, folder / "figures")
+    write_report(study, report, figures, folder / REPORT_FILE)
+    return report
+
+
+def run_command(path: Path, *, out: Path | None, quiet: bool, say: Say, **options) -> bool:
+    """`cross_validate` for the command line: prints the outcome; whether everything that must agree does."""
+    from .cv_report import verdict_text
+
+    report = cross_validate(path, out=out, quiet=quiet, say=say, **options)
+    folder = out or Path("runs") / f"{report['name']}_cross_validation"
+    print(f"{verdict_text(report)}\nlook at {folder / REPORT_FILE}")
+    return report["passed"]
+
+
+def _prepare(path: str | Path, assignments: list[str], kernel: str) -> Study:
+    """Same law and integrator for both engines: hooke and velocity Verlet."""
+    base = [*assignments, "engine.name=lammps", "run.integrator=velocity_verlet", "contact.friction_law=hooke"]
+    loaded = load_case(path, [*base, "engine.kernel=auto", "engine.ranks=1", "run.stop_when_steady=false"])
+    scene = build_scene(loaded)
+    notes = [*scene.warnings]
+    if scene.pours:
+        raise SetupError(
+            "cross-validate cannot compare a poured scene: the engines draw the places of poured discs from different "
+            "random numbers; use a case with initial discs or an inflow of rows"
+        )
+    engine, more = choose_engine(kernel, scene)
+    return Study(
+        name=loaded.case.name, scene=scene, loaded=loaded, engine=engine, checks=[], known=dict(KNOWN_DIFFERENCES),
+        divergence=None, members={}, quantities={}, comparison=None, laws={}, criteria=[], notes=[*notes, *more],
+    )  # fmt: skip
+
+
+def choose_engine(kernel: str, scene: Scene) -> tuple[EngineChoice, list[str]]:
+    """The LAMMPS kernel of the ensembles.
+
+    Raises
+    ------
+    SetupError
+        No LAMMPS; or the compiled kernel is asked for (or needed by a smooth touch) and not to be had.
+    """
+    from ..kernels.build import availability, plugin_path
+    from ..lammps_engine.loader import load_lammps
+
+    load_lammps()
+    if kernel not in ("auto", "stock", "compiled"):
+        raise SetupError(f"--kernel {kernel}: is not known; use auto, stock or compiled")
+    smooth = scene.touch == "smooth"
+    if kernel == "stock" and smooth:
+        raise SetupError("--kernel stock: 'touch: smooth' is not in stock LAMMPS; use --kernel compiled")
+    if kernel == "stock":
+        return EngineChoice("lammps", "stock"), []
+    try:
+        status = availability()
+        if not status.available:
+            raise SetupError(status.reason)
+        return EngineChoice("lammps", "compiled", plugin_path()), []
+    except SetupError as error:
+        if kernel == "compiled" or smooth:
+            raise
+        return EngineChoice("lammps", "stock"), [f"the ensembles use stock LAMMPS styles: {error}"]
+
+
+def _kernels(study: Study) -> list[tuple[str, Path | None]]:
+    """Kernels for the disc-by-disc part."""
+    stock = [] if study.scene.touch == "smooth" else [("stock", None)]
+    plugin = study.engine.plugin
+    if plugin is None:
+        from ..kernels.build import availability
+
+        plugin = availability().path
+    return stock + ([("compiled", plugin)] if plugin else [])
+
+
+def _disc_by_disc(study: Study, say: Say, work: float) -> None:
+    kernels = _kernels(study)
+    scenes = [(scene, kernel) for scene in micro_scenes() for kernel in kernels]
+    scenes += [(friction_scene("sign"), kernel) for kernel in kernels if kernel[0] == "compiled"]
+    scenes += [(study.scene, kernel) for kernel in kernels]
+    for scene, (kernel, plugin) in scenes:
+        check = check_scene(scene, kernel=kernel, plugin=plugin)
+        study.checks.append(check)
+        if study.scene is scene and scene.gates and kernel == "stock":
+            study.known[(scene.name, kernel)] = KNOWN_DIFFERENCES[("gate", "stock")]
+        word = "agrees" if check.agrees else "DIFFERS"
+        say(
+            f"disc by disc: {check.name} ({kernel}): {check.worst:.1e} d over {CONTACT_STEPS} steps with contacts, "
+            f"{word}"
+        )
+    study.divergence = measure_divergence(study.scene, *kernels[0], work)
+    growth, twin = study.divergence.growth, study.divergence.twin_growth
+    say(f"divergence: grows by e every {_per(growth)} s, a native twin every {_per(twin)} s")
+
+
+def _per(growth: Growth) -> str:
+    return f"{1.0 / growth.rate:.3g}" if growth.rate > 0 else "?"
+
+
+def measure_divergence(scene: Scene, kernel: str, plugin: Path | None, work: float) -> Divergence:
+    """Follow both engines, and the native engine against itself, until discs have parted or `work` is done."""
+    bare = replace(scene, probes=())
+    steps = parting_step(bare, work)
+    interval = max(1, steps // FRAMES)
+    long = plain_scene(scene, max(interval, steps // interval * interval), interval)
+    native = run_native_frames(long)
+    part = separation(native, run_lammps_frames(long, kernel, plugin), scene.diameter)
+    twin = separation(native, run_native_frames(perturbed(long, 1, TWIN_JITTER)), scene.diameter)
+    levels = {f"{level:g}": crossing_step(part, level) for level in (1e-12, AGREEMENT, 1e-6, 1e-3, 1e-1)}
+    dt = scene.time_step
+    growths = (fit_growth(one.steps, one.largest, dt) for one in (part, twin))
+    return Divergence(part, twin, *growths, levels, kernel)
+
+
+def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:
+    """Some steps after the native engine and its twin have parted by `level` diameters; at most `work` disc-steps."""
+    from ..native import NativeSimulation
+
+    one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene, 1, TWIN_JITTER)))
+    while one.step < scene.steps and one.disc_steps < work:
+        chunk = min(200, scene.steps - one.step)
+        one.run(chunk)
+        two.run(chunk)
+        if not np.array_equal(one.ids, two.ids):
+            break
+        apart = np.abs(one.positions - two.positions)
+        if apart.size and apart.max() > level * scene.diameter:
+            break
+    return min(scene.steps, one.step + one.step // 4)
+
+
+def _ensembles(study: Study, seeds: list[int], folder: Path, quiet: bool, say: Say) -> None:
+    request = study.loaded.case.analysis
+    wanted = wanted_of(study)
+    for engine in (study.engine, EngineChoice("native")):
+        members = run_ensemble(
+            study.scene, seeds, engine, folder / "members", bin_width=request.bin_width, window=request.window,
+            before=_before(study.scene, quiet), after=_after(say),
+        )  # fmt: skip
+        study.members[engine.label] = members
+        study.quantities[engine.label] = [
+            measure(member, study.scene, wanted, request.bin_width, request.window) for member in members
+        ]
+    one, two = study.quantities
+    study.comparison = compare(one, study.quantities[one], two, study.quantities[two], FAMILY_ERROR)
+    for verdict in study.comparison.verdicts:
+        say(f"  {verdict.name}: {verdict.text}")
+
+
+def wanted_of(study: Study) -> Wanted:
+    """Which analyses the case asks for."""
+    case, scene = study.loaded.case, study.scene
+    conservative = scene.coefficients.restitution == 1.0 and not scene.coefficients.friction and not scene.inlets
+    return Wanted(case.analysis.front, case.analysis.jump, conservative)
+
+
+def _before(scene: Scene, quiet: bool):
+    line: list[ProgressLine] = []
+
+    def start(name: str, seed: int) -> ProgressLine:
+        if line:
+            line[0].finish()
+        line[:] = [ProgressLine(scene.time(scene.steps), quiet=quiet)]
+        return line[0]
+
+    return start
+
+
+def _after(say: Say):
+    def tell(member: Member) -> None:
+        result = member.result
+        how = f"{result['seconds']:.1f} s" if member.fresh else "was there"
+        say(f"{member.engine}, member {member.seed}: {how}, {result['present']} discs in play at the end")
+
+    return tell
+
+
+LAWS = {
+    "sign": ("friction law: thesis' sign law in place of LAMMPS' ramp", ["contact.friction_law=sign"]),
+    "leap-frog": ("integrator: thesis' extrapolated leap-frog in place of velocity Verlet",
+                  ["run.integrator=leapfrog_extrapolated"]),
+    "uncorrected": ("restitution bias of velocity Verlet left in", ["contact.correct_restitution=false"]),
+    "thesis": ("all as in the thesis: sign law and extrapolated leap-frog",
+               ["contact.friction_law=sign", "run.integrator=leapfrog_extrapolated"]),
+}  # fmt: skip
+
+
+def _laws(study: Study, path, assignments: list[str], seeds: list[int], folder: Path, quiet: bool, say: Say) -> None:
+    """What each choice changes, on the native engine, which has them all."""
+    case, scene = study.loaded.case, study.scene
+    rubs = scene.coefficients.friction > 0
+    request = case.analysis
+    wanted = wanted_of(study)
+    for label, (text, changes) in LAWS.items():
+        if (label in ("sign", "thesis") and not rubs) or (label == "uncorrected" and case.contact.restitution == 1):
+            continue
+        base = [*assignments, "engine.name=native", "run.integrator=velocity_verlet", "contact.friction_law=hooke"]
+        other = build_scene(load_case(path, [*base, "engine.ranks=1", *changes]))
+        members = run_ensemble(
+            other, seeds, EngineChoice("native"), folder / "members", bin_width=request.bin_width,
+            window=request.window, label=f"native_{label}", before=_before(other, quiet), after=_after(say),
+        )  # fmt: skip
+        found = [measure(member, other, wanted, request.bin_width, request.window) for member in members]
+        study.members[f"native_{label}"] = members
+        study.quantities[f"native_{label}"] = found
+        study.laws[label] = text, compare("native", study.quantities["native"], label, found, FAMILY_ERROR)
+
+
+def criteria(study: Study) -> list[dict[str, Any]]:
+    """Limits set beforehand for a jump without friction: sequent depth and shock speed between the engines."""
+    rows: list[dict[str, Any]] = []
+    if study.comparison is None or not wanted_of(study).jump:
+        return rows
+    without_friction = study.scene.coefficients.friction == 0
+    for name, limit in (("sequent depth", SEQUENT_LIMIT), ("shock speed", SPEED_LIMIT)):
+        verdict = study.comparison.find(name)
+        if verdict is None:
+            continue
+        d = verdict.difference
+        share = abs(d.difference / d.mean_1) if np.isfinite(d.difference) and d.mean_1 else nan
+        met = bool(share <= limit) if np.isfinite(share) and without_friction else None
+        rows.append({"name": f"{name} between the engines", "limit": limit, "value": share, "met": met})
+    return rows
+
+
+def as_dict(study: Study, seeds: list[int]) -> dict[str, Any]:
+    """What goes into ``cross_validation.json``."""
+    divergence = study.divergence
+    report = {
+        "name": study.name,
+        "passed": study.passed,
+        "seconds": study.seconds,
+        "versions": versions(),
+        "seeds": seeds,
+        "jitter": JITTER,
+        "confidence": CONFIDENCE,
+        "family_error": FAMILY_ERROR,
+        "time_step_fraction": study.scene.coefficients.time_step_fraction,
+        "duration": study.scene.time(study.scene.steps),
+        "lammps_kernel": study.engine.kernel,
+        "notes": study.notes,
+        "disc_by_disc": [
+            {**asdict(c), "expected_difference": None if c.agrees else study.known.get((c.name, c.kernel))}
+            for c in study.checks
+        ],
+        "divergence": divergence and {
+            "kernel": divergence.kernel,
+            "time_step": study.scene.time_step,
+            "steps": int(divergence.engines.steps[-1]) if len(divergence.engines.steps) else 0,
+            "growth": asdict(divergence.growth),
+            "twin_growth": asdict(divergence.twin_growth),
+            "first_step_beyond": divergence.levels,
+            "other_discs_from_step": divergence.engines.other_discs,
+            "largest_separation": float(divergence.engines.largest.max(initial=0.0)),
+        },
+        "statistics": study.comparison and _comparison_dict(study.comparison),
+        "criteria": study.criteria,
+        "laws": {label: {"what": text, **_comparison_dict(found)} for label, (text, found) in study.laws.items()},
+        "runs": {
+            label: [{"seed": member.seed, **member.result} for member in members]
+            for label, members in study.members.items()
+        },
+    }  # fmt: skip
+    return plain(report)
+
+
+def _comparison_dict(found: Comparison) -> dict[str, Any]:
+    return {
+        "ensembles": [found.name_1, found.name_2],
+        "jump_verdicts": list(found.verdicts_of_jump),
+        "agrees": found.agrees,
+        "quantities": [
+            {
+                "name": v.name,
+                "unit": v.unit,
+                "kind": v.kind,
+                "verdict": v.word,
+                "text": v.text,
+                "place": v.place or None,
+                "points": v.points or None,
+                "p_adjusted": v.p_adjusted,
+                **asdict(v.difference),
+            }
+            for v in found.verdicts
+        ],
+    }
+
+
+__all__ = ["Study", "cross_validate"]
