@@ -4,8 +4,9 @@ Reads the same `Scene` and writes the same files as the LAMMPS engine. Importing
 import it where it is used.
 """
 
+from .books import Energy
 from .engine import NativeRun, run_native, simulate
 from .output import Frame
-from .simulation import Energy, NativeSimulation
+from .simulation import NativeSimulation
 
 __all__ = ["Energy", "Frame", "NativeRun", "NativeSimulation", "run_native", "simulate"]

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from . import neighbours
+
+CELLS_A_DISC = 16
+"""Cells of the search grid at most, over the number of discs."""
 
 
 class Discs:
@@ -81,7 +86,9 @@ class Discs:
         if n == 0:
             self.start[0] = 0
             return -1
-        inverse = 1.0 / reach
+        # a few discs far apart get wider cells, so that cells never outnumber discs by much
+        width = max(reach, sqrt((b - a) * (d - c) / max(CELLS_A_DISC * n, 4096)), (b - a) / 1e6, (d - c) / 1e6)
+        inverse = 1.0 / width
         columns, rows = int((b - a) * inverse) + 1, int((d - c) * inverse) + 1
         transpose = rows > columns
         if transpose:

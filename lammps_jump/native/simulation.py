@@ -11,13 +11,12 @@ v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and g
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..errors import RunError
 from ..scene import Scene
-from . import kernels, neighbours
+from . import books, kernels, neighbours
+from .books import Energy
 from .discs import Discs
 from .faces import faces_of
 from .traffic import Traffic
@@ -30,20 +29,6 @@ SLIP_FRACTION = 0.01
 
 WORK_PER_CALL = 4_000_000
 """Disc-steps after which the kernel comes back to look for an interruption: about a tenth of a second."""
-
-
-@dataclass(frozen=True)
-class Energy:
-    """Energy now, J per m of width; `elastic` of pairs and walls together."""
-
-    kinetic: float
-    gravitational: float
-    elastic: float
-
-    @property
-    def total(self) -> float:
-        """Sum of the three."""
-        return self.kinetic + self.gravitational + self.elastic
 
 
 class NativeSimulation:
@@ -93,7 +78,7 @@ class NativeSimulation:
             mass * coefficients.gamma_tangential_wall,
         )
         self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
-        self._inertia = coefficients.inertia * scene.radius**2
+        self._inertia = books.inertia(scene)
         self._weight = (mass * scene.gravity[0], mass * scene.gravity[1])
         self._motion = kernels.Motion(scene.time_step, mass, self._inertia, *self._weight, (0.5 * self.skin) ** 2)
         self._ledger_on = ledger
@@ -230,7 +215,7 @@ class NativeSimulation:
         reach = self.scene.diameter + 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for identity, x, y, vx, vy in self.traffic.arrivals(self.step, discs):
             discs.append(identity, x, y, vx, vy, self._weight, reach)
-            self._books["brought_in"] += self._free_energy(x, y, vx, vy)
+            self._books["brought_in"] += books.free_energy(self.scene, x, y, vx, vy)
         if discs.n > before:
             self._list_walls()
             if self._ledger_on:
@@ -254,11 +239,11 @@ class NativeSimulation:
                 leaving = np.isin(discs.ids[: discs.n], ids)
             elastic = self._elastic()
             gone = np.flatnonzero(leaving)
-            self._books["carried_out"] += self._free_energy(
-                discs.x[gone], discs.y[gone], discs.vx[gone], discs.vy[gone]
+            self._books["carried_out"] += books.free_energy(
+                self.scene, discs.x[gone], discs.y[gone], discs.vx[gone], discs.vy[gone]
             )
             if discs.omega is not None:
-                self._books["carried_out"] += 0.5 * self._inertia * float((discs.omega[gone] ** 2).sum())
+                self._books["carried_out"] += 0.5 * books.inertia(self.scene) * float((discs.omega[gone] ** 2).sum())
         self.traffic.removed += int(leaving.sum())
         discs.keep(leaving ^ True)
         self._rebuild()
@@ -355,10 +340,6 @@ class NativeSimulation:
     def _by_id(self, values: np.ndarray) -> np.ndarray:
         return values[np.argsort(self.discs.ids[: self.discs.n], kind="stable")]
 
-    def _velocity(self, name: str, force: str, inertia: float) -> np.ndarray:
-        d = self.discs
-        return getattr(d, name)[: d.n] + 0.5 * self.scene.time_step / inertia * getattr(d, force)[: d.n]
-
     @property
     def ids(self) -> np.ndarray:
         """Ids of the discs in play, ascending, shape (n,)."""
@@ -373,80 +354,26 @@ class NativeSimulation:
     @property
     def velocities(self) -> np.ndarray:
         """Velocities at the step, v_n (m/s), sorted by id, shape (n, 2)."""
-        mass = self.scene.mass
-        return self._by_id(np.column_stack([self._velocity("vx", "fx", mass), self._velocity("vy", "fy", mass)]))
+        return self._by_id(np.column_stack(books.velocities(self.scene, self.discs)))
 
     @property
     def spin(self) -> np.ndarray:
         """Angular velocities at the step (rad/s), sorted by id, shape (n,); zeros where discs do not spin."""
         if self.discs.omega is None:
             return np.zeros(self.discs.n)
-        return self._by_id(self._velocity("omega", "torque", self._inertia))
+        return self._by_id(books.spin(self.scene, self.discs))
 
     def energy(self) -> Energy:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now."""
-        d, n, scene = self.discs, self.discs.n, self.scene
-        kinetic = (
-            0.5
-            * scene.mass
-            * float((self._velocity("vx", "fx", scene.mass) ** 2 + self._velocity("vy", "fy", scene.mass) ** 2).sum())
-        )
-        if d.omega is not None:
-            kinetic += 0.5 * self._inertia * float((self._velocity("omega", "torque", self._inertia) ** 2).sum())
-        gravitational = -float(self._weight[0] * d.x[:n].sum() + self._weight[1] * d.y[:n].sum())
-        return Energy(kinetic, gravitational, self._elastic())
-
-    def _free_energy(self, x, y, vx, vy) -> float:
-        """Kinetic and gravitational energy at the step of discs whose half-step velocity is (vx, vy)."""
-        half = 0.5 * self.scene.time_step
-        wx, wy = vx + half * self.scene.gravity[0], vy + half * self.scene.gravity[1]
-        kinetic = 0.5 * self.scene.mass * (wx * wx + wy * wy)
-        return float(np.sum(kinetic - self._weight[0] * x - self._weight[1] * y))
+        return books.energy_of(self.scene, self.discs, self._elastic())
 
     def _half_work(self) -> np.ndarray:
-        """Energy that dashpots and friction take in the first half of this step's kick (J per m), shape (2,)."""
-        if not self._ledger_on:
-            return np.zeros(2)
-        d, n, scene = self.discs, self.discs.n, self.scene
-        quarter = 0.25 * scene.time_step / scene.mass
-        wx, wy = d.vx[:n] + quarter * d.fx[:n], d.vy[:n] + quarter * d.fy[:n]
-        half = -0.5 * scene.time_step
-        lost = half * float(d.dash_x[:n] @ wx + d.dash_y[:n] @ wy)
-        slid = 0.0
-        if d.slide_x is not None:
-            slid = float(d.slide_x[:n] @ wx + d.slide_y[:n] @ wy)
-            if d.omega is not None:
-                spin = d.omega[:n] + 0.25 * scene.time_step / self._inertia * d.torque[:n]
-                slid += float(d.torque[:n] @ spin)
-        return np.array([lost, half * slid])
+        return books.half_work(self.scene, self.discs) if self._ledger_on else np.zeros(2)
 
     @property
     def ledger(self) -> dict[str, float] | None:
-        """Energy books since the start, J per m of width; None where they are not kept.
-
-        Present energy (kinetic, gravitational, elastic), the energy at the start (`initial`), brought in, carried out,
-        released with gates (the elastic energy of their contacts), dissipated by dashpots and by friction. The work of
-        a dissipative force over a kick is dt F . v_n, exact for the kick; `residual` = present + carried out +
-        released + dissipated - initial - brought in is therefore the error of the time integration of springs and
-        weight alone. `throughput` is what it is to be measured against: kinetic and elastic energy at the start, the
-        fall of the gravitational energy (or its rise), and what came in, gravitational energy apart.
-        """
+        """Energy books since the start, J per m of width (see `books.close`); None where they are not kept."""
         if not self._ledger_on:
             return None
-        now = self.energy()
-        start = self._start_energy
-        dashpots, friction = self._work + self._half_work() - self._start_work
-        books = {
-            "initial": start.total,
-            "kinetic": now.kinetic,
-            "gravitational": now.gravitational,
-            "elastic": now.elastic,
-            **self._books,
-            "dissipated_dashpots": float(dashpots),
-            "dissipated_friction": float(friction),
-        }
-        gone = books["carried_out"] + books["released_by_gates"] + float(dashpots) + float(friction)
-        books["residual"] = now.total + gone - start.total - books["brought_in"]
-        moved = abs(start.gravitational - now.gravitational)
-        books["throughput"] = start.kinetic + start.elastic + moved + abs(books["brought_in"])
-        return books
+        work = self._work + self._half_work() - self._start_work
+        return books.close(self._start_energy, self.energy(), self._books, work)

@@ -229,3 +229,13 @@ def test_probe_on_a_gate_counts_until_its_release():
     assert rows[100, "early"] == pytest.approx((0.5 * push, 0.0), rel=1e-9)
     assert rows[200, "early"] == (0.0, 0.0)
     assert rows[100, "late"] == pytest.approx((0.0, push), rel=1e-9)
+
+
+def test_few_discs_far_apart_need_no_large_grid():
+    scene = handmade_scene(
+        [[-90, -90], [90, 90], [90, 90.19]], np.zeros((3, 2)), diameter=0.2, gravity=(0.0, 0.0), restitution=1.0
+    )
+    simulation = NativeSimulation(scene)
+    assert simulation.discs.bytes < 100_000
+    simulation.run(50)
+    assert simulation.velocities[2, 1] > 0  # the touching pair was found in the wide cells
