@@ -54,7 +54,8 @@ def as_text(case: Case, scene: Scene) -> str:
     if scene.inlets:
         lines += ["", "inflow rows (a disc enters unless its place is taken)"]
         lines += [
-            f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = {row.every_steps * scene.time_step:.5f} s"
+            f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
+            f"{row.every_steps * scene.time_step:.5f} s"
             for row in scene.inlets
         ]
     lines += ["", "skipped, because the scene does not need it"]
@@ -138,7 +139,12 @@ def _flow_rows(case: Case, scene: Scene) -> list[Row]:
     carried = sum(scene.diameter**2 / (row.every_steps * inflow.turns * scene.time_step) for row in scene.inlets)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
-        ("jump_class", "class of jump", theory.jump_class(number) if number > 1 else "none: the inflow is subcritical", ""),
+        (
+            "jump_class",
+            "class of jump",
+            theory.jump_class(number) if number > 1 else "none: the inflow is subcritical",
+            "",
+        ),
         ("discharge", "discharge asked for, Va y1", speed * y1, "m^2/s"),
         ("discharge_rows", "discharge of the rows as spaced", carried, "m^2/s"),
         ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),

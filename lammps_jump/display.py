@@ -11,7 +11,8 @@ def print_summary(summary: dict[str, Any], folder: Path) -> None:
     discs, seconds = summary["discs"], summary["wall_seconds"]
     rate = summary["disc_steps_per_second"] or 0.0
     print(
-        f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, {discs['lost']} lost\n"
+        f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
+        f"{discs['lost']} lost\n"
         f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
         f"analysis {seconds['analysis']:.2f} s"
     )

@@ -119,8 +119,11 @@ def build_and_run(
     if not force:
         stored = stored_result(prepared)
         if stored is not None:
-            say(f"{prepared.folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
-                "of computing): nothing to do. --force runs it again.")
+            say(
+                f"{prepared.folder} already holds this run ({stored['steps']} steps, "
+                f"{stored['wall_seconds']['run']:.1f} s "
+                "of computing): nothing to do. --force runs it again."
+            )
             return stored
     for note in (*prepared.scene.warnings, *prepared.notes):
         say(f"note: {note}")
@@ -173,7 +176,8 @@ def write_folder(prepared: Prepared) -> None:
             )
     except OSError as error:
         raise SetupError(
-            f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or mend its permissions"
+            f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
+            "mend its permissions"
         ) from None
 
 
@@ -182,8 +186,10 @@ def _header(prepared: Prepared) -> tuple[str, ...]:
     version = summaries.versions().get("lammps_jump", "?")
     return (
         f"written by lammps-jump {version} from case {prepared.hash}; run it with: lmp -in in.lammps",
-        f"d = {prepared.scene.diameter:g} m, m = {c.mass:g} kg/m, k = {c.stiffness:g} N/m, e = {c.restitution:g}, ks = {c.friction:g}",
-        f"dt = {c.time_step:.6g} s = {c.time_step_fraction:g} of 2/omega; stable up to {c.stable_fraction:.3f} in the densest packing",
+        f"d = {prepared.scene.diameter:g} m, m = {c.mass:g} kg/m, k = {c.stiffness:g} N/m, e = "
+        f"{c.restitution:g}, ks = {c.friction:g}",
+        f"dt = {c.time_step:.6g} s = {c.time_step_fraction:g} of 2/omega; stable up to "
+        f"{c.stable_fraction:.3f} in the densest packing",
     )
 
 
@@ -192,7 +198,8 @@ def _announce(prepared: Prepared, say: Say) -> None:
     engine = prepared.loaded.case.engine.name
     say(
         f"{scene.name}: {engine} ({prepared.kernel}{f', {prepared.ranks} ranks' if prepared.ranks > 1 else ''}), "
-        f"{scene.steps} steps of {c.time_step:.4g} s, e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m "
+        f"{scene.steps} steps of {c.time_step:.4g} s, e = {c.restitution:g}, ks = {c.friction:g}, k = "
+        f"{c.stiffness:.4g} N/m "
         f"-> {prepared.folder}"
     )
 

@@ -72,7 +72,9 @@ def _validated(source: CaseSource, assignments: Iterable[str], default_name: str
         override(source, assignment)
     data = dict(source.data)
     if "name" not in data:
-        cleaned = "".join(letter if letter.isalnum() or letter in "_.-" else "_" for letter in default_name).lstrip("_.-")
+        cleaned = "".join(letter if letter.isalnum() or letter in "_.-" else "_" for letter in default_name).lstrip(
+            "_.-"
+        )
         data["name"] = cleaned or "case"
     try:
         case = Case.model_validate(data)

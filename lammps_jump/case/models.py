@@ -52,7 +52,9 @@ class Contact(Strict):
     @model_validator(mode="after")
     def _stiffness_given_once(self) -> Contact:
         if self.stiffness is None and self.impact_speed is None:
-            raise ValueError("needs impact_speed (with penetration_fraction, default 10), or stiffness in place of the two")
+            raise ValueError(
+                "needs impact_speed (with penetration_fraction, default 10), or stiffness in place of the two"
+            )
         if self.stiffness is not None and self.penetration_fraction is not None:
             raise ValueError("stiffness and penetration_fraction both fix the stiffness; keep one of them")
         if self.touch == "sharp" and self.touch_width is not None:
@@ -131,7 +133,9 @@ class Lattice(Strict):
     origin: Point
     jitter: Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
     velocity: Vector = (0.0, 0.0)
-    velocities: dict[int, Vector] = Field(default_factory=dict, description="disc number (from 1, along x first): [vx, vy]")
+    velocities: dict[int, Vector] = Field(
+        default_factory=dict, description="disc number (from 1, along x first): [vx, vy]"
+    )
 
 
 class DiscList(Strict):
@@ -156,7 +160,9 @@ class RowsInflow(Strict):
     mean_speed: MetrePerSecond = Field(gt=0)
     profile: Literal["power_law", "uniform"] = "power_law"
     spacing: Plain = Field(default=1.02, ge=1, le=5, description="distance between discs of a row, in diameters")
-    turns: int = Field(default=1, ge=1, le=48, description="attempts per spacing; more lets a drowned inlet refill sooner")
+    turns: int = Field(
+        default=1, ge=1, le=48, description="attempts per spacing; more lets a drowned inlet refill sooner"
+    )
     exact_discharge: bool = Field(default=False, description="scale the rows so that they carry mean_speed * depth")
 
 

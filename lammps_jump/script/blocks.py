@@ -96,7 +96,8 @@ def wall(scene: Scene, item: Wall) -> list[str]:
         return [f"fix             wall_{item.name} all wall/gran {law} {item.axis}plane {ends}{tail}"]
     if isinstance(item, Box):
         return [
-            f"fix             wall_{item.name}_{axis} all wall/gran {law} {axis}plane {number(low)} {number(high)}{tail}"
+            f"fix             wall_{item.name}_{axis} all wall/gran {law} {axis}plane {number(low)} "
+            f"{number(high)}{tail}"
             for axis, (low, high) in (("x", item.x), ("y", item.y))
         ]
     assert isinstance(item, Block)
@@ -135,7 +136,8 @@ def inlets(scene: Scene) -> list[str]:
         fall = f" vy {number(row.vy)} {number(row.vy)}" if row.vy else ""
         lines += [
             f"region          inlet_{index} block {x} {x} {y} {y} 0 0",
-            f"fix             inlet_{index} all deposit {count} 0 {row.every_steps} {scene.seed + index} region inlet_{index} "
+            f"fix             inlet_{index} all deposit {count} 0 {row.every_steps} {scene.seed + index} "
+            f"region inlet_{index} "
             f"mol disk id max near {number(row.clearance)} attempt 1 vx {number(row.vx)} {number(row.vx)}{fall}",
         ]
     return lines
@@ -149,7 +151,8 @@ def pours(scene: Scene) -> list[str]:
         half = number(scene.radius)
         lines += [
             f"region          pour_{index} block {extent} -{half} {half}",
-            f"fix             pour_{index} all pour {item.count} 0 {scene.seed + 100 + index} region pour_{index} mol disk "
+            f"fix             pour_{index} all pour {item.count} 0 {scene.seed + 100 + index} region "
+            f"pour_{index} mol disk "
             f"vol {number(item.volume_fraction)} 200 vel 0 0 {number(-item.speed_down)}",
         ]
     return lines
@@ -183,7 +186,7 @@ def guards(scene: Scene) -> list[str]:
 
 
 def moment_point(item: Wall) -> tuple[float, float]:
-    """The point that a probed wall's moment is taken about: lower left corner, or the plane's point nearest the origin."""
+    """The point that a probed wall's moment is about: lower left corner, or the plane's point nearest the origin."""
     if isinstance(item, Plane):
         return (item.at, 0.0) if item.axis == "x" else (0.0, item.at)
     return item.x[0], item.y[0]
@@ -214,6 +217,7 @@ def probes(scene: Scene) -> list[str]:
         columns = " ".join(f"c_push_{name}[{i + 1}]" for i in range(2 * len(parts)))
         # the columns hold the force on the disc; the structure feels the opposite
         along = [f"f_mean_{name}[{i + 1}]" for i in range(2 * len(parts))]
+        row = f"${{clock}},{name},${{fx_{name}}},${{fy_{name}}},${{mz_{name}}}"
         lines += [
             f"compute         push_{name} all reduce sum {pushes}",
             f"fix             mean_{name} all ave/time 1 {n} {n} {columns}",
@@ -223,7 +227,7 @@ def probes(scene: Scene) -> list[str]:
             f"variable        fx_{name} equal -({'+'.join(along[0::2])})",
             f"variable        fy_{name} equal -({'+'.join(along[1::2])})",
             f"variable        mz_{name} equal -f_moment_{name}",
-            f"fix             write_{name} all print {n} \"${{clock}},{name},${{fx_{name}}},${{fy_{name}}},${{mz_{name}}}\" &",
+            f'fix             write_{name} all print {n} "{row}" &',
             f'                file {raw_forces(name)} screen no title "time,structure,fx,fy,moment"',
         ]
     return lines
@@ -250,9 +254,9 @@ def thermo(scene: Scene) -> list[str]:
 def schedule(scene: Scene) -> list[str]:
     """The run itself; gates stand for the first part and are then taken away."""
     if not scene.gates:
-        return inlets(scene) + [f"run             {scene.steps}"]
+        return [*inlets(scene), f"run             {scene.steps}"]
     lines = [line for gate in scene.gates for line in wall(scene, gate.wall)]
     lines.append(f"run             {scene.settle_steps}")
     lines += [f"unfix           wall_{gate.wall.name}" for gate in scene.gates]
-    lines += inlets(scene) + [f"run             {scene.steps - scene.settle_steps}"]
+    lines += [*inlets(scene), f"run             {scene.steps - scene.settle_steps}"]
     return lines

@@ -23,7 +23,8 @@ def contact_law(scene: Scene) -> list[str]:
     c = scene.coefficients
     words = [
         f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
-        f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter {number(scene.diameter)}",
+        f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter "
+        f"{number(scene.diameter)}",
     ]
     if scene.touch == "smooth":
         words.append(f"touch smooth {number(scene.touch_width)}")
@@ -64,9 +65,13 @@ def probes(scene: Scene) -> list[str]:
     lines = ["variable        clock equal time"]
     for index, name in enumerate(scene.probes):
         first = GLOBAL_VALUES + 3 * index
-        lines += [f"variable        {label}_{name} equal f_motion[{first + i}]" for i, label in enumerate(("fx", "fy", "mz"), 1)]
         lines += [
-            f'fix             write_{name} all print {scene.probe_steps} "${{clock}},{name},${{fx_{name}}},${{fy_{name}}},${{mz_{name}}}" &',
+            f"variable        {label}_{name} equal f_motion[{first + i}]"
+            for i, label in enumerate(("fx", "fy", "mz"), 1)
+        ]
+        row = f"${{clock}},{name},${{fx_{name}}},${{fy_{name}}},${{mz_{name}}}"
+        lines += [
+            f'fix             write_{name} all print {scene.probe_steps} "{row}" &',
             f'                file {raw_forces(name)} screen no title "time,structure,fx,fy,moment"',
         ]
     return lines

@@ -52,7 +52,10 @@ def script_text(
     sections = [
         ("settings", (compiled.load(plugin) if kernel == "compiled" else []) + blocks.settings(scene, ranks)),
         ("box and discs", blocks.box_and_discs(scene)),
-        ("simulated time before the gate opens", [f"reset_timestep  0 time {number(start_time)}"] if start_time else []),
+        (
+            "simulated time before the gate opens",
+            [f"reset_timestep  0 time {number(start_time)}"] if start_time else [],
+        ),
         *law,
         ("outlets", blocks.outlets(scene)),
         ("pour", blocks.pours(scene)),

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lammps_jump.analysis.dump import open_dump
 
 from lammps_jump import pipeline
-from lammps_jump.analysis.dump import open_dump
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import RunError, RunInterrupted
@@ -27,8 +27,16 @@ pytestmark = pytest.mark.lammps
 
 CONTRACT_FILES = ("case.yaml", "in.lammps", "log.lammps", "summary.json", "profiles.nc", "report.html")
 CONTRACT_KEYS = {
-    "name", "engine", "kernel", "versions", "coefficients", "steps", "wall_seconds", "disc_steps_per_second", "discs",
-}  # fmt: skip
+    "name",
+    "engine",
+    "kernel",
+    "versions",
+    "coefficients",
+    "steps",
+    "wall_seconds",
+    "disc_steps_per_second",
+    "discs",
+}
 
 
 def job(name: str, folder: Path, *assignments: str, kernel: str = "stock", **options):
@@ -80,7 +88,7 @@ def test_folder_runs_alone_with_the_same_dump(tmp_path):
 
 
 def test_energy_box_starts_at_5760_joules_and_stays_near(tmp_path):
-    """Thesis: 5760 J. 3 % at f = 0.05 is the contract's bound for 120 s; 10 s see fewer collisions, so it holds a fortiori."""
+    """Thesis: 5760 J; 3 % at f = 0.05 is the bound for 120 s, and 10 s see fewer collisions."""
     summary = job("energy_box_16", tmp_path, "run.duration=10")
     assert summary["energy"]["initial"] == pytest.approx(5760, rel=1e-9)
     assert summary["energy"]["max_deviation"] < 0.03
@@ -138,7 +146,11 @@ def test_floor_carries_the_weight_of_a_settled_tank(tmp_path, kernel):
             pytest.skip(availability().reason)
     (tmp_path / "tank.yaml").write_text(SETTLED)
     pipeline.build_and_run(
-        tmp_path / "tank.yaml", out=tmp_path / "run", assignments=[f"engine.kernel={kernel}"], quiet=True, say=lambda text: None
+        tmp_path / "tank.yaml",
+        out=tmp_path / "run",
+        assignments=[f"engine.kernel={kernel}"],
+        quiet=True,
+        say=lambda text: None,
     )
     last = {}
     for line in (tmp_path / "run" / "forces.csv").read_text().splitlines()[1:]:
@@ -153,9 +165,13 @@ def test_stored_result_is_returned_and_force_runs_again(tmp_path):
 
     def again(**options):
         return pipeline.build_and_run(
-            INPUTS / "energy_box_7.yaml", out=tmp_path, assignments=["run.duration=1", "engine.kernel=stock"], quiet=True,
-            say=said.append, **options,
-        )  # fmt: skip
+            INPUTS / "energy_box_7.yaml",
+            out=tmp_path,
+            assignments=["run.duration=1", "engine.kernel=stock"],
+            quiet=True,
+            say=said.append,
+            **options,
+        )
 
     first = again()
     stamp = (tmp_path / "dump.lammpstrj").stat().st_mtime_ns
@@ -186,7 +202,9 @@ def test_lost_disc_is_named_and_the_folder_kept(tmp_path):
         "initial: [{kind: list, positions: [[0, 0], [0, 0.5]], velocities: [[5, 0], [0, 0]]}]\nrun: {duration: 2}\n"
     )
     with pytest.raises(RunError, match=r"lost.*disc 1, last seen at \(\d\.\d+, 0\).*widen domain") as error:
-        pipeline.build_and_run(case, out=tmp_path / "run", assignments=["engine.kernel=stock"], quiet=True, say=lambda text: None)
+        pipeline.build_and_run(
+            case, out=tmp_path / "run", assignments=["engine.kernel=stock"], quiet=True, say=lambda text: None
+        )
     assert error.value.exit_status == 1
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["status"] == "failed" and summary["discs"]["lost"] == 1
@@ -218,14 +236,16 @@ def test_a_run_that_blows_up_is_reported(tmp_path):
     scene = build_scene(case)
     write_script(scene, tmp_path)
     result = run_lammps(scene, tmp_path)
-    assert result.status == "failed" and "time_step_fraction" in result.message or "domain" in result.message
+    assert (result.status == "failed" and "time_step_fraction" in result.message) or "domain" in result.message
     assert "nan" not in (tmp_path / "dump.lammpstrj").read_text().lower()
 
 
 def test_two_ranks_balance_and_agree_with_one(tmp_path):
     results = {}
     for ranks in (1, 2):
-        summary = job("dam_break", tmp_path / str(ranks), "run.duration=0.1", "run.output_interval=0.05", f"engine.ranks={ranks}")
+        summary = job(
+            "dam_break", tmp_path / str(ranks), "run.duration=0.1", "run.output_interval=0.05", f"engine.ranks={ranks}"
+        )
         assert summary["discs"] == {"inserted": 1200, "present": 1200, "removed": 0, "lost": 0}
         results[ranks] = list(open_dump(tmp_path / str(ranks) / "dump.lammpstrj"))[-1].sorted()
     # 1,085 steps of a column just released: sums in another order, not yet amplified by chaos
@@ -247,10 +267,23 @@ def test_other_dump_formats_hold_the_same_frames(tmp_path, dump_format, name):
 
 def test_command_line_exit_status(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "lammps_jump", "build-and-run", str(INPUTS / "energy_box_7.yaml"), "--out", str(tmp_path / "run"),
-         "--set", "run.duration=0.5", "--kernel", "stock"],
-        capture_output=True, text=True, cwd=tmp_path,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "lammps_jump",
+            "build-and-run",
+            str(INPUTS / "energy_box_7.yaml"),
+            "--out",
+            str(tmp_path / "run"),
+            "--set",
+            "run.duration=0.5",
+            "--kernel",
+            "stock",
+        ],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
     assert done.returncode == 0, done.stderr
     assert "0 lost" in done.stdout and "report.html" in done.stdout
 

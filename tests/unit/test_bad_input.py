@@ -31,7 +31,12 @@ run: {duration: 0.01}
 WRONG_CASES = [
     ("unknown field", "friction: 0.1", "frction: 0.1", ["case.yaml:6", "contact.frction", "did you mean 'friction'"]),
     ("unknown top field", "gravity: 9.81", "gravitation: 9.81", ["case.yaml:2", "gravity"]),
-    ("duplicate field", "friction: 0.1", "friction: 0.1\n  friction: 0.2", ["case.yaml:7", "contact.friction", "twice", "line 6"]),
+    (
+        "duplicate field",
+        "friction: 0.1",
+        "friction: 0.1\n  friction: 0.2",
+        ["case.yaml:7", "contact.friction", "twice", "line 6"],
+    ),
     ("missing group", "discs: {diameter: 0.2, density: 1000}\n", "", ["discs", "required"]),
     ("missing field", "diameter: 0.2, ", "", ["case.yaml:3", "discs.diameter", "required"]),
     ("negative diameter", "diameter: 0.2", "diameter: -0.2", ["case.yaml:3", "discs.diameter", "-0.2", "> 0"]),
@@ -50,31 +55,76 @@ WRONG_CASES = [
     ("no kind of wall", "kind: block, ", "", ["walls[0]", "kind"]),
     ("interval backwards", "x: [-2, 10]", "x: [10, -2]", ["walls[0].x", "low < high"]),
     ("interval of three", "x: [-2, 10]", "x: [1, 2, 3]", ["walls[0].x"]),
-    ("two walls of one name", "inflow:", "  - {name: floor, kind: block, x: [11, 12], y: [-4, 0]}\ninflow:", ["walls[1].name", "floor"]),
+    (
+        "two walls of one name",
+        "inflow:",
+        "  - {name: floor, kind: block, x: [11, 12], y: [-4, 0]}\ninflow:",
+        ["walls[1].name", "floor"],
+    ),
     ("bad name", "name: good", "name: ../evil", ["case.yaml:1", "name", "../evil"]),
     ("zero rows", "depth: 1.0", "depth: 0.1", ["inflow.depth", "0.1", "one diameter"]),
     ("inlet in a wall", "y: [-4, 0]", "y: [-4, 0.5]", ["inflow", "row 1", "floor"]),
     ("inlet outside", "x: 0, depth", "x: 30, depth", ["inflow", "30", "domain.x"]),
     ("outlet outside", "x_beyond: 15", "x_beyond: 25", ["outflow[0].x_beyond", "25", "domain"]),
     ("two outlets in one", "{x_beyond: 15}", "{x_beyond: 15, x_before: 1}", ["outflow[0]", "exactly one"]),
-    ("no discs at all", "inflow: {kind: rows, x: 0, depth: 1.0, mean_speed: 16, profile: power_law}\n", "", ["no discs"]),
-    ("unstable step", "duration: 0.01", "duration: 0.01, time_step_fraction: 0.5", ["run.time_step_fraction", "0.5", "allow_unstable"]),
+    (
+        "no discs at all",
+        "inflow: {kind: rows, x: 0, depth: 1.0, mean_speed: 16, profile: power_law}\n",
+        "",
+        ["no discs"],
+    ),
+    (
+        "unstable step",
+        "duration: 0.01",
+        "duration: 0.01, time_step_fraction: 0.5",
+        ["run.time_step_fraction", "0.5", "allow_unstable"],
+    ),
     ("no duration", "duration: 0.01", "seed: 1", ["run.duration", "required"]),
     ("zero duration", "duration: 0.01", "duration: 0", ["run.duration", "> 0"]),
-    ("stiffness twice", "penetration_fraction: 10", "penetration_fraction: 10\n  stiffness: 1e7", ["contact", "stiffness"]),
+    (
+        "stiffness twice",
+        "penetration_fraction: 10",
+        "penetration_fraction: 10\n  stiffness: 1e7",
+        ["contact", "stiffness"],
+    ),
     ("no stiffness", "  penetration_fraction: 10\n  impact_speed: 16\n", "", ["contact", "impact_speed"]),
     ("unknown probe", "run:", "probes: {forces: [flor]}\nrun:", ["probes.forces[0]", "flor", "did you mean 'floor'"]),
-    ("scheme of the other engine", "duration: 0.01", "duration: 0.01, integrator: leapfrog_extrapolated", ["run.integrator", "native"]),
-    ("law not in stock LAMMPS", "  friction: 0.1", "  friction: 0.1\n  friction_law: sign", ["contact.friction_law", "hooke"]),
+    (
+        "scheme of the other engine",
+        "duration: 0.01",
+        "duration: 0.01, integrator: leapfrog_extrapolated",
+        ["run.integrator", "native"],
+    ),
+    (
+        "law not in stock LAMMPS",
+        "  friction: 0.1",
+        "  friction: 0.1\n  friction_law: sign",
+        ["contact.friction_law", "hooke"],
+    ),
     ("half a rank", "run:", "engine: {ranks: 0}\nrun:", ["engine.ranks", "0"]),
     ("tabs", "  restitution: 0.2", "\trestitution: 0.2", ["case.yaml:5", "not YAML"]),
     ("a list", GOOD, "- 1\n- 2\n", ["case.yaml:1", "mapping"]),
     ("empty", GOOD, "", ["case.yaml", "empty"]),
-    ("overlapping discs", "inflow:", "initial: [{kind: list, positions: [[1, 1], [1.05, 1]]}]\ninflow:", ["initial", "overlap", "d/n"]),
+    (
+        "overlapping discs",
+        "inflow:",
+        "initial: [{kind: list, positions: [[1, 1], [1.05, 1]]}]\ninflow:",
+        ["initial", "overlap", "d/n"],
+    ),
     ("disc in a wall", "inflow:", "initial: [{kind: list, positions: [[1, -1]]}]\ninflow:", ["walls[0]", "floor"]),
     ("disc outside", "inflow:", "initial: [{kind: list, positions: [[50, 1]]}]\ninflow:", ["domain", "50"]),
-    ("column too thin", "inflow:", "initial: [{kind: column, x: [5, 5.1], y: [0, 3]}]\ninflow:", ["initial[0]", "not one disc"]),
-    ("speeds for too few", "inflow:", "initial: [{kind: list, positions: [[1, 1], [2, 2]], velocities: [[0, 0]]}]\ninflow:", ["initial[0]"]),
+    (
+        "column too thin",
+        "inflow:",
+        "initial: [{kind: column, x: [5, 5.1], y: [0, 3]}]\ninflow:",
+        ["initial[0]", "not one disc"],
+    ),
+    (
+        "speeds for too few",
+        "inflow:",
+        "initial: [{kind: list, positions: [[1, 1], [2, 2]], velocities: [[0, 0]]}]\ninflow:",
+        ["initial[0]"],
+    ),
 ]
 
 
@@ -139,7 +189,16 @@ def test_folder_that_cannot_be_written(monkeypatch, capsys, tmp_path):
     (tmp_path / "case.yaml").write_text(GOOD)
     (tmp_path / "occupied").write_text("a file stands where the folder should be")
     status, message = attempt(
-        monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", "--out", "occupied/run", "--kernel", "stock", "--quiet"
+        monkeypatch,
+        capsys,
+        tmp_path,
+        "build-and-run",
+        "case.yaml",
+        "--out",
+        "occupied/run",
+        "--kernel",
+        "stock",
+        "--quiet",
     )
     assert status == 2 and "occupied/run" in message and "--out" in message
 

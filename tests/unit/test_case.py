@@ -32,7 +32,16 @@ def case_with(diameter="0.2", assignments=()):
 
 @pytest.mark.parametrize(
     "text, metres",
-    [("0.2", 0.2), ("20 cm", 0.2), ("'200 mm'", 0.2), ("2e-1", 0.2), ("'1e-4 km'", 0.1), ("1e0", 1.0), (".5", 0.5), ("1.", 1.0)],
+    [
+        ("0.2", 0.2),
+        ("20 cm", 0.2),
+        ("'200 mm'", 0.2),
+        ("2e-1", 0.2),
+        ("'1e-4 km'", 0.1),
+        ("1e0", 1.0),
+        (".5", 0.5),
+        ("1.", 1.0),
+    ],
 )
 def test_numbers_and_units(text, metres):
     # exact but for the one rounding of the unit's factor
@@ -50,7 +59,9 @@ def test_name_defaults_to_the_file():
 
 
 def test_set_by_name_and_index():
-    case = load_case(INPUTS / "hydraulic_jump.yaml", ["walls.sill.y=[-10,3]", "outflow.0.x_beyond=80", "contact.friction=0"]).case
+    case = load_case(
+        INPUTS / "hydraulic_jump.yaml", ["walls.sill.y=[-10,3]", "outflow.0.x_beyond=80", "contact.friction=0"]
+    ).case
     assert case.walls[1].y == (-10.0, 3.0)
     assert case.outflow[0].x_beyond == 80.0
     assert case.contact.friction == 0.0
@@ -113,7 +124,7 @@ def test_column_carries_its_weight_from_the_start():
     scene = build_scene(load_case(INPUTS / "dam_break.yaml"))
     c = scene.coefficients
     assert len(scene.positions) == 1200
-    column = scene.positions[:: 20][:, 1]
+    column = scene.positions[::20][:, 1]
     overlap = scene.diameter - (column[1:] - column[:-1])
     above = 59 - pytest.importorskip("numpy").arange(59)
     # d - overlap is formed from sums of up to 60 terms of 12 m: 1e-13 m of round-off, 1e-9 of an overlap
@@ -150,7 +161,10 @@ def test_skips_are_named():
 def test_walls_out_of_reach_are_left_out():
     loaded = parse_case(
         SMALL.format(diameter="0.2"),
-        assignments=["walls=[{kind: plane, name: far, axis: x, at: 500, side: below}]", "domain={x: [-5, 5], y: [-5, 5]}"],
+        assignments=[
+            "walls=[{kind: plane, name: far, axis: x, at: 500, side: below}]",
+            "domain={x: [-5, 5], y: [-5, 5]}",
+        ],
     )
     scene = build_scene(loaded)
     assert scene.walls == () and any("far" in text for text in scene.skipped)
@@ -162,7 +176,9 @@ def test_near_the_limit_is_a_warning_beyond_it_an_error():
     assert any("limit of stability" in text for text in close.warnings)
     with pytest.raises(CaseError, match="allow_unstable"):
         build_scene(parse_case(SMALL.format(diameter="0.2"), assignments=["run.time_step_fraction=0.5"]))
-    build_scene(parse_case(SMALL.format(diameter="0.2"), assignments=["run.time_step_fraction=0.5", "run.allow_unstable=true"]))
+    build_scene(
+        parse_case(SMALL.format(diameter="0.2"), assignments=["run.time_step_fraction=0.5", "run.allow_unstable=true"])
+    )
 
 
 @settings(max_examples=40, deadline=None)
@@ -193,7 +209,8 @@ def test_check_is_quick_to_import():
     code = (
         "import sys; from lammps_jump.check import check_case; import lammps_jump.cli; from pathlib import Path; "
         f"check_case(Path({str(INPUTS / 'hydraulic_jump.yaml')!r}), []); "
-        "print([m for m in ('lammps', 'numba', 'matplotlib', 'xarray', 'scipy', 'MDAnalysis', 'pint') if m in sys.modules])"
+        "print([m for m in ('lammps', 'numba', 'matplotlib', 'xarray', 'scipy', 'MDAnalysis', 'pint') if m "
+        "in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
