@@ -161,7 +161,7 @@ class _Painter:
     def paint(self, frame: Frame) -> np.ndarray:
         """The picture of a frame, shape (height, width, 3), uint8."""
         stage, view, time = self.stage, self.stage.view, self.context.time(frame)
-        picture = self._ground(self.context.walls_at(time)).copy()
+        picture = self._ground(self.context.shut_gates(time)).copy()
         inner = picture[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
         moving = "vx" in frame.columns and "vy" in frame.columns
         speed = np.hypot(frame.vx, frame.vy) if moving else np.zeros(frame.n)
@@ -178,17 +178,14 @@ class _Painter:
         self._write(picture, f"t = {time:.2f} s   {frame.n} discs")
         return picture
 
-    def _ground(self, walls) -> np.ndarray:
-        if walls not in self.grounds:
-            stage = self.stage
+    def _ground(self, gates) -> np.ndarray:
+        if gates not in self.grounds:
+            stage, view = self.stage, self.stage.view
             ground = stage.picture.copy()
-            paint_walls(
-                ground[stage.top : stage.top + stage.view.height, stage.left : stage.left + stage.view.width],
-                stage.view,
-                walls,
-            )
-            self.grounds[walls] = ground
-        return self.grounds[walls]
+            inner = ground[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
+            paint_walls(inner, view, self.context.walls, gates)
+            self.grounds[gates] = ground
+        return self.grounds[gates]
 
     def _write(self, picture: np.ndarray, text: str) -> None:
         row, column = self.stage.clock

@@ -125,11 +125,14 @@ class FlowContext:
                 return wall
         raise KeyError(name)
 
+    def shut_gates(self, time: float) -> tuple[Wall, ...]:
+        """Gates that are still there at a time, s."""
+        step_time = self.time_step or 0.0
+        return tuple(gate.wall for gate in self.gates if time < (gate.release_step - self.settle_steps) * step_time)
+
     def walls_at(self, time: float) -> tuple[Wall, ...]:
         """Walls that stand at a time (s), gates that are still shut among them."""
-        step_time = self.time_step or 0.0
-        shut = (gate.wall for gate in self.gates if time < (gate.release_step - self.settle_steps) * step_time)
-        return (*self.walls, *shut)
+        return (*self.walls, *self.shut_gates(time))
 
     def bed_height(self, x: np.ndarray | float) -> np.ndarray:
         """Height of the floor at x, m; NaN where nothing lies below.

@@ -109,7 +109,7 @@ def compute_fields(
     open_ = np.ones(mesh[0].shape, bool)
     for wall in context.walls_at(context.time(frame)):
         open_ &= wall.signed_distance(*mesh) > 0
-    cell_weight = balance(open_, _kernel_table(spacing, reach, KERNELS[kernel]), BALANCING_ROUNDS)
+    cell_weight = _cell_weight(open_, spacing, reach, KERNELS[kernel])
     geometry = (low_x, low_y, spacing, reach, KERNELS[kernel])
 
     m = context.mass
@@ -221,6 +221,18 @@ def _force_moments(frame: Frame, context: FlowContext) -> tuple[np.ndarray, np.n
     nodes, weights = 0.5 * (GAUSS[0] + 1), 0.5 * GAUSS[1]
     points = (found.end[:, None, :] + nodes[None, :, None] * branch[:, None, :]).reshape(-1, 2)
     return points, (weights[None, :, None] * moment[:, None, :]).reshape(-1, 3)
+
+
+def _cell_weight(open_: np.ndarray, spacing: float, reach: float, kind: int) -> np.ndarray:
+    """`balance` of these cells; the last answer is kept, for the frames of a run share their walls."""
+    key = (open_.shape, hash(open_.tobytes()), spacing, reach, kind)
+    if key not in _last_weight:
+        _last_weight.clear()
+        _last_weight[key] = balance(open_, _kernel_table(spacing, reach, kind), BALANCING_ROUNDS)
+    return _last_weight[key]
+
+
+_last_weight: dict[tuple, np.ndarray] = {}
 
 
 def _kernel_table(spacing: float, reach: float, kind: int) -> np.ndarray:

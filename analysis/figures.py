@@ -305,11 +305,11 @@ def snapshots(
         for axes, frame, speed in zip(grid.flat, chosen, speeds, strict=False):
             view = View.fitted(x, y, pixels)
             picture = blank(view)
-            paint_walls(picture, view, context.walls_at(context.time(frame)))
+            paint_walls(picture, view, context.walls, context.shut_gates(context.time(frame)))
             paint_discs(picture, view, frame.x, frame.y, context.radius, coloured(speed, top_speed, table))
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="antialiased", aspect="equal")
             axes.grid(False)
-            axes.set_title(f"t = {context.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=2)
+            axes.set_title(f"t = {context.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=3)
             axes.tick_params(labelsize=7)
         for axes in grid[-1]:
             axes.set_xlabel("x [m]", fontsize=8)

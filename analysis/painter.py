@@ -67,8 +67,8 @@ def blank(view: View) -> np.ndarray:
     return picture
 
 
-def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...]) -> None:
-    """Walls as grey solids: blocks filled, the far side of planes and boxes filled."""
+def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates: tuple[Wall, ...] = ()) -> None:
+    """Walls as grey solids: blocks filled, the far side of planes and boxes filled; gates that are planes as bars."""
     height, width = picture.shape[:2]
     x = view.x[0] + (np.arange(width) + 0.5) / view.scale
     y = view.y[1] - (np.arange(height) + 0.5) / view.scale
@@ -81,6 +81,14 @@ def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...]) -> Non
             solid |= ((y >= wall.y[0]) & (y <= wall.y[1]))[:, None] & ((x >= wall.x[0]) & (x <= wall.x[1]))[None, :]
         elif isinstance(wall, Box):
             solid |= ~(((y >= wall.y[0]) & (y <= wall.y[1]))[:, None] & ((x >= wall.x[0]) & (x <= wall.x[1]))[None, :])
+    bar = 5.0 / view.scale
+    for gate in gates:
+        if isinstance(gate, Plane):
+            behind = gate.sign * ((x if gate.axis == "x" else y) - gate.at)
+            inside = (behind < 0) & (behind > -bar)
+            solid |= inside[None, :] if gate.axis == "x" else inside[:, None]
+        else:
+            paint_walls(picture, view, (gate,))
     picture[solid] = SOLID
     # the face of a wall is the first solid pixel beside an open one
     open_ = np.pad(~solid, 1, constant_values=False)
@@ -108,7 +116,8 @@ def paint_arrow(picture: np.ndarray, start, end, thickness: float, colour) -> No
     length = hypot(x1 - x0, y1 - y0)
     if not length > 0:
         return
-    head = min(4.0 * thickness, length)
+    thickness = min(thickness, 0.2 * length)  # a short arrow is thin, not stubby
+    head = 4.0 * thickness
     ux, uy = (x1 - x0) / length, (y1 - y0) / length
     _paint_arrow(picture, x0, y0, ux, uy, length, head, thickness, np.array(colour, np.uint8))
 

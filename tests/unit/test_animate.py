@@ -78,6 +78,10 @@ def test_walls_and_arrows():
     paint_arrow(picture, (5, 20), (35, 20), 3.0, (255, 0, 0))
     red = (picture[..., 1] < 128) & (picture[..., 0] > 200)
     assert red[19:21, 6:33].all() and not red[:, 37:].any() and red[:, 24].sum() > red[:, 10].sum()
+    gated = blank(view)
+    paint_walls(gated, view, (), (Plane("gate", "x", 2.0, "below"),))
+    closed = ~(gated == 255).all(axis=2)
+    assert closed[:, 20:25].all() and closed.sum() == 5 * 40  # a bar, not half a plane
     untouched = blank(view)
     paint_arrow(untouched, (5, 20), (5, 20), 3.0, (255, 0, 0))
     assert (untouched == 255).all()

@@ -183,6 +183,22 @@ def test_mean_of_frames():
         mean_fields([], context(), **options)
 
 
+def test_pressure_at_the_bed_and_its_figures(tmp_path):
+    from lammps_jump.analysis import field_figures, figures
+
+    x, y = columns()
+    c = context(walls=(Plane("floor", "y", 0.0, "above"),))
+    fields = compute_fields(frame(x * (1 + 1e-6), y), c, y=(-0.4, 5.0))
+    pressure = field_figures.bed_pressure(fields).sel(x=slice(0.5, 3.5))
+    # the first open cell stands 0.05 m above the floor, under 24.75 discs; the kernel blurs it by half a disc
+    np.testing.assert_allclose(pressure.hydrostatic, 24.75 * M * G / D, rtol=0.03)
+    assert float(pressure.stress.mean()) == pytest.approx(25 * M * G / D, rel=0.04)
+    for figure in (field_figures.field_map(fields, c), field_figures.bed_pressure_figure(fields, c)):
+        labels = [axes.get_xlabel() for axes in figure.axes] + [axes.get_ylabel() for axes in figure.axes]
+        assert any("[m]" in label for label in labels) and any("[kPa]" in label for label in labels)
+        figures.save(figure, tmp_path / "field.png")
+
+
 def test_what_cannot_be_computed_is_an_error():
     for bad, message in (({"kernel": "box"}, "kernel"), ({"spacing": 0.0}, "spacing"), ({"spacing": 1e-5}, "too fine")):
         with pytest.raises(DumpError, match=message):
