@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import ceil
+from time import perf_counter
 
 import numpy as np
 
@@ -51,6 +52,7 @@ class CellSimulation(NativeSimulation):
         return int(self._grid.used[0]), self._owner
 
     def _rebuild(self) -> None:
+        started = perf_counter()
         d = self.discs
         (a, b), (c, e) = self.scene.domain
         lost = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4]
@@ -66,6 +68,7 @@ class CellSimulation(NativeSimulation):
             self._pairs = np.empty(2 * self._pairs.size, np.int32)
         self._list_walls()
         self.rebuilds += 1
+        self.rebuild_seconds += perf_counter() - started
 
     def _exchange(self, old: bool) -> None:
         before = self.discs.n

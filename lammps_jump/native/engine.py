@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Callable
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -31,6 +34,30 @@ class NativeRun:
     result: RunResult
     frames: tuple[Frame, ...]
     forces: tuple[tuple[int, str, float, float, float], ...]
+
+
+@contextmanager
+def deferred_interrupt():
+    """Ctrl-C waits until the stepping comes back, so that no array is left half sorted; a second one does not wait.
+
+    Yields a function that tells whether it was pressed. Outside the main thread nothing changes: signals do not come
+    there.
+    """
+    pressed: list[int] = []
+
+    def remember(number, stack) -> None:
+        if pressed:
+            raise KeyboardInterrupt
+        pressed.append(number)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    before = signal.signal(signal.SIGINT, remember)
+    try:
+        yield lambda: bool(pressed)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def take_frame(simulation) -> Frame:
@@ -69,6 +96,8 @@ def simulate(
 ) -> NativeRun:
     """Run a scene to its last step; see `run_native` for the parameters."""
     simulation = _make(scene, search, cell_size, ledger)
+    if folder is not None:
+        Path(folder).mkdir(parents=True, exist_ok=True)
     writer = DumpWriter(folder, scene, dump_format) if folder is not None else None
     frames: list[Frame] = []
 
@@ -89,9 +118,12 @@ def simulate(
         while simulation.step < scene.steps:
             target = min(scene.steps, (simulation.step // scene.output_steps + 1) * scene.output_steps)
             started = perf_counter()
-            simulation.run_some(target)
+            with deferred_interrupt() as pressed:
+                simulation.run_some(target)
             now = perf_counter()
             seconds += now - started
+            if pressed():
+                raise KeyboardInterrupt
             if simulation.step == target:
                 simulation.check()
                 if target % scene.output_steps == 0:
@@ -132,7 +164,11 @@ def simulate(
         seconds=seconds,
         versions=_versions(),
         ledger=simulation.ledger if status != "failed" else None,
-        breakdown={"stepping": seconds, "output": writing},
+        breakdown={
+            "forces and motion": seconds - simulation.rebuild_seconds,
+            "neighbour": simulation.rebuild_seconds,
+            "output": writing,
+        },
     )
     return NativeRun(result, tuple(frames), tuple(simulation.forces))
 
@@ -164,7 +200,7 @@ def run_native(
     ----------
     scene : Scene
     folder : Path or None
-        Existing folder for the files; None writes none.
+        Folder for the files, made where it is missing; None writes none.
     progress : callable, optional
         Called with a `Progress` every `report_every` seconds of wall time, and once at the end.
     should_stop : callable, optional

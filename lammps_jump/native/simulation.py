@@ -11,9 +11,11 @@ v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and g
 
 from __future__ import annotations
 
+from time import perf_counter
+
 import numpy as np
 
-from ..errors import RunError
+from ..errors import CaseError, RunError
 from ..scene import Scene
 from . import books, kernels, neighbours
 from .books import Energy
@@ -26,6 +28,13 @@ DEFAULT_SKIN = 0.3
 
 SLIP_FRACTION = 0.01
 """eps over v_max, thesis (4.20)."""
+
+KNOWN = {
+    "integrator": ("velocity_verlet", "leapfrog_extrapolated"),
+    "friction_law": ("hooke", "sign"),
+    "touch": ("sharp", "smooth"),
+}
+"""Choices of a scene that this engine obeys."""
 
 WORK_PER_CALL = 4_000_000
 """Disc-steps after which the kernel comes back to look for an interruption: about a tenth of a second."""
@@ -49,19 +58,25 @@ class NativeSimulation:
     forces : list of (step, wall name, fx, fy, moment)
         Window means of the force on each probed wall (N per m of width), moment (N) about its reference point.
     rebuilds : int
-        Neighbour lists made.
+        Neighbour lists made, in `rebuild_seconds` of wall time.
 
     Raises
     ------
+    CaseError
+        Integrator, friction law or touch that this engine does not know.
     RunError
         While running: a position is NaN or outside the domain, or an overlap is beyond ``scene.overlap_limit``.
     """
 
     def __init__(self, scene: Scene, *, ledger: bool = True):
+        for name, known in KNOWN.items():
+            if getattr(scene, name) not in known:
+                raise CaseError(f"{name} {getattr(scene, name)!r}: the native engine knows {' and '.join(known)}")
         self.scene = scene
         self.step = 0
         self.disc_steps = 0
         self.rebuilds = 0
+        self.rebuild_seconds = 0.0
         self.forces: list[tuple[int, str, float, float, float]] = []
         coefficients = scene.coefficients
         mass = scene.mass
@@ -253,11 +268,13 @@ class NativeSimulation:
     # --- neighbour lists and guards -----------------------------------------------------------------------------
 
     def _rebuild(self) -> None:
+        started = perf_counter()
         lost = self.discs.sort_and_list(self.scene.diameter + self.skin, self.scene.domain)
         if lost >= 0:
             self._fail_lost(lost)
         self._list_walls()
         self.rebuilds += 1
+        self.rebuild_seconds += perf_counter() - started
         if self.rebuilds % 16 == 0:
             self._check_overlap()
 

@@ -1,5 +1,8 @@
 """Discs that come and go, gates, probes and guards of the native engine."""
 
+import dataclasses
+import signal
+import threading
 from math import floor
 
 import numpy as np
@@ -239,3 +242,26 @@ def test_few_discs_far_apart_need_no_large_grid():
     assert simulation.discs.bytes < 100_000
     simulation.run(50)
     assert simulation.velocities[2, 1] > 0  # the touching pair was found in the wide cells
+
+
+def test_control_c_in_the_loops_waits_for_a_whole_step():
+    """The signal comes while compiled code runs: status, step count and balance are those of a whole step."""
+    scene = channel(steps=10**7, output_steps=10**7)
+    run_native(dataclasses.replace(scene, steps=200), None)  # compiled before the signal comes
+    before = signal.getsignal(signal.SIGINT)
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    result = run_native(scene, None)
+    timer.join()
+    assert result.status == "interrupted"
+    assert 0 < result.steps < 10**7
+    assert result.inserted == result.present + result.removed
+    assert abs(result.ledger["residual"]) < 1e-3 * result.ledger["throughput"]
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.parametrize(("field", "value"), [("integrator", "euler"), ("friction_law", "rough"), ("touch", "soft")])
+def test_unknown_choices_are_refused(field, value):
+    scene = dataclasses.replace(handmade_scene([[0, 0]], [[0, 0]]), **{field: value})
+    with pytest.raises(CaseError, match=value):
+        NativeSimulation(scene)
