@@ -172,6 +172,11 @@ class Dump:
         except OSError as error:
             raise DumpError(f"{self.path}: cannot be read ({error.strerror or error}).") from error
 
+    @property
+    def most_bytes(self) -> int:
+        """More bytes than the file can hold once unpacked (deflate never shrinks below 1/1032)."""
+        return self.path.stat().st_size * (1100 if self.compressed else 1)
+
     def warn(self, message: str) -> None:
         """Note something odd once per pass."""
         if message not in self.warnings:

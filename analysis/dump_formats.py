@@ -188,6 +188,8 @@ def _text_rows(dump: Dump, buffer: _Buffer, header: FrameHeader, box, names, wan
     from .dump_parse import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
 
     first_line = buffer.line_number + 1
+    if 2 * len(names) * header.n > dump.most_bytes:
+        raise _Truncated(f": the file is too short for {header.n} discs")
     out = np.empty((len(names), header.n if wanted else 0))
     is_text = np.array([name in TEXT_COLUMNS for name in names])
     row = 0
@@ -291,6 +293,8 @@ def walk_binary(dump: Dump, stream, parse: Callable[[int], bool]) -> Walked:
                 )
             _check_names(dump, names, tilt, f"byte {start}")
             header = FrameHeader(step, time, n)
+            if 8 * width * n > dump.most_bytes:
+                raise _Truncated(f": the file is too short for {n} discs")
             frame = _binary_rows(dump, header, box, names, number("i"), number, take, parse(index), start)
         except _Truncated as where:
             dump.warn(

@@ -32,7 +32,8 @@ VARIABLES = {
     "centroid_height": ("m", "height of the centre of mass above the bed"),
     "count": ("1", "number of discs, those astride an edge in parts"),
 }
-AVERAGED = tuple(name for name in VARIABLES)
+AVERAGED = tuple(VARIABLES)
+MOST_BINS = 100_000
 
 
 def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
@@ -49,6 +50,10 @@ def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
     if not (np.isfinite([low, high]).all() and high > low):
         raise DumpError(f"x_range = ({low}, {high}) m: the right end must lie beyond the left.")
     bins = max(1, int(np.floor((high - low) / bin_width + 1e-9)))
+    if bins > MOST_BINS:
+        raise DumpError(
+            f"bin_width = {bin_width} m makes {bins} bins of {high - low:g} m; at most {MOST_BINS}: widen it."
+        )
     return low + bin_width * np.arange(bins + 1)
 
 

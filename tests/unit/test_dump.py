@@ -166,6 +166,7 @@ GOOD = text(["1 1 2 3 4", "2 5 6 7 8"])
         (GOOD.replace("0 10", "0 ten"), "line 6: expected two bounds"),
         (GOOD.replace("ITEM: BOX", "ITEM: BIX"), "line 5"),
         (GOOD[:40], "inside its first frame"),
+        (GOOD.replace("NUMBER OF ATOMS\n2", "NUMBER OF ATOMS\n7000000000"), "too short for 7000000000 discs"),
         (b"\x1f\x8b\x08\x00" + bytes(30), "empty|first frame|not a LAMMPS"),
         (b"\x28\xb5\x2f\xfd" + bytes(30), "zstd"),
     ],
@@ -215,6 +216,27 @@ def test_damaged_binary_is_an_error(tmp_path):
     good[0x9B] = 7  # size of the only block
     with pytest.raises(DumpError, match="does not fit"):
         list(open_dump(write(tmp_path, bytes(good))))
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    source=st.sampled_from(["lammps_dump.lammpstrj", "lammps_dump.lammpsbin", "lammps_dump_scaled.lammpstrj"]),
+    changes=st.lists(st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 255)), min_size=1, max_size=4),
+    cut=st.floats(0.2, 1.0),
+    head=st.booleans(),
+)
+def test_damaged_files_end_in_frames_or_in_our_error(tmp_path_factory, source, changes, cut, head):
+    content = bytearray((DATA / source).read_bytes())
+    for place, byte in changes:
+        content[int(place * (200 if head else len(content)))] = byte
+    path = tmp_path_factory.mktemp("damaged") / "dump"
+    path.write_bytes(content[: int(cut * len(content))])
+    try:
+        frames = list(open_dump(path))
+    except DumpError as error:
+        assert str(path) in str(error)
+    else:
+        assert 1 <= len(frames) <= 4
 
 
 def test_a_frame_larger_than_the_buffer(tmp_path):

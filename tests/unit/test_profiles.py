@@ -231,6 +231,8 @@ def test_bins_and_what_cannot_be_binned():
     assert len(bin_edges((0.0, 0.3), 0.5)) == 2
     with pytest.raises(DumpError, match="bin_width"):
         bin_edges((0.0, 1.0), 0.0)
+    with pytest.raises(DumpError, match="makes 1000000 bins"):
+        bin_edges((0.0, 1.0), 1e-6)
     with pytest.raises(DumpError, match="x_range"):
         bin_edges((1.0, 1.0), 0.1)
     with pytest.raises(DumpError, match="no frame"):
