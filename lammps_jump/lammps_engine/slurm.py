@@ -1,0 +1,45 @@
+"""A job file for a SLURM cluster, beside the script it runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..scene import Scene
+from .ranks import expected_discs
+
+BYTES_PER_DISC = 2_000
+"""LAMMPS' memory a disc with neighbour list and dump buffer, rounded up; plus `BASE_BYTES` a rank."""
+BASE_BYTES = 200_000_000
+DISC_STEPS_PER_SECOND = 10e6
+"""Stock script on one core, deliberately low: a job that is killed by its limit costs more than one that ends early."""
+
+
+def job_text(scene: Scene, ranks: int) -> str:
+    """The job file: one task a rank, memory and time from the size of the scene."""
+    discs = expected_discs(scene)
+    megabytes = -(-(BASE_BYTES + BYTES_PER_DISC * discs // ranks) // 1_000_000)
+    minutes = -(-int(1.5 * discs * scene.steps / (DISC_STEPS_PER_SECOND * ranks)) // 60) + 5
+    return f"""#!/bin/bash
+#SBATCH --job-name={scene.name}
+#SBATCH --ntasks={ranks}
+#SBATCH --cpus-per-task=1
+#SBATCH --mem-per-cpu={megabytes}M
+#SBATCH --time={minutes}
+#SBATCH --output=slurm-%j.out
+# Needs a LAMMPS with the GRANULAR package (PLUGIN for the compiled kernel); set LMP where it has another name.
+# With the compiled kernel, build the plugin for that machine (`lammps-jump kernels build`) and name it:
+#   srun "$LMP" -in in.lammps -var plugin /path/to/the/plugin.so
+set -euo pipefail
+cd "$(dirname "${{SLURM_JOB_SCRIPT:-$0}}")"
+LMP=${{LMP:-lmp}}
+export OMP_NUM_THREADS=1
+srun "$LMP" -in in.lammps -log log.lammps -screen none
+# afterwards, where lammps-jump is installed: lammps-jump analyze .
+"""
+
+
+def write_job(scene: Scene, folder: Path, ranks: int) -> Path:
+    """Write ``job.slurm`` into a built folder; returns its path."""
+    path = folder / "job.slurm"
+    path.write_text(job_text(scene, ranks))
+    return path
