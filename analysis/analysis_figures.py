@@ -49,7 +49,7 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
     marks: dict[str, float] = {}
     track = None
     if jump is not None:
-        from .jump import inflow_theory, summarise_jump
+        from .jump_summary import inflow_theory, summarise_jump
 
         inflow, found = inflow_theory(context), summarise_jump(jump)
         if inflow:
@@ -135,7 +135,7 @@ def martin_moyce_figure(history: FrontHistory, context: FlowContext) -> Figure |
         left.plot(values["T"][live], values["Z99"][live], color=GOLD, ls="--", label="99 % of the discs")
         left.plot(front.x, front.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
         left.set_xlim(0, min(values["T"].max(), 5) if live.any() else 5)
-        left.set_ylim(1, max(5.0, min(free, 6)))
+        left.set_ylim(1, max(5.0, 1.08 * min(free, 6)))
         if free < left.get_ylim()[1]:
             left.axhline(free, color=GREY, ls="-.", lw=1)
             left.annotate("first obstacle", (0.02, free), (0, 2), xycoords=("axes fraction", "data"),

@@ -38,7 +38,8 @@ class AnalysisRequest:
     figures : bool
         Write ``figures/*.png``.
     exports : tuple of str
-        Of 'csv' (profiles as a table), 'vtk' (fields), 'pictures' (the thesis' picture0.dat … picture9.dat).
+        Of 'csv' (profiles as tables), 'vtk' (discs, and fields where asked for), 'pictures' (the thesis' picture0.dat
+        … picture9.dat).
     inflow_depth, inflow_speed : float, optional
         y1, m, and Va, m/s, where the scene does not tell.
     """
@@ -150,7 +151,10 @@ def analyze_dump(path: Path, context: FlowContext, request: AnalysisRequest, out
         from .analysis_figures import draw_all
 
         files += draw_all(gathered, shown, out / "figures", path, warnings)
-    _write_extras(gathered, request, Path(path), out, files, warnings, quiet)
+    if request.fields or request.animate or request.exports:
+        from .extras import write_extras
+
+        parts["fields"] = write_extras(gathered, request, Path(path), out, files, warnings, quiet=quiet)
     dataset = gathered.profiles
     parts["profiles"] = {
         "file": "profiles.nc",
@@ -196,7 +200,7 @@ def gather(
         takers.append(collectors["front"])
     forces = _find_forces(places, warnings) if request.forces or context.probes else {}
     if forces:
-        from .forces import MomentumLedger
+        from .impulse import MomentumLedger
 
         collectors["momentum"] = MomentumLedger(context)
         takers.append(collectors["momentum"])
@@ -275,7 +279,8 @@ def summarise(gathered: Gathered, request: AnalysisRequest, warnings: list[str])
 
         parts["front"] = summarise_front(gathered.front, context)
     if request.jump:
-        from .jump import analyse_jump, summarise_jump
+        from .jump import analyse_jump
+        from .jump_summary import summarise_jump
 
         shown["jump"] = analyse_jump(gathered.profiles, context, gathered.contacts)
         parts["jump"] = summarise_jump(shown["jump"])
@@ -288,7 +293,9 @@ def summarise(gathered: Gathered, request: AnalysisRequest, warnings: list[str])
 
 
 def _write_tables(gathered: Gathered, shown: dict, out: Path) -> list[str]:
-    """The small tables as CSV; returns their names."""
+    """The small tables as CSV (SI units); returns their names."""
+    from .exports import write_table
+
     tables: dict[str, dict[str, np.ndarray]] = {}
     if gathered.energy is not None:
         history = gathered.energy
@@ -309,26 +316,8 @@ def _write_tables(gathered: Gathered, shown: dict, out: Path) -> list[str]:
     if "force" in shown:
         tables |= shown["force"].tables()
     for name, columns in tables.items():
-        write_csv(out / name, columns)
+        write_table(columns, out / name)
     return list(tables)
-
-
-def write_csv(path: Path, columns: dict[str, np.ndarray]) -> Path:
-    """Columns of equal length as CSV with a header, NaN as an empty field; DumpError where it cannot be written."""
-    rows = zip(*(np.asarray(values).tolist() for values in columns.values()), strict=True)
-    lines = [",".join(columns)]
-    lines += [",".join("" if value != value else f"{value:.10g}" for value in row) for row in rows]
-    try:
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise DumpError(f"{path}: cannot be written ({error.strerror}); name another folder.") from error
-    return path
-
-
-def _write_extras(
-    gathered: Gathered, request: AnalysisRequest, path: Path, out: Path, files: list, warnings: list, quiet: bool
-) -> None:
-    """Animation, fields and exports: each in its own module."""
 
 
 def plain(value: Any) -> Any:

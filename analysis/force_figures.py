@@ -43,13 +43,8 @@ def history_figure(result: ForceResult) -> Figure | None:
                 label = f"{numbers['peak'] / 1e3:.0f} kN/m".replace("-", "−")
                 axes.annotate(label, (numbers["peak_time"], numbers["peak"] / 1e3), (8, 0), color=RED, fontsize=8,
                               textcoords="offset points", va="center")  # fmt: skip
-                ends = [
-                    0.0,
-                    1.25 * numbers["peak_fx"] / 1e3,
-                    1.25 * numbers["peak_fy"] / 1e3,
-                    1.25 * numbers["peak"] / 1e3,
-                ]
-                axes.set_ylim(min(ends), max([*ends, 1e-9]))
+            shown = np.concatenate([[0.0], *(force.smooth[key] / 1e3 for key in ("fx", "fy"))])
+            axes.set_ylim(1.2 * shown.min(), max(1.4 * shown.max(), 1e-9))
             axes.axhline(0, color=GREY, lw=0.8)
             axes.set_ylabel("Force [kN/m]")
             axes.set_title(f"{name}: force of the discs")

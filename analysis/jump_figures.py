@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from lammps_jump import theory
 
 from .figures import BLACK, BLUE, GOLD, GREY, RED, new_figure, style
-from .jump import JumpResult, summarise_jump
+from .jump import JumpResult
+from .jump_summary import summarise_jump
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,7 +66,7 @@ def frame_figure(result: JumpResult) -> Figure | None:
             upper.plot(state.zone, [state.mass_depth.value] * 2, color=RED, lw=4, alpha=0.5, solid_capstyle="butt")
             text = f"s{'₁' if name == '1' else '₂'} = {state.mass_depth.value:.2f} m, Fr = {state.froude_relative:.2f}"
             place = np.mean(state.zone), state.mass_depth.value
-            offset = (0, 8 if name == "1" else -16)
+            offset = (0, 8 if name == "1" else -32)
             upper.annotate(text, place, offset, ha="center", color=RED, textcoords="offset points", fontsize=8)
         for axes in (upper, lower):
             for place, dash in ((result.surface_toe, ":"), (result.surface_end, "-.")):
@@ -112,8 +113,9 @@ def balance_figure(result: JumpResult) -> Figure | None:
         span = max(np.abs(values).max(), 1.0)
         axes.set_xlim(-1.35 * span, 1.35 * span)
         for place, value in zip(places, values, strict=True):
-            axes.annotate(f"{value:+.1f} %", (value, place), (4 if value >= 0 else -4, 0), fontsize=8, va="center",
-                          textcoords="offset points", ha="left" if value >= 0 else "right")  # fmt: skip
+            label, side = f"{value:+.1f} %".replace("-", "−"), 1 if value >= 0 else -1
+            axes.annotate(label, (value, place), (4 * side, 0), textcoords="offset points", fontsize=8, va="center",
+                          ha="left" if side > 0 else "right")  # fmt: skip
         axes.set_yticks(places, rows)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel("Share of the downstream momentum function [%]")

@@ -66,8 +66,8 @@ class ReflectedWave:
             return f"No wave could be followed back from '{self.structure}'."
         speed = f"{self.motion.speed:+.2f} ± {self.motion.error:.2f} m/s"
         return (
-            f"The wave thrown back by '{self.structure}' runs at {speed}; the oncoming stream of {self.depth:.2f} m and "
-            f"{self.velocity:.2f} m/s stopped by a wall would throw back a bore of {self.bore_depth:.2f} m at "
+            f"The wave thrown back by '{self.structure}' runs at {speed}; the oncoming stream of {self.depth:.2f} m "
+            f"and {self.velocity:.2f} m/s stopped by a wall would throw back a bore of {self.bore_depth:.2f} m at "
             f"{self.bore_speed:+.2f} m/s."
         )
 

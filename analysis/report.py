@@ -28,14 +28,16 @@ TITLES = {
     "reflected_wave.png": "The reflected wave",
     "energy.png": "Energy of the discs",
     "snapshots.png": "Ten equal times, discs coloured by speed",
-    "stress.png": "Stress",
+    "field_density.png": "Density of the flow",
+    "field_pressure.png": "Pressure",
+    "bed_pressure.png": "Pressure at the bed against the weight above",
 }
 
 STYLE = """
 :root { color-scheme: light; }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 62rem; padding: 1rem 1rem 4rem; font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a;
-  background: #fff; overflow-wrap: anywhere; }
+  background: #fff; overflow-wrap: break-word; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: .4rem 0; }
 h2 { font-size: 1.2rem; margin: 2.2rem 0 .6rem; padding-top: .5rem; border-top: 2px solid #00306f; }
 p { margin: .4rem 0; max-width: 46rem; }
@@ -49,7 +51,8 @@ p { margin: .4rem 0; max-width: 46rem; }
 .number span { font-size: .82rem; color: #555; }
 table { border-collapse: collapse; width: 100%; font-size: .92rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .28rem .5rem; border-bottom: 1px solid #e4e4e4; vertical-align: top; }
-td.n, th.n { text-align: right; }
+td.n, th.n { text-align: right; white-space: nowrap; }
+.scroll, figure { overflow-x: auto; }
 figure { margin: 1.2rem 0; }
 figure img, video { width: 100%; height: auto; display: block; }
 figcaption { font-size: .88rem; color: #555; margin-bottom: .3rem; }
@@ -57,6 +60,7 @@ pre { background: #f6f6f6; padding: .7rem; overflow-x: auto; font-size: .82rem; 
   overflow-wrap: normal; }
 details { margin: .5rem 0; }
 summary { cursor: pointer; font-weight: 600; }
+@media (max-width: 40rem) { figure img { width: auto; min-width: 100%; max-width: none; max-height: 34rem; } }
 @media (max-width: 30rem) { body { font-size: 15px; padding: .7rem .7rem 3rem; } th, td { padding: .25rem .3rem; } }
 @media print { details > * { display: block; } h2 { break-after: avoid; } figure { break-inside: avoid; } }
 """
@@ -109,13 +113,13 @@ def write_report(folder: Path, summary: dict[str, Any], case_yaml: str = "", *, 
 
 
 def text(value: Any) -> str:
-    """A value as safe HTML text; numbers with five digits, nothing as a dash."""
+    """A value as safe HTML text; numbers with four digits, nothing as a dash."""
     if value is None:
         return "–"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        shown = f"{value:.5g}"
+        shown = f"{value:.4g}"
         if "e" in shown:
             mantissa, exponent = shown.split("e")
             return f"{mantissa}&thinsp;×&thinsp;10<sup>{int(exponent)}</sup>"
@@ -189,13 +193,19 @@ def _smaller(path: Path) -> bytes:
 def table(rows: list[tuple], header: tuple[str, ...] = ()) -> str:
     """An HTML table; cells are made safe, numbers right-aligned."""
 
-    def cell(tag: str, value: Any) -> str:
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        return f"<{tag}{' class=n' if number else ''}>{text(value)}</{tag}>"
+    def number(value: Any) -> bool:
+        return isinstance(value, int | float) and not isinstance(value, bool)
 
-    head = f"<tr>{''.join(f'<th>{text(name)}</th>' for name in header)}</tr>" if header else ""
-    body = "".join(f"<tr>{''.join(cell('td', value) for value in row)}</tr>" for row in rows)
-    return f"<table>{head}{body}</table>"
+    columns = max((len(row) for row in rows), default=0)
+    right = [any(len(row) > i and number(row[i]) for row in rows) for i in range(columns)]
+
+    def line(tag: str, row: tuple) -> str:
+        cells = (f"<{tag}{' class=n' if right[i] else ''}>{text(value)}</{tag}>" for i, value in enumerate(row))
+        return f"<tr>{''.join(cells)}</tr>"
+
+    head = line("th", header) if header and rows else ""
+    body = "".join(line("td", row) for row in rows)
+    return f"<div class='scroll'><table>{head}{body}</table></div>"
 
 
 def _coefficients(summary: dict) -> str:

@@ -36,8 +36,7 @@ COEFFICIENTS = {
 
 
 def _number(label: str, value: Any, unit: str = "") -> str:
-    shown = f"{value:.4g}" if isinstance(value, float) else text(value)
-    return f"<div class='number'><b>{text(shown)}{f' {unit}' if unit else ''}</b><span>{text(label)}</span></div>"
+    return f"<div class='number'><b>{text(value)}{f' {unit}' if unit else ''}</b><span>{text(label)}</span></div>"
 
 
 def _deviation(measured: float | None, expected: float | None) -> str:
@@ -159,8 +158,9 @@ def jump_section(summary: dict) -> str:
         f"{label} {100 * terms[key]:+.1f} %" for key, label in names.items() if terms[key] is not None
     )
     parts.append(
-        f"<p>Mass flux through the front closes to {100 * jump['mass']['closure']:+.2f} %. Momentum function upstream "
-        f"minus downstream: {100 * jump['momentum_residual']:+.1f} % of the downstream one; measured parts: "
+        f"<p>Mass flux through the moving front: downstream minus upstream {100 * jump['mass']['closure']:+.2f} %, "
+        f"{100 * jump['mass']['closure_with_storage']:+.2f} % with what is stored in between. Momentum function "
+        f"upstream minus downstream: {100 * jump['momentum_residual']:+.1f} % of the downstream one; measured parts: "
         f"{text(explained)}.</p>"
     )
     roller = jump["roller"]
