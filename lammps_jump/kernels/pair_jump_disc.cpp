@@ -265,14 +265,17 @@ void PairJumpDisc::build_list(double room_to_move)
 
   const double cut = law.reach + margin;
   double xlo = disc[0].x, xhi = xlo, ylo = disc[0].y, yhi = ylo;
-  for (int i = 1; i < n; i++) {
+  for (int i = 0; i < n; i++) {
+    if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
+      error->one(FLERR, "jump/disc: the position of disc {} is not a number: the run has blown up", atom->tag[i]);
     xlo = std::min(xlo, disc[i].x);
     xhi = std::max(xhi, disc[i].x);
     ylo = std::min(ylo, disc[i].y);
     yhi = std::max(yhi, disc[i].y);
   }
   if (!(xhi - xlo < 1e9 * cut) || !(yhi - ylo < 1e9 * cut))
-    error->one(FLERR, "jump/disc: discs are spread over {} m by {} m: the run has blown up", xhi - xlo, yhi - ylo);
+    error->one(FLERR, "jump/disc: discs are spread over {} m by {} m: the run has blown up",
+               xhi - xlo, yhi - ylo);
   double side = cut * (1.0 + 1e-9);    // rounding must not put neighbours two cells apart
   const double most = 16.0 * n + 65536.0;    // far-flung discs must not cost memory: wider cells then
   while (((xhi - xlo) / side + 1.0) * ((yhi - ylo) / side + 3.0) > most) side *= 2.0;
