@@ -81,7 +81,7 @@ def _parse_rows_py(data, position, end, out, row, rows, is_text, high, low):
             exponent = 0
             after_point = False
             while i < end:
-                c = data[i]
+                c = np.int64(data[i])
                 if 48 <= c <= 57:
                     mantissa = mantissa * 10 + (c - 48)
                     digits += 1
@@ -105,7 +105,7 @@ def _parse_rows_py(data, position, end, out, row, rows, is_text, high, low):
                 power = 0
                 power_digits = 0
                 while i < end and 48 <= data[i] <= 57:
-                    power = power * 10 + (data[i] - 48)
+                    power = power * 10 + (np.int64(data[i]) - 48)
                     power_digits += 1
                     i += 1
                 if i < end and (power_digits == 0 or power_digits > 4):
