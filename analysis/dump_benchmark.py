@@ -1,7 +1,8 @@
 """How fast dumps are read: rows a second of this reader, by format, against MDAnalysis where it is installed.
 
 Run as ``python -m lammps_jump.analysis.dump_benchmark [--discs N] [--frames N] [--repeats N]``. The files are made up
-in a temporary folder. Formats are timed in turn, several times, in CPU seconds; medians are shown, for machines are noisy.
+in a temporary folder. Formats are timed in turn, several times, in CPU seconds; medians are shown, for machines are
+noisy.
 """
 
 from __future__ import annotations
