@@ -38,8 +38,18 @@ def draw_all(gathered: Gathered, shown: dict, folder: Path, dump: Path, warnings
         figure = draw()
         if figure is None:
             continue
+        _settle(figure)
         written.append(f"{folder.name}/{save(figure, folder / name).name}")
     return written
+
+
+def _settle(figure: Figure) -> None:
+    """Lay the figure out now: saving would draw it twice for that, and drawing is most of the analysis' time."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        with style():
+            engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[], Figure | None]]:

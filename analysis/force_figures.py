@@ -74,7 +74,7 @@ def impulse_figure(result: ForceResult) -> Figure | None:
             if axes.get_legend_handles_labels()[0]:
                 axes.legend()
         left.set_title("Impulse")
-        right.set_title("Moment about the foot, counter-clockwise")
+        right.set_title("Moment about the foot at the bed, anticlockwise")
     return figure
 
 

@@ -55,7 +55,7 @@ class StructureForce:
         None where the context does not know the name.
     history : ForceHistory
     smooth : dict of ndarray
-        fx, fy, moment behind the low-pass.
+        fx, fy, moment behind the low-pass; the moment of upright faces is about their foot at the bed.
     impulse : ndarray, shape (n, 2)
         Running impulse of fx, fy, N s.
     component : {'fx', 'fy'}
@@ -165,7 +165,7 @@ def _structure(name: str, history: ForceHistory, context: FlowContext, profiles:
     lengths = window_lengths(history.time)
     samples = 1 if len(lengths) < 2 else round(LOW_PASS / max(float(np.median(lengths)), 1e-300))
     samples = max(1, samples + (samples + 1) % 2)
-    smooth = {key: moving_mean(getattr(history, key), samples) for key in ("fx", "fy", "moment")}
+    moment = history.moment
     impulse = np.cumsum(np.column_stack([history.fx, history.fy]) * lengths[:, None], axis=0)
     weight_x, weight_y = np.sum(np.abs(history.fx) * lengths), np.sum(np.abs(history.fy) * lengths)
     component = "fx" if weight_x >= weight_y else "fy"
@@ -179,6 +179,9 @@ def _structure(name: str, history: ForceHistory, context: FlowContext, profiles:
         far = _station(profiles, at, side, 2, context)
         if near is not None:
             bed = float(profiles["bed"].values[near])
+            # the record's point is the block's corner, or y = 0 of a plane: moved up to where the face leaves the bed
+            corner = foot if isinstance(wall, Block) else 0.0
+            moment = history.moment + (max(bed, foot) - corner) * history.fx
             high = top - max(foot, bed)
             depth = _at_times(history.time, profiles, profiles["mass_depth"].values[:, near])
             wetted = np.clip(depth, 0, high)
@@ -188,6 +191,8 @@ def _structure(name: str, history: ForceHistory, context: FlowContext, profiles:
             towards = side * profiles["discharge"].values[:, far] < 0
             still = 0.5 * gravity * profiles["mass_depth"].values[:, far] ** 2
             oncoming = _at_times(history.time, profiles, context.density * (np.where(towards, flux, 0.0) + still))
+    smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
+    smooth = {key: moving_mean(values, samples) for key, values in smooth.items()}
     return StructureForce(wall, history, smooth, impulse, component, depth, hydrostatic, oncoming)
 
 

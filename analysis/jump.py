@@ -5,6 +5,7 @@ Definitions stand in docs/analysis.md.
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from dataclasses import dataclass, replace
 from math import isfinite, nan, sqrt
@@ -126,7 +127,7 @@ def level_reach(profiles: xr.Dataset, context: FlowContext, direction: int) -> s
     with np.errstate(invalid="ignore"):
         breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * context.diameter)) + 1
     ends = np.concatenate([[0], breaks, [len(bed)]])
-    runs = [(stop - start, -start) for start, stop in zip(ends[:-1], ends[1:], strict=True) if np.isfinite(bed[start])]
+    runs = [(stop - start, -start) for start, stop in itertools.pairwise(ends) if np.isfinite(bed[start])]
     length, start = max(runs, default=(0, 0))
     return slice(int(-start), int(-start + length))
 
