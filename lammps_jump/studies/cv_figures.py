@@ -101,7 +101,8 @@ def curves(found: Comparison, names: list[str]):
     for row, name in zip(axes, names, strict=False):
         curve, band = found.bands[name]
         scale = 1e-3 if name in KILO or curve.unit == "N/m" else 1.0
-        unit = {"J/m": "kJ/m", "N/m": "kN/m"}.get(curve.unit, curve.unit)
+        kilo = {"J/m": "kJ/m", "N/m": "kN/m"} if scale != 1.0 else {}
+        unit = {**kilo, "m2/s": "m²/s", "1": "discs"}.get(curve.unit, curve.unit)
         sides = (
             (found.name_1, band.mean_1, band.deviation_1, BLUE, "-", 0.20),
             (found.name_2, band.mean_2, band.deviation_2, GOLD, "--", 0.30),

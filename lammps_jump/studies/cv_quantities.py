@@ -200,7 +200,7 @@ class Verdict:
         d = self.difference
         if self.word == "not comparable":
             return "not comparable"
-        size = relative_size(d)
+        size = relative_size(d) if d.difference or d.half_width else None
         share = f" ({100 * d.difference / size:+.2g} ± {100 * d.half_width / size:.2g} %)" if size else ""
         where = f" at {self.place}" if self.place else ""
         return f"{self.word}: {d.difference:+.3g} ± {d.half_width:.2g}{share}{where}"
@@ -240,12 +240,14 @@ def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantitie
     for name in _common(one, two, "scalars"):
         unit = one[0].scalars[name][1]
         values = [np.array([m.scalars[name][0] for m in side]) for side in (one, two)]
+        if not any(np.any(side != 0.0) for side in values):  # nothing happened in either: nothing to compare
+            continue
         found = welch(*values)
         drafts.append((name, unit, "scalar", found, "", found.p, 0))
     for name in _common(one, two, "curves"):
         curve = one[0].curves[name]
         tables = [np.array([m.curves[name].values for m in side]) for side in (one, two)]
-        if len({table.shape[1] for table in tables}) > 1:
+        if len({table.shape[1] for table in tables}) > 1 or not any(np.nan_to_num(table).any() for table in tables):
             continue
         band = compare_curves(*tables)
         bands[name] = (curve, band)

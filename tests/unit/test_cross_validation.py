@@ -1,0 +1,280 @@
+"""The arithmetic of the cross-validation: statistics with known answers, growth rates, small scenes, kept members."""
+
+from dataclasses import replace
+from math import comb, exp
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from lammps_jump.case import load_case
+from lammps_jump.case.load import parse_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.errors import SetupError
+from lammps_jump.studies import cross_validation, cv_statistics, ensembles
+from lammps_jump.studies.cv_quantities import Curve, Quantities, compare
+from lammps_jump.studies.cv_scenes import micro_scenes
+from lammps_jump.studies.cv_trajectories import (
+    AGREEMENT,
+    check_scene,
+    crossing_step,
+    first_contact,
+    fit_growth,
+    run_native_frames,
+    separation,
+)
+
+DROP = """
+name: drops
+discs: {diameter: 0.2, density: 1000}
+contact: {restitution: 0.3, friction: 0, impact_speed: 5}
+domain: {x: [-2, 4], y: [-2, 4]}
+walls: [{name: floor, kind: plane, axis: y, at: 0, side: above}]
+initial: [{kind: lattice, nx: 3, ny: 3, spacing: 0.25, origin: [0.2, 0.3]}]
+run: {duration: 0.2, time_step_fraction: 0.1, output_interval: 0.02}
+probes: {forces: [floor]}
+analysis: {bin_width: 0.5}
+"""
+
+
+def _scene(*changes):
+    return build_scene(parse_case(DROP, "drops.yaml", ["run.integrator=velocity_verlet", *changes]))
+
+
+class TestWelch:
+    def test_equals_scipys_welch_test(self):
+        rng = np.random.default_rng(1)
+        one, two = rng.normal(5, 1, 6), rng.normal(5.5, 2, 4)
+        found = cv_statistics.welch(one, two)
+        expected = stats.ttest_ind(two, one, equal_var=False)
+        interval = expected.confidence_interval(0.95)
+        # the floor of 1e-6 of the size is all that differs
+        assert found.p == pytest.approx(expected.pvalue, rel=1e-6)
+        assert found.difference == pytest.approx(two.mean() - one.mean(), rel=1e-14)
+        assert found.half_width == pytest.approx((interval.high - interval.low) / 2, rel=1e-6)
+
+    def test_interval_covers_the_truth_as_often_as_it_says(self):
+        rng = np.random.default_rng(2)
+        inside = 0
+        for _ in range(1000):
+            found = cv_statistics.welch(rng.normal(0, 1, 5), rng.normal(1, 3, 5))
+            inside += abs(found.difference - 1.0) <= found.half_width
+        # 950 expected, standard deviation 7; Welch is a little conservative at n = 5
+        assert 925 <= inside <= 985
+
+    def test_identical_constants_agree_and_last_digits_do_not_count(self):
+        same = cv_statistics.welch(np.full(4, 7.0), np.full(4, 7.0))
+        assert (same.p, same.half_width, same.difference) == (1.0, 0.0, 0.0)
+        digits = cv_statistics.welch(np.full(4, 7.0), np.full(4, 7.0 * (1 + 1e-9)))
+        assert digits.p > 0.9
+        assert cv_statistics.welch(np.full(4, 7.0), np.full(4, 7.001)).p < 1e-3
+
+    def test_single_values_give_no_interval(self):
+        found = cv_statistics.welch(np.array([1.0]), np.array([2.0, 3.0]))
+        assert found.difference == 1.5 and np.isnan(found.half_width) and np.isnan(found.p)
+        assert np.isnan(cv_statistics.welch(np.array([np.nan]), np.array([2.0])).difference)
+
+
+def test_permutation_p_by_hand_and_against_scipy():
+    # the most extreme of C(6, 3) = 20 deals, and its mirror image
+    assert cv_statistics.permutation_p(np.array([1.0, 2, 3]), np.array([10.0, 11, 12])) == pytest.approx(2 / 20)
+    rng = np.random.default_rng(3)
+    one, two = rng.normal(0, 1, 4), rng.normal(0.8, 1, 5)
+    expected = stats.permutation_test((one, two), lambda a, b: a.mean() - b.mean(), n_resamples=np.inf)
+    low_tie = abs(expected.pvalue - cv_statistics.permutation_p(one, two))
+    # scipy doubles the smaller tail, here both tails are counted: equal up to the grain of the test
+    assert low_tie <= 12 / comb(9, 4)
+    assert np.isnan(cv_statistics.permutation_p(np.zeros(20), np.zeros(20)))
+
+
+def test_holm_against_the_worked_rule():
+    adjusted = cv_statistics.holm({"a": 0.01, "b": 0.04, "c": 0.03, "d": np.nan})
+    assert adjusted["a"] == pytest.approx(0.03)
+    assert adjusted["c"] == pytest.approx(0.06)
+    assert adjusted["b"] == pytest.approx(0.06)  # never below the one before
+    assert np.isnan(adjusted["d"])
+
+
+def test_false_alarms_over_curves_and_numbers_stay_below_the_family_error():
+    rng = np.random.default_rng(4)
+
+    def member():
+        values = {f"number {k}": (float(rng.normal(3, 1)), "m") for k in range(8)}
+        at = np.arange(20.0)
+        return Quantities(values, {"curve": Curve("x", at, rng.normal(0, 1, 20) + at, "m")})
+
+    alarms = 0
+    for _ in range(150):
+        found = compare("one", [member() for _ in range(4)], "two", [member() for _ in range(4)], 0.05)
+        alarms += not found.agrees
+    # at most 5 % = 7.5 of 150 expected (sd 2.7)
+    assert alarms <= 15
+
+
+def test_compare_finds_a_shift_in_one_bin_and_says_where():
+    rng = np.random.default_rng(5)
+    at = np.linspace(0.5, 9.5, 10)
+
+    def member(shift):
+        values = 2.0 + 0.01 * rng.normal(size=10) + shift * (np.arange(10) == 6)
+        return Quantities({"still": (1.0, "m"), "zero": (0.0, "m")}, {"depth": Curve("x", at, values, "m")})
+
+    found = compare("one", [member(0.0) for _ in range(5)], "two", [member(0.3) for _ in range(5)], 0.01)
+    verdict = found.find("depth")
+    assert verdict.word == "differ" and "x = 6.5 m" in verdict.text
+    assert verdict.difference.difference == pytest.approx(0.3, abs=0.03)
+    assert not found.agrees and found.find("still").word == "agree" and found.find("zero") is None
+
+
+def test_curves_with_gaps_are_compared_where_all_members_have_values():
+    one, two = np.ones((3, 4)), np.ones((3, 4)) + 1e-3 * np.arange(3)[:, None]
+    one[1, 2] = np.nan
+    band = cv_statistics.compare_curves(one, two)
+    assert band.points == 3 and np.isnan(band.difference[2]) and np.isfinite(band.difference[[0, 1, 3]]).all()
+
+
+def test_block_means_keep_the_mean():
+    values = np.arange(24.0).reshape(2, 12)
+    assert np.allclose(cv_statistics.block_means(values, 4)[0], [1, 4, 7, 10])
+    assert cv_statistics.block_means(values, 50).shape == (2, 12)
+
+
+class TestGrowth:
+    def test_rate_of_a_pure_exponential(self):
+        steps = np.arange(0, 5000, 10)
+        values = np.minimum(1e-15 * np.exp(0.01 * steps), 3.0)
+        growth = fit_growth(steps, values, 1e-3)
+        assert growth.rate == pytest.approx(10.0, rel=1e-9) and growth.share == pytest.approx(1.0)
+        assert values[steps == growth.start][0] >= growth.low
+
+    def test_nothing_to_fit(self):
+        steps = np.arange(100)
+        assert np.isnan(fit_growth(steps, np.full(100, 1e-16), 1e-3).rate)
+        assert np.isnan(fit_growth(steps, np.zeros(100), 1e-3).rate)
+
+    def test_separation_stops_where_the_discs_are_others(self):
+        ids, places = np.array([1, 2]), np.array([[0.0, 0.0], [1.0, 0.0]])
+        one = {0: (ids, places), 10: (ids, places), 20: (ids, places)}
+        two = {0: (ids, places), 10: (ids, places + np.array([[0, 0], [0.03, 0.04]])), 20: (np.array([1, 3]), places)}
+        part = separation(one, two, 0.5)
+        assert part.steps.tolist() == [0, 10] and part.other_discs == 20
+        assert part.largest[1] == pytest.approx(0.1) and part.worst[1, 0] == 2
+        assert part.rms[1] == pytest.approx(0.1 / np.sqrt(2))
+        assert crossing_step(part, 0.05) == 10 and crossing_step(part, 0.2) is None
+
+
+class TestScenes:
+    @pytest.mark.parametrize("scene", micro_scenes(), ids=lambda scene: scene.name)
+    def test_every_small_scene_has_contacts_and_ends_whole(self, scene):
+        touched = first_contact(scene, 1000)
+        assert touched is not None
+        frames = run_native_frames(replace(scene, steps=touched + 1000, output_steps=100))
+        places = np.concatenate([places for _, places in frames.values()])
+        assert np.isfinite(places).all() and len(places) > 0
+
+    def test_turning_and_rubbing_scenes_do_rub_and_turn(self):
+        named = {scene.name: scene for scene in micro_scenes()}
+        for name, changed in (("friction", 0.0), ("spin", 0.0)):
+            scene = replace(named[name], steps=800, output_steps=800)
+            smooth = replace(scene, coefficients=replace(scene.coefficients, friction=changed))
+            part = separation(run_native_frames(scene), run_native_frames(smooth), scene.diameter)
+            assert part.largest[-1] > 1e-2
+
+
+class TestEnsembles:
+    def test_jitter_is_small_reproducible_and_leaves_the_rest_alone(self):
+        scene = _scene()
+        one, again, other = (ensembles.perturbed(scene, seed) for seed in (1, 1, 2))
+        assert np.array_equal(one.positions, again.positions) and not np.array_equal(one.positions, other.positions)
+        shift = np.abs(one.positions - scene.positions).max() / scene.diameter
+        assert 0 < shift <= ensembles.JITTER * (1 + 1e-6)
+        assert np.array_equal(one.velocities, scene.velocities) and one.steps == scene.steps
+        assert ensembles.perturbed(scene, 0) is scene
+
+    def test_jitter_of_inflow_changes_speeds_only(self):
+        scene = build_scene(load_case("inputs/quick_jump.yaml"))
+        moved = ensembles.perturbed(scene, 3)
+        for before, after in zip(scene.inlets, moved.inlets, strict=True):
+            assert 0 < abs(after.vx / before.vx - 1) <= ensembles.JITTER
+            assert replace(after, vx=before.vx) == before
+
+    def test_members_are_kept_and_found_again_until_something_changes(self, tmp_path):
+        scene, engine = _scene(), ensembles.EngineChoice("native")
+        first = ensembles.run_member(scene, 1, engine, tmp_path, bin_width=0.5)
+        again = ensembles.run_member(scene, 1, engine, tmp_path, bin_width=0.5)
+        assert first.fresh and not again.fresh
+        assert np.array_equal(first.series["kinetic"], again.series["kinetic"])
+        assert first.result["present"] == 9 and len(first.forces["floor"]) > 5
+        assert len(list(tmp_path.iterdir())) == 1  # no dump, no half-done folder is left
+        changed = _scene("contact.restitution=0.31")
+        assert ensembles.run_member(changed, 1, engine, tmp_path, bin_width=0.5).fresh
+        assert len(list(tmp_path.iterdir())) == 1
+
+    def test_key_tells_engines_seeds_and_bins_apart(self):
+        scene, native = _scene(), ensembles.EngineChoice("native")
+        keys = {
+            ensembles.member_key(scene, native, 0.5, None),
+            ensembles.member_key(ensembles.perturbed(scene, 1), native, 0.5, None),
+            ensembles.member_key(scene, native, 0.25, None),
+            ensembles.member_key(scene, native, 0.5, (0.0, 0.1)),
+            ensembles.member_key(scene, ensembles.EngineChoice("lammps", "stock"), 0.5, None),
+            ensembles.member_key(replace(scene, integrator="leapfrog_extrapolated"), native, 0.5, None),
+        }
+        assert len(keys) == 6
+
+    def test_energy_of_a_member_is_conserved_but_for_the_dashpots(self, tmp_path):
+        scene = _scene("contact.restitution=1", "run.time_step_fraction=0.02")
+        member = ensembles.run_member(scene, 1, ensembles.EngineChoice("native"), tmp_path, bin_width=0.5)
+        total = sum(member.series[name] for name in ("kinetic", "gravitational", "elastic"))
+        # second-order scheme with a kink at first touch, f = 0.02: a few 1e-4 (PHYSICS 1.6)
+        assert np.abs(total / total[0] - 1).max() < 3e-3
+
+
+def test_a_wrong_stiffness_is_found_out(monkeypatch):
+    """The deterministic check can fail: the other engine's spring is off by one in a million."""
+    scene = next(scene for scene in micro_scenes() if scene.name == "wall")
+
+    def softer(other):
+        c = other.coefficients
+        return run_native_frames(replace(other, coefficients=replace(c, stiffness_wall=c.stiffness_wall * (1 + 1e-6))))
+
+    monkeypatch.setattr(
+        "lammps_jump.studies.cv_trajectories.run_lammps_frames", lambda short, kernel, plugin: run_native_frames(short)
+    )
+    same, other = check_scene(scene), check_scene(scene, native=softer)
+    assert same.agrees and same.worst == 0.0
+    assert not other.agrees and other.worst > 10 * AGREEMENT
+
+
+def test_expected_differences_excuse_only_small_ones():
+    study = cross_validation.Study.__new__(cross_validation.Study)
+    study.known = dict(cross_validation.KNOWN_DIFFERENCES)
+    check = cross_validation.DeterministicCheck("gate", "stock", 24, 180, 1180, 1e-5, False)
+    assert study.expected(check)
+    assert study.expected(replace(check, worst=1e-2)) is None
+    assert study.expected(replace(check, kernel="compiled")) is None
+    assert study.expected(replace(check, note="the engines hold different discs at step 10")) is None
+
+
+def test_one_member_and_poured_discs_are_refused(tmp_path):
+    with pytest.raises(SetupError, match="at least 2"):
+        cross_validation.cross_validate("inputs/energy_box_7.yaml", out=tmp_path, members=1)
+    case = tmp_path / "pour.yaml"
+    text = DROP.replace("initial: [{kind: lattice, nx: 3, ny: 3, spacing: 0.25, origin: [0.2, 0.3]}]",
+                        "inflow: {kind: pour, x: [0, 1], y: [1, 2], count: 5}")  # fmt: skip
+    case.write_text(text)
+    with pytest.raises(SetupError, match="poured"):
+        cross_validation.cross_validate(case, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_growth_of_a_twin_is_the_growth_of_a_collision():
+    """Two discs that meet off-centre: a shift across the line of centres grows as geometry says, not otherwise."""
+    scene = next(scene for scene in micro_scenes() if scene.name == "pair")
+    short = replace(scene, steps=1200, output_steps=20)
+    one = separation(run_native_frames(short), run_native_frames(ensembles.perturbed(short, 1, 1e-9)), 0.2)
+    two = separation(run_native_frames(short), run_native_frames(ensembles.perturbed(short, 1, 1e-11)), 0.2)
+    late = one.steps >= 800
+    # small separations are linear: a hundredth of the start, a hundredth of the end
+    assert np.allclose(one.largest[late] / two.largest[late], 100.0, rtol=0.02)
+    assert one.largest[-1] > exp(2) * one.largest[0]
