@@ -32,7 +32,7 @@ class ProgressLine:
         self.live = self.stream.isatty()
         self.begin = time.perf_counter()
         self.shown = self.begin
-        self.previous: tuple[float, int] | None = None
+        self.previous = (self.begin, 0)
         self.rate = 0.0
 
     def __call__(self, report: Progress) -> None:
@@ -41,7 +41,7 @@ class ProgressLine:
         interval = 0.5 if self.live else PLAIN_INTERVAL
         if self.quiet or now - self.shown < interval:
             return
-        if self.previous is not None and now > self.previous[0]:
+        if now > self.previous[0]:
             self.rate = (report.step - self.previous[1]) * report.discs / (now - self.previous[0])
         self.previous = (now, report.step)
         self.shown = now
@@ -56,7 +56,7 @@ class ProgressLine:
 
     def finish(self) -> None:
         """Leave the line."""
-        if self.live and not self.quiet and self.previous is not None:
+        if self.live and not self.quiet and self.previous[1]:
             self.stream.write("\n")
             self.stream.flush()
 

@@ -160,6 +160,7 @@ class RowsInflow(Strict):
     mean_speed: MetrePerSecond = Field(gt=0)
     profile: Literal["power_law", "uniform"] = "power_law"
     spacing: Plain = Field(default=1.02, ge=1, le=5, description="distance between discs of a row, in diameters")
+    back: Literal["wall", "open"] = Field(default="wall", description="wall: discs cannot flow back through the inlet")
     turns: int = Field(
         default=1, ge=1, le=48, description="attempts per spacing; more lets a drowned inlet refill sooner"
     )

@@ -51,7 +51,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
     if case.slope == 0:
         gravity = (0.0, -case.gravity if case.gravity else 0.0)
 
-    walls = tuple(_wall(item) for item in case.walls)
+    walls = tuple(_wall(item) for item in case.walls) + _inlet_back(case)
     positions, velocities = _discs(loaded, coefficients, stiffness)
     settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
     settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
@@ -183,6 +183,19 @@ def _wall(item) -> Wall:
     if isinstance(item, PlaneWall):
         return Plane(item.name, item.axis, item.at, item.side)
     return (Block if isinstance(item, BlockWall) else Box)(item.name, item.x, item.y)
+
+
+INLET_WALL = "inlet_back"
+INLET_CLEARANCE = 0.51
+"""Diameters between the inlet and the wall behind it: a disc that enters does not touch it."""
+
+
+def _inlet_back(case: Case) -> tuple[Plane, ...]:
+    """The wall behind a jet: without it a drowned inlet pushes discs upstream, out of the domain."""
+    inflow = case.inflow
+    if not isinstance(inflow, RowsInflow) or inflow.back == "open":
+        return ()
+    return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * case.discs.diameter, "above"),)
 
 
 def _discs(loaded: LoadedCase, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:
