@@ -29,7 +29,16 @@ from ..errors import SetupError
 SOURCES = ("jump_plugin.cpp", "pair_jump_disc.cpp", "fix_jump_step.cpp")
 HEADERS = ("contact_law.h", "pair_jump_disc.h", "fix_jump_step.h")
 
-FLAGS = ("-std=c++17", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
+FLAGS = (
+    "-std=c++17",
+    "-O3",
+    "-march=native",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-fPIC",
+    "-shared",
+)
 """No -ffast-math and no contraction: sums keep their order, so that results equal the stock styles' to round-off."""
 
 COMPILERS = ("c++", "g++", "clang++")

@@ -41,7 +41,8 @@ struct Law {
   double tangential = 0.0;  // m_eff gamma_t, N s/m
   double mu = 0.0;          // ks
   double reach = 0.0;       // distance at touch, m
-  double width = 0.0;       // s of the smooth touch, m
+  double width = 0.0;       // s of the smooth touch, m, and 1/s
+  double inverse_width = 0.0;
   double eps = 0.0;         // slip speed of the sign law now, m/s
 };
 
@@ -78,7 +79,7 @@ inline ContactForce contact_force(const Law &law, double dx, double dy, double v
   double damp = law.damping * vnnr * rsqinv;
   double ccel;
   if (TOUCH != Touch::SHARP) {
-    const double share = overlap / law.width;
+    const double share = overlap * law.inverse_width;
     const double ramp = share < 1.0 ? share : 1.0;
     if (TOUCH == Touch::RAMP) {
       damp *= ramp;

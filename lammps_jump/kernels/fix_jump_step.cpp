@@ -154,6 +154,7 @@ void FixJumpStep::init()
   law.mu = mu;
   law.reach = 0.5 * pair->diameter;
   law.width = pair->width;
+  law.inverse_width = law.width > 0.0 ? 1.0 / law.width : 0.0;
   reset_dt();
 }
 
@@ -212,14 +213,16 @@ void FixJumpStep::book_half_kick()
 {
   const int n = atom->nlocal;
   const double half = dtf, mean = 0.5 * dtf / pair->mass;
-  const double mean_x = 0.25 * dtv * gx, mean_y = 0.25 * dtv * gy;
-  double dashed = 0.0, rubbed = 0.0;
+  const Vec2 mean_kick = {0.25 * dtv * gx, 0.25 * dtv * gy};
+  const double *const v = atom->v[0], *const f = atom->f[0];
+  const auto *const loss = pair->loss.data();
+  Vec2 dash = {0.0, 0.0}, rub = {0.0, 0.0};
   for (int i = 0; i < n; i++) {
-    const double *const v = atom->v[i], *const f = atom->f[i];
-    const double vx = v[0] + mean * f[0] + mean_x, vy = v[1] + mean * f[1] + mean_y;
-    dashed += pair->dash[2 * i] * vx + pair->dash[2 * i + 1] * vy;
-    rubbed += pair->rub[2 * i] * vx + pair->rub[2 * i + 1] * vy;
+    const Vec2 speed = at(v, i) + (mean * at(f, i) + mean_kick);
+    dash += Vec2{loss[i].dash_x, loss[i].dash_y} * speed;
+    rub += Vec2{loss[i].rub_x, loss[i].rub_y} * speed;
   }
+  double dashed = dash[0] + dash[1], rubbed = rub[0] + rub[1];
   if (pair->spin) {
     const double radius = 0.5 * pair->diameter;
     const double turn = 0.5 * dt_spin / (radius * radius * pair->mass);
@@ -309,10 +312,11 @@ void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const jum
   on_wall[1] -= out.fy;
   on_wall[2] -= (a.x - dx - wall.x0) * out.fy - (a.y - dy - wall.y0) * out.fx;
   if (pair->ledger) {
-    pair->dash[2 * i] += out.dash_x;
-    pair->dash[2 * i + 1] += out.dash_y;
-    pair->rub[2 * i] += out.rub_x;
-    pair->rub[2 * i + 1] += out.rub_y;
+    auto &loss = pair->loss[i];
+    loss.dash_x += out.dash_x;
+    loss.dash_y += out.dash_y;
+    loss.rub_x += out.rub_x;
+    loss.rub_y += out.rub_y;
   }
   touching++;
 }

@@ -20,6 +20,7 @@ using jump::Touch;
 namespace {
 typedef double Vec4 __attribute__((vector_size(32), may_alias));
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
+constexpr int LANES = 8;      // doubles in the widest vector; divides BATCH
 constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
 }    // namespace
 
@@ -139,6 +140,7 @@ void PairJumpDisc::choose()
   law.mu = mu;
   law.reach = 0.5 * diameter + 0.5 * diameter;
   law.width = width;
+  law.inverse_width = law.width > 0.0 ? 1.0 / law.width : 0.0;
   if (!(skin > 0.0)) skin = 0.3 * diameter;
 }
 
@@ -179,10 +181,7 @@ void PairJumpDisc::reserve(int n)
   if ((size_t) n > disc.size()) {
     disc.resize(n + n / 4 + 64);
     if (spin) rim.resize(disc.size());
-    if (ledger) {
-      dash.resize(2 * disc.size(), 0.0);
-      rub.resize(2 * disc.size(), 0.0);
-    }
+    if (ledger) loss.resize(disc.size());
   }
 }
 
@@ -406,16 +405,13 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
   const int nlocal = atom->nlocal;
   const bool newton = force->newton_pair;
   const double radius = 0.5 * diameter;
-  if (LEDGER) {
-    std::fill(dash.begin(), dash.end(), 0.0);
-    std::fill(rub.begin(), rub.end(), 0.0);
-  }
+  if (LEDGER) std::fill(loss.begin(), loss.begin() + nlocal, Loss{0.0, 0.0, 0.0, 0.0});
   double *const __restrict f = atom->f ? atom->f[0] : nullptr;
   double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
 
   // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
-  alignas(64) double between[BATCH + 1][4];
-  alignas(64) double rims[BATCH + 1], twist[BATCH], force_on[BATCH][2];
+  alignas(64) double between[BATCH][4];
+  alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
   alignas(64) double lost[LEDGER ? BATCH : 1][4];
   int touching[BATCH + 1];
   for (size_t begin = 0; begin < candidates; begin += BATCH) {
@@ -433,7 +429,14 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
           *reinterpret_cast<const Vec4 *>(&at[i]) - *reinterpret_cast<const Vec4 *>(&at[j]);
       if (jump::has_spin(FRICTION)) rims[c] = rim[i] + rim[j];
     }
-    for (int c = 0; c < n; c++) {
+    // whole vectors only: the rest of the last one is filled with a contact that nobody reads
+    const int whole = (n + LANES - 1) / LANES * LANES;
+    for (int c = n; c < whole; c++) {
+      between[c][0] = between[c][1] = 0.5 * rule.reach;
+      between[c][2] = between[c][3] = 0.0;
+      rims[c] = 0.0;
+    }
+    for (int c = 0; c < whole; c++) {
       const ContactForce out =
           jump::contact_force<FRICTION, TOUCH>(rule, between[c][0], between[c][1], between[c][2], between[c][3],
                                                 jump::has_spin(FRICTION) ? rims[c] : 0.0);
@@ -457,14 +460,9 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
         if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= twist[c];
       }
       if (LEDGER) {
-        for (int axis = 0; axis < 2; axis++) {
-          dash[2 * i + axis] += lost[c][axis];
-          rub[2 * i + axis] += lost[c][2 + axis];
-          if (j < nlocal) {
-            dash[2 * j + axis] -= lost[c][axis];
-            rub[2 * j + axis] -= lost[c][2 + axis];
-          }
-        }
+        const Vec4 taken = *reinterpret_cast<const Vec4 *>(lost[c]);
+        *reinterpret_cast<Vec4 *>(&loss[i]) += taken;
+        if (j < nlocal) *reinterpret_cast<Vec4 *>(&loss[j]) -= taken;
       }
       if (evflag)
         ev_tally_xyz(i, j, nlocal, newton, 0.0, 0.0, push[0], push[1], 0.0, between[c][0], between[c][1], 0.0);
@@ -630,7 +628,7 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
 double PairJumpDisc::memory_usage()
 {
   return disc.capacity() * sizeof(Disc) +
-      (rim.capacity() + dash.capacity() + rub.capacity() + sorted_x.capacity() + sorted_y.capacity()) * sizeof(double) +
+      (rim.capacity() + 4 * loss.capacity() + sorted_x.capacity() + sorted_y.capacity()) * sizeof(double) +
       (first.capacity() + second.capacity() + cell_of.capacity() + cell_start.capacity() +
        sorted.capacity() + listed.capacity()) *
       sizeof(int);

@@ -26,6 +26,11 @@ class PairJumpDisc : public Pair {
     double x, y, vx, vy;
   };
 
+  /** Dashpot and friction force on a disc. */
+  struct alignas(32) Loss {
+    double dash_x, dash_y, rub_x, rub_y;
+  };
+
   PairJumpDisc(class LAMMPS *);
   ~PairJumpDisc() override;
   void compute(int, int) override;
@@ -46,7 +51,7 @@ class PairJumpDisc : public Pair {
   jump::Friction friction = jump::Friction::NONE;
   bool sign = false, smooth = false, even = false, spin = false, ledger = false;
   double mass = 0.0, diameter = 0.0, width = 0.0;
-  std::vector<double> dash, rub;                     // dashpot and friction forces on the local discs (x, y), ledger
+  std::vector<Loss> loss;                            // what takes energy from the local discs, with the ledger
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc> disc;                            // local discs, then ghosts
   std::vector<double> rim;                           // R omega, with spin
