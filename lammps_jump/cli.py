@@ -216,6 +216,87 @@ def animate(
     print(animate_target(folder, out, fps))
 
 
+@app.command()
+def bench(
+    case: Annotated[
+        Path,
+        typer.Argument(help="Case file, or `collision` for two discs against their closed forms.", show_default=False),
+    ],
+    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/bench/<name>).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Three steps, two starts.")] = False,
+    axes: Annotated[
+        str | None,
+        typer.Option(help="Of f,n,touch,kernel,correction,skin,diameter,ranks; default all but the last two."),
+    ] = None,
+    members: Annotated[int | None, typer.Option(help="Starts of each setting (default 5, quick 2).")] = None,
+    cells: Annotated[
+        bool, typer.Option("--cells", help="CPU time against the cell size of the thesis' search.")
+    ] = False,
+    skips: Annotated[bool, typer.Option("--skips", help="What each thing left out of a script saves.")] = False,
+    table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
+    diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
+    set_: Sets = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run time against error over step, kernel, touch, stiffness …; resumable."""
+    from .studies.bench_command import run_bench
+
+    print(
+        run_bench(
+            case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, table=table,
+            diameters=diameters, assignments=set_ or [], fresh=fresh, say=_say(quiet),
+        )
+    )  # fmt: skip
+
+
+@app.command()
+def stress(
+    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/stress).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Small packings, few scenes.")] = False,
+    long: Annotated[bool, typer.Option("--long", help="10^7 steps of a bed, minutes of drowned inlet.")] = False,
+    random: Annotated[int | None, typer.Option(help="Number of random scenes (default 200, quick 10).")] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the first random scene.")] = 0,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Numerical stability: limits of the step, hard and random scenes; exit status 1 where one ends badly."""
+    from .studies.stress import stress as study
+
+    found = study(out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=_say(quiet))
+    if found["bad"]:
+        print("\n".join(["ended badly:", *found["bad"]]))
+        raise typer.Exit(1)
+    print(f"every scene ended properly; see {out or 'runs/stress'}/stress.md")
+
+
+@app.command()
+def sensitivity(
+    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/sensitivity).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Short, coarse flows: seconds.")] = False,
+    only: Annotated[str | None, typer.Option(help="Of diameter,restitution,friction,stiffness,froude,sill.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """The jump against disc size, restitution, friction, stiffness and Froude number."""
+    from .studies.sensitivity import run_sensitivity
+
+    print(run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=_say(quiet)))
+
+
+@app.command()
+def calibrate(
+    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/calibrate).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Four candidates on coarse flows: seconds.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Contact coefficients that make discs behave most like water; the distances are printed."""
+    from .studies.calibration import run_calibration
+
+    print(run_calibration(out, quick=quick, fresh=fresh, say=_say(quiet)))
+
+
 def main() -> None:
     """Entry point: errors of ours become one paragraph and an exit status, never a traceback."""
     try:

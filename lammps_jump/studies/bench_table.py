@@ -8,7 +8,7 @@ from typing import Any
 def percent(value: float | None) -> str:
     """A share as text with two or three digits."""
     if value is None:
-        return "–"
+        return "-"
     return f"{100 * value:.2f} %" if abs(value) < 0.1 else f"{100 * value:.0f} %"
 
 
@@ -32,8 +32,8 @@ def markdown(data: dict[str, Any]) -> str:
         "|---|---:|---:|" + "---:|" * len(names),
     ]
     for row in data["rows"]:
-        seconds = "–" if row["seconds"] is None else f"{row['seconds']:.2f}"
-        rate = "–" if not row["disc_steps_per_second"] else f"{row['disc_steps_per_second'] / 1e6:.1f}"
+        seconds = "-" if row["seconds"] is None else f"{row['seconds']:.2f}"
+        rate = "-" if not row["disc_steps_per_second"] else f"{row['disc_steps_per_second'] / 1e6:.1f}"
         cells = [_error(row["errors"].get(name)) for name in names]
         failed = f" ({len(row['failed'])} failed)" if row["failed"] else ""
         lines.append(f"| {row['label']}{failed} | {seconds} | {rate} | " + " | ".join(cells) + " |")
@@ -42,7 +42,7 @@ def markdown(data: dict[str, Any]) -> str:
 
 def _error(entry: dict[str, Any] | None) -> str:
     if not entry or entry["error"] is None:
-        return "–"
+        return "-"
     floor = f" ({percent(entry['floor'])})" if entry["floor"] else ""
     return percent(entry["error"]) + floor
 

@@ -1,4 +1,4 @@
-"""Times that can be compared on a busy machine: processor time, medians, settings taking turns; what was measured on."""
+"""Times that can be compared on a busy machine: processor time, medians, settings in turn; what was measured on."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Stopwatch:
 
 
 def in_turn(items: Sequence[Item], rounds: int) -> Iterator[tuple[int, Item]]:
-    """(round, item): every item once before any again, forwards and backwards, so that neighbours share their moment."""
+    """(round, item): every item once before any again, to and fro, so that neighbours share their moment."""
     for number in range(rounds):
         for item in items if number % 2 == 0 else reversed(items):
             yield number, item

@@ -1,0 +1,91 @@
+"""The ``bench`` command: which of the benchmarks is meant, and what is printed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ..errors import CaseError
+
+COLLISION = "collision"
+
+
+def run_bench(
+    case: Path,
+    *,
+    out: Path | None = None,
+    quick: bool = False,
+    axes: str | None = None,
+    members: int | None = None,
+    cells: bool = False,
+    skips: bool = False,
+    table: bool = False,
+    diameters: str | None = None,
+    assignments: Sequence[str] = (),
+    fresh: bool = False,
+    say: Callable[[str], None] = print,
+) -> str:
+    """Run a benchmark and return its table as markdown; see `benchmark.bench_case`.
+
+    Raises
+    ------
+    CaseError
+        No such case, axis or number; ``--table`` without a stored benchmark.
+    """
+    if str(case) == COLLISION:
+        from .bench_collision import bench_collisions, collision_table
+
+        folder = out or Path("runs") / "bench" / COLLISION
+        return collision_table(bench_collisions(folder, quick=quick)["rows"])
+    if cells:
+        from .bench_cells import bench_cells
+
+        return bench_cells(case, out=out, quick=quick, assignments=assignments, fresh=fresh, say=say)
+    if skips:
+        from .bench_skips import bench_skips
+
+        return bench_skips(case, out=out, quick=quick, assignments=assignments, fresh=fresh, say=say)
+    from .bench_table import markdown
+
+    if table:
+        return markdown(stored(case, out))
+    from .benchmark import bench_case
+
+    sizes = _numbers(diameters) if diameters else ()
+    return markdown(
+        bench_case(
+            case, out=out, axes=axes, quick=quick, members=members, assignments=assignments, diameters=sizes,
+            fresh=fresh, say=say,
+        )
+    )  # fmt: skip
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    try:
+        values = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        raise CaseError(f"--diameters {text!r}: expected numbers in m with commas between, such as 0.1,0.2") from None
+    if not all(value > 0 for value in values):
+        raise CaseError(f"--diameters {text!r}: every diameter must be above 0 m")
+    return values
+
+
+def stored(case: Path, out: Path | None) -> dict:
+    """A finished benchmark of a case.
+
+    Raises
+    ------
+    CaseError
+        Where there is none.
+    """
+    from ..case import load_case
+
+    path = (out or Path("runs") / "bench" / load_case(case).case.name) / "bench.json"
+    try:
+        data = json.loads(path.read_text())
+    except (OSError, ValueError):
+        raise CaseError(f"{path}: no benchmark is stored there; run `lammps-jump bench {case}` first") from None
+    if "rows" not in data:
+        raise CaseError(f"{path}: the benchmark is not finished; run `lammps-jump bench {case}` to go on with it")
+    return data
