@@ -62,6 +62,7 @@ def build_and_run(
     ranks: Ranks = None,
     set_: Sets = None,
     force: Force = False,
+    live: Annotated[bool, typer.Option("--live", help="Show the run as it goes: a window, and live.png.")] = False,
     quiet: Quiet = False,
 ) -> None:
     """The whole job: validate, write the script, run, analyse, report."""
@@ -69,7 +70,13 @@ def build_and_run(
     from .display import print_summary
 
     summary = pipeline.build_and_run(
-        case, out=out, assignments=_assignments(set_, engine, kernel, ranks), force=force, quiet=quiet, say=_say(quiet)
+        case,
+        out=out,
+        assignments=_assignments(set_, engine, kernel, ranks),
+        force=force,
+        quiet=quiet,
+        live=live,
+        say=_say(quiet),
     )
     if not quiet:
         print_summary(summary, out or Path("runs") / summary["name"])
@@ -199,6 +206,31 @@ def cross_validate(
 
     options = {"members": members, "kernel": kernel, "quick": quick, "quiet": quiet}
     if not run_command(case, out=out, assignments=set_ or [], say=_say(quiet), **options):
+        raise typer.Exit(1)
+
+
+kernels = typer.Typer(help="The compiled plugin for LAMMPS.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(kernels, name="kernels")
+
+
+@kernels.command("build")
+def kernels_build(
+    force: Annotated[bool, typer.Option("--force", help="Build again even where a whole one is cached.")] = False,
+) -> None:
+    """Build the plugin into the cache, for administrators and for job files; prints its path."""
+    from .kernels.build import plugin_path
+
+    print(plugin_path(build=True, force=force))
+
+
+@kernels.command("status")
+def kernels_status() -> None:
+    """Tell whether the plugin can be used here."""
+    from .kernels.build import availability
+
+    status = availability()
+    print(status.reason or "usable")
+    if not status.available:
         raise typer.Exit(1)
 
 

@@ -13,7 +13,7 @@ from .case import LoadedCase, case_hash, load_case, resolved_yaml
 from .case.to_scene import build_scene
 from .errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
 from .progress import ProgressLine
-from .run_result import RunResult
+from .run_result import ProgressCallback, RunResult
 from .scene import Scene
 
 OWN_FILES = (
@@ -30,6 +30,7 @@ OWN_FILES = (
     "summary.json",
     "animation.mp4",
     "report.html",
+    "live.png",
 )
 """What a run folder may hold of an earlier run; nothing else in it is ever deleted."""
 
@@ -103,6 +104,7 @@ def build_and_run(
     assignments: list[str] | None = None,
     force: bool = False,
     quiet: bool = False,
+    live: bool = False,
     say: Say = print,
 ) -> dict[str, Any]:
     """The whole job; returns the summary.
@@ -125,12 +127,14 @@ def build_and_run(
                 "of computing): nothing to do. --force runs it again."
             )
             return stored
+    if live and prepared.loaded.case.run.dump_format != "text":
+        raise CaseError(f"--live reads text dumps; run.dump_format is {prepared.loaded.case.run.dump_format}")
     for note in (*prepared.scene.warnings, *prepared.notes):
         say(f"note: {note}")
     _announce(prepared, say)
     write_folder(prepared)
     built = time.perf_counter() - begin
-    return run_folder(prepared, build_seconds=built, quiet=quiet, say=say)
+    return run_folder(prepared, build_seconds=built, quiet=quiet, live=live, say=say)
 
 
 def stored_result(prepared: Prepared) -> dict[str, Any] | None:
@@ -204,9 +208,11 @@ def _announce(prepared: Prepared, say: Say) -> None:
     )
 
 
-def run_folder(prepared: Prepared, *, build_seconds: float, quiet: bool, say: Say) -> dict[str, Any]:
+def run_folder(
+    prepared: Prepared, *, build_seconds: float, quiet: bool, say: Say, live: bool = False
+) -> dict[str, Any]:
     """Run the engine in a folder that `write_folder` made, analyse and report; see `build_and_run`."""
-    result = _run_engine(prepared, quiet)
+    result = _run_engine(prepared, quiet, live)
     begin = time.perf_counter()
     parts: dict[str, Any] = {}
     trouble = ""
@@ -241,19 +247,29 @@ def _compose(prepared: Prepared, result: RunResult, seconds: dict[str, float], p
     return summary
 
 
-def _run_engine(prepared: Prepared, quiet: bool) -> RunResult:
+def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> RunResult:
     scene = prepared.scene
     line = ProgressLine(scene.time(scene.steps), quiet=quiet)
+    report: ProgressCallback = line
+    if live:
+        from .live import LiveView
+
+        report = LiveView(scene, prepared.folder, line)
     dump_format = prepared.loaded.case.run.dump_format
     if prepared.loaded.case.engine.name == "native":
         from .native import run_native
 
-        result = run_native(scene, prepared.folder, progress=line, dump_format=dump_format)
+        result = run_native(scene, prepared.folder, progress=report, dump_format=dump_format)
     else:
         from .lammps_engine import run_lammps
 
         result = run_lammps(
-            scene, prepared.folder, kernel=prepared.kernel, ranks=prepared.ranks, plugin=prepared.plugin, progress=line
+            scene,
+            prepared.folder,
+            kernel=prepared.kernel,
+            ranks=prepared.ranks,
+            plugin=prepared.plugin,
+            progress=report,
         )
     line.finish()
     return result

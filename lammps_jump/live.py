@@ -1,0 +1,123 @@
+"""Watch a run as it goes: a picture of the newest frame, in a window where there is a screen, always as a file."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from pathlib import Path
+
+from .errors import DumpError
+from .run_result import Progress, ProgressCallback
+from .scene import Scene
+
+SECONDS = 1.5
+"""Time between pictures; one costs some hundredths of a second."""
+PICTURE = "live.png"
+
+
+def newest_frame_text(path: Path, guess: int = 2_000_000) -> bytes | None:
+    """The last whole frame of a text dump that is still being written, None where there is none yet.
+
+    Reads from the end only: `guess` bytes, more where a frame is larger.
+    """
+    try:
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            while True:
+                start = max(0, size - guess)
+                file.seek(start)
+                tail = file.read(size - start)
+                first = tail.rfind(b"ITEM: TIME\n")
+                previous = tail.rfind(b"ITEM: TIME\n", 0, max(first, 0))
+                if previous >= 0:
+                    return tail[previous:first]
+                if start == 0:
+                    return None
+                guess *= 4
+    except OSError:
+        return None
+
+
+class LiveView:
+    """A progress callback that also draws; hands every report on to `then`.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        The run folder; the dump must be text.
+    then : callable
+        The progress line.
+    """
+
+    def __init__(self, scene: Scene, folder: Path, then: ProgressCallback):
+        from .analysis.context import from_scene
+
+        self.context = from_scene(scene)
+        self.dump = folder / "dump.lammpstrj"
+        self.picture = folder / PICTURE
+        self.then = then
+        self.shown = time.perf_counter()
+        self.window = _open_window(scene.name)
+
+    def __call__(self, report: Progress) -> None:
+        """Draw when it is time to."""
+        self.then(report)
+        if time.perf_counter() - self.shown < SECONDS:
+            return
+        text = newest_frame_text(self.dump)
+        if text is not None:
+            self._draw(text)
+        self.shown = time.perf_counter()
+
+    def _draw(self, text: bytes) -> None:
+        from .analysis.animate import still
+        from .analysis.dump import open_dump
+
+        with tempfile.NamedTemporaryFile(suffix=".lammpstrj") as copy:
+            copy.write(text)
+            copy.flush()
+            try:
+                frames = list(open_dump(copy.name))
+                if frames and frames[-1].n:
+                    still(frames[-1], self.context, self.picture)
+            except DumpError:
+                return  # a frame in the making: the next one will do
+        if self.window is not None and self.picture.exists():
+            self.window.show(self.picture)
+
+
+class _Window:
+    """A matplotlib window that shows one picture after the other."""
+
+    def __init__(self, title: str):
+        import matplotlib.pyplot as plt
+
+        self.plt = plt
+        plt.ion()
+        self.figure, self.axes = plt.subplots(figsize=(12, 5), num=title)
+        self.axes.axis("off")
+        self.image = None
+
+    def show(self, picture: Path) -> None:
+        pixels = self.plt.imread(picture)
+        if self.image is None:
+            self.image = self.axes.imshow(pixels)
+        else:
+            self.image.set_data(pixels)
+        self.figure.canvas.draw_idle()
+        self.figure.canvas.flush_events()
+
+
+def _open_window(title: str) -> _Window | None:
+    """A window, or None where there is no screen or no toolkit for one."""
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return None
+    try:
+        import matplotlib
+
+        matplotlib.use("TkAgg")
+        return _Window(title)
+    except Exception:  # toolkits fail in their own ways; the file is written all the same
+        return None
