@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import nan
+from math import inf, nan
 from pathlib import Path
 
 import numpy as np
@@ -216,9 +216,46 @@ class DeterministicCheck:
     note: str = ""
 
 
+def twin_separation(scene: Scene, twin: Scene, steps: int, output_steps: int = 10) -> float:
+    """Largest separation (d) of two native runs of a scene and its twin; infinite where their discs become others."""
+    runs = [run_native_frames(plain_scene(one, steps, output_steps)) for one in (scene, twin)]
+    part = separation(*runs, scene.diameter)
+    return float(part.largest.max(initial=0.0)) if part.other_discs is None else inf
+
+
 def plain_scene(scene: Scene, steps: int, output_steps: int) -> Scene:
     """The scene without force probes, with other numbers of steps."""
     return replace(scene, probes=(), steps=steps, output_steps=output_steps)
+
+
+def developed_scene(scene: Scene, share: float = 0.6, work: float = 3e8) -> Scene:
+    """The scene as it stands on the native engine after a share of its run: a start full of contacts.
+
+    Both engines then start from these positions and velocities (discs without spin); gates that have opened are gone,
+    the inlets' turns count anew from the first step.
+
+    Parameters
+    ----------
+    share : float
+        Of the steps; fewer where that would take more than `work` disc-steps.
+    """
+    from ..native import NativeSimulation
+
+    simulation = NativeSimulation(replace(scene, probes=()), ledger=False)
+    goal = max(int(share * scene.steps), scene.settle_steps + 1)
+    while simulation.step < goal and (simulation.disc_steps < work or simulation.step <= scene.settle_steps):
+        simulation.run(min(500, goal - simulation.step))
+    inlets = tuple(replace(row, first_step=1) for row in scene.inlets)
+    return replace(
+        scene,
+        name=f"{scene.name}, developed",
+        description=f"{scene.description} (from t = {scene.time(simulation.step):.3g} s on)",
+        positions=simulation.positions,
+        velocities=simulation.velocities,
+        inlets=inlets,
+        gates=(),
+        settle_steps=0,
+    )
 
 
 def check_scene(
