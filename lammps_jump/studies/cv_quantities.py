@@ -131,7 +131,8 @@ def _force(name: str, table: np.ndarray, scalars: dict, curves: dict) -> None:
 
 def _jump(member: Member, scene: Scene, bin_width, window, scalars: dict, curves: dict) -> str:
     from ..analysis.context import from_scene
-    from ..analysis.jump import analyse_jump, summarise_jump
+    from ..analysis.jump import analyse_jump
+    from ..analysis.jump_summary import summarise_jump
 
     context = from_scene(scene, bin_width=bin_width, window=window)
     found = analyse_jump(member.profiles, context)
