@@ -266,6 +266,28 @@ def test_the_pair_style_works_with_stock_fixes(lammps, plugin, tmp_path):
     assert np.abs(final(lammps, lines, 1000, "x")[0] - expected).max() < EQUAL * DIAMETER
 
 
+def test_the_list_misses_no_contact(lammps, plugin, tmp_path):
+    """Elastic energy from the list against all pairs found afresh, while discs come, go and are sorted."""
+    from scipy.spatial import cKDTree
+
+    rows = tuple(InletRow(3.5, 0.6 + 0.21 * i, -15.0 + i, 0.0, 0, 150 + 10 * i, 0.999 * DIAMETER) for i in range(4))
+    walls = (Block("ground", (-2.5, 4.0), (-3.0, 0.1)), Plane("left", "x", 0.0, "above"))
+    case = scene(*cloud(5), walls, inlets=rows, outlets=(Outlet("y", 0.15, "below", 70),))
+    stiffness = case.coefficients.stiffness
+    seen = 0
+    with Run(lammps, [*compiled(case, plugin, tmp_path), "atom_modify sort 130 0.3", "run 0"]) as run:
+        for _ in range(40):
+            run.do("run 97 pre no post no")
+            x = run.discs()[:, :2]
+            pairs = cKDTree(x).query_pairs(DIAMETER, output_type="ndarray")
+            overlaps = DIAMETER - np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1)
+            seen += len(overlaps)
+            values = run.vector(7)
+            assert values[0] == pytest.approx(0.5 * stiffness * np.sum(overlaps**2), rel=1e-9, abs=1e-12)
+            assert values[6] >= overlaps.max(initial=0.0) - 1e-15
+    assert seen > 1000
+
+
 NATIVE = {
     "sign": dict(friction=0.2, law="sign"),
     # a rolling contact is three times as stiff in friction: with ks = 0.2 the ramp of the sign law would chatter here
