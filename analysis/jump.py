@@ -270,7 +270,8 @@ def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, 
             reason=f"the toe stands {distance:.2f} m from the inlet: the inflow is no longer free.",
         )
     words = "moves upstream" if result.motion.speed < 0 else "moves downstream"
-    if abs(result.motion.speed) < 2 * (result.motion.error if isfinite(result.motion.error) else 0.0):
+    uncertain = 2 * result.motion.error if isfinite(result.motion.error) else 0.0
+    if abs(result.motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * track.depth_2[used].mean())):
         words = "stands still within the error"
     tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
     return replace(result, reason=f"the front {words} at {result.speed:+.2f} m/s.{tail}")

@@ -79,7 +79,7 @@ def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
     depth : ndarray, shape (bins,), m
     """
     bins = len(depth)
-    if bins < 4 or not np.isfinite(depth).all():
+    if bins < 4 or not np.isfinite(depth).all() or np.ptp(depth) <= 1e-9 * np.abs(depth).max():
         return None
     toe, end, shapes = _coarse(bins)
     found = _best(depth, toe, end, shapes)
@@ -203,7 +203,7 @@ def _look(edges, depth, discharge, gravity, diameter) -> tuple[str, tuple[float,
         return "the rise has no level stretch on both sides", nothing
     depth_1, depth_2 = depth[before].mean(), depth[behind].mean()
     if depth_1 < 0.5 * diameter:
-        return "no stream in front of the rise (a wave runs on a dry bed)", nothing
+        return "no stream in front of the rise: a wave runs on a dry bed", nothing
     if ramp.share < LEAST_SHARE:
         return f"no ramp between two levels fits (it explains {100 * ramp.share:.0f} % of the variance)", nothing
     velocity_1, velocity_2 = (

@@ -1,0 +1,182 @@
+"""The front on discs placed by hand and on fronts that follow a known law."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dam_break import (
+    FrontHistory,
+    FrontTracker,
+    against_curve,
+    back_wall,
+    bulk_front,
+    free_length,
+    quantile_front,
+    stack_top,
+    summarise_front,
+)
+from lammps_jump.analysis.dump import make_frame
+
+from lammps_jump import reference_data, theory
+from lammps_jump.walls import Block, Box, Plane
+
+D, G = 0.2, 9.81
+WALLS = (Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above"))
+
+
+def context(walls=WALLS, **changes):
+    values = {
+        "name": "made-up",
+        "diameter": D,
+        "mass": 40.0,
+        "density": 1000.0,
+        "gravity": (0.0, -G),
+        "domain": ((-1.0, 100.0), (-1.0, 40.0)),
+        "x_range": (0.0, 100.0),
+        "walls": walls,
+    }
+    return FlowContext(**{**values, **changes})
+
+
+def block(width, height, step=0, time=0.0, velocity=0.0, extra=()):
+    x = np.repeat(np.arange(D / 2, width, D), round(height / D))
+    y = np.tile(np.arange(D / 2, height, D), round(width / D))
+    x = np.concatenate([x, [p[0] for p in extra]])
+    y = np.concatenate([y, [p[1] for p in extra]])
+    return make_frame(step, time, [[-1, 100], [-1, 40]],
+                      {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": velocity + 0 * x, "vy": 0 * x})  # fmt: skip
+
+
+def tracked(frames, flow):
+    tracker = FrontTracker(flow)
+    for frame in frames:
+        tracker.add(frame, frame.time)
+    return tracker.result()
+
+
+def test_uniform_block():
+    history = tracked([block(4, 12, velocity=1.5)], context())
+    assert history.bulk[0] == pytest.approx(4.0, abs=1e-12)
+    assert history.height[0] == pytest.approx(12.0, abs=1e-12)
+    assert history.column == (pytest.approx(4.0), pytest.approx(12.0))
+    assert history.top_speed[0] == pytest.approx(1.5)
+    assert history.tip_speed[0] == pytest.approx(1.5)
+
+
+def test_thrown_off_discs_are_not_the_bulk():
+    frame = block(4, 12, extra=[(4.0 + 2.0 * D + 0.11, 0.1), (30.0, 5.0)])
+    history = tracked([frame], context())
+    assert history.bulk[0] == pytest.approx(4.0)
+    assert history.quantile[0] < 4.2  # 2 of 1202 discs are not one per cent
+    near = block(4, 12, extra=[(4.0 + 2.0 * D - 0.11, 0.1)])  # gap of centres just below two diameters
+    assert tracked([near], context()).bulk[0] == pytest.approx(4.0 + 2 * D - 0.01)
+
+
+def test_splash_above_the_column_is_not_its_height():
+    frame = block(4, 6, extra=[(0.1, 9.0)])
+    assert tracked([frame], context()).height[0] == pytest.approx(6.0)
+    assert stack_top(np.array([3.0]), D, 0.0) == 0.0
+
+
+def test_empty_frame_and_one_disc():
+    nothing = block(0, 0)
+    history = tracked([nothing, nothing], context())
+    assert np.isnan(history.bulk).all()
+    assert "no frame holds a disc" in summarise_front(history, context())["reason"]
+    alone = tracked([make_frame(0, 0.0, [[0, 9], [0, 9]], {"id": [1], "x": [0.1], "y": [0.1], "vx": [2.0], "vy": [0]})],
+                    context())  # fmt: skip
+    assert alone.bulk[0] == pytest.approx(0.2)
+    assert alone.height[0] == pytest.approx(0.2)
+    summary = summarise_front(alone, context())
+    assert summary["position"] == pytest.approx(0.2)
+    assert summary["martin_moyce"]["rms_bulk"] is None
+    assert np.isnan(bulk_front(np.zeros(0), D))
+    assert np.isnan(quantile_front(np.zeros(0), D))
+
+
+def test_falling_column():
+    """A block that falls freely while its width grows at a set speed: front and height are known at every time."""
+    speed = 3.0
+    frames = []
+    for k in range(11):
+        t = 0.1 * k
+        frame = block(4, 4, step=k, time=t)
+        x = frame.x * (1 + speed * t / 4)  # stretched: right edge of the last centre
+        columns = {**frame.columns, "x": x}
+        frames.append(make_frame(k, t, frame.box, columns))
+    history = tracked(frames, context())
+    expected = (4 - D / 2) * (1 + speed * history.time / 4) + D / 2
+    assert history.bulk == pytest.approx(expected, abs=1e-12)
+    summary = summarise_front(history, context())
+    assert summary["speed"] == pytest.approx(speed * (4 - D / 2) / 4, rel=1e-9)
+    assert summary["column_depth"] == pytest.approx(4.0)
+
+
+def made_history(time, bulk, height, column):
+    zero = np.zeros_like(time)
+    return FrontHistory(time, bulk, bulk, height, zero, zero, 0.0, column)
+
+
+def test_ritters_front_agrees_with_itself():
+    base, depth = 60.0, 12.0
+    time = np.linspace(0, 5, 101)
+    front = base + np.array([theory.ritter_front(t, depth, G) for t in time])
+    summary = summarise_front(made_history(time, front, depth + 0 * time, (base, depth)), context())
+    ritter = summary["ritter"]
+    assert ritter["rms"] == pytest.approx(0.0, abs=1e-12)
+    assert ritter["valid_until"] == pytest.approx(60 / sqrt(G * 12))
+    assert ritter["frames"] == 100
+
+
+def test_martin_and_moyces_front_agrees_with_itself():
+    base, depth = 4.0, 8.0
+    table, tall = reference_data.MARTIN_MOYCE_FRONT, reference_data.MARTIN_MOYCE_HEIGHT
+    tau = np.union1d(np.array(table.x) / sqrt(2), tall.x)
+    time = tau / sqrt(G / base)
+    front = base * np.interp(sqrt(2) * tau, table.x, table.y)
+    height = depth * np.interp(tau, tall.x, tall.y)
+    summary = summarise_front(made_history(time, front, height, (base, depth)), context())["martin_moyce"]
+    assert summary["comparable"]
+    assert summary["rms_bulk"] == pytest.approx(0.0, abs=1e-12)
+    assert summary["rms_height"] == pytest.approx(0.0, abs=1e-12)
+    assert summary["points"] == 14  # those beyond T = 0.8
+    assert summary["slope"] == pytest.approx(reference_data.MARTIN_MOYCE_FRONT_SLOPE[2], abs=0.05)
+    lagging = summarise_front(made_history(time, 0.9 * front, height, (base, depth)), context())["martin_moyce"]
+    assert lagging["rms_bulk"] == pytest.approx(0.1, rel=1e-9)
+
+
+def test_front_stops_to_count_at_an_obstacle():
+    walls = (*WALLS, Block("structure", (20, 22), (-1, 6)))
+    flow = context(walls)
+    time = np.linspace(0, 4, 81)
+    front = np.minimum(4 + 10 * time, 20.0)
+    history = made_history(time, front, 12 + 0 * time, (4.0, 12.0))
+    assert free_length(flow, history) == pytest.approx(20.0)
+    summary = summarise_front(history, flow)
+    assert summary["arrival_time"] == pytest.approx(1.6, abs=0.06)  # frames every 0.05 s
+    assert summary["speed"] == pytest.approx(10.0, rel=1e-9)
+
+
+def test_back_wall_and_free_length():
+    assert back_wall(context()) == 0.0
+    assert back_wall(context((Box("tank", (1, 9), (0, 5)),))) == 1.0
+    assert back_wall(context((Plane("floor", "y", 0, "above"),))) is None
+    history = made_history(np.zeros(1), np.full(1, 2.0), np.ones(1), (2.0, 1.0))
+    assert free_length(context(), history) == np.inf
+    falls = (Plane("back", "x", 0, "above"), Block("floor", (-5, 30), (-5, 0)))
+    assert free_length(context(falls), history) == pytest.approx(30.0, abs=0.1)  # the floor ends; looked at every 5 cm
+
+
+def test_no_wall_takes_the_columns_own_edge():
+    free = context((Plane("floor", "y", 0.0, "above"),))
+    frame = block(4, 2)
+    shifted = make_frame(0, 0.0, frame.box, {**frame.columns, "x": frame.x + 7.0})
+    history = tracked([shifted], free)
+    assert history.back == pytest.approx(7.0)
+    assert history.bulk[0] == pytest.approx(4.0)
+
+
+def test_no_common_range_gives_no_number():
+    comparison = against_curve(np.array([0.0, 0.1]), np.array([1.0, 1.0]), [2.0, 3.0], [1.0, 1.0])
+    assert np.isnan(comparison.rms)

@@ -1,0 +1,213 @@
+"""Energy and contact sums on discs placed by hand."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lammps_jump.analysis import contact_sums
+from lammps_jump.analysis.contact_series import ContactCollector
+from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dump import make_frame
+from lammps_jump.analysis.energy import EnergyLedger, drift, summarise_energy
+
+from lammps_jump.walls import Block, Box, Plane
+
+D, K = 0.2, 1.0e6
+BOX = [[-10, 10], [-10, 10]]
+
+
+def context(**changes):
+    values = {
+        "name": "made-up",
+        "diameter": D,
+        "mass": 40.0,
+        "density": 1000.0,
+        "gravity": (0.0, -9.81),
+        "domain": ((-10.0, 10.0), (-10.0, 10.0)),
+        "x_range": (-10.0, 10.0),
+        "stiffness": K,
+        "stiffness_wall": K,
+        "restitution": 1.0,
+        "friction": 0.0,
+    }
+    return FlowContext(**{**values, **changes})
+
+
+def frame(x, y, vx=0.0, vy=0.0, step=0, **more):
+    x = np.asarray(x, float)
+    columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x + vx, "vy": 0 * x + vy, **more}
+    return make_frame(step, 0.1 * step, BOX, columns)
+
+
+def summed(frames, flow):
+    ledger = EnergyLedger(flow)
+    for item in frames:
+        ledger.add(item, item.time)
+    return ledger.result()
+
+
+def test_two_overlapping_discs():
+    sums = pair_sums(frame([0, 0.15], [0, 0]), context(), np.linspace(-1, 1, 21))
+    assert sums.contacts == 1
+    assert sums.energy == pytest.approx(0.5 * K * 0.05**2, rel=1e-12)
+    # bins of 0.1 m: one and a half of them lie between the centres
+    assert sums.thrust[10:12] == pytest.approx([K * 0.05, 0.5 * K * 0.05], rel=1e-9)
+    assert np.delete(sums.thrust, [10, 11]) == pytest.approx(0, abs=1e-9)
+
+
+def test_dashpot_adds_to_the_thrust():
+    meeting = frame([0, 0.15], [0, 0], vx=np.array([1.0, -1.0]))
+    sums = pair_sums(meeting, context(dashpot=100.0), np.array([0.0, 0.15]))
+    assert sums.thrust[0] == pytest.approx(K * 0.05 + 200.0, rel=1e-12)
+
+
+def test_smooth_touch_energy_is_the_integral_of_its_force():
+    soft = context(touch="smooth", touch_width=0.02)
+    for overlap in (0.01, 0.02, 0.05):
+        grid = np.linspace(0, overlap, 20001)
+        force = np.where(grid < 0.02, K * grid**2 / 0.04, K * (grid - 0.01))
+        expected = np.trapezoid(force, grid)
+        pair = pair_sums(frame([0, D - overlap], [0, 0]), soft).energy
+        wall = wall_sums(frame([0], [D / 2 - overlap]), Plane("floor", "y", 0, "above"), soft)
+        assert pair == pytest.approx(expected, rel=1e-6)  # trapezium with 20000 pieces
+        assert wall.energy == pytest.approx(expected, rel=1e-6)
+        assert wall.force[1] == pytest.approx(force[-1], rel=1e-9)
+
+
+@pytest.mark.parametrize("scale", [0.6, 3.0, 40.0])
+def test_pairs_of_a_cloud_against_all_pairs(scale):
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(0, scale, (2, 150))
+    distance = np.hypot(x[:, None] - x, y[:, None] - y)[np.triu_indices(150, 1)]
+    overlap = np.clip(D - distance, 0, None)
+    sums = pair_sums(frame(x, y), context())
+    assert sums.contacts == int((overlap > 0).sum())
+    assert sums.energy == pytest.approx(0.5 * K * float((overlap**2).sum()), rel=1e-10, abs=1e-12)
+
+
+def test_kernel_without_jit_gives_the_same(monkeypatch):
+    rng = np.random.default_rng(4)
+    x, y, vx, vy = rng.uniform(0, 1, (4, 60))
+    cloud, edges = frame(x, y, vx, vy), np.linspace(0, 1, 6)
+    fast = pair_sums(cloud, context(dashpot=10.0), edges)
+    monkeypatch.setattr(contact_sums, "_pair_sums", contact_sums._pair_sums_py)
+    slow = pair_sums(cloud, context(dashpot=10.0), edges)
+    assert (slow.energy, slow.contacts) == (pytest.approx(fast.energy, rel=1e-12), fast.contacts)
+    assert slow.thrust == pytest.approx(fast.thrust, rel=1e-9)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 2**31), count=st.integers(0, 60))
+def test_thrust_is_the_virial_and_mirrors(seed, count):
+    """Over all bins, thrust times width is the sum of force times branch; mirrored, the bins turn round."""
+    rng = np.random.default_rng(seed)
+    x, y, vx, vy = rng.uniform(-1, 1, (4, count))
+    edges = np.linspace(-2, 2, 17)
+    flow = context(dashpot=50.0)
+    sums = pair_sums(frame(x, y, vx, vy), flow, edges)
+    i, j = np.triu_indices(count, 1)
+    branch = np.column_stack([x[j] - x[i], y[j] - y[i]])
+    length = np.hypot(*branch.T)
+    touch = (length < D) & (length > 0)
+    approach = -np.sum((np.column_stack([vx, vy])[j] - np.column_stack([vx, vy])[i]) * branch, axis=1)[touch]
+    force = K * (D - length[touch]) + 50.0 * approach / length[touch]
+    virial = np.sum(force * branch[touch, 0] ** 2 / length[touch])
+    assert sums.thrust.sum() * 0.25 == pytest.approx(virial, rel=1e-9, abs=1e-6)
+    turned = pair_sums(frame(-x, y, -vx, vy), flow, edges)
+    assert turned.thrust[::-1] == pytest.approx(sums.thrust, rel=1e-9, abs=1e-6)
+    assert turned.energy == pytest.approx(sums.energy, rel=1e-12, abs=1e-12)
+
+
+def test_wall_contacts():
+    floor = Plane("floor", "y", 0.0, "above")
+    sums = wall_sums(frame([0, 1], [0.09, 0.3], vy=-1.0), floor, context(dashpot_wall=100.0))
+    assert list(sums.index) == [0]
+    assert sums.force == (0.0, pytest.approx(K * 0.01 + 100.0))
+    assert not sums.sideways
+    corner = wall_sums(frame([-0.05], [0.05]), Block("step", (0, 1), (-1, 0)), context())
+    assert corner.force[0] < 0 < corner.force[1]
+    assert corner.sideways
+    inside = wall_sums(frame([0.5], [-0.01]), Block("step", (0, 1), (-1, 0)), context())
+    assert inside.index.size == 0  # a centre inside a block feels nothing, in the engines too
+    assert wall_sums(frame([], []), floor, context()).force == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "expected"),
+    [("hooke", min(40.0 * 500.0 * 2.0, 0.3 * K * 0.01)), ("sign", 0.3 * K * 0.01)],
+)
+def test_wall_friction(law, expected):
+    rough = context(friction=0.3, gamma_tangential=500.0, friction_law=law)
+    sums = wall_sums(frame([0], [0.09], vx=2.0), Plane("floor", "y", 0.0, "above"), rough)
+    assert sums.force[0] == pytest.approx(-expected)
+    slow = wall_sums(
+        frame([0], [0.09], vx=1e-3), Plane("floor", "y", 0.0, "above"), context(friction=0.3, gamma_tangential=5.0)
+    )
+    assert slow.force[0] == pytest.approx(-40.0 * 5.0 * 1e-3)  # below the slip speed the ramp holds
+
+
+def test_energy_box_starts_with_5760_joules():
+    """Thesis: 16 discs of 0.4 m, one at (6, -6) m/s."""
+    grid = 0.25 + 0.5 * np.arange(4)
+    x, y = np.repeat(grid, 4), np.tile(grid, 4)
+    speed = np.zeros(16)
+    speed[0] = 6.0
+    box = context(diameter=0.4, mass=160.0, gravity=(0.0, 0.0), walls=(Box("box", (0, 2), (0, 2)),))
+    history = summed([frame(x, y, speed, -speed, step=k) for k in range(3)], box)
+    assert history.total == pytest.approx(5760.0, rel=1e-14)
+    summary = summarise_energy(history, box)
+    assert (summary["initial"], summary["max_deviation"], summary["closed"]) == (5760.0, 0.0, True)
+    assert summary["drift"] == pytest.approx(0.0, abs=1e-14)
+    assert summary["conservative"]
+
+
+def test_parts_of_the_energy():
+    flow = context(walls=(Plane("floor", "y", 0.0, "above"),))
+    history = summed([frame([0.0], [0.08], vx=3.0, omegaz=[5.0])], flow)
+    assert history.kinetic[0] == pytest.approx(0.5 * 40 * 9)
+    assert history.rotational[0] == pytest.approx(0.25 * 40 * 0.01 * 25)  # I = m R^2 / 2
+    assert history.potential[0] == pytest.approx(40 * 9.81 * 0.08)
+    assert history.elastic[0] == pytest.approx(0.5 * K * 0.02**2)
+    unknown = summed([frame([0.0], [0.08])], context(stiffness=None))
+    assert unknown.elastic is None
+
+
+def test_falling_disc_keeps_its_energy():
+    times = np.arange(6)
+    frames = [frame([0.0], [5 - 0.5 * 9.81 * (0.1 * k) ** 2], vy=-9.81 * 0.1 * k, step=k) for k in times]
+    summary = summarise_energy(summed(frames, context()), context())
+    assert summary["max_deviation"] < 1e-14
+    assert summary["initial"] == pytest.approx(40 * 9.81 * 5)
+
+
+def test_a_disc_that_comes_is_no_drift_of_the_engine():
+    summary = summarise_energy(summed([frame([0], [1]), frame([0, 1], [1, 1], step=1)], context()), context())
+    assert summary["closed"] is False
+    assert summary["conservative"] is False
+
+
+def test_no_frame_and_empty_frame():
+    assert summarise_energy(summed([], context()), context())["initial"] is None
+    summary = summarise_energy(summed([frame([], [])], context()), context())
+    assert summary["initial"] == 0.0
+    assert summary["max_deviation"] is None
+
+
+def test_drift_is_the_straight_line():
+    time = np.linspace(0, 10, 11)
+    assert drift(time, 100 + 0.5 * time) == pytest.approx(0.05)
+    assert np.isnan(drift(time[:1], time[:1]))
+
+
+def test_ledger_shares_the_collectors_pairs():
+    flow = context(walls=(Plane("floor", "y", 0.0, "above"),))
+    collector = ContactCollector(flow, np.linspace(-1, 1, 5))
+    shared, alone = EnergyLedger(flow, collector), EnergyLedger(flow)
+    one = frame([0, 0.15, 0.4], [0.09, 0.1, 0.095])
+    for taker in (collector, shared, alone):
+        taker.add(one, 0.0)
+    assert shared.result().elastic == pytest.approx(alone.result().elastic, rel=1e-14)
+    series = collector.result()
+    assert series.wall_fy.sum() == pytest.approx(K * (0.01 + 0.005))
+    assert series.wall_fx.sum() == 0.0

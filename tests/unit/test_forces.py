@@ -1,0 +1,234 @@
+"""Forces, impulses and the reflected wave on made-up records with known answers."""
+
+from math import pi
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dump import make_frame
+from lammps_jump.analysis.forces import analyse_forces, moving_mean
+from lammps_jump.analysis.impulse import MomentumLedger, impulse_identity, window_lengths
+from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.reflected_wave import track_reflection
+from lammps_jump.analysis.run_folder import ForceHistory
+
+from lammps_jump import theory
+from lammps_jump.scene import Gate
+from lammps_jump.walls import Block, Plane
+
+D, M, G, DT = 0.2, 40.0, 9.81, 1e-3
+BACK, FLOOR = Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above")
+
+
+def context(**changes):
+    values = {
+        "name": "made-up",
+        "diameter": D,
+        "mass": M,
+        "density": 1000.0,
+        "gravity": (0.0, -G),
+        "domain": ((-1.0, 30.0), (-1.0, 20.0)),
+        "x_range": (0.0, 30.0),
+        "walls": (BACK, FLOOR),
+        "stiffness": 1e6,
+        "stiffness_wall": 1e6,
+        "time_step": DT,
+        "probes": ("back",),
+        "bin_width": 1.0,
+    }
+    return FlowContext(**{**values, **changes})
+
+
+def pushed(force, frames=11, every=100, y=5.0, gone=None):
+    """Discs at rest at first that a constant force along x speeds up; the last may be missing from a frame on."""
+    result = []
+    for k in range(frames):
+        t = k * every * DT
+        n = 3 if gone is None or k < gone else 2
+        x = 1.0 + 0.5 * np.arange(n)
+        columns = {"id": np.arange(n) + 1, "x": x, "y": 0 * x + y, "vx": 0 * x + force * t / (3 * M), "vy": 0 * x}
+        result.append(make_frame(k * every, t, [[-1, 30], [-1, 20]], columns))
+    return result
+
+
+def record(value, windows=100, every=10):
+    time = (np.arange(windows) + 1) * every * DT
+    force = np.broadcast_to(value, windows).astype(float)
+    return ForceHistory(time, force, 0 * force, 0 * force)
+
+
+def ledger(frames, flow):
+    taker = MomentumLedger(flow)
+    for frame in frames:
+        taker.add(frame, frame.time)
+    return taker.result()
+
+
+def test_identity_of_a_constant_force():
+    flow = context()
+    identity = impulse_identity({"back": record(-600.0)}, ledger(pushed(600.0), flow), flow, "x")
+    assert (identity.start, identity.end) == (0.0, 1.0)
+    assert identity.change == pytest.approx(600.0, rel=1e-12)
+    assert identity.relative < 1e-12
+    assert identity.reason == ""
+    wrong = impulse_identity({"back": record(-606.0)}, ledger(pushed(600.0), flow), flow, "x")
+    assert wrong.relative == pytest.approx(6 / 606, rel=1e-9)
+
+
+def test_identity_ends_where_discs_leave():
+    flow = context()
+    momentum = ledger(pushed(600.0, gone=7), flow)
+    identity = impulse_identity({"back": record(-600.0)}, momentum, flow, "x")
+    assert identity.end == pytest.approx(0.6)
+    assert identity.relative < 1e-12
+
+
+def test_identity_names_what_is_missing():
+    flow = context()
+    low = ledger(pushed(600.0, y=0.09), flow)  # discs press on the unprobed floor
+    assert impulse_identity({"back": record(-600.0)}, low, flow, "x").reason == ""
+    assert "floor" in impulse_identity({"back": record(-600.0)}, low, flow, "y").reason
+    short = impulse_identity({"back": record(-600.0, windows=50)}, low, flow, "x")
+    assert short.end == pytest.approx(0.5)
+    assert "no wall" in impulse_identity({}, low, flow, "x").reason
+    changing = ledger(pushed(600.0, frames=2, gone=1), flow)
+    assert "enter or leave" in impulse_identity({"back": record(-600.0)}, changing, flow, "x").reason
+
+
+def test_identity_waits_for_the_gate():
+    flow = context(gates=(Gate(Plane("gate", "x", 4.0, "below"), 300),))
+    identity = impulse_identity({"back": record(-600.0)}, ledger(pushed(600.0), flow), flow, "x")
+    assert identity.start == pytest.approx(0.3)
+    assert identity.relative < 1e-12
+
+
+def test_gravity_counts_along_y():
+    frames = []
+    for frame in pushed(0.0):
+        columns = {**frame.columns, "vy": -G * frame.time + 0 * frame.x}
+        frames.append(make_frame(frame.step, frame.time, frame.box, columns))
+    flow = context()
+    identity = impulse_identity({"back": record(0.0)}, ledger(frames, flow), flow, "y")
+    assert identity.gravity == pytest.approx(-3 * M * G, rel=1e-12)
+    assert abs(identity.difference) < 1e-9
+
+
+def test_window_lengths():
+    assert window_lengths(np.array([0.1, 0.2, 0.4])) == pytest.approx([0.15, 0.1, 0.2])
+    assert len(window_lengths(np.zeros(0))) == 0
+
+
+def test_moving_mean_keeps_straight_lines_and_damps_waves():
+    t = np.arange(200)
+    assert moving_mean(3.0 + 2.0 * t, 9) == pytest.approx(3.0 + 2.0 * t)
+    wave = np.sin(2 * pi * t / 9)
+    assert np.abs(moving_mean(wave, 9)[9:-9]).max() < 1e-12
+    assert moving_mean(wave, 1) == pytest.approx(wave)
+    assert len(moving_mean(np.zeros(0), 5)) == 0
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60), st.integers(1, 15))
+def test_moving_mean_mirrors_and_stays_between(values, samples):
+    values = np.array(values)
+    mean = moving_mean(values, samples)
+    assert mean[::-1] == pytest.approx(moving_mean(values[::-1], samples), abs=1e-9)
+    assert values.min() - 1e-9 <= mean.min() <= mean.max() <= values.max() + 1e-9
+
+
+def still_water(depth=4.0, speed=0.0, frames=11):
+    x = np.arange(D / 2, 20, D)
+    layers = round(depth / D)
+    px, py = np.repeat(x, layers), np.tile(D * (np.arange(layers) + 0.5), len(x))
+    columns = {"id": np.arange(len(px)) + 1, "x": px, "y": py, "vx": speed + 0 * px, "vy": 0 * px}
+    return [make_frame(k * 100, 0.1 * k, [[-1, 30], [-1, 20]], columns) for k in range(frames)]
+
+
+def test_hydrostatic_estimates_of_wall_and_block():
+    block = Block("structure", (20.0, 22.0), (-5.0, 3.0))
+    flow = context(walls=(BACK, Block("floor", (-5, 20), (-5, 0)), block), probes=("back", "structure"))
+    profiles = compute_profiles(still_water(), flow)
+    peak = record(10.0)
+    peak.fx[40:60] += 1e5
+    result = analyse_forces({"back": record(-1.0), "structure": peak}, flow, None, profiles)
+    back, structure = result.summary["back"], result.summary["structure"]
+    assert back["hydrostatic"] == pytest.approx(theory.hydrostatic_force(4.0, 1000.0, G), rel=1e-9)
+    # the structure is 3 m high in 4 m of water
+    assert structure["hydrostatic"] == pytest.approx(theory.sill_face_force(4.0, 3.0, 1000.0, G), rel=1e-9)
+    assert structure["peak"] == pytest.approx(1e5 + 10, rel=1e-9)
+    assert structure["component"] == "fx"
+    assert structure["impulse"] == pytest.approx(1e5 * 0.2 + 10 * 1.0, rel=1e-9)
+    # corner at -5 m, bed at 0: the moment moves up by 5 m times fx
+    assert result.structures["structure"].smooth["moment"][50] == pytest.approx(5.0 * (1e5 + 10), rel=1e-9)
+
+
+def test_oncoming_stream_towards_a_structure():
+    block = Block("structure", (20.0, 22.0), (-5.0, 9.0))
+    flow = context(walls=(BACK, Block("floor", (-5, 20), (-5, 0)), block), probes=("structure",))
+    profiles = compute_profiles(still_water(depth=2.0, speed=5.0), flow)
+    result = analyse_forces({"structure": record(1.0)}, flow, None, profiles)
+    expected = theory.stagnation_force(2.0, 5.0, 1000.0, G)
+    assert result.summary["structure"]["stagnation"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_one_long_peak_is_cut_by_the_low_pass():
+    """A pulse of 0.01 s in one window shows a fifth of its height behind a mean of 0.05 s."""
+    pulse = np.zeros(100)
+    pulse[50] = 1000.0
+    profiles = compute_profiles(still_water(frames=2), context())
+    result = analyse_forces({"back": record(pulse)}, context(), None, profiles)
+    assert result.summary["back"]["peak"] == pytest.approx(200.0)
+    assert result.summary["back"]["peak_unfiltered"] == pytest.approx(1000.0)
+    assert result.summary["back"]["impulse"] == pytest.approx(10.0)
+
+
+def test_settled_column_against_hydrostatics():
+    flow = context(probes=("back", "floor"))
+    frames = still_water()
+    earlier = [make_frame(f.step, f.time - 1.0, f.box, f.columns) for f in frames]
+    profiles = compute_profiles(earlier, flow)
+    weight = M * G * frames[0].n
+    time = (np.arange(100) + 1) * 0.01 - 1.0
+    still = np.zeros(100)
+    force = theory.hydrostatic_force(4.0, 1000.0, G)
+    forces = {
+        "back": ForceHistory(time, still - 0.9 * force, still, still),
+        "floor": ForceHistory(time, still, still - weight, still),
+    }
+    settled = analyse_forces(forces, flow, ledger(earlier, flow), profiles).summary["settled"]
+    assert settled["back"]["ratio"] == pytest.approx(0.9, rel=1e-9)
+    assert settled["floor"]["ratio"] == pytest.approx(1.0, rel=1e-12)
+
+
+def reflection(speed=-3.0, incoming=6.0, arrive=1.0):
+    """A stream 1 m deep meets a wall at x = 20 m; the stopped part, 3 m deep, grows upstream at a set speed."""
+    time, x = np.arange(0, 4, 0.1), np.arange(0.25, 30, 0.5)
+    front = np.where(time >= arrive, 20 + speed * (time - arrive), np.inf)[:, None]
+    share = np.clip((front - (x - 0.25)) / 0.5, 0, 1)
+    wet = (x < 20) & (time[:, None] >= arrive - (20 - x) / incoming)
+    depth = np.where(wet, 1.0 * share + 3.0 * (1 - share), 0.0)
+    discharge = np.where(wet, incoming * share, 0.0)
+    return xr.Dataset(
+        {"mass_depth": (("time", "x"), depth), "discharge": (("time", "x"), discharge)},
+        coords={"time": time, "x": x},
+        attrs={"bin_width": 0.5, "x_low": 0.0},
+    )
+
+
+def test_reflected_wave_runs_at_its_speed():
+    wave = track_reflection(reflection(), Block("structure", (20, 22), (-5, 6)), context())
+    assert wave.motion.speed == pytest.approx(-3.0, abs=0.1)  # the place within a bin of 0.5 m is read from velocities
+    assert wave.velocity == pytest.approx(6.0, rel=0.05)
+    depth, speed = theory.reflected_bore(wave.depth, wave.velocity, G)
+    assert (wave.bore_depth, wave.bore_speed) == (depth, speed)
+    assert "structure" in wave.sentence()
+
+
+def test_no_stream_no_reflected_wave():
+    profiles = reflection()
+    dry = profiles.assign(mass_depth=0 * profiles.mass_depth)
+    block = Block("structure", (20, 22), (-5, 6))
+    assert track_reflection(dry, block, context()) is None
+    assert track_reflection(profiles, Block("structure", (0.5, 22), (-5, 6)), context()) is None

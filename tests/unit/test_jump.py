@@ -1,0 +1,270 @@
+"""The jump analysis on made-up flows: steps and ramps that move at a set speed, and flows that are no jump."""
+
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dump import make_frame
+from lammps_jump.analysis.jump import analyse_jump, level_reach
+from lammps_jump.analysis.jump_state import growth_rate
+from lammps_jump.analysis.jump_summary import summarise_jump
+from lammps_jump.analysis.jump_track import equivalent_position, fit_ramp, straight_motion
+from lammps_jump.analysis.profiles import compute_profiles
+
+from lammps_jump import theory
+from lammps_jump.walls import Block, Plane
+
+D, G = 0.2, 9.81
+BOX = [[-5, 65], [-5, 20]]
+S1, S2, SPEED = 1.0, 6.0, -2.0
+FROUDE = sqrt(0.5 * 6 * 7)  # Bélanger backwards: S (S + 1) = 2 Fr^2
+U1 = SPEED + FROUDE * sqrt(G * S1)
+U2 = SPEED + (U1 - SPEED) * S1 / S2
+
+
+def context(**changes):
+    values = {
+        "name": "made-up",
+        "diameter": D,
+        "mass": 1000 * D**2,
+        "density": 1000.0,
+        "gravity": (0.0, -G),
+        "domain": ((-5.0, 65.0), (-5.0, 20.0)),
+        "x_range": (0.0, 60.0),
+        "walls": (Plane("floor", "y", 0.0, "above"),),
+        "bin_width": 1.0,
+        "window": (0.0, 10.0),
+    }
+    return FlowContext(**{**values, **changes})
+
+
+def flow(layers, speed, time=0.0, low=0.0, high=60.0):
+    """Touching discs: layers(x) of them in each column, all with velocity speed(x)."""
+    centres = np.arange(low + D / 2, high, D)
+    number = np.round(layers(centres)).astype(int)
+    x = np.repeat(centres, number)
+    y = D * (np.concatenate([np.arange(n) for n in number]) + 0.5)
+    u = np.repeat(np.broadcast_to(speed(centres), centres.shape), number)
+    columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": u, "vy": 0 * x}
+    return make_frame(round(time * 1000), time, BOX, columns)
+
+
+def moving_step(frames=24, start=40.0):
+    """A bore that jumps one column upstream in every frame."""
+    result = []
+    for k in range(frames):
+        front = start + SPEED * 0.1 * k
+        at = lambda x, f=front: x < f  # noqa: E731  (the front of this frame)
+        frame = flow(lambda x, a=at: np.where(a(x), 5, 30), lambda x, a=at: np.where(a(x), U1, U2), 0.1 * k)
+        result.append(frame)
+    return result
+
+
+def mirrored(frame):
+    columns = {name: np.array(values) for name, values in frame.columns.items()}
+    columns["x"], columns["vx"] = -columns["x"], -columns["vx"]
+    box = np.array(frame.box)
+    box[0] = -box[0][::-1]
+    return make_frame(frame.step, frame.time, box, columns)
+
+
+@pytest.fixture(scope="module")
+def step_result():
+    return analyse_jump(compute_profiles(moving_step(), context()), context())
+
+
+def test_step_moves_at_its_speed(step_result):
+    assert step_result.verdict == "jump"
+    assert step_result.motion.speed == pytest.approx(SPEED, abs=1e-9)  # columns fall on bin edges: exact
+    assert step_result.motion.error < 1e-9
+    expected = 40.0 + SPEED * step_result.track.time
+    assert step_result.track.position == pytest.approx(expected, abs=1e-9)
+    assert np.abs(step_result.track.toe - expected).max() <= 0.63  # a step inside a bin: toe within that bin, to 1/8
+    assert step_result.toe_motion.speed == pytest.approx(SPEED, abs=0.05)
+
+
+def test_step_states_and_balance(step_result):
+    one, two = step_result.upstream, step_result.downstream
+    for state, depth, speed in ((one, S1, U1), (two, S2, U2)):
+        assert state.mass_depth.value == pytest.approx(depth, rel=1e-9)
+        assert state.velocity.value == pytest.approx(speed, rel=1e-9)
+        assert state.packing.value == pytest.approx(np.pi / 4, rel=1e-9)
+        assert state.surface_depth.value == pytest.approx(depth, rel=0.01)  # eight lines a diameter see the arcs
+        assert state.beta(SPEED) == pytest.approx(1.0, rel=1e-9)
+    assert one.froude_relative == pytest.approx(FROUDE, rel=1e-9)
+    assert step_result.mass["closure"] == pytest.approx(0.0, abs=1e-9)
+    assert step_result.balance.classical == pytest.approx(0.0, abs=1e-7 * step_result.balance.downstream)
+    # nothing is stored between stations that move with the step, but the shifted profile is linear between bins
+    assert abs(step_result.balance.unsteady) < 0.02 * step_result.balance.downstream
+
+
+def test_step_summary(step_result):
+    summary = summarise_jump(step_result)
+    assert summary["sequent_ratio"] == pytest.approx(6.0, rel=1e-9)
+    assert summary["belanger_ratio"] == pytest.approx(6.0, rel=1e-9)
+    assert summary["density_ratio"] == pytest.approx(1.0, abs=0.01)
+    assert summary["density_relation_ratio"] == pytest.approx(6.0, rel=0.01)
+    assert summary["energy_loss"] == pytest.approx(theory.energy_loss(S1, S2), rel=1e-9)
+    assert summary["momentum_residual"] == pytest.approx(0.0, abs=1e-7)
+    assert summary["toe"] <= summary["position"] <= summary["end"]
+    assert summary["length"] < 2.0  # a step: the bin it lies in, and one more that straight lines between bins add
+    assert summary["pressure_relation_ratio"] is None  # no stiffness, so no contact pressure
+    assert summary["length_theory"] == pytest.approx(theory.silvester_jump_length(FROUDE, S1))
+
+
+def test_mirror_symmetry(step_result):
+    frames = [mirrored(frame) for frame in moving_step()]
+    turned = context(x_range=(-60.0, 0.0), domain=((-65.0, 5.0), (-5.0, 20.0)))
+    result = analyse_jump(compute_profiles(frames, turned), turned)
+    straight, there = summarise_jump(step_result), summarise_jump(result)
+    assert result.direction == -1
+    for key in ("speed", "toe", "end", "position", "u1", "u2"):
+        assert there[key] == pytest.approx(-straight[key], abs=1e-9), key
+    for key in ("y1", "y2", "froude", "sequent_ratio", "length", "energy_loss"):
+        assert there[key] == pytest.approx(straight[key], rel=1e-9), key
+
+
+def test_ramp_length_is_found():
+    """A ramp of 10 m between the levels: 5 % to 95 % of it is 9 m."""
+
+    def layers(x):
+        return 5 + 25 * np.clip((x - 30) / 10, 0, 1)
+
+    frames = [flow(layers, lambda x: U1 * 5 / layers(x), 0.1 * k) for k in range(10)]
+    summary = summarise_jump(analyse_jump(compute_profiles(frames, context()), context()))
+    assert summary["verdict"] == "jump"
+    assert summary["speed"] == pytest.approx(0.0, abs=1e-9)
+    assert summary["length_mass"] == pytest.approx(9.0, abs=0.5)  # whole layers of 0.2 m, half a bin of 1 m
+    assert summary["length_ramp"] == pytest.approx(10.0, abs=0.5)
+    assert "stands still" in summary["reason"]
+
+
+@pytest.mark.parametrize(
+    ("layers", "speed", "reason"),
+    [
+        (lambda x: 0 * x + 5, lambda x: 0 * x + 14.0, "nowhere rises"),
+        (lambda x: 0 * x, lambda x: 0 * x, "dry"),
+        (lambda x: np.where(x < 30, 5, 30), lambda x: 0 * x + 0.5, "subcritical"),
+        (lambda x: np.where(x < 30, 5, 10), lambda x: 0 * x + 14.0, "supercritical"),
+        (lambda x: np.where(x < 30, 0, 30), lambda x: 0 * x + 2.0, "dry bed"),
+    ],
+)
+def test_no_jump_says_why(layers, speed, reason):
+    profiles = compute_profiles([flow(layers, speed, 0.1 * k) for k in range(4)], context())
+    result = analyse_jump(profiles, context())
+    summary = summarise_jump(result)
+    assert result.verdict == "no jump found"
+    assert reason in result.reason
+    assert summary["y1"] is None
+    assert summary["speed"] is None
+
+
+def test_too_short_a_channel_and_no_gravity():
+    frames = [flow(lambda x: 0 * x + 5, lambda x: 0 * x + 1.0)]
+    short = context(x_range=(0.0, 5.0))
+    assert "fewer than eight bins" in analyse_jump(compute_profiles(frames, short), short).reason
+    weightless = context(gravity=(0.0, 0.0))
+    assert "no gravity" in analyse_jump(compute_profiles(frames, weightless), weightless).reason
+
+
+def test_locked_heap_is_named():
+    """Discs at rest under a steep surface behind the toe, as friction leaves them."""
+
+    def layers(x):
+        return np.where(x < 20, 5, np.maximum(35 - (x - 20) * 0.75, 1))
+
+    frames = [flow(layers, lambda x: np.where(x < 20, 12.0, 0.0), 0.1 * k) for k in range(10)]
+    result = analyse_jump(compute_profiles(frames, context()), context())
+    assert result.verdict == "locked heap"
+    assert result.heap["surface_slope"] == pytest.approx(-0.15, abs=0.01)
+    assert result.heap["standing_share"] > 0.9
+
+
+def test_level_water_at_rest_behind_a_bore_is_a_jump():
+    frames = [flow(lambda x: np.where(x < 30, 5, 30), lambda x: np.where(x < 30, 12.0, 0.0), 0.1 * k) for k in range(9)]
+    assert analyse_jump(compute_profiles(frames, context()), context()).verdict == "jump"
+
+
+def test_drowned_inlet_is_named():
+    flooded = context(inflow_depth=1.0, inflow_speed=14.0)
+    frames = [flow(lambda x: 0 * x + 30, lambda x: 0 * x + 1.0, 0.1 * k) for k in range(4)]
+    result = analyse_jump(compute_profiles(frames, flooded), flooded)
+    assert (result.verdict, "over the inlet" in result.reason) == ("drowned inlet", True)
+    frames = [
+        flow(lambda x: np.where(x < 1.6, 5, 30), lambda x: np.where(x < 1.6, 14.0, 2.4), 0.1 * k) for k in range(4)
+    ]
+    near = replace(flooded, bin_width=0.4)
+    assert analyse_jump(compute_profiles(frames, near), near).verdict == "drowned inlet"
+
+
+def test_reach_is_the_longest_level_stretch():
+    walls = (Block("floor", (-10, 50.5), (-10, 0)), Block("sill", (50, 51), (-10, 2)))
+    there = context(walls=walls)
+    profiles = compute_profiles([flow(lambda x: 0 * x + 5, lambda x: 0 * x + 1)], there)
+    assert level_reach(profiles, there, 1) == slice(0, 50)
+    assert level_reach(profiles, there, -1) == slice(10, 60)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    toe=st.floats(5, 25),
+    length=st.floats(0, 20),
+    low=st.floats(0.2, 2),
+    rise=st.floats(0.5, 8),
+)
+def test_fit_recovers_a_ramp(toe, length, low, rise):
+    edges = np.arange(61.0)
+    end = toe + length
+    fine = np.linspace(0, 60, 60 * 200 + 1)
+    fine = 0.5 * (fine[1:] + fine[:-1])
+    shape = np.clip((fine - toe) / max(length, 1e-9), 0, 1)
+    depth = low + rise * shape.reshape(60, 200).mean(axis=1)
+    ramp = fit_ramp(edges, depth)
+    assert ramp.share > 0.99
+    # the ends are known to a bin where the ramp is shorter than one, else to about its eighth
+    tolerance = 1.01 if length < 3 else 0.3
+    assert abs(ramp.toe - toe) < tolerance
+    assert abs(ramp.end - end) < tolerance
+    place = equivalent_position(edges, depth, ramp.toe, ramp.end, low, low + rise)
+    assert place == pytest.approx(toe + 0.5 * length, abs=0.02)  # 200 points a bin stand for the exact profile
+
+
+def test_flat_profile_has_no_ramp():
+    assert fit_ramp(np.arange(21.0), np.full(20, 3.0)) is None
+    assert fit_ramp(np.arange(21.0), np.linspace(3, 1, 20)) is None
+
+
+def test_straight_motion_of_exact_line():
+    t = np.linspace(0, 5, 21)
+    motion = straight_motion(t, 3.0 - 1.5 * t)
+    assert motion.speed == pytest.approx(-1.5, abs=1e-12)
+    assert motion.start == pytest.approx(3.0, abs=1e-12)
+    assert motion.error == pytest.approx(0.0, abs=1e-9)
+    assert straight_motion(t, np.full(21, np.nan)).points == 0
+    assert np.isnan(straight_motion(t[:1], t[:1]).speed)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.6])
+def test_speed_error_covers_the_truth(memory):
+    """Two standard errors hold the true slope in about 95 of 100 records, correlated residuals or not."""
+    rng = np.random.default_rng(5)
+    t = np.arange(100) * 0.1
+    covered = 0
+    for _ in range(300):
+        noise = rng.normal(size=100)
+        for k in range(1, 100):
+            noise[k] += memory * noise[k - 1]
+        motion = straight_motion(t, 2.0 * t + noise)
+        covered += abs(motion.speed - 2.0) < 2 * motion.error
+    # 300 draws scatter by 1.3 %; the correlation is itself estimated from 100 points, which costs a little
+    assert 0.88 <= covered / 300 <= 0.99
+
+
+def test_growth_rate():
+    time = np.array([0.0, 1.0, 2.0, 4.0])
+    assert growth_rate(time, np.array([np.nan, 1.0, 7.0, 4.0])) == pytest.approx(1.0)
+    assert growth_rate(time, np.full(4, np.nan)) == 0.0
