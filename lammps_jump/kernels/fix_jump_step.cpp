@@ -373,6 +373,7 @@ void FixJumpStep::post_force(int)
 {
   if (near_order != pair->order || update->setupflag || !(near_moved < NEAR_MARGIN * pair->diameter)) find_near();
   touching = 0;
+  output_step = -1;
   law.eps = jump::SIGN_RAMP * pair->largest_speed;
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
   switch (pair->touch) {

@@ -1,7 +1,8 @@
 /* Registers pair_style jump/disc and fix jump/step with LAMMPS (`plugin load`).
 
    The structure is the interface that LAMMPS' plugin command documents (developer guide, "Writing plugins"); the
-   wheel ships no header for it. */
+   wheel ships no header for it. Everything else is hidden (-fvisibility=hidden): two builds of the plugin in one
+   process must not take each other's code. */
 
 #include "fix_jump_step.h"
 #include "lammps.h"
@@ -31,7 +32,7 @@ void *make_fix(void *lmp, int narg, char **arg) { return new FixJumpStep(static_
 
 }    // namespace
 
-extern "C" void lammpsplugin_init(void *lmp, void *handle, void *regfunc)
+extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle, void *regfunc)
 {
   auto add = reinterpret_cast<Register>(regfunc);
   Registration plugin;
