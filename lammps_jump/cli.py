@@ -267,6 +267,7 @@ def bench(
     skips: Annotated[bool, typer.Option("--skips", help="What each thing left out of a script saves.")] = False,
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
     diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
+    fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
     set_: Sets = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
     quiet: Quiet = False,
@@ -277,7 +278,7 @@ def bench(
     print(
         run_bench(
             case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, table=table,
-            diameters=diameters, assignments=set_ or [], fresh=fresh, say=_say(quiet),
+            diameters=diameters, fractions=fractions, assignments=set_ or [], fresh=fresh, say=_say(quiet),
         )
     )  # fmt: skip
 

@@ -117,7 +117,9 @@ def _ways(kernels, restitution: float):
             found.append(("stock, uncorrected", "stock", verlet, False, "sharp"))
     found.append(("native, thesis scheme", "native", thesis, True, "sharp"))
     fast = "compiled" if "compiled" in kernels else "native"
-    found.append((f"{fast}, smooth touch", fast, verlet, True, "smooth"))
+    found.append((f"{fast}, smooth touch, uncorrected", fast, verlet, False, "smooth"))
+    if restitution < 1:
+        found.append((f"{fast}, smooth touch, corrected", fast, verlet, True, "smooth"))
     return found
 
 

@@ -22,6 +22,7 @@ def run_bench(
     skips: bool = False,
     table: bool = False,
     diameters: str | None = None,
+    fractions: str | None = None,
     assignments: Sequence[str] = (),
     fresh: bool = False,
     say: Callable[[str], None] = print,
@@ -52,22 +53,24 @@ def run_bench(
         return markdown(stored(case, out))
     from .benchmark import bench_case
 
-    sizes = _numbers(diameters) if diameters else ()
+    sizes = _numbers("--diameters", diameters) if diameters else ()
+    steps = _numbers("--fractions", fractions) if fractions else None
     return markdown(
         bench_case(
             case, out=out, axes=axes, quick=quick, members=members, assignments=assignments, diameters=sizes,
+            fractions=steps,
             fresh=fresh, say=say,
         )
     )  # fmt: skip
 
 
-def _numbers(text: str) -> tuple[float, ...]:
+def _numbers(option: str, text: str) -> tuple[float, ...]:
     try:
         values = tuple(float(word) for word in text.split(","))
     except ValueError:
-        raise CaseError(f"--diameters {text!r}: expected numbers in m with commas between, such as 0.1,0.2") from None
-    if not all(value > 0 for value in values):
-        raise CaseError(f"--diameters {text!r}: every diameter must be above 0 m")
+        raise CaseError(f"{option} {text!r}: expected numbers with commas between, such as 0.1,0.2") from None
+    if not all(0 < value < float("inf") for value in values):
+        raise CaseError(f"{option} {text!r}: every value must be above 0")
     return values
 
 

@@ -177,7 +177,8 @@ def _front(dump, context, duration: float) -> dict[str, Any]:
 
 
 def _jump(dump, context) -> dict[str, Any]:
-    from ..analysis.jump import analyse_jump, summarise_jump
+    from ..analysis.jump import analyse_jump
+    from ..analysis.jump_summary import summarise_jump
     from ..analysis.profiles import compute_profiles
 
     profiles = compute_profiles(dump, context)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 
 from .. import contact
 from ..errors import CaseError
@@ -188,8 +188,3 @@ def usable_kernels(rotation: bool = False) -> tuple[list[str], list[str]]:
     except SetupError as error:
         notes.append(f"LAMMPS left out: {error}")
     return [*kernels, "native"], notes
-
-
-def rescaled(setting: Setting, **changes: object) -> Setting:
-    """A copy with changes."""
-    return replace(setting, **changes)

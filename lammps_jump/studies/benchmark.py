@@ -8,7 +8,7 @@ from typing import Any
 
 from ..case import case_hash, load_case
 from ..errors import RunError
-from .bench_errors import cheapest, names_of, pareto, setting_errors
+from .bench_errors import EXACT, cheapest, names_of, pareto, setting_errors
 from .bench_runs import run_setting
 from .bench_settings import (
     FRACTIONS,
@@ -17,7 +17,6 @@ from .bench_settings import (
     make_settings,
     parse_axes,
     reference_setting,
-    rescaled,
     usable_kernels,
 )
 from .timing import Store, in_turn, machine, middle, versions
@@ -89,7 +88,7 @@ def bench_case(
         chosen, restitution=own.contact.restitution, kernels=usable, fractions=fractions, diameters=diameters,
         penetrations=(5.0, 20.0) if quick else (5.0, 10.0, 20.0, 40.0),
     )  # fmt: skip
-    reference = reference_setting(0.02 if quick else min(fractions), usable)
+    reference = reference_setting(0.02 if quick else min(FRACTIONS), usable)
     settings = list(dict.fromkeys([reference, *settings]))
     rounds = members or (2 if quick else 5)
     folder = Path(out) if out else Path("runs") / "bench" / own.name
@@ -133,7 +132,7 @@ def finish(store: Store, own, settings, reference, rounds: int, notes, *, figure
     if not any(run["status"] == "complete" for group in runs.values() for run in group):
         first = next(run for group in runs.values() for run in group)
         raise RunError(f"no setting of {own.name} came to its end; the first one says: {first['message']}")
-    rows = [_row(setting, runs[setting], _reference_of(setting, reference, runs)) for setting in settings]
+    rows = [_row(setting, runs[setting], runs[reference], setting == reference) for setting in settings]
     quantities = names_of([run for group in runs.values() for run in group])
     store.data |= {
         "case": own.name,
@@ -161,16 +160,17 @@ def finish(store: Store, own, settings, reference, rounds: int, notes, *, figure
     return store.data
 
 
-def _reference_of(setting: Setting, reference: Setting, runs: dict) -> list[dict[str, Any]]:
-    """Runs that a setting is measured against: the finest step (the same whatever is varied)."""
-    return runs[rescaled(reference)]
-
-
-def _row(setting: Setting, runs: list[dict[str, Any]], reference: list[dict[str, Any]]) -> dict[str, Any]:
+def _row(
+    setting: Setting, runs: list[dict[str, Any]], reference: list[dict[str, Any]], is_reference: bool
+) -> dict[str, Any]:
     complete = [run for run in runs if run["status"] == "complete"]
     seconds = middle(run["cpu_seconds"] for run in complete)
     rates = [run["disc_steps"] / run["cpu_seconds"] for run in complete if run["cpu_seconds"]]
     kinds = {kind for run in complete for kind in run["breakdown"]}
+    errors = setting_errors(runs, reference) if complete else {}
+    if is_reference:  # its distance from itself says nothing
+        for name, entry in errors.items():
+            entry |= {} if name in EXACT else {"error": None, "floor": None}
     return {
         "label": setting.label,
         "family": setting.family,
@@ -183,7 +183,8 @@ def _row(setting: Setting, runs: list[dict[str, Any]], reference: list[dict[str,
         "wall_seconds": middle(run["wall_seconds"] for run in complete),
         "disc_steps_per_second": middle(rates),
         "breakdown": {kind: middle(run["breakdown"].get(kind) for run in complete) for kind in sorted(kinds)},
-        "errors": setting_errors(runs, reference) if complete else {},
+        "reference": is_reference,
+        "errors": errors,
     }
 
 
