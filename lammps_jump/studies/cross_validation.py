@@ -200,7 +200,8 @@ def run_command(path: Path, *, out: Path | None, quiet: bool, say: Say, **option
 
     report = cross_validate(path, out=out, quiet=quiet, say=say, **options)
     folder = out or Path("runs") / f"{report['name']}_cross_validation"
-    print(f"{verdict_text(report)}\nlook at {folder / REPORT_FILE}")
+    if not quiet or not report["passed"]:
+        print(f"{verdict_text(report)}\nlook at {folder / REPORT_FILE}")
     return report["passed"]
 
 
@@ -388,6 +389,9 @@ def _laws(study: Study, path, assignments: list[str], seeds: list[int], folder: 
     wanted = wanted_of(study)
     for label, (text, changes) in LAWS.items():
         if (label in ("sign", "thesis") and not rubs) or (label == "uncorrected" and case.contact.restitution == 1):
+            continue
+        if label == "leap-frog" and case.contact.restitution == 1 and not rubs:
+            # without velocities in the force the two integrators are the same algebra: identical trajectories
             continue
         base = [*assignments, "engine.name=native", "run.integrator=velocity_verlet", "contact.friction_law=hooke"]
         other = build_scene(load_case(path, [*base, "engine.ranks=1", *changes]))

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import RunError
+from ..errors import RunError, RunInterrupted
 from ..run_result import ProgressCallback, RunResult
 from ..scene import Scene
 
@@ -166,8 +166,12 @@ def run_member(
         folder = Path(work) / "run"
         folder.mkdir()
         result = run_engine(start, engine, folder, progress)
+        if result.status == "interrupted":
+            raise RunInterrupted(
+                f"ended in {name}, member {seed}; finished members are kept in {store}: the same command goes on from there"
+            )
         if result.status != "complete":
-            raise RunError(f"{name}, seed {seed}: {result.message}")
+            raise RunError(f"{name}, member {seed}: {result.message}")
         kept = Path(work) / "kept"
         kept.mkdir()
         reduce_run(start, folder, kept, bin_width, window)
