@@ -24,11 +24,8 @@ if TYPE_CHECKING:
 MARKERS = {"color": BLACK, "ls": "none", "mfc": "white", "ms": 4}
 
 
-def draw_all(gathered: Gathered, shown: dict, folder: Path, dump: Path, warnings: list[str]) -> list[str]:
-    """Draw every figure that the results call for into `folder`; returns their names relative to its parent.
-
-    A figure that cannot be drawn becomes a warning; the others are still made.
-    """
+def draw_all(gathered: Gathered, shown: dict, folder: Path, dump: Path) -> list[str]:
+    """Draw every figure that the results call for into `folder`; returns their names relative to its parent."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -137,6 +134,8 @@ def martin_moyce_figure(history: FrontHistory, context: FlowContext) -> Figure |
 
     values = dimensionless(history, gravity)
     live = history.time >= 0
+    if live.sum() < 2:
+        return None
     free = free_length(context, history) / base
     with style():
         figure, (left, right) = new_figure(8.4, 3.8, 1, 2)
@@ -144,7 +143,7 @@ def martin_moyce_figure(history: FrontHistory, context: FlowContext) -> Figure |
         left.plot(values["T"][live], values["Z"][live], color=BLUE, label="bulk front")
         left.plot(values["T"][live], values["Z99"][live], color=GOLD, ls="--", label="99 % of the discs")
         left.plot(front.x, front.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
-        left.set_xlim(0, min(values["T"].max(), 5) if live.any() else 5)
+        left.set_xlim(0, min(values["T"].max(), 5))
         left.set_ylim(1, max(5.0, 1.08 * min(free, 6)))
         if free < left.get_ylim()[1]:
             left.axhline(free, color=GREY, ls="-.", lw=1)
@@ -156,7 +155,7 @@ def martin_moyce_figure(history: FrontHistory, context: FlowContext) -> Figure |
         left.set_title(f"n² = H/a = {depth / base:.3g} here")
         right.plot(values["tau"][live], values["h"][live], color=BLUE, label="column")
         right.plot(tall.x, tall.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
-        right.set_xlim(0, min(values["tau"].max(), 5.5) if live.any() else 5)
+        right.set_xlim(0, min(values["tau"].max(), 5.5))
         right.set_ylim(0, 1.05)
         right.set_xlabel("τ = t √(g/a)")
         right.set_ylabel("h / H")

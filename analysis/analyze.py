@@ -150,7 +150,7 @@ def analyze_dump(path: Path, context: FlowContext, request: AnalysisRequest, out
     if request.figures:
         from .analysis_figures import draw_all
 
-        files += draw_all(gathered, shown, out / "figures", path, warnings)
+        files += draw_all(gathered, shown, out / "figures", path)
     if request.fields or request.animate or request.exports:
         from .extras import write_extras
 

@@ -1,0 +1,153 @@
+"""The whole analysis of made-up dumps: files, numbers that JSON can carry, dumps that are nearly nothing."""
+
+import json
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.analyze import AnalysisRequest, analyze_dump, plain, with_velocities
+from lammps_jump.analysis.context import FlowContext, from_dump
+from lammps_jump.analysis.dump import open_dump
+from lammps_jump.analysis.dump_write import DumpWriter
+from lammps_jump.analysis.profiles import read_profiles
+
+from lammps_jump.errors import DumpError
+from lammps_jump.walls import Plane
+
+D = 0.2
+EVERYTHING = AnalysisRequest(jump=True, energy=True, front=True, forces=True)
+
+
+def context(**changes):
+    values = {
+        "name": "made-up",
+        "diameter": D,
+        "mass": 40.0,
+        "density": 1000.0,
+        "gravity": (0.0, -9.81),
+        "domain": ((-5.0, 45.0), (-5.0, 20.0)),
+        "x_range": (0.0, 40.0),
+        "walls": (Plane("floor", "y", 0.0, "above"),),
+        "stiffness": 1e6,
+        "stiffness_wall": 1e6,
+        "time_step": 1e-3,
+        "window": (0.0, 9.0),
+    }
+    return FlowContext(**{**values, **changes})
+
+
+def dump_of(path, frames, columns=("id", "x", "y", "vx", "vy")):
+    with DumpWriter(path, columns) as writer:
+        for k, (x, y, u) in enumerate(frames):
+            x, y, u = (np.atleast_1d(np.asarray(part, float)) for part in (x, y, u))
+            values = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": u + 0 * x, "vy": 0 * x}
+            writer.write(100 * k, 0.1 * k, [[-5, 45], [-5, 20]], values)
+    return path
+
+
+def bore(front):
+    centres = np.arange(D / 2, 40, D)
+    layers = np.where(centres < front, 5, 30)
+    y = D * (np.concatenate([np.arange(n) for n in layers]) + 0.5)
+    return np.repeat(centres, layers), y, np.repeat(np.where(centres < front, 12.0, 0.4), layers)
+
+
+@pytest.fixture(scope="module")
+def analysed(tmp_path_factory):
+    out = tmp_path_factory.mktemp("run")
+    path = dump_of(out / "dump.lammpstrj", [bore(25.0 - 0.2 * k) for k in range(12)])
+    rows = "".join(f"{0.1 * k + 0.1:g},floor,0,-5,0\n" for k in range(11))
+    (out / "forces.csv").write_text("time,structure,fx,fy,moment\n" + rows)
+    return out, analyze_dump(path, context(probes=("floor",)), EVERYTHING, out)
+
+
+def test_one_pass_leaves_all_files_and_numbers(analysed):
+    out, parts = analysed
+    text = json.dumps(parts, allow_nan=False)
+    assert json.loads(text) == parts
+    for name in parts["files"]:
+        assert (out / name).stat().st_size > 0, name
+    expected = {"profiles.nc", "energy.csv", "front.csv", "jump_track.csv", "jump_frame.csv", "force_floor.csv"}
+    assert expected <= set(parts["files"])
+    figures = {
+        f"figures/{name}.png" for name in ("depth_profile", "jump_frame", "jump_balance", "front", "energy", "forces")
+    }
+    assert figures <= set(parts["files"])
+    assert parts["jump"]["verdict"] == "jump"
+    assert parts["jump"]["speed"] == pytest.approx(-2.0, abs=1e-6)  # the file's ten digits
+    assert parts["jump"]["momentum_terms"]["pressure"] is not None
+    assert parts["force"]["floor"]["impulse"] == pytest.approx(-5.5)
+    assert parts["profiles"]["frames"] == 12
+
+
+def test_energy_of_the_dump(analysed):
+    _, parts = analysed
+    _, y, u = bore(25.0)
+    expected = 0.5 * 40 * np.sum(u**2) + 40 * 9.81 * np.sum(y)
+    # columns of discs whose centres are 0.2 m apart to ten digits: contacts store next to nothing
+    assert parts["energy"]["initial"] == pytest.approx(expected, rel=1e-8)
+
+
+def test_nothing_but_profiles_when_nothing_is_asked(tmp_path):
+    path = dump_of(tmp_path / "d", [bore(20.0)])
+    parts = analyze_dump(path, context(), AnalysisRequest(figures=False), tmp_path / "new" / "folder")
+    assert parts["files"] == ["profiles.nc"]
+    assert not {"jump", "front", "energy", "force"} & set(parts)
+    assert read_profiles(tmp_path / "new" / "folder" / "profiles.nc").sizes["time"] == 1
+
+
+@pytest.mark.parametrize(
+    "frames",
+    [
+        [([], [], [])],
+        [([], [], []), ([], [], [])],
+        [([1.0], [0.1], [2.0])],
+        [([], [], []), ([1.0], [0.1], [2.0]), ([], [], [])],
+        [([1.0, 1.1], [5.0, 5.0], [0.0, 0.0])],
+    ],
+    ids=["empty frame", "empty frames", "one disc", "comes and goes", "falling pair"],
+)
+def test_next_to_nothing(tmp_path, frames):
+    """Nulls and reasons instead of numbers, every figure that can be drawn, no warning from numpy (they are errors)."""
+    path = dump_of(tmp_path / "d", frames)
+    parts = analyze_dump(path, context(), EVERYTHING, tmp_path)
+    json.dumps(parts, allow_nan=False)
+    assert parts["jump"]["verdict"] == "no jump found"
+    assert parts["jump"]["reason"]
+
+
+def test_window_without_frames_falls_back_and_says_so(tmp_path):
+    path = dump_of(tmp_path / "d", [bore(20.0)] * 4)
+    parts = analyze_dump(path, context(window=(50.0, 60.0)), AnalysisRequest(figures=False), tmp_path)
+    assert any("second half" in warning for warning in parts["warnings"])
+    assert parts["profiles"]["window"][1] == pytest.approx(0.3)
+
+
+def test_velocities_from_positions(tmp_path):
+    frames = [([1.0 + 0.5 * k, 3.0], [0.1, 0.1], [0.0, 0.0]) for k in range(3)]
+    dump = open_dump(dump_of(tmp_path / "d", frames, columns=("id", "x", "y")))
+    warnings = []
+    made = list(with_velocities(dump, context(), warnings))
+    assert made[0].vx == pytest.approx([0, 0])
+    assert made[1].vx == pytest.approx([5.0, 0.0])
+    assert "no vx, vy" in warnings[0]
+    parts = analyze_dump(dump.path, from_dump(dump, diameter=D), AnalysisRequest(jump=True, front=True), tmp_path)
+    assert parts["front"]["position"] is not None
+
+
+def test_unknown_export_is_refused(tmp_path):
+    path = dump_of(tmp_path / "d", [bore(20.0)])
+    with pytest.raises(DumpError, match=r"export 'xls' is not known: use one of csv, vtk, pictures"):
+        analyze_dump(path, context(), AnalysisRequest(figures=False, exports=("xls",)), tmp_path)
+
+
+def test_exports_and_fields(tmp_path):
+    path = dump_of(tmp_path / "d", [bore(20.0)] * 2)
+    wanted = AnalysisRequest(figures=False, fields=True, exports=("csv", "vtk", "pictures"))
+    parts = analyze_dump(path, context(), wanted, tmp_path)
+    assert {"fields.nc", "fields.vti", "profiles.csv", "picture0.dat", "discs.pvd"} <= set(parts["files"])
+    assert all((tmp_path / name).exists() for name in parts["files"])
+
+
+def test_plain():
+    given = {"a": np.float64("nan"), 1: [np.int64(3), float("inf"), np.array([1.0, np.nan])], "b": np.bool_(True)}
+    assert plain(given) == {"a": None, "1": [3, None, [1.0, None]], "b": True}

@@ -1,0 +1,124 @@
+"""The report: one file, no network, safe text, small enough, whatever the summary lacks."""
+
+# ruff: noqa: RUF001  (minus signs and dashes as the page shows them)
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.report import LARGEST, table, text, write_report
+
+from lammps_jump.errors import DumpError
+
+VOID = {"meta", "link", "img", "br", "!doctype"}
+
+
+class Balance(HTMLParser):
+    """Collects sources and what is not closed."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.sources, self.wrong = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.sources += [value for name, value in attrs if name in ("src", "href")]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(tag)
+
+
+def page(path):
+    content = path.read_text(encoding="utf-8")
+    parser = Balance()
+    parser.feed(content)
+    assert (parser.open, parser.wrong) == ([], [])
+    assert all(source.startswith("data:") for source in parser.sources)
+    assert "http://" not in content
+    assert "https://" not in content
+    assert "<script" not in content
+    return content
+
+
+def picture(path, size=8):
+    from PIL import Image
+
+    path.parent.mkdir(exist_ok=True)
+    noise = np.random.default_rng(1).integers(0, 255, (size, size, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(path)
+
+
+def test_empty_summary(tmp_path):
+    content = page(write_report(tmp_path, {}))
+    assert "How to repeat it" in content
+    assert "viewport" in content
+
+
+def test_everything_inside_one_file(tmp_path):
+    picture(tmp_path / "figures" / "depth_profile.png")
+    picture(tmp_path / "figures" / "of_my_own.png")
+    (tmp_path / "animation.mp4").write_bytes(b"not really a film")
+    summary = {
+        "name": "quick_jump",
+        "status": "complete",
+        "warnings": ["the step is near its limit"],
+        "coefficients": {"mass": 40.0, "stiffness": 2.56e7},
+        "skipped": ["friction: ks = 0"],
+        "versions": {"numpy": "2.0"},
+        "wall_seconds": {"build": 0.1, "run": 3.0, "analysis": None},
+        "discs": {"inserted": 1234, "present": 1200, "removed": 34, "lost": 0},
+        "front": {"position": None, "reason": "no frame holds a disc"},
+        "energy": {"initial": 5760.0, "final": 5759.0, "max_deviation": 2e-4, "drift": -1e-5, "conservative": True},
+    }
+    content = page(write_report(tmp_path, summary, "name: quick_jump\n"))
+    for expected in ("near its limit", "2.56&thinsp;×&thinsp;10<sup>7</sup>", "friction: ks = 0", "video/mp4",
+                     "no frame holds a disc", "0.0200 %", "case.yaml", "1\u202f234"):  # fmt: skip
+        assert expected in content, expected
+    assert content.count("data:image/png") == 2
+
+
+def test_text_is_made_safe(tmp_path):
+    summary = {"name": "<b>x</b>", "warnings": ["a < b & c"], "message": "<script>", "status": "failed"}
+    content = page(write_report(tmp_path, summary, "description: <img src=http&>\n".replace("http", "x")))
+    assert "&lt;b&gt;x" in content
+    assert "a &lt; b &amp; c" in content
+
+
+def test_large_pictures_become_small_and_the_page_stays_below_its_limit(tmp_path):
+    for k in range(6):
+        picture(tmp_path / "figures" / f"noise{k}.png", 900)
+    (tmp_path / "animation.mp4").write_bytes(bytes(4_000_000))
+    path = write_report(tmp_path, {"name": "big"})
+    content = page(path)
+    assert path.stat().st_size < LARGEST
+    assert "data:image/jpeg" in content
+    assert re.search(r"beside it in the run folder: .*animation\.mp4", content)
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (None, "–"),
+        (True, "yes"),
+        (-1.5, "−1.5"),
+        (0.0, "0"),
+        (12345, "12\u202f345"),
+        ("a&b", "a&amp;b"),
+        (1.23456, "1.235"),
+    ],
+)
+def test_text_of_values(value, shown):
+    assert text(value) == shown
+
+
+def test_table_aligns_numbers_with_their_heads():
+    made = table([("depth", 1.5), ("none", None)], ("", "value"))
+    assert "<th class=n>value</th>" in made
+    assert made.count("<td class=n>") == 2
+
+
+def test_place_that_cannot_be_written(tmp_path):
+    with pytest.raises(DumpError, match="cannot be written"):
+        write_report(tmp_path / "missing", {})
