@@ -119,7 +119,8 @@ def member_key(scene: Scene, engine: EngineChoice, bin_width: float | None, wind
     if engine.name == "native":
         code = _sources("lammps_jump.native")
     else:
-        code = f"{wheel_version()} {engine.kernel} {engine.plugin.name if engine.plugin else ''}".encode()
+        # the plugin's folder is named after the hash of its sources, compiler and flags
+        code = f"{wheel_version()} {engine.kernel} {engine.plugin or ''}".encode()
         code += script_text(scene, kernel=engine.kernel, dump_format="binary").encode()
     return _digest(common, reduction, numbers, code)
 
@@ -168,7 +169,7 @@ def run_member(
         result = run_engine(start, engine, folder, progress)
         if result.status == "interrupted":
             raise RunInterrupted(
-                f"ended in {name}, member {seed}; finished members are kept in {store}: the same command goes on from there"
+                f"ended in {name}, member {seed}; finished members are kept in {store}: the same command goes on there"
             )
         if result.status != "complete":
             raise RunError(f"{name}, member {seed}: {result.message}")
