@@ -1,0 +1,178 @@
+/* The neighbour list of pair_style jump/disc (what it is: pair_jump_disc.h). */
+
+#include "pair_jump_disc.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+
+/** Whether the local discs that the list knows still have the same indices (more may have come after them). */
+bool PairJumpDisc::keeps_order() const
+{
+  const size_t n = listed.size();
+  return n > 0 && (size_t) atom->nlocal >= n && memcmp(listed.data(), atom->tag, n * sizeof(tagint)) == 0;
+}
+
+/** Whether this rank computes the pair; at least one of the two is local.
+
+    With newton on, a pair across a border belongs to one rank only. Ranks build their lists at different times, so
+    the choice must not depend on positions: it goes by the ids. */
+bool PairJumpDisc::is_mine(int i, int j) const
+{
+  const int nlocal = atom->nlocal;
+  if (i < nlocal && j < nlocal) return true;
+  if (!force->newton_pair) return true;
+  const tagint mine = atom->tag[i < nlocal ? i : j], other = atom->tag[i < nlocal ? j : i];
+  return (mine + other) % 2 == 0 ? mine < other : mine > other;
+}
+
+void PairJumpDisc::remember_order()
+{
+  listed.assign(atom->tag, atom->tag + atom->nlocal);
+  order++;
+}
+
+/** All pairs closer than the reach and the room to move, from the packed positions.
+
+    Cells are as wide as that distance and numbered along y first: what a disc can meet and that comes after it lies
+    in two runs of the sorted discs, its own cell with the one above, and the three cells beside. */
+void PairJumpDisc::build_list(double room_to_move)
+{
+  const int nlocal = atom->nlocal;
+  const int n = nlocal + atom->nghost;
+  candidates = 0;
+  margin = room_to_move;
+  moved[0] = moved[1] = 0.0;
+  check_equal_discs(0, nlocal);
+  remember_order();
+  if (n == 0) return;
+
+  const double cut = law.reach + margin;
+  double xlo = disc[0].x, xhi = xlo, ylo = disc[0].y, yhi = ylo;
+  for (int i = 0; i < n; i++) {
+    if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
+      error->one(FLERR, "jump/disc: the position of disc {} is not a number: the run has blown up", atom->tag[i]);
+    xlo = std::min(xlo, disc[i].x);
+    xhi = std::max(xhi, disc[i].x);
+    ylo = std::min(ylo, disc[i].y);
+    yhi = std::max(yhi, disc[i].y);
+  }
+  if (!(xhi - xlo < 1e9 * cut) || !(yhi - ylo < 1e9 * cut))
+    error->one(FLERR, "jump/disc: discs are spread over {} m by {} m: the run has blown up",
+               xhi - xlo, yhi - ylo);
+  double side = cut * (1.0 + 1e-9);    // rounding must not put neighbours two cells apart
+  const double most = 16.0 * n + 65536.0;    // far-flung discs must not cost memory: wider cells then
+  while (((xhi - xlo) / side + 1.0) * ((yhi - ylo) / side + 3.0) > most) side *= 2.0;
+  const double inverse = 1.0 / side;
+  const int nx = (int) ((xhi - xlo) * inverse) + 1;
+  const int ny = (int) ((yhi - ylo) * inverse) + 3;    // an empty row below and above: no tests at the rims
+  const size_t cells = (size_t) (nx + 1) * ny + 1;
+
+  cell_of.resize(n);
+  cell_start.assign(cells + 1, 0);
+  sorted.resize(n);
+  sorted_x.resize(n + 8);
+  sorted_y.resize(n + 8);
+  for (int i = 0; i < n; i++) {
+    const int c = (int) ((disc[i].x - xlo) * inverse) * ny + (int) ((disc[i].y - ylo) * inverse) + 1;
+    cell_of[i] = c;
+    cell_start[c + 1]++;
+  }
+  for (size_t c = 0; c < cells; c++) cell_start[c + 1] += cell_start[c];
+  // fill from the back, so that a cell keeps the order of the indices and its start ends where it belongs
+  for (int i = n - 1; i >= 0; i--) {
+    const int s = --cell_start[cell_of[i] + 1];
+    sorted[s] = i;
+    sorted_x[s] = disc[i].x;
+    sorted_y[s] = disc[i].y;
+  }
+  // now cell_start[c + 1] is where cell c begins: the discs of cell c are [cell_start[c + 1], cell_start[c + 2])
+  const double cut_sq = cut * cut;
+  const bool ghosts = n > nlocal;
+  size_t found = 0;
+  for (int s = 0; s < n; s++) {
+    const int i = sorted[s];
+    const int c = cell_of[i];
+    const double x = sorted_x[s], y = sorted_y[s];
+    const int beside = c + ny - 1;
+    const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[beside + 1], cell_start[beside + 4]}};
+    const size_t room = found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]);
+    if (first.size() < room) {
+      first.resize(room + room / 2 + 1024);
+      second.resize(first.size());
+    }
+    for (const auto &run : runs) {
+      if (ghosts) {
+        for (int t = run[0]; t < run[1]; t++) {
+          const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+          const int j = sorted[t];
+          if (dx * dx + dy * dy >= cut_sq || (i >= nlocal && j >= nlocal) || !is_mine(i, j)) continue;
+          first[found] = i < j ? i : j;    // a local disc comes first
+          second[found] = i < j ? j : i;
+          found++;
+        }
+      } else {
+        for (int t = run[0]; t < run[1]; t++) {
+          const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+          first[found] = i;
+          second[found] = sorted[t];
+          found += dx * dx + dy * dy < cut_sq;
+        }
+      }
+    }
+  }
+  candidates = found;
+}
+
+/** New discs at the end, the others as they were: add the pairs of the new ones. */
+void PairJumpDisc::append_to_list(int from)
+{
+  const int n = atom->nlocal;
+  check_equal_discs(from, n);
+  // the others may have moved since the list was built: reach as far as they still may
+  const double cut = law.reach + margin;
+  for (int j = from; j < n; j++) {
+    const size_t room = candidates + j;
+    if (first.size() < room + 1) {
+      first.resize(room + room / 2 + 1024);
+      second.resize(first.size());
+    }
+    for (int i = 0; i < j; i++) {
+      const double dx = disc[j].x - disc[i].x, dy = disc[j].y - disc[i].y;
+      first[candidates] = i;
+      second[candidates] = j;
+      candidates += dx * dx + dy * dy < cut * cut;
+    }
+  }
+  remember_order();
+}
+
+/** Keep the list usable for the positions that are packed now. */
+void PairJumpDisc::update_list()
+{
+  const int nlocal = atom->nlocal;
+  const bool reneighboured = neighbor->ago == 0;
+  const bool driven = packed_step == update->ntimestep && !update->setupflag;    // by fix jump/step
+  if (!driven) {
+    if (reneighboured || listed.empty()) build_list(neighbor->skin);
+    return;
+  }
+  for (int c = 0; c < 2; c++) moved[c] += update->dt * std::max(range_hi[c] - range_lo[c], 0.0);
+  const bool stale = !(moved[0] * moved[0] + moved[1] * moved[1] < margin * margin);
+  const bool fixed_indices =
+      comm->nprocs == 1 && atom->nghost == 0 && !domain->xperiodic && !domain->yperiodic;
+  if (stale || (reneighboured && !(fixed_indices && keeps_order())))
+    build_list(skin);
+  else if (reneighboured && nlocal > (int) listed.size())
+    append_to_list((int) listed.size());
+}
