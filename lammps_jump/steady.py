@@ -8,8 +8,8 @@ the interval: residuals with lag-1 correlation r > 0 inflate the standard error 
 discharge and toe must all be steady at two looks in a row, half a window apart.
 
 False-stop rate, measured (tests/unit/test_steady.py; 1,500 records of three windows whose depth drifts by the tolerance
-a window, 100 samples a window): below 0.1 % with independent noise, 0.5 % with AR(1) noise of 0.8 from sample to sample,
-2.7 % with 0.95.
+a window, 100 samples a window): below 0.1 % with independent noise, 0.5 % with AR(1) noise of 0.8 from sample to
+sample, 2.7 % with 0.95.
 """
 
 from __future__ import annotations
@@ -204,8 +204,8 @@ def flow_state(
     """Depth (m), discharge (m^2/s) and toe (m) of one frame, for `SteadyDetector.feed`.
 
     Depth and discharge are means over the reach; the toe is the first place from upstream where the mass depth,
-    smoothed over three bins, has risen half way from its first quarter's median to its highest value; NaN where it rises by less
-    than half.
+    smoothed over three bins, has risen half way from the median of the first quarter to its highest value;
+    NaN where it rises by less than half.
 
     Parameters
     ----------

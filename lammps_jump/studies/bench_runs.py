@@ -21,6 +21,11 @@ JITTER = 1e-6
 """Shift of the start, in diameters: small enough to change no mean, large enough that chaos makes runs independent."""
 
 CURVE_POINTS = 20
+JUMP_NUMBERS = (
+    "froude", "y1", "y2", "sequent_ratio", "belanger_ratio", "density_ratio", "length", "length_over_y2", "length_usbr",
+    "speed", "speed_error", "packing_1", "packing_2",
+)  # fmt: skip
+"""What the studies of sensitivity keep of a jump, in the words of ``summary.json``."""
 
 
 def jittered(path: str | Path, assignments: list[str], member: int) -> list[str]:
@@ -163,7 +168,7 @@ def _energy(dump, context) -> dict[str, Any]:
 
 
 def _front(dump, context, duration: float) -> dict[str, Any]:
-    from ..analysis.dam_break import FrontTracker
+    from ..analysis.dam_break import FrontTracker, summarise_front
 
     tracker = FrontTracker(context)
     for frame in dump:
@@ -173,6 +178,7 @@ def _front(dump, context, duration: float) -> dict[str, Any]:
     return {
         "front position": np.interp(times, history.time, history.quantile).tolist(),
         "column height": np.interp(times, history.time, history.height).tolist(),
+        "martin_moyce": summarise_front(history, context).get("martin_moyce"),
     }
 
 
@@ -190,4 +196,5 @@ def _jump(dump, context) -> dict[str, Any]:
         "sequent depth": summary["y2"],
         "shock speed": summary["speed"],
         "verdict": summary["verdict"],
+        "jump": {name: summary.get(name) for name in JUMP_NUMBERS},
     }
