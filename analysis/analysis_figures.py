@@ -51,6 +51,8 @@ def _settle(figure: Figure) -> None:
 
 def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[], Figure | None]]:
     profiles, context = gathered.profiles, gathered.context
+    # a picture has a thousand rows of pixels at most: long records are thinned for the maps
+    thinned = profiles.isel(time=slice(None, None, max(1, profiles.sizes["time"] // 600)))
     jump = shown.get("jump")
     lines: dict[str, float] = {}
     marks: dict[str, float] = {}
@@ -69,7 +71,7 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
             track = (jump.direction * jump.track.toe[good], jump.track.time[good])
     wanted: dict[str, Callable[[], Figure | None]] = {
         "depth_profile.png": lambda: depth_profile(profiles, context, lines=lines, marks=marks),
-        "depth_map.png": lambda: xt_map(profiles, toe=track),
+        "depth_map.png": lambda: xt_map(thinned, toe=track),
         "snapshots.png": lambda: snapshots(open_dump(dump), context),
     }
     if jump is not None:
@@ -89,7 +91,7 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
 
         wanted["forces.png"] = lambda: force_figures.history_figure(shown["force"])
         wanted["impulse.png"] = lambda: force_figures.impulse_figure(shown["force"])
-        wanted["reflected_wave.png"] = lambda: force_figures.reflected_figure(shown["force"], profiles)
+        wanted["reflected_wave.png"] = lambda: force_figures.reflected_figure(shown["force"], thinned)
     return wanted
 
 

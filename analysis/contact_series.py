@@ -63,6 +63,7 @@ class ContactCollector:
         self._bins.append(bins)
 
     def result(self) -> ContactSeries:
-        """The series of all frames added."""
+        """The series of all frames added; the collector is empty afterwards (long records are held once)."""
         bins = np.array(self._bins).reshape(len(self._time), 3, -1)
+        self._bins.clear()
         return ContactSeries(np.array(self._time), np.array(self._elastic), bins[:, 0], bins[:, 1], bins[:, 2])
