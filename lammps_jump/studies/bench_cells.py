@@ -1,7 +1,7 @@
 """CPU time against the cell size of the thesis' contact search (its section 6.4 and recommendation 2).
 
-The native engine with cells made anew at every step, each pair tried in the cell that holds its contact point; beside
-it the own neighbour list of that engine.
+The native engine with cells made anew at every step, each pair tried in the cell that holds its contact point; for
+comparison the neighbour list that this engine uses otherwise.
 """
 
 from __future__ import annotations
