@@ -17,6 +17,10 @@ from .source import nearest
 MAX_SPEED_MARGIN = 2.0
 """Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""
 
+TOUCH_STEPS = 2.0
+"""Width of a smooth touch in steps at v0. Energy box at f = 0.2: 3.1 % error with 1, 1.3 % with 2 (as a sharp contact
+at f = 0.05), 0.6 % with 4, while the largest overlap of an elastic collision at v0 grows by 19, 37 and 69 %."""
+
 
 def build_scene(loaded: LoadedCase) -> Scene:
     """The engine-neutral form of a validated case.
@@ -43,6 +47,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
         correct_restitution=case.contact.correct_restitution,
         rotation=case.contact.rotation,
         tangential_damping=case.contact.tangential_damping,
+        touch=case.contact.touch,
     )
     warnings = _check_stability(loaded, coefficients, integrator)
     dt, d = coefficients.time_step, case.discs.diameter
@@ -76,7 +81,9 @@ def build_scene(loaded: LoadedCase) -> Scene:
     reachable = tuple(wall for wall in walls if _reachable(wall, domain, d) or wall.name in probes)
     touch_width = 0.0
     if case.contact.touch == "smooth":
-        touch_width = case.contact.touch_width or impact_speed * dt
+        touch_width = case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
+    if case.run.stop_when_steady and not inlets:
+        warnings.append("stop_when_steady has no effect: without inflow rows a flow does not become steady")
     scene = Scene(
         name=case.name,
         description=case.description,

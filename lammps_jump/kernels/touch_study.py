@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ..contact import damping_ratio, lagged_correction
+from ..contact import SMOOTH_SHARE, damping_ratio, lagged_correction
 
 SPEEDS = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0)
 PHASES = 64
@@ -103,12 +103,14 @@ def table(restitutions=(0.2, 0.6), fractions=(0.05, 0.1, 0.2), widths=(1.0, 2.0)
     for e in restitutions:
         for f in fractions:
             h = 2.0 * f
-            xi = damping_ratio(e) * lagged_correction(e, h)
+            factor = lagged_correction(e, h)
+            xi = damping_ratio(e) * factor
+            softer = damping_ratio(e) * (1.0 - SMOOTH_SHARE * (1.0 - factor))
             sharp = mean_restitution(xi, h, 0.0, 1.0)
             for w in widths:
                 fitted = damping_ratio(e) * fitted_factor(e, h, w * h, "ramp")
                 ramp = [mean_restitution(fitted, h, w * h, u, "ramp")[0] for u in SPEEDS]
-                even = [mean_restitution(xi, h, w * h, u) for u in SPEEDS]
+                even = [mean_restitution(softer, h, w * h, u) for u in SPEEDS]
                 means = [mean for mean, _ in even]
                 rows.append(
                     f"| {e} | {f} | {w:g} | {sharp[0]:.3f} ± {sharp[1]:.3f} | {min(ramp):.3f} to {max(ramp):.3f} "

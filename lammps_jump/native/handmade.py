@@ -55,6 +55,7 @@ def handmade_scene(
         correct_restitution=correct_restitution,
         rotation=rotation,
         tangential_damping=tangential_damping,
+        touch=others.get("touch", "sharp"),
     )
     others.setdefault("overlap_limit", 2.0 * diameter / penetration_fraction)
     others.setdefault("name", "handmade")

@@ -171,6 +171,8 @@ def _pair_forces_py(
 
     Normal: k delta + c delta_dot while delta > 0, tensile tail kept (thesis 3.11). Tangential: min(c_t abs(v_t),
     ks abs(F_n)) (LAMMPS gran/hooke) or ks abs(F_n) sat(v_t / eps) (thesis 4.18-4.21, `sign` = 1 / eps), torque arm R.
+    Smooth touch of width s: k delta^2/(2 s) below delta = s, k (delta - s/2) beyond, dashpot c F / sqrt(2 k E) with E
+    the spring's energy: the restitution of the linear law at every speed and width (derived in docs/kernels.md).
     """
     diameter, k, c, ct = law.diameter, law.stiffness, law.damping, law.tangential
     d2 = diameter * diameter
@@ -199,11 +201,12 @@ def _pair_forces_py(
                     dashpot = -c * vn
                     normal = k * overlap + dashpot
                 elif overlap < touch:
-                    dashpot = -c * vn * (overlap / touch)
+                    dashpot = -c * vn * sqrt(0.75 * overlap / touch)
                     normal = 0.5 * k * overlap * overlap / touch + dashpot
                 else:
-                    dashpot = -c * vn
-                    normal = k * (overlap - 0.5 * touch) + dashpot
+                    beyond = overlap - 0.5 * touch
+                    dashpot = -c * vn * beyond / sqrt(beyond * beyond + touch * touch / 12.0)
+                    normal = k * beyond + dashpot
                 px = normal * nx
                 py = normal * ny
                 if friction is not None:
@@ -294,11 +297,12 @@ def _wall_forces_py(
                     dashpot = -damping * vn
                     normal = k * overlap + dashpot
                 elif overlap < touch:
-                    dashpot = -damping * vn * (overlap / touch)
+                    dashpot = -damping * vn * sqrt(0.75 * overlap / touch)
                     normal = 0.5 * k * overlap * overlap / touch + dashpot
                 else:
-                    dashpot = -damping * vn
-                    normal = k * (overlap - 0.5 * touch) + dashpot
+                    beyond = overlap - 0.5 * touch
+                    dashpot = -damping * vn * beyond / sqrt(beyond * beyond + touch * touch / 12.0)
+                    normal = k * beyond + dashpot
                 px = normal * nx
                 py = normal * ny
                 if friction is not None:

@@ -27,7 +27,7 @@ def contact_law(scene: Scene) -> list[str]:
         f"{number(scene.diameter)}",
     ]
     if scene.touch == "smooth":
-        words.append(f"touch smooth {number(scene.touch_width)}")
+        words.append(f"touch smooth {number(scene.touch_width)} dashpot even")
     if scene.rotation:
         words.append("spin yes")
     return [" ".join(words), "pair_coeff      * *"]

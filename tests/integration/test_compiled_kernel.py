@@ -56,6 +56,7 @@ def scene(positions, velocities, walls, *, friction=0.0, law="hooke", rotation=F
         integrator="velocity_verlet",
         correct_restitution=True,
         rotation=rotation,
+        touch=more.get("touch", "sharp"),
     )
     settings = {"gravity": (0.0, -9.81), "steps": 1000, "output_steps": 1000, "skin": 0.06, "overlap_limit": DIAMETER}
     return Scene(
@@ -296,6 +297,8 @@ NATIVE = {
     "hooke, spin": dict(friction=0.2, rotation=True),
     "sign, smooth touch": dict(friction=0.2, law="sign", touch="smooth", touch_width=0.003),
     "no friction, smooth touch": dict(touch="smooth", touch_width=0.003),
+    "hooke, spin, smooth touch": dict(friction=0.2, rotation=True, touch="smooth", touch_width=0.003),
+    "hooke, smooth touch, narrow": dict(friction=0.2, touch="smooth", touch_width=2e-4),
 }
 
 
@@ -350,9 +353,9 @@ def test_the_even_dashpot_keeps_restitution_at_every_speed(lammps, plugin, tmp_p
         restitution(lammps, plugin, tmp_path, speed, at_wall=at_wall, dashpot="even")
         for speed in (0.8, 4.0, 16.0, 32.0)
     ]
-    # exact in continuous time; the correction for the lagged dashpot is made for the sharp contact, and at f = 0.05 a
-    # slow (softer, better resolved) contact keeps up to 0.007 of it
-    assert np.abs(np.array(e) - 0.2).max() < 0.008
+    # exact in continuous time; the lag of the dashpot is corrected in the mean over the speeds, and at f = 0.05
+    # leaves 0.0025 (docs/kernels.md; 8 phases scatter by less than 0.002)
+    assert np.abs(np.array(e) - 0.2).max() < 0.005
     # what it is for: the plain ramp lets slow contacts rebound
     assert restitution(lammps, plugin, tmp_path, 0.8, at_wall=at_wall, dashpot="ramp") > 0.3
 

@@ -228,6 +228,13 @@ def test_correction_reaches_the_engine_coefficients_of_verlet_only():
     assert thesis.correction == thesis.correction_wall == 1.0
 
 
+def test_smooth_touch_takes_half_the_correction():
+    sharp, smooth = derive(correct_restitution=True), derive(correct_restitution=True, touch="smooth")
+    assert 1 - smooth.correction == pytest.approx(0.5 * (1 - sharp.correction), rel=1e-12)
+    assert 1 - smooth.correction_wall == pytest.approx(0.5 * (1 - sharp.correction_wall), rel=1e-12)
+    assert derive(touch="smooth").correction == 1
+
+
 def test_perfectly_elastic_contact_has_no_dashpot():
     c = derive(restitution=1.0, correct_restitution=True)
     assert (c.damping, c.damping_wall, c.gamma_normal, c.gamma_normal_wall, c.correction) == (0, 0, 0, 0, 1)

@@ -41,7 +41,9 @@ def head_on_speeds(scene_kw, speed, wall):
         positions = np.vstack([np.column_stack([np.zeros(n), y]), np.column_stack([gap, y])])
         velocities = np.vstack([np.tile([speed / 2, 0.0], (n, 1)), np.tile([-speed / 2, 0.0], (n, 1))])
     simulation = NativeSimulation(handmade_scene(positions, velocities, walls, **scene_kw))
-    simulation.run(int((1e-3 / speed + 1.6 * probe.coefficients.contact_duration) / dt) + 3)
+    # a slow contact deep inside a smooth touch of width s lasts longer by about sqrt(s omega / v)
+    softness = (1.0 + scene_kw.get("touch_width", 0.0) * probe.coefficients.omega / speed) ** 0.5
+    simulation.run(int((1e-3 / speed + 1.6 * softness * probe.coefficients.contact_duration) / dt) + 3)
     v = simulation.velocities[:, 0]
     return v / speed if wall else (v[n:] - v[:n]) / speed
 
@@ -247,14 +249,24 @@ def test_mirrored_scene_runs_mirrored(integrator):
 FLOOR_LOW = Plane("floor", "y", -0.12, "above")
 
 
-def test_smooth_touch_restitution_at_design_speed():
-    """Width v0 dt at f = 0.2 and e = 0.2: the entry phase no longer matters (issue 6: 0.1999 +- 0.0011)."""
+@pytest.mark.parametrize("wall", [False, True], ids=["pair", "wall"])
+@pytest.mark.parametrize(("f", "off"), [(0.01, 0.001), (0.05, 0.004), (0.2, 0.012)])
+def test_smooth_touch_restitution_at_every_speed(f, off, wall):
+    """The linear law's restitution, exact in continuous time; tolerance: what the lag leaves at f (docs/kernels.md)."""
+    kw = dict(restitution=0.2, time_step_fraction=f, gravity=(0.0, 0.0), correct_restitution=True)
+    dt = handmade_scene([], [], **kw).time_step
+    speeds = (1.6, 8.0, 16.0, 32.0)
+    smooth = dict(**kw, touch="smooth", touch_width=2 * 16.0 * dt)
+    found = [head_on_speeds(smooth, speed, wall).mean() for speed in speeds]
+    assert found == pytest.approx([0.2] * len(speeds), abs=off)
+
+
+def test_smooth_touch_does_not_see_the_entry_phase():
+    """Scatter over the phases at f = 0.2, e = 0.2 and v0: sharp 0.015, width of two steps 0.004."""
     kw = dict(restitution=0.2, time_step_fraction=0.2, gravity=(0.0, 0.0))
     dt = handmade_scene([], [], **kw).time_step
-    smooth = head_on_speeds(dict(**kw, touch="smooth", touch_width=16.0 * dt), 16.0, False)
-    sharp = head_on_speeds(kw, 16.0, False)
-    assert smooth.mean() == pytest.approx(0.2, abs=0.002)
-    assert smooth.std() < 0.2 * sharp.std()
+    smooth = head_on_speeds(dict(**kw, touch="smooth", touch_width=32.0 * dt), 16.0, False)
+    assert smooth.std() < 0.4 * head_on_speeds(kw, 16.0, False).std()
 
 
 def test_largest_overlap_of_a_collision():
