@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 from . import contact, theory
@@ -17,8 +18,13 @@ Row = tuple[str, str, float | int | str | None, str]
 
 def check_case(path: Path, assignments: list[str], *, as_json: bool = False) -> str:
     """Text (or JSON) of the table; raises as `load_case` and `build_scene` do."""
-    loaded = load_case(path, assignments)
+    loaded, chosen = load_case(path, assignments), ()
+    if loaded.case.run.accuracy is not None:
+        from .pipeline import load_with_accuracy
+
+        loaded, chosen = load_with_accuracy(path, assignments)
     scene = build_scene(loaded)
+    scene = replace(scene, warnings=(*scene.warnings, *chosen))
     if as_json:
         return json.dumps(as_data(loaded.case, scene), indent=2, allow_nan=False)
     return as_text(loaded.case, scene)

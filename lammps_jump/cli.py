@@ -34,6 +34,10 @@ Out = Annotated[Path | None, typer.Option("--out", help="Folder for the results 
 EngineName = Annotated[str | None, typer.Option("--engine", help="lammps or native.")]
 Kernel = Annotated[str | None, typer.Option("--kernel", help="auto, stock or compiled (LAMMPS only).")]
 Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks, or auto.")]
+Accuracy = Annotated[
+    str | None,
+    typer.Option("--accuracy", help="Cheapest setting shown to meet it, such as 1% (see docs/benchmark.md)."),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; errors only.")]
 Force = Annotated[bool, typer.Option("--force", help="Run even where the folder already holds this result.")]
 
@@ -43,13 +47,19 @@ def _say(quiet: bool):
 
 
 def _assignments(
-    sets: list[str] | None, engine: str | None = None, kernel: str | None = None, ranks: str | None = None
+    sets: list[str] | None,
+    engine: str | None = None,
+    kernel: str | None = None,
+    ranks: str | None = None,
+    accuracy: str | None = None,
 ) -> list[str]:
     chosen = [
         f"engine.{key}={value}"
         for key, value in (("name", engine), ("kernel", kernel), ("ranks", ranks))
         if value is not None
     ]
+    if accuracy is not None:
+        chosen.append(f"run.accuracy={accuracy}")
     return [*(sets or []), *chosen]
 
 
@@ -60,6 +70,7 @@ def build_and_run(
     engine: EngineName = None,
     kernel: Kernel = None,
     ranks: Ranks = None,
+    accuracy: Accuracy = None,
     set_: Sets = None,
     force: Force = False,
     live: Annotated[bool, typer.Option("--live", help="Show the run as it goes: a window, and live.png.")] = False,
@@ -72,7 +83,7 @@ def build_and_run(
     summary = pipeline.build_and_run(
         case,
         out=out,
-        assignments=_assignments(set_, engine, kernel, ranks),
+        assignments=_assignments(set_, engine, kernel, ranks, accuracy),
         force=force,
         quiet=quiet,
         live=live,
@@ -153,13 +164,14 @@ def check(
     case: CaseFile,
     engine: EngineName = None,
     kernel: Kernel = None,
+    accuracy: Accuracy = None,
     set_: Sets = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Validate a case; print what is derived from it and what will be skipped. Runs and writes nothing."""
     from .check import check_case
 
-    print(check_case(case, _assignments(set_, engine, kernel), as_json=as_json))
+    print(check_case(case, _assignments(set_, engine, kernel, None, accuracy), as_json=as_json))
 
 
 @app.command()

@@ -62,11 +62,29 @@ def prepare(path: str | Path, assignments: list[str], out: Path | None) -> Prepa
     ------
     CaseError, SetupError
     """
-    loaded = load_case(path, assignments)
+    loaded, chosen = load_with_accuracy(path, assignments)
     scene = build_scene(loaded)
     folder = out or Path("runs") / loaded.case.name
     kernel, plugin, ranks, notes = _engine_choice(loaded, scene)
-    return Prepared(loaded, scene, folder, kernel, ranks, plugin, tuple(notes))
+    return Prepared(loaded, scene, folder, kernel, ranks, plugin, (*chosen, *notes))
+
+
+def load_with_accuracy(path: str | Path, assignments: list[str]) -> tuple[LoadedCase, tuple[str, ...]]:
+    """Load a case; where it asks for an accuracy, with the cheapest setting that is shown to meet it, and why.
+
+    Raises
+    ------
+    CaseError
+    """
+    loaded = load_case(path, assignments)
+    if loaded.case.run.accuracy is None:
+        return loaded, ()
+    from .kernels.build import availability
+    from .studies.calibration_store import choose_setting
+
+    usable = ["stock", "native", *(["compiled"] if availability().available else [])]
+    choice = choose_setting(loaded.case, loaded.case.run.accuracy, usable=usable)
+    return load_case(path, [*assignments, *choice.assignments]), (choice.reason,)
 
 
 def _engine_choice(loaded: LoadedCase, scene: Scene) -> tuple[str, Path | None, int, list[str]]:
@@ -212,7 +230,7 @@ def run_folder(
     prepared: Prepared, *, build_seconds: float, quiet: bool, say: Say, live: bool = False
 ) -> dict[str, Any]:
     """Run the engine in a folder that `write_folder` made, analyse and report; see `build_and_run`."""
-    result = _run_engine(prepared, quiet, live)
+    result, steady = _run_engine(prepared, quiet, live)
     begin = time.perf_counter()
     parts: dict[str, Any] = {}
     trouble = ""
@@ -223,6 +241,9 @@ def run_folder(
     seconds = {"build": build_seconds, "run": result.seconds, "analysis": time.perf_counter() - begin}
     if result.status != "complete" and trouble:
         parts.setdefault("warnings", []).append(f"not analysed: {trouble}")
+    if steady:
+        parts["stopped_when_steady"] = steady
+        say(f"note: {steady}")
     summary = _compose(prepared, result, seconds, parts)
     summaries.write_summary(prepared.folder, summary)
     _report(prepared, summary)
@@ -247,9 +268,26 @@ def _compose(prepared: Prepared, result: RunResult, seconds: dict[str, float], p
     return summary
 
 
-def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> RunResult:
+def _steady_watch(prepared: Prepared):
+    """The watch of a case with ``run.stop_when_steady``, else None."""
+    run = prepared.loaded.case.run
+    if not run.stop_when_steady or not prepared.scene.inlets:
+        return None
+    if run.dump_format != "text":
+        raise prepared.loaded.source.error(
+            "run.stop_when_steady", f"reads text dumps as they grow; run.dump_format is {run.dump_format}"
+        )
+    from .analysis.context import from_scene
+    from .steady_watch import SteadyWatch, studied_reach
+
+    return SteadyWatch(prepared.scene, prepared.folder, studied_reach(from_scene(prepared.scene)))
+
+
+def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> tuple[RunResult, str]:
+    """Run; the text says why it was stopped as steady, and is empty where it was not."""
     scene = prepared.scene
     line = ProgressLine(scene.time(scene.steps), quiet=quiet)
+    watch = _steady_watch(prepared)
     report: ProgressCallback = line
     if live:
         from .live import LiveView
@@ -259,7 +297,7 @@ def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> RunResul
     if prepared.loaded.case.engine.name == "native":
         from .native import run_native
 
-        result = run_native(scene, prepared.folder, progress=report, dump_format=dump_format)
+        result = run_native(scene, prepared.folder, progress=report, should_stop=watch, dump_format=dump_format)
     else:
         from .lammps_engine import run_lammps
 
@@ -270,9 +308,12 @@ def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> RunResul
             ranks=prepared.ranks,
             plugin=prepared.plugin,
             progress=report,
+            should_stop=watch,
         )
     line.finish()
-    return result
+    if watch is not None and watch.reason and result.status == "interrupted":
+        return replace(result, status="complete", message=""), watch.reason
+    return result, ""
 
 
 def analysis_request(prepared: Prepared):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from .units import Degree, Density, Metre, MetrePerSecond, MetrePerSecond2, PerSecond, Plain, Second, Stiffness
 
@@ -197,6 +197,12 @@ class Outflow(Strict):
         return self
 
 
+def _accuracy(value: Any) -> float | None:
+    from ..studies.calibration_store import parse_accuracy
+
+    return None if value is None else parse_accuracy(value)
+
+
 class Run(Strict):
     """How long, how finely, what is kept."""
 
@@ -204,6 +210,9 @@ class Run(Strict):
     time_step_fraction: Plain = Field(default=0.05, gt=0, le=2, description="f of the critical step 2/omega (3.24)")
     output_interval: Second = Field(default=0.1, gt=0)
     seed: int = Field(default=1, ge=1, le=2_000_000_000)
+    accuracy: Annotated[float | None, BeforeValidator(_accuracy)] = Field(
+        default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
+    )
     stop_when_steady: bool = False
     allow_unstable: bool = False
     integrator: Literal["auto", "velocity_verlet", "leapfrog_extrapolated"] = "auto"

@@ -1,0 +1,158 @@
+"""What looks at a run as it goes: progress line, newest frame, steady watch, log; and the job file."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lammps_jump.case import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.lammps_engine.log import read_log
+from lammps_jump.lammps_engine.ranks import choose_ranks, expected_discs
+from lammps_jump.lammps_engine.slurm import job_text
+from lammps_jump.live import newest_frame_text
+from lammps_jump.progress import ProgressLine
+from lammps_jump.run_result import Progress
+from lammps_jump.steady_watch import SteadyWatch, steady_window
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+
+
+@pytest.fixture
+def scene():
+    return build_scene(load_case(INPUTS / "quick_jump.yaml"))
+
+
+def frame_text(time: float, step: int, rows: np.ndarray) -> str:
+    body = "".join(f"{i} {x:.10g} {y:.10g} {vx:.10g} 0\n" for i, (x, y, vx) in enumerate(rows, 1))
+    return (
+        f"ITEM: TIME\n{time:.10g}\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{len(rows)}\n"
+        f"ITEM: BOX BOUNDS ff ff pp\n-1 32\n-8 20\n-1 1\nITEM: ATOMS id x y vx vy\n{body}"
+    )
+
+
+def step_flow(toe: float, d: float = 0.15) -> np.ndarray:
+    """Four layers at 10 m/s before the toe, sixteen at 2.5 m/s behind it: 20 m of channel."""
+    rows = []
+    for x in np.arange(0.5 * d, 20, d):
+        layers, speed = (4, 10.0) if x < toe else (16, 2.5)
+        rows += [(x, (j + 0.5) * d, speed) for j in range(layers)]
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("drift, steady", [(0.0, True), (-0.6, False)])
+def test_watch_stops_a_standing_jump_and_no_moving_one(tmp_path, scene, drift, steady):
+    """The moving one passes half the channel in 17 s: 1.8 m in a window of 3 s, where 0.5 m is allowed."""
+    watch = SteadyWatch(scene, tmp_path, (0.0, 20.0))
+    random = np.random.default_rng(3)
+    answers = []
+    with (tmp_path / "dump.lammpstrj").open("w") as file:
+        for k in range(150):
+            toe = 12 + drift * 0.1 * k + 0.05 * random.standard_normal()
+            file.write(frame_text(0.1 * k, k, step_flow(toe)))
+            file.flush()
+            answers.append(watch())
+    assert answers[-1] is steady
+    assert bool(watch.reason) is steady
+    if steady:
+        # two looks, half a window apart, need a window and a half of record
+        assert answers.index(True) * 0.1 >= 1.5 * steady_window(scene, (0.0, 20.0)) - 0.2
+
+
+def test_watch_reads_every_frame_once_and_leaves_the_unfinished(tmp_path, scene):
+    watch = SteadyWatch(scene, tmp_path, (0.0, 20.0))
+    assert watch() is False  # no dump yet
+    fed = []
+    watch.detector.feed = lambda time, *state: fed.append(time)
+    path = tmp_path / "dump.lammpstrj"
+    whole = [frame_text(t, t, step_flow(10)) for t in range(4)]
+    path.write_text(whole[0] + whole[1][:300])
+    watch()
+    path.write_text(whole[0] + whole[1] + whole[2] + whole[3][:50])
+    watch()
+    path.write_text("".join(whole) + "ITEM: TIME\n")
+    watch()
+    assert fed == [0, 1, 2, 3]
+
+
+def test_scene_without_inflow_has_no_window(tmp_path):
+    scene = build_scene(load_case(INPUTS / "dam_break.yaml", ["run.stop_when_steady=true"]))
+    assert steady_window(scene, (0, 10)) is None
+    assert any("stop_when_steady has no effect" in text for text in scene.warnings)
+    assert SteadyWatch(scene, tmp_path, (0, 10))() is False
+
+
+def test_newest_frame_is_the_last_whole_one(tmp_path):
+    path = tmp_path / "dump.lammpstrj"
+    assert newest_frame_text(path) is None
+    whole = [frame_text(t, t, step_flow(10)) for t in range(3)]
+    path.write_text(whole[0])
+    assert newest_frame_text(path) is None  # it may still be written to
+    path.write_text("".join(whole))
+    assert newest_frame_text(path) == whole[1].encode()
+    assert newest_frame_text(path, guess=100) == whole[1].encode()  # grows until a frame fits
+
+
+def test_progress_line_tells_time_discs_and_time_left():
+    stream = io.StringIO()
+    line = ProgressLine(10.0, stream=stream)
+    line.begin -= 20
+    line.shown -= 20
+    line.previous = (line.begin, 0)
+    line(Progress(step=500, steps=1000, time=5.0, discs=1234))
+    text = stream.getvalue()
+    assert "t = 5.000 of 10 s" in text and "50 %" in text and "1234 discs" in text and "20 s left" in text
+    quiet = io.StringIO()
+    silent = ProgressLine(10.0, quiet=True, stream=quiet)
+    silent.shown -= 20
+    silent(Progress(1, 2, 1.0, 1))
+    silent.finish()
+    assert quiet.getvalue() == ""
+
+
+LOG = """\
+LAMMPS (22 Jul 2025)
+   Step          Time          Atoms      f_outlet_1     c_top
+         0   0                      0   0             -1e+20
+       100   0.1                  100   0             100
+       200   0.2                  150   50            200
+Loop time of 1.5 on 1 procs for 200 steps with 150 atoms
+Pair    | 1.0        | 1.0        | 1.0        |   0.0 | 24.03
+Other   |            | 0.1        |            |       | 11.75
+Neighbor list builds = 7
+"""
+
+
+def test_log_is_read(tmp_path):
+    path = tmp_path / "log.lammps"
+    path.write_text(LOG)
+    log = read_log(path)
+    assert (log.step, log.time, log.discs, log.removed, log.highest_id) == (200, 0.2, 150, 50, 200)
+    assert log.disc_steps == 0.5 * (0 + 100) * 100 + 0.5 * (100 + 150) * 100
+    assert log.breakdown == {"pair": 1.0, "other": 0.1} and log.neighbour_builds == 7
+    assert log.loop_seconds == 1.5 and log.error == ""
+    path.write_text(LOG + "ERROR: Lost atoms: original 5 current 4\n")
+    assert read_log(path).error.startswith("ERROR: Lost")
+    assert read_log(tmp_path / "absent").step == 0
+
+
+def test_ranks(scene):
+    # one rank for a small scene whatever is free; a number is obeyed
+    assert choose_ranks("auto", scene)[0] == 1
+    assert choose_ranks(3, scene)[0] == 3
+    assert choose_ranks(10_000, scene)[1]
+    few = replace(scene, inlets=(), steps=1)
+    assert expected_discs(few) == 0
+    assert expected_discs(scene) >= 2000
+
+
+def test_job_file_is_a_shell_script(scene, tmp_path):
+    path = tmp_path / "job.slurm"
+    path.write_text(job_text(scene, 4))
+    subprocess.run(["bash", "-n", path], check=True)
+    assert "--ntasks=4" in path.read_text() and "quick_jump" in path.read_text()
