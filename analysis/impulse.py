@@ -238,10 +238,11 @@ def identity_sentence(identity: Identity) -> str:
     """One sentence for the report."""
     if not np.isfinite(identity.change):
         return f"Impulse identity along {identity.axis}: not formed, {identity.reason}."
-    text = (
+    if identity.reason:
+        return f"Impulse identity along {identity.axis}: incomplete, {identity.reason}."
+    return (
         f"Impulse identity along {identity.axis}, t = {identity.start:.3f} to {identity.end:.3f} s: the discs' "
         f"momentum changes by {identity.change:.8g} N s/m, walls and gravity give "
         f"{identity.walls + identity.gravity:.8g} N s/m; they differ by {identity.relative:.1e} of the walls' total "
         "impulse."
     )
-    return text + (f" Incomplete: {identity.reason}." if identity.reason else "")

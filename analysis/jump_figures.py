@@ -75,7 +75,7 @@ def frame_figure(result: JumpResult) -> Figure | None:
         upper.set_title(f"{result.context.name}, front's frame: length {found['length']:.1f} m{theory_length}")
         upper.set_ylim(bottom=0, top=1.1 * max(np.nanmax(depth), found["belanger_y2"] or 0))
         upper.set_ylabel("Depth [m]")
-        upper.legend(loc="center left", frameon=True, framealpha=0.95, edgecolor="none")
+        upper.legend(loc="lower right", frameon=True, framealpha=0.95, edgecolor="none")
         with np.errstate(invalid="ignore", divide="ignore"):
             lower.plot(moving.xi, moving.mean("discharge") / depth, color=BLUE, label="mean velocity u")
         lower.plot(moving.xi, moving.mean("surface_velocity"), color=GOLD, ls="--", label="at the surface")
