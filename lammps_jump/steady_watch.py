@@ -11,13 +11,18 @@ from .steady import SteadyDetector, flow_state
 
 PASSAGES = 1.5
 """Length of the tested record in times that the inflow needs for the studied reach."""
+FEWEST_FRAMES = 48
+"""The detector wants sixteen batches of several frames each."""
 MARKER = b"ITEM: TIME\n"
 
 
 def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
     """Length of record for the test, s; None for a scene without inflow, whose flow does not become steady."""
     speeds = [row.vx for row in scene.inlets if row.vx]
-    return PASSAGES * (reach[1] - reach[0]) / abs(float(np.mean(speeds))) if speeds else None
+    if not speeds:
+        return None
+    passage = (reach[1] - reach[0]) / abs(float(np.mean(speeds)))
+    return max(PASSAGES * passage, FEWEST_FRAMES * scene.output_steps * scene.time_step)
 
 
 def studied_reach(context) -> tuple[float, float]:
