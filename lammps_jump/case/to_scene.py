@@ -12,6 +12,7 @@ from ..walls import Block, Box, Plane, Wall
 from .arrange import Packing, arrange, closest_pair
 from .load import LoadedCase
 from .models import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
+from .slip_check import slip_warnings
 from .source import nearest
 
 MAX_SPEED_MARGIN = 2.0
@@ -164,12 +165,15 @@ def _check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, int
             f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set "
             "run.allow_unstable: true",
         )
+    given = loaded.case.contact
+    found = slip_warnings(coefficients, given.friction_law, given.rotation)
     if fraction > 0.8 * limit:
-        return [
+        found.insert(
+            0,
             f"time_step_fraction {fraction:g} is close to the limit of stability {limit:.3f} (hexagonal packing, "
-            f"{integrator}); energies near it are not to be trusted"
-        ]
-    return []
+            f"{integrator}); energies near it are not to be trusted",
+        )
+    return found
 
 
 def _schedule(duration: float, interval: float, probe_interval: float | None, dt: float) -> tuple[int, int, int]:
