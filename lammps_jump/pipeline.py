@@ -31,8 +31,22 @@ OWN_FILES = (
     "animation.mp4",
     "report.html",
     "live.png",
+    "job.slurm",
+    "profiles*.csv",
+    "energy.csv",
+    "front.csv",
+    "jump_*.csv",
+    "force_*.csv",
+    "forces_*.raw",
+    "reflected_wave.csv",
+    "fields.nc",
+    "fields*.vti",
+    "discs*.vtp",
+    "discs.pvd",
+    "picture?.dat",
+    "figures/*.png",
 )
-"""What a run folder may hold of an earlier run; nothing else in it is ever deleted."""
+"""What a run folder may hold of an earlier run (names and patterns); nothing else in it is ever deleted."""
 
 Say = Callable[[str], None]
 
@@ -179,10 +193,9 @@ def write_folder(prepared: Prepared) -> None:
     folder = prepared.folder
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name in OWN_FILES:
-            (folder / name).unlink(missing_ok=True)
-        for figure in (folder / "figures").glob("*.png"):
-            figure.unlink()
+        for pattern in OWN_FILES:
+            for old in folder.glob(pattern):
+                old.unlink()
         (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
         if prepared.loaded.case.engine.name == "lammps":
             from .script import write_script
