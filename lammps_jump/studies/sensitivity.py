@@ -201,7 +201,7 @@ def study_table(study: Study, rows: list[dict[str, Any]]) -> str:
     lines = [
         f"### {study.label} (base {study.base:.3g})",
         "",
-        "| value | found | Fr, front's frame | y2/y1 | Bélanger | deviation | L/y2 | USBR curve | front (m/s) | CPU (s) |",
+        "| value | found | Fr, front's frame | y2/y1 | Bélanger | deviation | L/y2 | USBR | front (m/s) | CPU (s) |",
         "|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for row in rows:

@@ -1,0 +1,100 @@
+"""Shortened runs of every study, from the command line's entry functions, with LAMMPS."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from lammps_jump.case import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.studies import bench_skips, stress_limits
+from lammps_jump.studies.bench_command import run_bench
+
+pytestmark = pytest.mark.lammps
+INPUTS = Path(__file__).parents[2] / "inputs"
+
+
+def silent(text):
+    pass
+
+
+def test_bench_of_the_energy_box(tmp_path):
+    options = {"out": tmp_path, "quick": True, "assignments": ["run.duration=4"], "say": silent}
+    table = run_bench(INPUTS / "energy_box_16.yaml", **options)
+    data = json.loads((tmp_path / "bench.json").read_text())
+    assert "energy deviation" in data["quantities"] and "| stock f=0.05 |" in table
+    assert all(row["seconds"] > 0 and not row["failed"] for row in data["rows"])
+    assert (tmp_path / "bench_energy_deviation.png").stat().st_size > 5000
+    assert "/" not in json.dumps(data["machine"]), "no paths in what is published"
+    times = {key: run["cpu_seconds"] for key, run in data["pieces"].items()}
+    run_bench(INPUTS / "energy_box_16.yaml", **options)  # everything is stored: nothing is measured again
+    again = json.loads((tmp_path / "bench.json").read_text())
+    assert {key: run["cpu_seconds"] for key, run in again["pieces"].items()} == times
+    assert run_bench(INPUTS / "energy_box_16.yaml", out=tmp_path, table=True) == table
+
+
+def test_bench_of_collisions(tmp_path):
+    run_bench(Path("collision"), out=tmp_path, quick=True)
+    rows = json.loads((tmp_path / "collision.json").read_text())["rows"]
+    found = {(row["way"], row["restitution"], row["fraction"]): row["restitution_error"] for row in rows}
+    # PHYSICS 1.2 at f = 0.05: 4.7 % low by closed form, gone when corrected (64 phases: 0.5 %)
+    assert found["stock, uncorrected", 0.2, 0.05] == pytest.approx(-0.047, abs=0.008)
+    assert abs(found["stock, corrected", 0.2, 0.05]) < 0.008
+
+
+def test_bench_of_cells(tmp_path):
+    texts = ["run.duration=0.05", "probes.forces=[]"]
+    table = run_bench(INPUTS / "dam_break.yaml", out=tmp_path, quick=True, cells=True, assignments=texts, say=silent)
+    assert "cells of 2 d" in table and "neighbour list" in table
+
+
+@pytest.fixture(scope="module")
+def column():
+    texts = ["run.duration=0.03", "run.output_interval=0.01", "engine.kernel=stock", "probes.forces=[]"]
+    return build_scene(load_case(INPUTS / "dam_break.yaml", texts))
+
+
+@pytest.fixture(scope="module")
+def box():
+    return build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=0.6", "engine.kernel=stock"]))
+
+
+@pytest.mark.parametrize("skip", bench_skips.SKIPS, ids=lambda skip: skip.name)
+def test_skips_change_no_trajectory(skip, column, box):
+    scene = box if "gravity" in skip.name else column
+    difference = bench_skips.compare_skip(scene, skip)
+    assert difference is not None, "the edit found nothing to put back in"
+    # lists built at other steps or with another skin change the order of sums: round-off, not yet grown
+    assert difference <= (0.0 if skip.exact else 1e-12)
+
+
+def test_periodic_crystal_brackets_the_limit():
+    assert stress_limits.periodic_hexagonal(0.2, 0.280, steps=8000) < 1.0
+    assert stress_limits.periodic_hexagonal(0.2, 0.285, steps=8000) > 1e3
+
+
+def test_stress_quick(tmp_path):
+    from lammps_jump.studies.stress import measure_limits, resting_bed, run_random
+    from lammps_jump.studies.timing import Store
+
+    store = Store(tmp_path / "stress.json")
+    rows = measure_limits(store, ["stock"], True, silent)
+    packings = [row for row in rows if row["engine"] == "stock" and row["arrangement"] in ("square", "hexagonal")]
+    assert packings and all(abs(row["deviation"]) < 0.03 for row in packings)
+    assert run_random(store, ["stock"], 3, 40, silent)["bad"] == []
+    assert all(row["right"] for row in resting_bed(store, ["stock"], 5000, silent))
+
+
+def test_sensitivity_and_calibration_smoke(tmp_path):
+    from lammps_jump.studies.calibration import distances
+    from lammps_jump.studies.sensitivity import base_file, run_sensitivity
+    from lammps_jump.studies.timing import Store
+
+    text = run_sensitivity(tmp_path, quick=True, only="friction", say=silent)
+    assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()
+    from lammps_jump.studies.calibration import COLUMN_CASE, START
+
+    column = tmp_path / "martin_moyce.yaml"
+    column.write_text(COLUMN_CASE)
+    row = distances(dict(START), base_file(tmp_path), column, Store(tmp_path / "c.json"), quick=True, members=1)
+    assert 0 < row["front"] < 0.5 and row["distance"] > 0

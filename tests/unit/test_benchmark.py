@@ -1,0 +1,142 @@
+"""Benchmark arithmetic: settings, errors, Pareto fronts, choices, storage; nothing is run."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lammps_jump.case import load_case
+from lammps_jump.errors import CaseError
+from lammps_jump.studies import bench_errors, bench_table
+from lammps_jump.studies.bench_runs import JITTER, jittered
+from lammps_jump.studies.bench_settings import Setting, make_settings, parse_axes, reference_setting, stable
+from lammps_jump.studies.timing import Store, in_turn, middle
+
+
+def test_only_stable_steps_are_settings():
+    found = make_settings(("f", "kernel", "touch"), restitution=0.2, kernels=("stock", "compiled", "native"))
+    # PHYSICS 1.5: 0.280 for velocity Verlet, 0.167 for the thesis' scheme
+    assert max(s.fraction for s in found if s.kernel != "native") == 0.2
+    assert max(s.fraction for s in found if s.kernel == "native") == 0.1
+    assert {s.family for s in found} == {"stock", "compiled", "native", "compiled smooth"}
+    assert len({s.label for s in found}) == len(found)
+
+
+def test_axes_add_their_settings():
+    every = make_settings(("f", "n", "correction", "skin", "ranks", "diameter"), restitution=0.2, diameters=(0.1,))
+    assert {s.penetration for s in every} >= {5.0, 20.0, 40.0}
+    assert any(not s.correction for s in every) and any(s.skin == 0.1 for s in every)
+    assert any(s.ranks == 2 for s in every) and any(s.diameter == 0.1 for s in every)
+    # restitution 1 has nothing to correct
+    assert all(s.correction for s in make_settings(("f", "correction"), restitution=1.0))
+
+
+def test_assignments_make_the_case(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(
+        "name: t\ngravity: 0\ndiscs: {diameter: 0.4}\ncontact: {restitution: 0.5, impact_speed: 5}\n"
+        "walls: [{name: b, kind: box, x: [0, 2], y: [0, 2]}]\n"
+        "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
+    )
+    setting = Setting("native", 0.02, "smooth", penetration=20.0, correction=False, skin=0.2)
+    case = load_case(path, setting.assignments(0.4)).case
+    assert case.engine.name == "native" and case.run.time_step_fraction == 0.02
+    assert case.contact.touch == "smooth" and case.contact.penetration_fraction == 20
+    assert case.contact.correct_restitution is False and case.engine.skin == pytest.approx(0.08)
+    moved = load_case(path, jittered(path, [], 3)).case
+    assert moved.run.seed == case.run.seed + 3 and moved.initial[0].jitter == JITTER
+
+
+def test_unknown_axis_is_named():
+    with pytest.raises(CaseError, match="'g' is no axis"):
+        parse_axes("f,g")
+    assert parse_axes("f, n,f") == ("f", "n")
+
+
+def test_reference_is_the_fastest_kernel():
+    assert reference_setting(0.01, ["stock", "compiled", "native"]).kernel == "compiled"
+    assert reference_setting(0.01, ["stock", "native"]).kernel == "native"
+    assert stable(Setting("stock", 0.279), 0.2) and not stable(Setting("stock", 0.281), 0.2)
+
+
+def test_error_against_an_ensemble():
+    found = bench_errors.quantity_error("sequent depth", [1.0, 1.2], [2.0, 2.2])
+    assert found["error"] == pytest.approx(1.0 / 2.1)
+    # both ensembles have a variance of 0.02: sqrt(0.02/2 + 0.02/2) over 2.1
+    assert found["floor"] == pytest.approx(np.sqrt(0.02) / 2.1)
+    assert found["value"] == pytest.approx(1.1)
+
+
+def test_error_of_curves_is_root_mean_square():
+    ours, theirs = [[1.0, 3.0], [1.0, 3.0]], [[1.0, 1.0], [1.0, 1.0]]
+    found = bench_errors.quantity_error("front position", ours, theirs)
+    assert found["error"] == pytest.approx(np.sqrt(2.0))
+    assert found["floor"] == 0.0
+
+
+def test_exact_quantities_use_the_median():
+    found = bench_errors.quantity_error("energy deviation", [0.01, 0.02, 0.5], None)
+    assert found["error"] == 0.02 and found["floor"] == 0.0
+
+
+def test_missing_values_leave_no_number():
+    assert bench_errors.quantity_error("sequent depth", [None], [1.0])["error"] is None
+    assert bench_errors.quantity_error("sequent depth", [1.0], [])["error"] is None
+    runs = [{"status": "complete", "measures": {"verdict": "jump", "jump": {"y2": 1.0}, "shock speed": 1.0}}]
+    assert bench_errors.names_of(runs) == ["shock speed"]
+
+
+def test_pareto_front():
+    points = [(1.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.05), (1.5, 0.6)]
+    assert bench_errors.pareto(points) == [0, 1, 3]
+
+
+def row(label, seconds, error, floor=0.0):
+    return {"label": label, "seconds": seconds, "errors": {"q": {"error": error, "floor": floor}}}
+
+
+def test_cheapest_needs_error_and_floor_within():
+    rows = [row("quick", 1.0, 0.001, floor=0.2), row("good", 2.0, 0.009, floor=0.005), row("slow", 3.0, 0.001)]
+    assert bench_errors.cheapest(rows, "q", 0.01)["label"] == "good"
+    assert bench_errors.cheapest(rows, "q", 0.0001) is None
+
+
+def test_turns_go_to_and_fro():
+    assert list(in_turn("ab", 3)) == [(0, "a"), (0, "b"), (1, "b"), (1, "a"), (2, "a"), (2, "b")]
+    assert middle([3.0, None, 1.0]) == 2.0 and middle([None]) is None
+
+
+def test_store_goes_on_where_it_was(tmp_path):
+    made = []
+    store = Store(tmp_path / "s" / "bench.json")
+    for _ in range(2):
+        store.piece("a", lambda: made.append(1) or {"x": float("nan")})
+    again = Store(tmp_path / "s" / "bench.json")
+    assert again.piece("a", lambda: made.append(2)) == {"x": None}  # NaN is null in JSON
+    assert made == [1]
+    json.loads((tmp_path / "s" / "bench.json").read_text())
+    assert Store(tmp_path / "s" / "bench.json", fresh=True).pieces == {}
+    (tmp_path / "broken.json").write_text("{")
+    assert Store(tmp_path / "broken.json").pieces == {}
+
+
+def test_key_tells_settings_apart():
+    one = Setting("stock", 0.05)
+    assert one.key("case") == Setting("stock", 0.05).key("case")
+    assert len({one.key("case"), one.key("other"), replace(one, skin=0.1).key("case"), one.key("case", 1)}) == 4
+
+
+def test_table_names_choices():
+    data = {
+        "case": "box", "duration": 1.0, "members": 2, "reference": "compiled f=0.01", "time": "seconds",
+        "machine": {"processor": "p"},
+        "rows": [
+            {**row("stock f=0.05", 4.0, 0.02), "failed": [], "disc_steps_per_second": 1e6},
+            {**row("compiled f=0.1", 1.0, 0.008), "failed": ["x"], "disc_steps_per_second": 5e6},
+        ],
+        "quantities": {"q": {"cheapest": {"0.01": "compiled f=0.1", "0.05": "compiled f=0.1"}, "pareto": []}},
+    }  # fmt: skip
+    text = bench_table.markdown(data)
+    assert "compiled f=0.1: 1.00 s, 4.0x (0.80 %)" in text
+    assert "| compiled f=0.1 (1 failed) | 1.00 | 5.0 | 0.80 % |" in text

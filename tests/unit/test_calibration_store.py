@@ -1,0 +1,124 @@
+"""Choice of a setting by accuracy."""
+
+import json
+
+import pytest
+
+from lammps_jump.case import parse_case
+from lammps_jump.errors import CaseError
+from lammps_jump.studies import calibration_store as store
+from lammps_jump.studies.calibration import search
+
+BOX = """
+name: box
+gravity: 0
+discs: {diameter: 0.4}
+contact: {restitution: 1, impact_speed: 8}
+walls: [{name: box, kind: box, x: [0, 2], y: [0, 2]}]
+initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]
+run: {duration: 1}
+"""
+
+
+def entry(label, kernel, fraction, seconds, error, floor=0.0):
+    texts = [f"engine.kernel={kernel}", f"run.time_step_fraction={fraction}"]
+    return {
+        "label": label, "kernel": kernel, "fraction": fraction, "assignments": texts, "seconds": seconds,
+        "error": error, "floor": floor,
+    }  # fmt: skip
+
+
+@pytest.fixture
+def file(tmp_path):
+    rows = [
+        entry("compiled f=0.4", "compiled", 0.4, 0.1, 0.2),
+        entry("compiled smooth f=0.1", "compiled", 0.1, 0.2, 0.004),
+        entry("compiled lucky", "compiled", 0.2, 0.15, 0.001, floor=0.05),
+        entry("native f=0.05", "native", 0.05, 0.4, 0.009),
+        entry("stock f=0.05", "stock", 0.05, 1.0, 0.008),
+    ]
+    path = tmp_path / "calibration.json"
+    box = {"case": "energy_box_16", "restitution": 1.0, "friction": 0.0, "rows": rows}
+    path.write_text(json.dumps({"kinds": {"box": box}}))
+    return path
+
+
+def case(text=BOX, *assignments):
+    return parse_case(text, "box.yaml", assignments).case
+
+
+def test_cheapest_shown_is_chosen(file):
+    choice = store.choose_setting(case(), 0.01, path=file)
+    assert choice.assignments == ("engine.kernel=compiled", "run.time_step_fraction=0.1")
+    assert "energy_box_16" in choice.reason and "5.0 times quicker than stock" in choice.reason
+    assert choice.error == 0.004
+
+
+def test_what_cannot_run_here_is_left_out(file):
+    assert store.choose_setting(case(), 0.01, usable=("stock", "native"), path=file).reason.startswith("stock f=0.05")
+    native = case(BOX, "engine.name=native")
+    assert store.choose_setting(native, 0.01, path=file).reason.startswith("native f=0.05")
+    assert store.choose_setting(case(BOX, "engine.kernel=stock"), 0.01, path=file).reason.startswith("stock")
+
+
+def test_unstable_steps_are_left_out(file):
+    loose = store.choose_setting(case(), 0.3, path=file)
+    assert loose.reason.startswith("compiled f=0.4")  # stable in an elastic packing: 0.577
+    rows = json.loads(file.read_text())["kinds"]["box"]["rows"]
+    damped = case(BOX, "contact.restitution=0.995")
+    assert store._fits(rows[0], damped, {"compiled"})
+    assert not store._fits({**rows[0], "fraction": 0.58}, damped, {"compiled"})
+
+
+def test_what_is_not_shown_is_refused(file):
+    with pytest.raises(CaseError, match=r"0\.1 % in energy deviation .* the best shown is 0\.4 %"):
+        store.choose_setting(case(), 0.001, path=file)
+    flow = BOX.replace("restitution: 1,", "restitution: 0.5,").replace("gravity: 0", "gravity: 9.81")
+    with pytest.raises(CaseError, match="no calibration speaks for"):
+        store.choose_setting(case(flow), 0.01, path=file)
+    with pytest.raises(CaseError, match="cannot be read"):
+        store.choose_setting(case(), 0.01, path=file.with_name("none.json"))
+
+
+@pytest.mark.parametrize(("text", "value"), [("1%", 0.01), ("1 %", 0.01), ("0.05", 0.05), (0.02, 0.02)])
+def test_accuracy_is_read(text, value):
+    assert store.parse_accuracy(text) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("text", ["", "x", "0", "100%", "-1%", "nan"])
+def test_wrong_accuracy_is_refused(text):
+    with pytest.raises(CaseError):
+        store.parse_accuracy(text)
+
+
+def test_store_is_made_from_benchmarks():
+    setting = {
+        "kernel": "compiled", "fraction": 0.1, "touch": "smooth", "penetration": None, "correction": True,
+        "skin": None, "diameter": None, "ranks": 1,
+    }  # fmt: skip
+    errors = {"energy deviation": {"error": 0.0031, "floor": 0.0}}
+    rows = [
+        {"label": "a", "setting": setting, "seconds": 0.2, "errors": errors},
+        {"label": "n", "setting": {**setting, "penetration": 5.0}, "seconds": 0.1, "errors": errors},
+    ]
+    data = {"case": "box", "restitution": 1.0, "friction": 0.0, "members": 5, "reference": "r", "versions": {}}
+    made = store.make_store([{**data, "machine": {}, "rows": rows, "quantities": {"energy deviation": {}}}])
+    found = made["kinds"]["box"]["rows"]
+    assert [row["label"] for row in found] == ["a"]  # another stiffness is another case, not another accuracy
+    assert "contact.touch=smooth" in found[0]["assignments"]
+    assert "run.time_step_fraction=0.1" in found[0]["assignments"]
+
+
+def test_calibration_search_finds_the_least_of_a_valley():
+    def try_out(candidate):
+        return {**candidate, "distance": abs(candidate["a"] - 2) + abs(candidate["b"] - 1)}
+
+    best = search(try_out, {"a": 0, "b": 0}, {"a": (0, 1, 2, 3), "b": (0, 1, 2, 3)})
+    assert best["distance"] == 0
+
+
+def test_stored_calibration_is_usable():
+    data = store.read_store()
+    for kind, stored in data["kinds"].items():
+        assert kind in store.KINDS
+        assert stored["rows"] and all(row["error"] >= 0 and row["floor"] >= 0 for row in stored["rows"])

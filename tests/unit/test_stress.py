@@ -1,0 +1,121 @@
+"""Stress study on the native engine: limits against closed forms, judgement of outcomes, the worker's patience."""
+
+import os
+import time
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from lammps_jump.studies import stress_limits, stress_scenes
+from lammps_jump.studies.stress_worker import Worker
+
+NATIVE = ("native velocity_verlet", "native leapfrog_extrapolated")
+
+
+@pytest.mark.parametrize("engine", NATIVE)
+@pytest.mark.parametrize("arrangement", ["pair", "wall", "square", "hexagonal"])
+def test_limits_within_three_per_cent(arrangement, engine):
+    found = stress_limits.measure_limit(arrangement, engine, 0.2, steps=2000, side=12, tolerance=0.01)
+    # the issue asks for 3 %: 12 discs a side take 1 % off the closed form, the bracket another 0.5 %
+    assert abs(found.deviation) < 0.03
+    assert found.stable < found.unstable
+
+
+def test_bisection_closes_in_from_a_wrong_guess():
+    low, high = stress_limits.bisect(lambda f: f < 0.3, 0.5, 0.6, 0.001)
+    assert low < 0.3 <= high and high - low < 0.001 * 0.31
+
+
+def test_growth_is_infinite_where_the_run_fails():
+    scene = stress_limits.arrangement_scene("hexagonal", 0.9, 0.2, "velocity_verlet", side=6)
+    assert stress_limits.growth(scene, "native velocity_verlet", 4000) > stress_limits.BLOW_UP
+
+
+@pytest.mark.parametrize("engine", ["native", "native verlet"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "discs overlapping by half",
+        "a disc exactly on another",
+        "a disc in a corner",
+        "a disc with its centre on a wall",
+        "a position that is no number",
+        "a disc thrown out of the domain",
+        "a step beyond the limit",
+        "a step beyond the limit, allowed",
+        "ks 2, e 0.01, spin",
+        "ks 0, e 1",
+    ],
+)
+def test_hard_scenes_end_properly(name, engine):
+    case, right = stress_scenes.hard_scenes()[name]
+    found = stress_scenes.judge(case, engine)
+    assert found["outcome"] in right, found["message"]
+    if found["outcome"] != "stable":
+        assert found["message"]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_scenes_end_properly(seed):
+    case = stress_scenes.random_case(seed)
+    assert case == stress_scenes.random_case(seed)
+    assert stress_scenes.judge(case, "native")["outcome"] in stress_scenes.GOOD
+
+
+def result(**changes):
+    values = {"status": "complete", "inserted": 3, "present": 2, "removed": 1, "lost": 0} | changes
+    return SimpleNamespace(**values)
+
+
+DUMP = """ITEM: TIMESTEP
+0
+ITEM: NUMBER OF ATOMS
+1
+ITEM: BOX BOUNDS ff ff pp
+0 1
+0 1
+-0.1 0.1
+ITEM: ATOMS id x y vx vy
+1 0.5 {y} 0 0
+"""
+
+
+def test_trouble_is_found(tmp_path):
+    assert stress_scenes.look_for_trouble(tmp_path, result()) is None
+    assert stress_scenes.look_for_trouble(tmp_path, result(present=1))[0] == "lost"
+    assert stress_scenes.look_for_trouble(tmp_path, result(lost=1))[0] == "lost"
+    (tmp_path / "dump.lammpstrj").write_text(DUMP.format(y="0.5"))
+    assert stress_scenes.look_for_trouble(tmp_path, result()) is None
+    (tmp_path / "dump.lammpstrj").write_text(DUMP.format(y="nan"))
+    assert stress_scenes.look_for_trouble(tmp_path, result())[0] == "nan"
+    (tmp_path / "dump.lammpstrj").unlink()
+    (tmp_path / "forces.csv").write_text("time,structure,fx,fy,moment\n0.1,sill,-nan,0,0\n")
+    assert stress_scenes.look_for_trouble(tmp_path, result(status="failed"))[0] == "nan"
+
+
+def test_heating_is_an_outcome_of_its_own():
+    case = stress_scenes.base_case(
+        contact={"restitution": 1}, gravity=0,
+        run={"time_step_fraction": 0.9, "allow_unstable": True, "duration": 2},
+        initial=[{"kind": "lattice", "nx": 4, "ny": 4, "spacing": 0.3, "origin": [0.3, 0.3], "velocities": {1: [4, 3]}}]
+    )  # fmt: skip
+    assert stress_scenes.judge(case, "native verlet")["outcome"] in ("heated", "stopped")
+
+
+def test_worker_survives_hang_crash_and_bug():
+    answer = (("outcome", "stable"),)
+    with Worker() as worker:
+        assert worker.call(dict, answer, timeout=60) == {"outcome": "stable"}
+        assert worker.call(time.sleep, 30.0, timeout=0.3)["outcome"] == "hang"
+        bug = worker.call(int, "no", timeout=60)
+        assert bug["outcome"] == "bug" and bug["message"].startswith("ValueError")
+        crash = worker.call(os._exit, 3, timeout=60)
+        assert crash["outcome"] == "crash" and "3" in crash["message"]
+        assert worker.call(dict, answer, timeout=60) == {"outcome": "stable"}
+
+
+def test_limit_reports_its_deviation():
+    limit = stress_limits.Limit("pair", "stock", 0.2, 0.0, False, 0.5, 0.5, 0.51)
+    assert limit.deviation == pytest.approx(0.01)
+    assert replace(limit, predicted=0.505).deviation == pytest.approx(0.0)
