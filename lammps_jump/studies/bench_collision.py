@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import contact
+from ..case.to_scene import TOUCH_STEPS
 from ..scene import Scene
 
 DIAMETER, DENSITY, SPEED, PENETRATION = 0.2, 1000.0, 16.0, 10.0
@@ -33,7 +34,7 @@ def collision_scene(
     c = contact.derive(
         density=DENSITY, diameter=DIAMETER, restitution=restitution, friction=0.0, stiffness=k, stiffness_wall=k,
         impact_speed=SPEED, time_step_fraction=fraction, integrator=integrator, correct_restitution=correct,
-        rotation=False,
+        rotation=False, touch=touch,
     )  # fmt: skip
     step = speed * c.time_step
     gaps = step * (1.0 + (np.arange(phases) + 0.5) / phases)
@@ -49,7 +50,7 @@ def collision_scene(
         gravity=(0.0, 0.0), coefficients=c, friction_law="hooke", rotation=False, integrator=integrator,
         domain=((-reach, reach), (-DIAMETER, heights[-1] + DIAMETER)), positions=positions, velocities=velocities,
         walls=(), steps=steps, output_steps=1, skin=0.3 * DIAMETER, overlap_limit=DIAMETER, touch=touch,
-        touch_width=SPEED * c.time_step if touch == "smooth" else 0.0,
+        touch_width=TOUCH_STEPS * SPEED * c.time_step if touch == "smooth" else 0.0,
     )  # fmt: skip
 
 
@@ -117,9 +118,7 @@ def _ways(kernels, restitution: float):
             found.append(("stock, uncorrected", "stock", verlet, False, "sharp"))
     found.append(("native, thesis scheme", "native", thesis, True, "sharp"))
     fast = "compiled" if "compiled" in kernels else "native"
-    found.append((f"{fast}, smooth touch, uncorrected", fast, verlet, False, "smooth"))
-    if restitution < 1:
-        found.append((f"{fast}, smooth touch, corrected", fast, verlet, True, "smooth"))
+    found.append((f"{fast}, smooth touch", fast, verlet, True, "smooth"))
     return found
 
 
