@@ -113,7 +113,7 @@ def _ways(kernels, restitution: float):
     verlet, thesis = "velocity_verlet", "leapfrog_extrapolated"
     found = []
     if "stock" in kernels:
-        found.append(("stock, corrected" if restitution < 1 else "stock", "stock", verlet, True, "sharp"))
+        found.append(("stock, corrected", "stock", verlet, True, "sharp"))
         if restitution < 1:
             found.append(("stock, uncorrected", "stock", verlet, False, "sharp"))
     found.append(("native, thesis scheme", "native", thesis, True, "sharp"))
