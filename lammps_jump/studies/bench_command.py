@@ -23,6 +23,7 @@ def run_bench(
     table: bool = False,
     diameters: str | None = None,
     fractions: str | None = None,
+    kernels: str | None = None,
     assignments: Sequence[str] = (),
     fresh: bool = False,
     say: Callable[[str], None] = print,
@@ -49,6 +50,10 @@ def run_bench(
         return bench_skips(case, out=out, quick=quick, assignments=assignments, fresh=fresh, say=say)
     from .bench_table import markdown
 
+    names = tuple(word.strip() for word in kernels.split(",")) if kernels else None
+    if names and not set(names) <= {"stock", "compiled", "native"}:
+        raise CaseError(f"--kernels {kernels!r}: allowed are stock, compiled and native, with commas between")
+
     if table:
         return markdown(stored(case, out))
     from .benchmark import bench_case
@@ -58,7 +63,7 @@ def run_bench(
     return markdown(
         bench_case(
             case, out=out, axes=axes, quick=quick, members=members, assignments=assignments, diameters=sizes,
-            fractions=steps,
+            fractions=steps, kernels=names,
             fresh=fresh, say=say,
         )
     )  # fmt: skip

@@ -22,6 +22,7 @@ from .bench_settings import (
 from .timing import Store, in_turn, machine, middle, versions
 
 BENCH_FILE = "bench.json"
+MOST_MEMBERS = 100
 TARGETS = (0.01, 0.05)
 """Errors for which the cheapest setting is named."""
 
@@ -111,7 +112,6 @@ def _run_all(store: Store, path, assignments, own, settings: list[Setting], roun
             say(f"  {done}/{len(todo)} {setting.label}, start {member + 1}: {run['cpu_seconds']:.2f} s")
         else:
             say(f"  {done}/{len(todo)} {setting.label}, start {member + 1}: {run['status']}: {run['message']}")
-    store.data["keys"] = {s.label: [_key(s, identity, m) for m in range(rounds)] for s in settings}
 
 
 def _warm_engines(path, assignments, kernels: set[str]) -> None:
@@ -122,13 +122,19 @@ def _warm_engines(path, assignments, kernels: set[str]) -> None:
         run_setting(path, texts, Setting(kernel, 0.05), 0)
 
 
+def stored_runs(store: Store, setting: Setting, own) -> list[dict[str, Any]]:
+    """Every stored run of a setting, also of starts that an earlier call asked for and this one did not."""
+    keys = [_key(setting, (case_hash(own), versions()), member) for member in range(MOST_MEMBERS)]
+    return [store.pieces[key] for key in keys if key in store.pieces]
+
+
 def _key(setting: Setting, identity: tuple, member: int) -> str:
     return setting.key(*identity, member)
 
 
 def finish(store: Store, own, settings, reference, rounds: int, notes, *, figures: bool) -> dict[str, Any]:
     """Rows, errors, Pareto fronts and choices from the stored runs; writes ``bench.json``, the table and figures."""
-    runs = {setting: [store.pieces[key] for key in store.data["keys"][setting.label]] for setting in settings}
+    runs = {setting: stored_runs(store, setting, own) for setting in settings}
     if not any(run["status"] == "complete" for group in runs.values() for run in group):
         first = next(run for group in runs.values() for run in group)
         raise RunError(f"no setting of {own.name} came to its end; the first one says: {first['message']}")
