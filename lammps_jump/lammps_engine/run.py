@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import subprocess
 import threading
 import time
 from collections.abc import Callable
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -72,13 +73,31 @@ def run_lammps(
     load_lammps()  # before the clock starts
     arguments = ["-var", "plugin", str(plugin)] if plugin else []
     begin = time.perf_counter()
-    if ranks == 1:
-        outcome = _in_process(scene, folder, arguments, progress, should_stop)
-    else:
-        outcome = _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop)
+    with _terminate_as_interrupt():
+        if ranks == 1:
+            outcome = _in_process(scene, folder, arguments, progress, should_stop)
+        else:
+            outcome = _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop)
     seconds = time.perf_counter() - begin
     _gather_forces(scene, folder)
     return _result(scene, folder, kernel, outcome, read_log(folder / "log.lammps"), seconds)
+
+
+@contextmanager
+def _terminate_as_interrupt():
+    """SIGTERM (a batch system whose time is up) ends a run as Ctrl-C does; signals come to the main thread only."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def interrupt(number, stack) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
@@ -99,18 +118,23 @@ def _in_process(scene, folder, arguments, progress, should_stop) -> _Outcome:
         engine = lammps.lammps(cmdargs=["-log", "log.lammps", "-screen", "none", "-nocite", *arguments])
         outcome.version = str(engine.version())
 
+        # not Thread.join: interrupted by a signal it takes the thread for ended (Python 3.11), and closing LAMMPS under
+        # a running script is a segmentation fault
+        ended = threading.Event()
+
         def work() -> None:
             try:
                 engine.file("in.lammps")
             except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
                 outcome.error = str(error)
+            finally:
+                ended.set()
 
         thread = threading.Thread(target=work, name="lammps", daemon=True)
         thread.start()
         while True:
             try:
-                thread.join(POLL_SECONDS)
-                if not thread.is_alive():
+                if ended.wait(POLL_SECONDS):
                     break
                 _report(scene, engine, progress)
                 if should_stop and should_stop() and not outcome.interrupted:
@@ -163,21 +187,31 @@ def _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop) -> _O
     log = folder / "log.lammps"
     while process.poll() is None:
         try:
-            time.sleep(5 * POLL_SECONDS)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(5 * POLL_SECONDS)
             if progress:
                 summary = read_log(log)
                 progress(Progress(summary.step, scene.steps, scene.time(summary.step), summary.discs))
-            if should_stop and should_stop():
+            if should_stop and should_stop() and process.poll() is None:
                 raise KeyboardInterrupt
         except KeyboardInterrupt:
             outcome.interrupted = True
-            process.terminate()
-            process.wait(timeout=30)
+            _end(process)
     output, _ = process.communicate()
     if process.returncode and not outcome.interrupted:
         outcome.error = next((line for line in output.splitlines() if "ERROR" in line), "") or read_log(log).error
         outcome.error = outcome.error or f"mpiexec ended with status {process.returncode}: {output.strip()[-500:]}"
     return outcome
+
+
+def _end(process: subprocess.Popen) -> None:
+    """End mpiexec, which ends its ranks; ranks that do not go in ten seconds are killed with it."""
+    process.terminate()
+    try:
+        process.wait(10)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)  # a session of its own: nobody else is in the group
+        process.wait()
 
 
 def _gather_forces(scene: Scene, folder: Path) -> None:

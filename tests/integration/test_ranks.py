@@ -1,0 +1,110 @@
+"""The compiled kernel on two ranks of the wheel's MPI: same motion, same balance, and an end that leaves nothing."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.dump import open_dump
+
+from lammps_jump.case.load import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.errors import SetupError
+from lammps_jump.kernels import plugin_path
+from lammps_jump.lammps_engine import run_lammps
+from lammps_jump.lammps_engine.loader import program
+from lammps_jump.script import write_script
+
+pytestmark = pytest.mark.lammps
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+
+
+@pytest.fixture(scope="module")
+def plugin():
+    try:
+        found = plugin_path()
+    except SetupError as error:
+        pytest.skip(f"no compiled kernel here: {error}")
+    if program("mpiexec") is None:
+        pytest.skip("the mpich wheel brings no mpiexec")
+    return found
+
+
+def run(name, folder, plugin, ranks, *changes, **options):
+    scene = build_scene(load_case(INPUTS / f"{name}.yaml", list(changes)))
+    write_script(scene, folder, kernel="compiled", ranks=ranks, dump_format="binary", plugin=plugin)
+    return scene, run_lammps(scene, folder, kernel="compiled", ranks=ranks, plugin=plugin, **options)
+
+
+def frames(folder):
+    return [frame.sorted() for frame in open_dump(folder / "dump.lammpsbin")]
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("dam_break", ("run.duration=0.0935", "run.output_interval=0.0935")),
+        ("quick_jump", ("run.duration=0.2125", "run.output_interval=0.2125", "discs.diameter=0.05")),
+    ],
+)
+def test_a_thousand_steps_are_those_of_one_rank(plugin, tmp_path, name, changes):
+    last = {}
+    for ranks in (1, 2):
+        scene, result = run(name, tmp_path / str(ranks), plugin, ranks, *changes)
+        assert result.status == "complete" and result.steps == scene.steps >= 1000
+        last[ranks] = frames(tmp_path / str(ranks))[-1]
+    one, two = last[1], last[2]
+    assert np.array_equal(one.ids, two.ids) and len(one.ids) > 400
+    # sums in another order, amplified by the collisions of a thousand steps
+    assert max(np.abs(one.x - two.x).max(), np.abs(one.y - two.y).max()) < 1e-9 * scene.diameter
+
+
+def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
+    changes = ("run.duration=4", "domain.x=[-1, 16]", "walls.floor.x=[-5, 9]", "walls.sill.x=[8, 9]")
+    _, result = run("quick_jump", tmp_path, plugin, 2, *changes, "outflow=[{x_beyond: 13}, {y_below: -3}]")
+    assert result.status == "complete", result.message
+    assert result.removed > 20 and result.lost == 0
+    assert result.inserted == result.present + result.removed
+    assert (tmp_path / "forces.csv").read_text().count("sill") > 100
+    script = (tmp_path / "in.lammps").read_text()
+    assert "processors      * 1 1" in script and "shift x" in script
+
+
+def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
+    seen = []
+    scene, result = run(
+        "energy_box_16", tmp_path, plugin, 2, "run.duration=20000",
+        progress=seen.append, should_stop=lambda: bool(seen) and seen[-1].step > 0,
+    )  # fmt: skip
+    assert result.status == "interrupted" and "kept" in result.message and "--force" in result.message
+    assert 0 < result.steps < scene.steps
+    assert result.present == 16 and result.lost == 0
+    assert frames(tmp_path)
+
+
+@pytest.mark.parametrize(("ranks", "number"), [(1, signal.SIGINT), (1, signal.SIGTERM), (2, signal.SIGTERM)])
+def test_a_signal_ends_a_run_and_leaves_no_rank(plugin, tmp_path, ranks, number):
+    """Ctrl-C, and SIGTERM of a batch system whose time is up: status 1, what there is is kept, nothing runs on."""
+    command = [sys.executable, "-m", "lammps_jump", "build-and-run", str(INPUTS / "energy_box_16.yaml"), "--out"]
+    command += [str(tmp_path), "--kernel", "compiled", "--ranks", str(ranks), "--set", "run.duration=20000", "--quiet"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    log = tmp_path / "log.lammps"
+    deadline = time.monotonic() + 60
+    while not (log.exists() and log.read_text().count("\n") > 60):
+        assert process.poll() is None and time.monotonic() < deadline
+        time.sleep(0.1)
+    process.send_signal(number)
+    output, _ = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert "the run was ended at t =" in output and "kept" in output
+    size = log.stat().st_size
+    time.sleep(0.5)
+    assert log.stat().st_size == size
+    assert not [name for name in os.listdir(tmp_path) if name.endswith(".raw")]
