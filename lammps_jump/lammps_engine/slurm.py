@@ -26,14 +26,17 @@ def job_text(scene: Scene, ranks: int) -> str:
 #SBATCH --mem-per-cpu={megabytes}M
 #SBATCH --time={minutes}
 #SBATCH --output=slurm-%j.out
-# Needs a LAMMPS with the GRANULAR package (PLUGIN for the compiled kernel); set LMP where it has another name.
-# With the compiled kernel, build the plugin for that machine (`lammps-jump kernels build`) and name it:
-#   srun "$LMP" -in in.lammps -var plugin /path/to/the/plugin.so
+# Submit it from this folder: sbatch job.slurm. Needs a LAMMPS with the GRANULAR package (PLUGIN for the compiled
+# kernel). LMP names the program where it is not `lmp`, LAUNCH what starts the ranks ("mpiexec -n {ranks}", say).
+# For the compiled kernel PLUGIN names a build made on that machine (`lammps-jump kernels build` prints its place).
 set -euo pipefail
-cd "$(dirname "${{SLURM_JOB_SCRIPT:-$0}}")"
-LMP=${{LMP:-lmp}}
+cd "${{SLURM_SUBMIT_DIR:-$(dirname "$0")}}"
+if [ ! -f in.lammps ]; then
+    echo "no in.lammps in $PWD: submit the job from the run folder" >&2
+    exit 2
+fi
 export OMP_NUM_THREADS=1
-srun "$LMP" -in in.lammps -log log.lammps -screen none
+${{LAUNCH:-srun}} "${{LMP:-lmp}}" -in in.lammps -log log.lammps -screen none ${{PLUGIN:+-var plugin "$PLUGIN"}}
 # afterwards, where lammps-jump is installed: lammps-jump analyze .
 """
 
