@@ -111,12 +111,12 @@ def curves(found: Comparison, names: list[str]):
             row[0].fill_between(
                 curve.at, scale * (mean - spread), scale * (mean + spread), color=colour, alpha=alpha, lw=0
             )
-            row[0].plot(curve.at, scale * mean, dash, color=colour, label=SHOWN.get(label, label))
+            row[0].plot(curve.at, scale * mean, dash, color=colour, marker=".", ms=3, label=SHOWN.get(label, label))
         row[0].set_ylabel(LABELS.get(name, f"{name} [{unit}]"))
         row[1].axhline(0.0, color=GREY, lw=0.8)
         low, high = band.difference - band.half_width, band.difference + band.half_width
         row[1].fill_between(curve.at, scale * low, scale * high, color=GREY, alpha=0.35, lw=0)
-        row[1].plot(curve.at, scale * band.difference, color="#1a1a1a", lw=1.1)
+        row[1].plot(curve.at, scale * band.difference, color="#1a1a1a", lw=1.1, marker=".", ms=3)
         row[1].set_ylabel(f"difference [{unit}]")
         for part in row:
             part.set_xlabel("x [m]" if curve.axis == "x" else "time [s]")
