@@ -12,6 +12,7 @@ import numpy as np
 from lammps_jump.errors import DumpError
 from lammps_jump.run_result import RunResult
 from lammps_jump.scene import Scene
+from lammps_jump.summary import plain
 
 from .context import FlowContext, from_scene
 from .dump import Dump, Frame, make_frame, open_dump
@@ -318,20 +319,3 @@ def _write_tables(gathered: Gathered, shown: dict, out: Path) -> list[str]:
     for name, columns in tables.items():
         write_table(columns, out / name)
     return list(tables)
-
-
-def plain(value: Any) -> Any:
-    """Numbers, text, lists and dicts as JSON knows them; NaN and infinity become None."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, bool | np.bool_):
-        return bool(value)
-    if isinstance(value, int | np.integer):
-        return int(value)
-    if isinstance(value, float | np.floating):
-        return float(value) if np.isfinite(value) else None
-    return value

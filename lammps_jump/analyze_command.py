@@ -26,7 +26,7 @@ def analyze_target(
         raise DumpError(f"{target}: no such run folder or dump")
     if target.is_dir() and (target / "case.yaml").exists():
         from .display import print_summary
-        from .pipeline import reanalyse
+        from .reopen import reanalyse
 
         sets = [*assignments, *([f"analysis.bin_width={bin_width}"] if bin_width else [])]
         summary = reanalyse(target, sets, quiet)

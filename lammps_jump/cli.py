@@ -122,8 +122,9 @@ def run(
     """Run a built folder and analyse it."""
     from . import pipeline
     from .display import print_summary
+    from .reopen import reopen
 
-    prepared = pipeline.reopen(folder)
+    prepared = reopen(folder)
     pipeline.write_folder(prepared)
     summary = pipeline.run_folder(prepared, build_seconds=0.0, quiet=quiet, say=_say(quiet))
     if not quiet:
@@ -280,6 +281,7 @@ def bench(
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
     diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
     fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
+    kernels: Annotated[str | None, typer.Option(help="Of stock,compiled,native; default all that run here.")] = None,
     set_: Sets = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
     quiet: Quiet = False,
@@ -290,7 +292,8 @@ def bench(
     print(
         run_bench(
             case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, table=table,
-            diameters=diameters, fractions=fractions, assignments=set_ or [], fresh=fresh, say=_say(quiet),
+            diameters=diameters, fractions=fractions, kernels=kernels, assignments=set_ or [], fresh=fresh,
+            say=_say(quiet),
         )
     )  # fmt: skip
 

@@ -248,7 +248,7 @@ def run_folder(
     parts: dict[str, Any] = {}
     trouble = ""
     try:
-        parts = _analyse(prepared, result, quiet)
+        parts = analyse(prepared, result, quiet)
     except DumpError as error:
         trouble = str(error)
     seconds = {"build": build_seconds, "run": result.seconds, "analysis": time.perf_counter() - begin}
@@ -257,9 +257,9 @@ def run_folder(
     if steady:
         parts["stopped_when_steady"] = steady
         say(f"note: {steady}")
-    summary = _compose(prepared, result, seconds, parts)
+    summary = compose(prepared, result, seconds, parts)
     summaries.write_summary(prepared.folder, summary)
-    _report(prepared, summary)
+    report(prepared, summary)
     seconds["analysis"] = time.perf_counter() - begin
     summaries.write_summary(prepared.folder, {**summary, "wall_seconds": seconds})
     if result.status == "interrupted":
@@ -271,7 +271,8 @@ def run_folder(
     return {**summary, "wall_seconds": seconds}
 
 
-def _compose(prepared: Prepared, result: RunResult, seconds: dict[str, float], parts: dict[str, Any]) -> dict[str, Any]:
+def compose(prepared: Prepared, result: RunResult, seconds: dict[str, float], parts: dict[str, Any]) -> dict[str, Any]:
+    """The summary of a run of a prepared case."""
     found = dict(parts)
     warnings = [*prepared.scene.warnings, *prepared.notes, *found.pop("warnings", [])]
     summary = summaries.compose(
@@ -301,16 +302,16 @@ def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> tuple[Ru
     scene = prepared.scene
     line = ProgressLine(scene.time(scene.steps), quiet=quiet)
     watch = _steady_watch(prepared)
-    report: ProgressCallback = line
+    shown: ProgressCallback = line
     if live:
         from .live import LiveView
 
-        report = LiveView(scene, prepared.folder, line)
+        shown = LiveView(scene, prepared.folder, line)
     dump_format = prepared.loaded.case.run.dump_format
     if prepared.loaded.case.engine.name == "native":
         from .native import run_native
 
-        result = run_native(scene, prepared.folder, progress=report, should_stop=watch, dump_format=dump_format)
+        result = run_native(scene, prepared.folder, progress=shown, should_stop=watch, dump_format=dump_format)
     else:
         from .lammps_engine import run_lammps
 
@@ -320,7 +321,7 @@ def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> tuple[Ru
             kernel=prepared.kernel,
             ranks=prepared.ranks,
             plugin=prepared.plugin,
-            progress=report,
+            progress=shown,
             should_stop=watch,
         )
     line.finish()
@@ -350,64 +351,15 @@ def analysis_request(prepared: Prepared):
     )
 
 
-def _analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
+def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
+    """Analyse the dump of a run folder as its case asks; the parts of the summary that came of it."""
     from .analysis.analyze import analyze_run
 
     return analyze_run(prepared.folder, prepared.scene, analysis_request(prepared), result=result, quiet=quiet)
 
 
-def _report(prepared: Prepared, summary: dict[str, Any]) -> None:
+def report(prepared: Prepared, summary: dict[str, Any]) -> None:
+    """Write ``report.html``."""
     from .analysis.report import write_report
 
     write_report(prepared.folder, summary, resolved_yaml(prepared.loaded.case))
-
-
-def reopen(folder: Path, assignments: list[str] | None = None) -> Prepared:
-    """The `Prepared` of a folder that `write_folder` made.
-
-    Raises
-    ------
-    CaseError
-        Where it holds no ``case.yaml``.
-    """
-    case_file = folder / "case.yaml"
-    if not case_file.exists():
-        raise CaseError(f"{folder}: holds no case.yaml, so it is no run folder; make one with `lammps-jump build CASE`")
-    prepared = prepare(case_file, assignments or [], folder)
-    stored = summaries.read_summary(folder)
-    if stored and stored.get("kernel") in ("stock", "compiled") and prepared.kernel != "numba":
-        prepared = replace(prepared, kernel=stored["kernel"])
-    return prepared
-
-
-def reanalyse(folder: Path, assignments: list[str], quiet: bool) -> dict[str, Any]:
-    """Analyse a run folder again (``--set analysis.…`` may ask for other things) and rewrite summary and report."""
-    prepared = reopen(folder, assignments)
-    stored = summaries.read_summary(folder) or {}
-    discs = stored.get("discs") or {}
-    result = RunResult(
-        engine=stored.get("engine", prepared.loaded.case.engine.name),
-        kernel=stored.get("kernel", prepared.kernel),
-        status=stored.get("status", "unknown"),
-        message=stored.get("message") or "",
-        steps=stored.get("steps", 0),
-        disc_steps=stored.get("disc_steps", 0.0),
-        inserted=discs.get("inserted", 0),
-        present=discs.get("present", 0),
-        removed=discs.get("removed", 0),
-        lost=discs.get("lost", 0),
-        seconds=(stored.get("wall_seconds") or {}).get("run", 0.0),
-        versions=stored.get("versions", {}),
-        ledger=stored.get("ledger"),
-        breakdown=stored.get("breakdown_seconds") or {},
-    )
-    begin = time.perf_counter()
-    parts = _analyse(prepared, result, quiet)
-    seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
-    seconds["analysis"] = time.perf_counter() - begin
-    summary = _compose(prepared, result, seconds, parts)
-    summary["case_hash"] = stored.get("case_hash", prepared.hash)
-    (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
-    summaries.write_summary(folder, summary)
-    _report(prepared, summary)
-    return summary

@@ -12,6 +12,7 @@ from ..walls import Block, Box, Plane, Wall
 from .arrange import Packing, arrange, closest_pair
 from .load import LoadedCase
 from .models import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
+from .skips import reachable, skipped
 from .slip_check import slip_warnings
 from .source import nearest
 
@@ -79,7 +80,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
     outlets = _outlets(loaded, domain, speed, dt, output_steps)
     _check_places(loaded, positions, walls, inlets, domain, d, d / penetration)
     probes = _probes(loaded, walls)
-    reachable = tuple(wall for wall in walls if _reachable(wall, domain, d) or wall.name in probes)
+    kept = tuple(wall for wall in walls if reachable(wall, domain, d) or wall.name in probes)
     touch_width = 0.0
     if case.contact.touch == "smooth":
         touch_width = case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
@@ -98,7 +99,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
         domain=domain,
         positions=_frozen(positions),
         velocities=_frozen(velocities),
-        walls=reachable,
+        walls=kept,
         gates=gates,
         inlets=inlets,
         pours=_pours(case),
@@ -113,7 +114,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
         overlap_limit=2 * d / penetration,
         touch=case.contact.touch,
         touch_width=touch_width,
-        skipped=_skipped(case, walls, reachable, probes),
+        skipped=skipped(case, walls, kept, probes),
         warnings=tuple(warnings),
     )
     return scene
@@ -368,52 +369,3 @@ def _probes(loaded: LoadedCase, walls) -> tuple[str, ...]:
                 f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
             )
     return tuple(dict.fromkeys(loaded.case.probes.forces))
-
-
-def _reachable(wall: Wall, domain, d: float) -> bool:
-    """Whether any centre inside the domain can touch the wall."""
-    (xlo, xhi), (ylo, yhi) = domain
-    radius = d / 2
-    if isinstance(wall, Plane):
-        low, high = (xlo, xhi) if wall.axis == "x" else (ylo, yhi)
-        return low - radius < wall.at < high + radius
-    if isinstance(wall, Box):
-        return any(_reachable(face, domain, d) for face in wall.faces())
-    return (
-        wall.x[0] - radius < xhi and wall.x[1] + radius > xlo and wall.y[0] - radius < yhi and wall.y[1] + radius > ylo
-    )
-
-
-def _skipped(case: Case, walls, reachable, probes) -> tuple[str, ...]:
-    """What the engines leave out because the scene does not need it (DESIGN section 5)."""
-    skipped = []
-    if case.contact.friction == 0:
-        skipped.append("friction terms: friction is 0")
-    if case.contact.restitution == 1:
-        skipped.append("dashpots: restitution is 1")
-    if not case.contact.rotation:
-        skipped.append("spin: contact.rotation is false, discs do not turn")
-    elif case.contact.friction == 0:
-        skipped.append("spin: without friction nothing turns a disc")
-    if case.gravity == 0:
-        skipped.append("gravity: it is 0")
-    skipped += [
-        f"wall '{wall.name}': nothing inside the domain can reach it" for wall in walls if wall not in reachable
-    ]
-    if not walls:
-        skipped.append("walls: there are none")
-    if case.inflow is None:
-        skipped.append("inlet: no inflow")
-    if not case.outflow:
-        skipped.append("outlet: no outflow")
-    skipped.append("z constraint: nothing pushes out of the plane")
-    skipped.append("tangential springs: the laws here have no history")
-    columns = "z, vz, radius, mass, type, forces" + (
-        "" if case.contact.rotation and case.contact.friction else ", spin"
-    )
-    skipped.append(f"dump columns {columns}: no analysis reads them")
-    if not probes:
-        skipped.append("wall forces: no probe asks for them")
-    if case.run.dump_format == "text" and not case.analysis.fields:
-        skipped.append("stress fields: analysis.fields is false")
-    return tuple(skipped)

@@ -6,7 +6,6 @@ import json
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.lammps_engine import run_lammps
 from lammps_jump.lammps_engine.loader import program
+from lammps_jump.reopen import reopen
 from lammps_jump.scenes import scene_names
 from lammps_jump.script import write_script
 
@@ -292,7 +292,7 @@ def test_build_then_run(tmp_path):
     prepared = pipeline.prepare(INPUTS / "energy_box_7.yaml", ["run.duration=0.5", "engine.kernel=stock"], tmp_path)
     pipeline.write_folder(prepared)
     assert not (tmp_path / "dump.lammpstrj").exists()
-    reopened = replace(pipeline.reopen(tmp_path))
+    reopened = reopen(tmp_path)
     assert reopened.hash == prepared.hash
     summary = pipeline.run_folder(reopened, build_seconds=0.0, quiet=True, say=lambda text: None)
     assert summary["discs"]["lost"] == 0

@@ -1,0 +1,65 @@
+"""Run folders opened again: to run what `build` wrote, and to analyse what a run left."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from . import summary as summaries
+from .case import resolved_yaml
+from .errors import CaseError
+from .pipeline import Prepared, analyse, compose, prepare, report
+from .run_result import RunResult
+
+
+def reopen(folder: Path, assignments: list[str] | None = None) -> Prepared:
+    """The `Prepared` of a folder that `write_folder` made.
+
+    Raises
+    ------
+    CaseError
+        Where it holds no ``case.yaml``.
+    """
+    case_file = folder / "case.yaml"
+    if not case_file.exists():
+        raise CaseError(f"{folder}: holds no case.yaml, so it is no run folder; make one with `lammps-jump build CASE`")
+    prepared = prepare(case_file, assignments or [], folder)
+    stored = summaries.read_summary(folder)
+    if stored and stored.get("kernel") in ("stock", "compiled") and prepared.kernel != "numba":
+        prepared = replace(prepared, kernel=stored["kernel"])
+    return prepared
+
+
+def reanalyse(folder: Path, assignments: list[str], quiet: bool) -> dict[str, Any]:
+    """Analyse a run folder again (``--set analysis.…`` may ask for other things) and rewrite summary and report."""
+    prepared = reopen(folder, assignments)
+    stored = summaries.read_summary(folder) or {}
+    discs = stored.get("discs") or {}
+    result = RunResult(
+        engine=stored.get("engine", prepared.loaded.case.engine.name),
+        kernel=stored.get("kernel", prepared.kernel),
+        status=stored.get("status", "unknown"),
+        message=stored.get("message") or "",
+        steps=stored.get("steps", 0),
+        disc_steps=stored.get("disc_steps", 0.0),
+        inserted=discs.get("inserted", 0),
+        present=discs.get("present", 0),
+        removed=discs.get("removed", 0),
+        lost=discs.get("lost", 0),
+        seconds=(stored.get("wall_seconds") or {}).get("run", 0.0),
+        versions=stored.get("versions", {}),
+        ledger=stored.get("ledger"),
+        breakdown=stored.get("breakdown_seconds") or {},
+    )
+    begin = time.perf_counter()
+    parts = analyse(prepared, result, quiet)
+    seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
+    seconds["analysis"] = time.perf_counter() - begin
+    summary = compose(prepared, result, seconds, parts)
+    summary["case_hash"] = stored.get("case_hash", prepared.hash)
+    (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
+    summaries.write_summary(folder, summary)
+    report(prepared, summary)
+    return summary
