@@ -135,6 +135,11 @@ def _time_rows(case: Case, scene: Scene) -> list[Row]:
     return rows
 
 
+def inflow_theory(case: Case, scene: Scene) -> dict | None:
+    """What hydraulics says of the inflow (Froude number, sequent depth, jump length …), None without inflow rows."""
+    return {key: value for key, _, value, _ in _flow_rows(case, scene)} or None
+
+
 def _flow_rows(case: Case, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:

@@ -11,6 +11,7 @@ from typing import Any
 from . import summary as summaries
 from .case import LoadedCase, case_hash, load_case, resolved_yaml
 from .case.to_scene import build_scene
+from .check import inflow_theory
 from .errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
 from .progress import ProgressLine
 from .run_result import ProgressCallback, RunResult
@@ -279,6 +280,7 @@ def compose(prepared: Prepared, result: RunResult, seconds: dict[str, float], pa
         prepared.scene, result, case_hash=prepared.hash, seconds=seconds, parts={**found, "warnings": warnings}
     )
     summary["ranks"] = prepared.ranks
+    summary["theory"] = inflow_theory(prepared.loaded.case, prepared.scene)
     return summary
 
 

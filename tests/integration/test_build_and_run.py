@@ -107,6 +107,10 @@ def test_row_speeds_and_counts_while_the_inlet_is_free(tmp_path):
     """floor(u t / (s d)) + 1 discs a row to within one, at the row speeds of PHYSICS section 4."""
     summary = job("hydraulic_jump", tmp_path, "run.duration=0.4")
     scene = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", ["run.duration=0.4"]))
+    theory = summary["theory"]  # PHYSICS section 2.1, printed digits
+    assert theory["froude"] == pytest.approx(5.108, abs=5e-4)
+    assert theory["belanger_y2"] == pytest.approx(6.742, abs=5e-4)
+    assert theory["jump_length"] == pytest.approx(40.63, abs=5e-3)
     exact = [scene.steps * scene.time_step * row.vx / (1.02 * scene.diameter) for row in scene.inlets]
     assert abs(summary["discs"]["inserted"] - sum(np.floor(exact) + 1)) <= len(scene.inlets)
 
