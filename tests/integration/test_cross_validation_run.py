@@ -59,7 +59,10 @@ def study(tmp_path_factory):
     case = folder / "small_column.yaml"
     case.write_text(COLUMN)
     arguments = ["cross-validate", str(case), "--out", str(folder / "out"), "--quick", "--kernel", "stock"]
-    first = CliRunner().invoke(app, arguments)
+    with pytest.MonkeyPatch.context() as patch:
+        # two of the small scenes; each has a test of its own above
+        patch.setattr(cross_validation, "micro_scenes", lambda: micro_scenes()[:2])
+        first = CliRunner().invoke(app, arguments)
     return folder / "out", arguments, first
 
 
@@ -78,12 +81,13 @@ def test_study_leaves_report_json_and_figures(study):
 
 
 @pytest.fixture
-def without_small_scenes(monkeypatch):
-    """They have their own test above."""
+def numbers_only(monkeypatch):
+    """Small scenes and figures have their tests above."""
     monkeypatch.setattr(cross_validation, "micro_scenes", tuple)
+    monkeypatch.setattr("lammps_jump.studies.cv_figures.draw_all", lambda study, folder: {})
 
 
-def test_study_goes_on_where_it_was_interrupted(study, without_small_scenes):
+def test_study_goes_on_where_it_was_interrupted(study, numbers_only):
     folder, arguments, _ = study
     kept = sorted((folder / "members").iterdir())
     assert len(kept) == 2 * cross_validation.QUICK_MEMBERS
@@ -94,7 +98,7 @@ def test_study_goes_on_where_it_was_interrupted(study, without_small_scenes):
     assert (folder / "members" / kept[0].name).exists()
 
 
-def test_exit_status_is_one_where_the_engines_differ(study, monkeypatch, without_small_scenes):
+def test_exit_status_is_one_where_the_engines_differ(study, monkeypatch, numbers_only):
     """The native engine is handed a floor that is 5 % softer: both parts must notice."""
     from dataclasses import replace
 
