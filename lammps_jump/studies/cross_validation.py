@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -23,34 +23,17 @@ from ..errors import SetupError
 from ..progress import ProgressLine
 from ..scene import Scene
 from ..summary import plain, versions
+from .cv_divergence import TWIN_JITTER, Divergence, measure_divergence
 from .cv_quantities import Comparison, Quantities, Wanted, compare, measure
 from .cv_scenes import friction_scene, micro_scenes
 from .cv_statistics import CONFIDENCE, FAMILY_ERROR
-from .cv_trajectories import (
-    AGREEMENT,
-    CONTACT_STEPS,
-    DeterministicCheck,
-    Growth,
-    Separation,
-    check_scene,
-    crossing_step,
-    developed_scene,
-    fit_growth,
-    plain_scene,
-    run_lammps_frames,
-    run_native_frames,
-    separation,
-    twin_separation,
-)
+from .cv_trajectories import CONTACT_STEPS, DeterministicCheck, Growth, check_scene, developed_scene, twin_separation
 from .ensembles import JITTER, EngineChoice, Member, perturbed, run_ensemble
 
 MEMBERS, QUICK_MEMBERS = 6, 3
 DIVERGENCE_WORK = 4e7
 """Disc-steps of the run in which the divergence is measured (a few seconds on each engine)."""
 QUICK_DIVERGENCE_WORK = 5e6
-FRAMES = 400
-TWIN_JITTER = 1e-15
-"""The twin of the native run starts this far off (diameters, and relative speeds): a few last digits."""
 SEQUENT_LIMIT, SPEED_LIMIT = 0.03, 0.10
 """Between the engines: sequent depth and shock speed of a jump (shares)."""
 RESULT_FILE, REPORT_FILE = "cross_validation.json", "cross_validation.html"
@@ -59,27 +42,6 @@ Say = Callable[[str], None]
 CHAOS_SHARE = 0.1
 CHAOS = "the native engine, started a few last digits off, parts from itself by {:.1e} d in these steps"
 """Why a case may part within the steps compared: where its twin has parted by at least this share of it."""
-
-
-@dataclass(frozen=True)
-class Divergence:
-    """How two runs of the case part after they have agreed.
-
-    Attributes
-    ----------
-    engines, twin : Separation
-        LAMMPS from native; native from native with a start a few last digits off.
-    growth, twin_growth : Growth
-    levels : dict of str to (step or None)
-        First step beyond each separation, in diameters.
-    """
-
-    engines: Separation
-    twin: Separation
-    growth: Growth
-    twin_growth: Growth
-    levels: dict[str, int | None]
-    kernel: str
 
 
 @dataclass
@@ -291,38 +253,6 @@ def _disc_by_disc(study: Study, say: Say, work: float) -> None:
 
 def _per(growth: Growth) -> str:
     return f"{1.0 / growth.rate:.3g}" if growth.rate > 0 else "?"
-
-
-def measure_divergence(scene: Scene, kernel: str, plugin: Path | None, work: float) -> Divergence:
-    """Follow both engines, and the native engine against itself, until discs have parted or `work` is done."""
-    bare = replace(scene, probes=())
-    steps = parting_step(bare, work)
-    interval = max(1, steps // FRAMES)
-    long = plain_scene(scene, max(interval, steps // interval * interval), interval)
-    native = run_native_frames(long)
-    part = separation(native, run_lammps_frames(long, kernel, plugin), scene.diameter)
-    twin = separation(native, run_native_frames(perturbed(long, 1, TWIN_JITTER)), scene.diameter)
-    levels = {f"{level:g}": crossing_step(part, level) for level in (1e-12, AGREEMENT, 1e-6, 1e-3, 1e-1)}
-    dt = scene.time_step
-    growths = (fit_growth(one.steps, one.largest, dt) for one in (part, twin))
-    return Divergence(part, twin, *growths, levels, kernel)
-
-
-def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:
-    """Some steps after the native engine and its twin have parted by `level` diameters; at most `work` disc-steps."""
-    from ..native import NativeSimulation
-
-    one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene, 1, TWIN_JITTER)))
-    while one.step < scene.steps and one.disc_steps < work:
-        chunk = min(200, scene.steps - one.step)
-        one.run(chunk)
-        two.run(chunk)
-        if not np.array_equal(one.ids, two.ids):
-            break
-        apart = np.abs(one.positions - two.positions)
-        if apart.size and apart.max() > level * scene.diameter:
-            break
-    return min(scene.steps, one.step + one.step // 4)
 
 
 def _ensembles(study: Study, seeds: list[int], folder: Path, quiet: bool, say: Say) -> None:
