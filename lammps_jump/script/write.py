@@ -36,7 +36,7 @@ def script_text(
     if kernel == "compiled":
         law = [
             ("contact law", compiled.contact_law(scene)),
-            ("neighbours", blocks.neighbours(scene)),
+            ("neighbours", compiled.neighbours(scene)),
             ("motion, gravity and walls", compiled.motion_and_walls(scene)),
         ]
         probes, schedule = compiled.probes(scene), compiled.schedule(scene)
