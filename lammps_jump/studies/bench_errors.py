@@ -111,6 +111,8 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
 def cheapest(rows: Sequence[dict[str, Any]], quantity: str, accuracy: float) -> dict[str, Any] | None:
     """The quickest row whose error in `quantity` is within `accuracy` and whose floor lets one say so; else None.
 
+    Rows with another stiffness or disc size are other flows, whatever their error, and are not chosen.
+
     Parameters
     ----------
     rows : sequence of dict
@@ -118,7 +120,9 @@ def cheapest(rows: Sequence[dict[str, Any]], quantity: str, accuracy: float) -> 
     """
     good = []
     for row in rows:
-        entry = row["errors"].get(quantity)
+        entry, setting = row["errors"].get(quantity), row.get("setting") or {}
+        if setting.get("penetration") is not None or setting.get("diameter") is not None:
+            continue
         if not entry or entry["error"] is None or row["seconds"] is None:
             continue
         if entry["error"] <= accuracy and (entry["floor"] or 0.0) <= accuracy:

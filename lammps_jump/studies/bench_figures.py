@@ -80,6 +80,8 @@ def _name_choices(axes, summary, rows, name: str) -> None:
         point = row["seconds"], 100 * row["errors"][name]["error"]
         axes.plot(*point, "o", markersize=12, markerfacecolor="none", color="#b03a2e", linewidth=1.2)
         axes.annotate(
-            f"{' and '.join(targets)}: {label}", point, xytext=(10, 12 + 14 * index), textcoords="offset points",
-            fontsize=8, color="#b03a2e",
+            f"{' and '.join(targets)}: {label}", point, xytext=(0.02, 0.03 + 0.06 * index),
+            textcoords="axes fraction", fontsize=8, color="#b03a2e",
+            arrowprops={"arrowstyle": "-", "color": "#b03a2e", "linewidth": 0.6},
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},
         )  # fmt: skip
