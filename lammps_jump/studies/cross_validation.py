@@ -77,13 +77,7 @@ class Study:
 
 
 KNOWN_LIMIT = 1e-3
-"""A difference that is expected is still a failure beyond this many diameters."""
-KNOWN_DIFFERENCES = {
-    ("gate", "stock"): "stock LAMMPS starts a second run when the gate opens and evaluates the forces of that step "
-    "anew, with the velocities of the full step: one half kick of one step differs, the native engine and the "
-    "compiled kernel go straight on",
-}
-"""Scenes in which the engines are not meant to agree to round-off, with the reason."""
+"""A difference that chaos explains is still a failure beyond this many diameters."""
 
 
 def cross_validate(
@@ -180,7 +174,7 @@ def _prepare(path: str | Path, assignments: list[str], kernel: str) -> Study:
         )
     engine, more = choose_engine(kernel, scene)
     return Study(
-        name=loaded.case.name, scene=scene, loaded=loaded, engine=engine, checks=[], known=dict(KNOWN_DIFFERENCES),
+        name=loaded.case.name, scene=scene, loaded=loaded, engine=engine, checks=[], known={},
         divergence=None, members={}, quantities={}, comparison=None, laws={}, criteria=[], notes=[*notes, *more],
     )  # fmt: skip
 
@@ -232,8 +226,6 @@ def _disc_by_disc(study: Study, say: Say, work: float) -> None:
     scenes += [(friction_scene("sign"), kernel) for kernel in kernels if kernel[0] == "compiled"]
     developed = developed_scene(study.scene, work=10 * work)
     scenes += [(scene, kernel) for scene in (study.scene, developed) for kernel in kernels]
-    if study.scene.gates:
-        study.known[(study.scene.name, "stock")] = KNOWN_DIFFERENCES[("gate", "stock")]
     for scene, (kernel, plugin) in scenes:
         check = check_scene(scene, kernel=kernel, plugin=plugin)
         study.checks.append(check)
