@@ -11,7 +11,7 @@ import numpy as np
 from ..case import load_case
 from ..case.load import LoadedCase
 from ..case.to_scene import build_scene
-from ..errors import DumpError, JumpError
+from ..errors import DumpError, JumpError, RunInterrupted
 from ..run_result import RunResult
 from ..scene import Scene
 from .bench_settings import Setting
@@ -62,6 +62,11 @@ def run_setting(
     -------
     dict
         status, message, cpu_seconds, wall_seconds, steps, disc_steps, breakdown (s), measures.
+
+    Raises
+    ------
+    RunInterrupted
+        Where the user ended the run.
     """
     own = load_case(path, assignments).case
     texts = [*assignments, *setting.assignments(own.discs.diameter)]
@@ -73,6 +78,8 @@ def run_setting(
         return {"status": "refused", "message": str(error), "measures": {}}
     with tempfile.TemporaryDirectory(dir=work) as folder:
         result, watch = execute(scene, Path(folder), setting.kernel, setting.ranks)
+        if result.status == "interrupted":  # no result to be stored: the study ends here
+            raise RunInterrupted("the study was ended; what it had is kept, and the same command goes on from there")
         measures: dict[str, Any] = {}
         message = result.message
         if result.status == "complete":

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -125,6 +126,24 @@ def test_key_tells_settings_apart():
     one = Setting("stock", 0.05)
     assert one.key("case") == Setting("stock", 0.05).key("case")
     assert len({one.key("case"), one.key("other"), replace(one, skin=0.1).key("case"), one.key("case", 1)}) == 4
+
+
+def test_an_interrupted_run_ends_the_study_and_is_not_stored(tmp_path, monkeypatch):
+    from lammps_jump.errors import RunInterrupted
+    from lammps_jump.studies import bench_runs
+    from lammps_jump.studies.timing import Stopwatch
+
+    path = tmp_path / "case.yaml"
+    path.write_text(
+        "name: t\ngravity: 0\ndiscs: {diameter: 0.4}\ncontact: {restitution: 0.5, impact_speed: 5}\n"
+        "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
+    )
+    ended = SimpleNamespace(status="interrupted", message="ended")
+    monkeypatch.setattr(bench_runs, "execute", lambda *_, **__: (ended, Stopwatch()))
+    store = Store(tmp_path / "bench.json")
+    with pytest.raises(RunInterrupted, match="goes on from there"):
+        store.piece("a", lambda: bench_runs.run_setting(path, [], Setting("native", 0.05), 0))
+    assert not store.pieces
 
 
 def test_table_names_choices():
