@@ -21,6 +21,8 @@ def draw_all(data: dict[str, Any], folder: Path) -> list[Path]:
 
 def draw_quantity(data: dict[str, Any], name: str, folder: Path) -> Path:
     """Run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band."""
+    from matplotlib.ticker import LogLocator
+
     from ..analysis.figures import new_figure, save, style
 
     summary = data["quantities"][name]
@@ -51,12 +53,17 @@ def draw_quantity(data: dict[str, Any], name: str, folder: Path) -> Path:
         axes.set_xscale("log")
         axes.set_yscale("log")
         if summary["floor"]:
-            low = axes.get_ylim()[0]
-            axes.axhspan(min(low, 50 * summary["floor"]), 100 * summary["floor"], color="#eeeeee", zorder=0)
+            low = min(axes.get_ylim()[0], 50 * summary["floor"])
+            axes.set_ylim(bottom=low)
+            axes.axhspan(low, 100 * summary["floor"], color="#eeeeee", zorder=0)
             axes.annotate(
                 "scatter of the ensembles: nothing can be told apart below", (0.02, 100 * summary["floor"]),
                 xycoords=("axes fraction", "data"), fontsize=7, va="top", color="#666666",
             )  # fmt: skip
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter("")
         _name_choices(axes, summary, rows, name)
         axes.set_xlabel("processor time of the run (s)")
         axes.set_ylabel("error (%)")
@@ -80,7 +87,7 @@ def _name_choices(axes, summary, rows, name: str) -> None:
         point = row["seconds"], 100 * row["errors"][name]["error"]
         axes.plot(*point, "o", markersize=12, markerfacecolor="none", color="#b03a2e", linewidth=1.2)
         axes.annotate(
-            f"{' and '.join(targets)}: {label}", point, xytext=(0.02, 0.03 + 0.06 * index),
+            f"{' and '.join(targets)}: {label}", point, xytext=(1.02, 0.95 - 0.07 * index),
             textcoords="axes fraction", fontsize=8, color="#b03a2e",
             arrowprops={"arrowstyle": "-", "color": "#b03a2e", "linewidth": 0.6},
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},

@@ -88,9 +88,10 @@ def _thermo(text: str, scene: Scene) -> str:
 
 
 def _frames(text: str, scene: Scene) -> str:
-    # a divisor, so that the last frame is of the same step
-    every = next(n for n in range(max(1, scene.output_steps // 10), 0, -1) if scene.output_steps % n == 0)
-    return re.sub(r"(?m)^(dump +frames all \S+) \d+", rf"\g<1> {every}", text)
+    # into a second file, so that the frames that are compared stay the same
+    every = max(1, scene.output_steps // 10)
+    more = rf"\1\ndump more all custom {every} more.lammpstrj id x y vx vy"
+    return re.sub(r"(?m)^(dump +frames .*)$", more, text)
 
 
 def _skin(share: float) -> Callable[[str, Scene], str]:
