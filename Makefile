@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/hydraulic_jump.yaml
 
-.PHONY: run test check bench stress cross-validation sensitivity lint doctor clean
+.PHONY: run test check bench stress cross-validation sensitivity calibrate lint doctor clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -29,6 +29,12 @@ stress: $(VENV)/.ready
 
 cross-validation: $(VENV)/.ready
 	for scene in energy_box_16 dam_break quick_jump hydraulic_jump_frictionless hydraulic_jump; do $(BIN)/lammps-jump cross-validate inputs/$$scene.yaml || exit 1; done
+
+sensitivity: $(VENV)/.ready
+	$(BIN)/lammps-jump sensitivity
+
+calibrate: $(VENV)/.ready
+	$(BIN)/lammps-jump calibrate
 
 lint: $(VENV)/.ready
 	$(BIN)/pip install --quiet ruff && $(BIN)/ruff check . && $(BIN)/ruff format --check .

@@ -15,7 +15,7 @@ from lammps_jump.scene import Scene
 from lammps_jump.summary import plain
 
 from .context import FlowContext, from_scene
-from .dump import Dump, Frame, make_frame, open_dump
+from .dump import Dump, Frame, make_frame, open_dump, require_finite
 from .run_folder import find_dump
 
 if TYPE_CHECKING:
@@ -140,9 +140,9 @@ def analyze_dump(path: Path, context: FlowContext, request: AnalysisRequest, out
         No frame, a malformed dump, a place that cannot be written.
     """
     out = Path(out)
-    out.mkdir(parents=True, exist_ok=True)
     warnings: list[str] = []
     gathered = gather(open_dump(path), context, request, warnings, places=(out, Path(path).parent))
+    out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
     parts, shown = summarise(gathered, request, warnings)
     from .profiles import write_profiles
 
@@ -221,6 +221,7 @@ def gather(
 def _feed(frames: Iterator[Frame], context: FlowContext, takers: list) -> Iterator[Frame]:
     """The same frames, shown to every taker on the way."""
     for frame in frames:
+        require_finite(frame, context.name)
         time = context.time(frame)
         for taker in takers:
             taker.add(frame, time)

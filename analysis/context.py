@@ -12,7 +12,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.scene import Gate, InletRow, Outlet, Scene
 from lammps_jump.walls import Block, Box, Interval, Plane, Wall
 
-from .dump import Dump, Frame
+from .dump import Dump, Frame, require_finite
 
 DIAMETER_COLUMNS = (("diameter", 1.0), ("radius", 2.0))
 
@@ -325,6 +325,8 @@ def from_dump(
         raise DumpError(f"{dump.path}: no frame holds a disc; there is nothing to analyse.")
     fullest = max(range(len(headers)), key=lambda i: headers[i].n)
     frames = list(dump.select({0, fullest, len(headers) - 1}))
+    for looked_at in frames:
+        require_finite(looked_at, dump.path)
     frame = max(frames, key=lambda f: f.n)
     if diameter is None:
         diameter = _guess_diameter(frame, notes)

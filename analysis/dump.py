@@ -305,6 +305,19 @@ def make_frame(step: int, time: float | None, box, columns: Mapping[str, np.ndar
     return Frame(int(step), None if time is None else float(time), bounds, _frozen(arrays))
 
 
+def require_finite(frame: Frame, source: object) -> Frame:
+    """The frame itself; DumpError where a position or velocity is no number, naming step and disc."""
+    for name in ("x", "y", "vx", "vy"):
+        values = frame.columns.get(name)
+        if values is not None and not np.isfinite(values).all():
+            row = int(np.flatnonzero(~np.isfinite(values))[0])
+            raise DumpError(
+                f"{source}: step {frame.step}, row {row + 1} of the frame: {name} is {values[row]}, not a number; the "
+                "run that wrote it blew up: lower its time step, or analyse the frames before"
+            )
+    return frame
+
+
 def ten_indices(count: int, pictures: int = 10) -> list[int]:
     """Indices of equally spaced frames out of `count`, the first and the last among them."""
     return sorted({round(i) for i in np.linspace(0, count - 1, min(pictures, count))}) if count else []

@@ -11,6 +11,9 @@ from lammps_jump import theory
 from .context import FlowContext
 from .jump import JumpResult
 
+DEVELOPED_SHARE = 0.7
+"""A front whose depth ratio stays below this share of Bélanger's is still on its way to be a jump."""
+
 
 def inflow_theory(context: FlowContext) -> dict | None:
     """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
@@ -92,6 +95,10 @@ def summarise_jump(result: JumpResult) -> dict:
     }
     summary |= _relations(result, gravity)
     summary["belanger_deviation"] = summary["sequent_ratio"] / summary["belanger_ratio"] - 1
+    if summary["verdict"] == "jump" and summary["sequent_ratio"] < DEVELOPED_SHARE * summary["belanger_ratio"]:
+        share = 100 * summary["sequent_ratio"] / summary["belanger_ratio"]
+        summary["verdict"] = "jump not developed"
+        summary["reason"] += f" The depth ratio is {share:.0f} % of Bélanger's: the flow behind is still filling up."
     summary |= _lengths(result, froude, s1, s2)
     summary |= _energy(result, gravity)
     terms = result.balance

@@ -74,7 +74,7 @@ def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say
     folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
     parts = analyze_dump(path, context, AnalysisRequest(bin_width=bin_width, jump=True, front=True), folder)
     write_summary(folder, {"name": path.name, **parts})
-    for note in getattr(context, "notes", ()):
+    for note in (*getattr(context, "notes", ()), *parts.get("warnings", ())):
         say(f"note: {note}")
     say(f"results are in {folder}")
     return parts
@@ -85,6 +85,7 @@ def animate_target(target: Path, out: Path | None, fps: int) -> Path:
     from .analysis.animate import animate
     from .analysis.context import from_dump, from_scene
     from .analysis.dump import open_dump
+    from .analysis.run_folder import read_forces
 
     if not target.exists():
         raise DumpError(f"{target}: no such run folder or dump")
@@ -98,7 +99,8 @@ def animate_target(target: Path, out: Path | None, fps: int) -> Path:
         from .case.to_scene import build_scene
 
         context = from_scene(build_scene(load_case(path.parent / "case.yaml")))
-        forces = path.parent / "forces.csv" if (path.parent / "forces.csv").exists() else None
+        if (path.parent / "forces.csv").exists():
+            forces = read_forces(path.parent / "forces.csv")
     else:
         context = from_dump(dump)
     destination = out or path.parent / "animation.mp4"

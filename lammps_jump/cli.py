@@ -19,6 +19,24 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from .summary import versions
+
+        print(f"lammps-jump {versions().get('lammps_jump', '?')}")
+        raise typer.Exit()
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """Free-surface flow with discs: one YAML case in; a LAMMPS script, a run, profiles, figures and a report out."""
+
+
 CaseFile = Annotated[
     Path, typer.Argument(help="Case file (YAML); inputs/ holds one for each scene.", show_default=False)
 ]

@@ -289,10 +289,6 @@ def _steady_watch(prepared: Prepared):
     run = prepared.loaded.case.run
     if not run.stop_when_steady or not prepared.scene.inlets:
         return None
-    if run.dump_format != "text":
-        raise prepared.loaded.source.error(
-            "run.stop_when_steady", f"reads text dumps as they grow; run.dump_format is {run.dump_format}"
-        )
     from .analysis.context import from_scene
     from .steady_watch import SteadyWatch, studied_reach
 

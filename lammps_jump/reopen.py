@@ -35,9 +35,27 @@ def reopen(folder: Path, assignments: list[str] | None = None) -> Prepared:
 def reanalyse(folder: Path, assignments: list[str], quiet: bool) -> dict[str, Any]:
     """Analyse a run folder again (``--set analysis.…`` may ask for other things) and rewrite summary and report."""
     prepared = reopen(folder, assignments)
-    stored = summaries.read_summary(folder) or {}
+    stored = summaries.read_summary(folder)
+    result = _cut_off(prepared) if stored is None else _as_stored(stored, prepared)
+    stored = stored or {}
+    begin = time.perf_counter()
+    parts = analyse(prepared, result, quiet)
+    seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
+    seconds["analysis"] = time.perf_counter() - begin
+    if result.status == "interrupted" and result.message:
+        parts.setdefault("warnings", []).append(result.message)
+    summary = compose(prepared, result, seconds, parts)
+    summary["case_hash"] = stored.get("case_hash", prepared.hash)
+    (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
+    summaries.write_summary(folder, summary)
+    report(prepared, summary)
+    return summary
+
+
+def _as_stored(stored: dict[str, Any], prepared: Prepared) -> RunResult:
+    """The result of the run as its summary holds it."""
     discs = stored.get("discs") or {}
-    result = RunResult(
+    return RunResult(
         engine=stored.get("engine", prepared.loaded.case.engine.name),
         kernel=stored.get("kernel", prepared.kernel),
         status=stored.get("status", "unknown"),
@@ -53,13 +71,42 @@ def reanalyse(folder: Path, assignments: list[str], quiet: bool) -> dict[str, An
         ledger=stored.get("ledger"),
         breakdown=stored.get("breakdown_seconds") or {},
     )
-    begin = time.perf_counter()
-    parts = analyse(prepared, result, quiet)
-    seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
-    seconds["analysis"] = time.perf_counter() - begin
-    summary = compose(prepared, result, seconds, parts)
-    summary["case_hash"] = stored.get("case_hash", prepared.hash)
-    (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
-    summaries.write_summary(folder, summary)
-    report(prepared, summary)
-    return summary
+
+
+def _cut_off(prepared: Prepared) -> RunResult:
+    """What can be said of a run that was killed before it wrote a summary: from its log, else from its dump."""
+    from .analysis.run_folder import open_run_dump
+    from .lammps_engine.log import read_log
+    from .lammps_engine.run import gather_forces
+
+    scene, folder = prepared.scene, prepared.folder
+    log = read_log(folder / "log.lammps")
+    if log.step:
+        gather_forces(scene, folder)
+        step, disc_steps = log.step, log.disc_steps
+        inserted, present, removed = max(len(scene.positions), log.highest_id), log.discs, log.removed
+    else:
+        step, disc_steps, highest, present = 0, 0.0, len(scene.positions), 0
+        for frame in open_run_dump(folder):
+            disc_steps += 0.5 * (present + frame.n) * (frame.step - step)
+            step, present = frame.step, frame.n
+            highest = max(highest, int(frame.ids.max(initial=0)))
+        inserted, removed = highest, highest - present
+    message = (
+        f"the run was cut off after t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s and left "
+        "no summary; "
+        "discs are counted from what it wrote"
+    )
+    return RunResult(
+        engine=prepared.loaded.case.engine.name,
+        kernel=prepared.kernel,
+        status="interrupted",
+        message=message,
+        steps=step,
+        disc_steps=disc_steps,
+        inserted=inserted,
+        present=present,
+        removed=removed,
+        lost=inserted - present - removed,
+        seconds=0.0,
+    )

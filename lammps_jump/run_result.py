@@ -59,3 +59,11 @@ class RunResult:
     versions: dict[str, str] = field(default_factory=dict)
     ledger: dict[str, float] | None = None
     breakdown: dict[str, float] = field(default_factory=dict)
+
+
+def interruption(time: float, end: float, folder: object) -> str:
+    """What to tell the user of a run that was ended before its end: when, what is kept, how to go on."""
+    return (
+        f"the run was ended at t = {time:.4g} s of {end:.4g} s; the frames up to there are kept "
+        f"in {folder}: `lammps-jump analyze {folder}` looks at them, the same command with --force starts anew"
+    )

@@ -33,7 +33,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
-    case = loaded.case
+    case, source = loaded.case, loaded.source
     integrator = _integrator(loaded)
     penetration, impact_speed, stiffness = _stiffness(case)
     coefficients = contact.derive(
@@ -84,6 +84,12 @@ def build_scene(loaded: LoadedCase) -> Scene:
     touch_width = 0.0
     if case.contact.touch == "smooth":
         touch_width = case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
+    if case.run.stop_when_steady and case.run.dump_format != "text":
+        raise source.error(
+            "run.stop_when_steady",
+            f"reads text dumps as they grow; run.dump_format is {case.run.dump_format}: use text",
+        )
+    _check_size(loaded, steps, len(positions), domain)
     if case.run.stop_when_steady and not inlets:
         warnings.append("stop_when_steady has no effect: without inflow rows a flow does not become steady")
     scene = Scene(
@@ -126,6 +132,32 @@ def _frozen(array: np.ndarray) -> np.ndarray:
     return array
 
 
+MOST_STEPS = 2_000_000_000
+"""LAMMPS counts steps of one run and insertions in 32 bits."""
+MOST_DISCS = 20_000_000
+MOST_BINS = 100_000
+
+
+def _check_size(loaded: LoadedCase, steps: int, discs: int, domain) -> None:
+    """Refuse what no run could finish, before it starts."""
+    case, source = loaded.case, loaded.source
+    if steps > MOST_STEPS:
+        raise source.error(
+            "run.duration",
+            f"{case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, raise "
+            "run.time_step_fraction or lower the stiffness",
+        )
+    if discs > MOST_DISCS:
+        raise source.error("initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs")
+    width = case.analysis.bin_width
+    length = domain[0][1] - domain[0][0]
+    if width is not None and length / width > MOST_BINS:
+        raise source.error(
+            "analysis.bin_width",
+            f"{width:g} m would make {length / width:.0f} bins over {length:g} m; allowed are {MOST_BINS}: widen it",
+        )
+
+
 def _integrator(loaded: LoadedCase) -> str:
     case, source = loaded.case, loaded.source
     engine, wanted = case.engine.name, case.run.integrator
@@ -160,6 +192,8 @@ def _stiffness(case: Case) -> tuple[float, float, float]:
 def _check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, integrator: str) -> list[str]:
     fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
     if fraction > limit and not loaded.case.run.allow_unstable:
+        # the correction softens the dashpot with f: what is allowed for sure is the limit without it
+        limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
         raise loaded.source.error(
             "run.time_step_fraction",
             f"{fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of 2/omega for {integrator} at "
@@ -168,6 +202,12 @@ def _check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, int
         )
     given = loaded.case.contact
     found = slip_warnings(coefficients, given.friction_law, given.rotation)
+    if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
+        found.append(
+            f"time_step_fraction {fraction:g} is stable, but at restitution {coefficients.restitution:g} the "
+            "kink at first "
+            "touch heats the discs from 0.2 on; use 0.1 or less, or contact.touch: smooth"
+        )
     if fraction > 0.8 * limit:
         found.insert(
             0,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import SetupError
-from ..run_result import Progress, ProgressCallback, RunResult
+from ..run_result import Progress, ProgressCallback, RunResult, interruption
 from ..scene import Scene
 from ..script.blocks import raw_forces
 from .diagnose import explain
@@ -79,7 +79,7 @@ def run_lammps(
         else:
             outcome = _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop)
     seconds = time.perf_counter() - begin
-    _gather_forces(scene, folder)
+    gather_forces(scene, folder)
     return _result(scene, folder, kernel, outcome, read_log(folder / "log.lammps"), seconds)
 
 
@@ -214,8 +214,8 @@ def _end(process: subprocess.Popen) -> None:
         process.wait()
 
 
-def _gather_forces(scene: Scene, folder: Path) -> None:
-    """One ``forces.csv`` from the files of the structures, in order of time; their rows before the first step go."""
+def gather_forces(scene: Scene, folder: Path) -> None:
+    """Make one ``forces.csv`` of the structures' files, in order of time, without their rows before the first step."""
     rows = []
     for order, name in enumerate(scene.probes):
         raw = folder / raw_forces(name)
@@ -236,11 +236,7 @@ def _result(scene: Scene, folder: Path, kernel: str, outcome: _Outcome, log: Log
     status, message = "complete", ""
     if outcome.interrupted:
         status = "interrupted"
-        message = (
-            f"the run was ended at t = {log.time:.4g} s of {scene.time(scene.steps):.4g} s; the frames up to "
-            "there are kept "
-            f"in {folder}: `lammps-jump analyze {folder}` looks at them, the same command with --force starts anew"
-        )
+        message = interruption(log.time, scene.time(scene.steps), folder)
     elif outcome.error:
         status, message = "failed", explain(outcome.error, scene, folder, outcome.state)
         if match := re.search(r"Lost atoms: original (\d+) current (\d+)", outcome.error):

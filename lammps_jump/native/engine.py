@@ -11,7 +11,7 @@ from pathlib import Path
 from time import perf_counter
 
 from ..errors import CaseError, RunError
-from ..run_result import Progress, ProgressCallback, RunResult
+from ..run_result import Progress, ProgressCallback, RunResult, interruption
 from ..scene import Scene
 from .cells import CellSimulation
 from .output import DumpWriter, Frame, write_forces
@@ -135,11 +135,11 @@ def simulate(
                     progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
                 if should_stop is not None and should_stop():
                     status = "interrupted"
-                    message = f"stopped on request at step {simulation.step} of {scene.steps}; what there is was kept"
+                    message = interruption(scene.time(simulation.step), scene.time(scene.steps), folder or "memory")
                     break
     except KeyboardInterrupt:
         status = "interrupted"
-        message = f"interrupted at step {simulation.step} of {scene.steps}; what there is was kept"
+        message = interruption(scene.time(simulation.step), scene.time(scene.steps), folder or "memory")
     except RunError as error:
         status, message = "failed", str(error)
     finally:

@@ -77,11 +77,16 @@ def motion(scene: Scene) -> list[str]:
         f"timestep        {number(scene.time_step)}",
         f"fix             motion all {'nve/sphere disc' if scene.rotation else 'nve'}",
     ]
+    return lines + gravity(scene)
+
+
+def gravity(scene: Scene) -> list[str]:
+    """Gravity, where there is some."""
     gx, gy = scene.gravity
     strength = (gx**2 + gy**2) ** 0.5
-    if strength:
-        lines.append(f"fix             gravity all gravity {number(strength)} vector {number(gx)} {number(gy)} 0")
-    return lines
+    if not strength:
+        return []
+    return [f"fix             gravity all gravity {number(strength)} vector {number(gx)} {number(gy)} 0"]
 
 
 def _wall_law(scene: Scene) -> str:
@@ -180,6 +185,9 @@ def guards(scene: Scene) -> list[str]:
         "compute         gap all reduce min c_gaps inputs local",
         f"variable        overlap equal {number(scene.diameter)}-c_gap",
         f"fix             guard_overlap all halt {every} v_overlap > {number(scene.overlap_limit)} error hard",
+        # a comparison with NaN is false: the sum of all positions must be a number
+        "variable        finite equal xcm(all,x)+xcm(all,y)<1e300",
+        f"fix             guard_finite all halt {every} v_finite == 0 error hard",
         "variable        height atom abs(z)",
         "compute         height all reduce max v_height",
         "variable        height_max equal c_height",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..scene import Scene
 from ..walls import Block, Plane, Wall
-from .blocks import GUARDS_PER_FRAME, inlets, number, raw_forces
+from .blocks import GUARDS_PER_FRAME, gravity, inlets, number, raw_forces
 
 GLOBAL_VALUES = 9
 """Length of the fix' vector before the probes' values."""
@@ -52,7 +52,9 @@ def motion_and_walls(scene: Scene) -> list[str]:
     c = scene.coefficients
     lines = [f"timestep        {number(scene.time_step)}"]
     words = ["fix             motion all jump/step"]
-    if any(scene.gravity):
+    if scene.pours:  # fix pour wants the stock gravity fix: it reckons the fall from it
+        lines += gravity(scene)
+    elif any(scene.gravity):
         words.append(f"gravity {number(scene.gravity[0])} {number(scene.gravity[1])}")
     words.append(
         f"k_wall {number(c.stiffness_wall)} gamma_wall {number(c.gamma_normal_wall)} "
@@ -97,6 +99,9 @@ def guards(scene: Scene) -> list[str]:
     return [
         f"variable        overlap equal f_motion[{OVERLAP}]",
         f"fix             guard_overlap all halt {every} v_overlap > {number(scene.overlap_limit)} error hard",
+        # a comparison with NaN is false: the sum of all positions must be a number
+        "variable        finite equal xcm(all,x)+xcm(all,y)<1e300",
+        f"fix             guard_finite all halt {every} v_finite == 0 error hard",
     ]
 
 

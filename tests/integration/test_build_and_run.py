@@ -304,3 +304,60 @@ def test_build_then_run(tmp_path):
 
 def test_interruption_is_an_error_of_its_own():
     assert issubclass(RunInterrupted, RunError) and RunInterrupted.exit_status == 1
+
+
+POUR = """\
+name: pour
+discs: {diameter: 0.1, density: 1000}
+contact: {restitution: 0.3, friction: 0.2, impact_speed: 6}
+walls: [{name: tank, kind: box, x: [0, 1.5], y: [0, 6]}]
+domain: {x: [-0.5, 2], y: [-0.5, 6.5]}
+inflow: {kind: pour, x: [0.1, 1.4], y: [4, 5.5], count: 60, volume_fraction: 0.3}
+run: {duration: 3, time_step_fraction: 0.1, output_interval: 0.5}
+"""
+
+
+@pytest.mark.parametrize("engine", ["stock", "compiled", "native"])
+def test_poured_discs_all_come_and_stay(tmp_path, engine):
+    """Places differ (each engine draws its own), the count does not; masses are the case's."""
+    if engine == "compiled":
+        from lammps_jump.kernels.build import availability
+
+        if not availability().available:
+            pytest.skip(availability().reason)
+    (tmp_path / "pour.yaml").write_text(POUR)
+    choice = "engine.name=native" if engine == "native" else f"engine.kernel={engine}"
+    summary = pipeline.build_and_run(
+        tmp_path / "pour.yaml", out=tmp_path / "run", assignments=[choice], quiet=True, say=lambda text: None
+    )
+    assert summary["discs"] == {"inserted": 60, "present": 60, "removed": 0, "lost": 0}
+
+
+def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
+    from lammps_jump.reopen import reanalyse
+
+    job("quick_jump", tmp_path, "run.duration=1")
+    whole = json.loads((tmp_path / "summary.json").read_text())
+    (tmp_path / "summary.json").unlink()  # a killed run writes none
+    found = reanalyse(tmp_path, [], quiet=True)
+    assert found["status"] == "interrupted" and found["discs"] == whole["discs"] and found["steps"] == whole["steps"]
+    assert any("cut off" in text for text in found["warnings"])
+
+
+def test_film_of_a_run_with_forces(tmp_path):
+    from lammps_jump.analyze_command import animate_target
+
+    job("dam_break", tmp_path, "run.duration=0.1", "run.output_interval=0.02")
+    for name in ("film.gif", "film.mp4"):
+        assert animate_target(tmp_path, tmp_path / name, 10).stat().st_size > 1000
+
+
+def test_refusal_leaves_an_earlier_result_alone(tmp_path):
+    from lammps_jump.errors import CaseError
+
+    job("energy_box_7", tmp_path, "run.duration=0.5")
+    before = (tmp_path / "summary.json").read_bytes()
+    for wrong in ("run.duration=1e99", "analysis.bin_width=1e-9"):
+        with pytest.raises(CaseError, match="allowed are"):
+            job("energy_box_7", tmp_path, wrong)
+    assert (tmp_path / "summary.json").read_bytes() == before

@@ -222,3 +222,24 @@ def test_unknown_scene_names_the_nearest(monkeypatch, capsys, tmp_path):
 def test_unknown_option_is_a_usage_error(monkeypatch, capsys, tmp_path):
     status, message = attempt(monkeypatch, capsys, tmp_path, "check", "--bogus")
     assert status == 2 and "bogus" in message
+
+
+def test_dump_with_a_nan_is_refused_with_step_and_row(monkeypatch, capsys, tmp_path):
+    rows = "1 0 0 0 0\n2 nan 1 0 0\n"
+    (tmp_path / "bad.lammpstrj").write_text(
+        "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff pp\n0 2\n0 2\n-1 1\n"
+        f"ITEM: ATOMS id x y vx vy\n{rows}"
+    )
+    for extra in ([], ["--diameter", "0.1"]):
+        status, message = attempt(monkeypatch, capsys, tmp_path, "analyze", "bad.lammpstrj", *extra)
+        assert status == 2 and "step 7" in message and "nan" in message and "Traceback" not in message
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.lammpstrj"]
+
+
+def test_steady_stop_wants_a_text_dump(monkeypatch, capsys, tmp_path):
+    (tmp_path / "case.yaml").write_text(
+        GOOD.replace("duration: 0.01", "duration: 0.01, stop_when_steady: true, dump_format: gz")
+    )
+    status, message = attempt(monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", "--kernel", "stock")
+    assert status == 2 and "run.stop_when_steady" in message
+    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
