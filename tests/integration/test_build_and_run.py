@@ -6,6 +6,7 @@ import json
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -361,3 +362,23 @@ def test_refusal_leaves_an_earlier_result_alone(tmp_path):
         with pytest.raises(CaseError, match="allowed are"):
             job("energy_box_7", tmp_path, wrong)
     assert (tmp_path / "summary.json").read_bytes() == before
+
+
+@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+def test_positions_that_are_no_numbers_end_the_run(tmp_path, kernel):
+    """Two discs at one place have no normal: LAMMPS itself would run on with NaN to a complete end."""
+    plugin = None
+    if kernel == "compiled":
+        from lammps_jump.kernels.build import availability, plugin_path
+
+        if not availability().available:
+            pytest.skip(availability().reason)
+        plugin = plugin_path()
+    scene = build_scene(load_case(INPUTS / "energy_box_7.yaml", ["run.duration=1"]))
+    together = scene.positions.copy()
+    together[1] = together[0]
+    scene = replace(scene, positions=together)
+    write_script(scene, tmp_path, kernel=kernel, plugin=plugin)
+    result = run_lammps(scene, tmp_path, kernel=kernel, plugin=plugin)
+    assert result.status == "failed"
+    assert "no longer a number" in result.message or "overlap too deeply" in result.message
