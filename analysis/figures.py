@@ -73,7 +73,8 @@ def save(figure: Figure, path: str | Path) -> Path:
     path = Path(path)
     try:
         with style():
-            figure.savefig(path)
+            # level 3 packs a figure in half the time of zlib's default, for files a tenth larger
+            figure.savefig(path, **({"pil_kwargs": {"compress_level": 3}} if path.suffix == ".png" else {}))
     except (OSError, ValueError) as error:
         raise DumpError(f"{path}: the figure cannot be written ({error}).") from error
     return path
