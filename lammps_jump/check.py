@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from . import contact, theory
-from .case import load_case
+from .accuracy import load_with_accuracy
 from .case.models import Case, RowsInflow
 from .case.to_scene import build_scene
 from .scene import Scene
@@ -18,11 +18,7 @@ Row = tuple[str, str, float | int | str | None, str]
 
 def check_case(path: Path, assignments: list[str], *, as_json: bool = False) -> str:
     """Text (or JSON) of the table; raises as `load_case` and `build_scene` do."""
-    loaded, chosen = load_case(path, assignments), ()
-    if loaded.case.run.accuracy is not None:
-        from .pipeline import load_with_accuracy
-
-        loaded, chosen = load_with_accuracy(path, assignments)
+    loaded, chosen = load_with_accuracy(path, assignments)
     scene = build_scene(loaded)
     scene = replace(scene, warnings=(*scene.warnings, *chosen))
     if as_json:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from . import summary as summaries
-from .case import LoadedCase, case_hash, load_case, resolved_yaml
+from .accuracy import load_with_accuracy
+from .case import LoadedCase, case_hash, resolved_yaml
 from .case.to_scene import build_scene
 from .check import inflow_theory
 from .errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
@@ -82,24 +83,6 @@ def prepare(path: str | Path, assignments: list[str], out: Path | None) -> Prepa
     folder = out or Path("runs") / loaded.case.name
     kernel, plugin, ranks, notes = _engine_choice(loaded, scene)
     return Prepared(loaded, scene, folder, kernel, ranks, plugin, (*chosen, *notes))
-
-
-def load_with_accuracy(path: str | Path, assignments: list[str]) -> tuple[LoadedCase, tuple[str, ...]]:
-    """Load a case; where it asks for an accuracy, with the cheapest setting that is shown to meet it, and why.
-
-    Raises
-    ------
-    CaseError
-    """
-    loaded = load_case(path, assignments)
-    if loaded.case.run.accuracy is None:
-        return loaded, ()
-    from .kernels.build import availability
-    from .studies.calibration_store import choose_setting
-
-    usable = ["stock", "native", *(["compiled"] if availability().available else [])]
-    choice = choose_setting(loaded.case, loaded.case.run.accuracy, usable=usable)
-    return load_case(path, [*assignments, *choice.assignments]), (choice.reason,)
 
 
 def _engine_choice(loaded: LoadedCase, scene: Scene) -> tuple[str, Path | None, int, list[str]]:

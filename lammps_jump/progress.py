@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from math import isnan
 from typing import TextIO
 
 from .run_result import Progress
@@ -62,7 +63,7 @@ class ProgressLine:
 
 
 def _duration(seconds: float) -> str:
-    if not seconds == seconds:
+    if isnan(seconds):
         return "?"
     if seconds < 90:
         return f"{seconds:.0f} s"

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import SetupError
-from ..run_result import Progress, ProgressCallback, RunResult, interruption
+from ..run_result import FORCES_HEADER, Progress, ProgressCallback, RunResult, interruption
 from ..scene import Scene
 from ..script.blocks import raw_forces
 from .diagnose import explain
@@ -22,7 +22,6 @@ from .loader import load_lammps, program, wheel_version
 from .log import LogSummary, read_log
 
 POLL_SECONDS = 0.1
-HEADER = "time,structure,fx,fy,moment"
 
 
 @dataclass
@@ -222,11 +221,11 @@ def gather_forces(scene: Scene, folder: Path) -> None:
         if not raw.exists():
             continue
         for line in raw.read_text().splitlines()[2:]:
-            if line.count(",") == HEADER.count(","):  # the last line of a run that was ended may be torn
+            if line.count(",") == FORCES_HEADER.count(","):  # the last line of a run that was ended may be torn
                 rows.append((float(line.split(",", 1)[0]), order, line))
         raw.unlink()
     if scene.probes:
-        (folder / "forces.csv").write_text("\n".join([HEADER, *(line for *_, line in sorted(rows))]) + "\n")
+        (folder / "forces.csv").write_text("\n".join([FORCES_HEADER, *(line for *_, line in sorted(rows))]) + "\n")
 
 
 def _result(scene: Scene, folder: Path, kernel: str, outcome: _Outcome, log: LogSummary, seconds: float) -> RunResult:

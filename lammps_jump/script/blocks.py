@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from ..run_result import DUMP_NAMES, FORCES_HEADER
 from ..scene import Gate, Scene
 from ..walls import Block, Box, Plane, Wall
 
-DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
 FAR = 1e4
@@ -238,7 +238,7 @@ def probes(scene: Scene) -> list[str]:
             f"variable        fy_{name} equal -({'+'.join(along[1::2])})",
             f"variable        mz_{name} equal -f_moment_{name}",
             f'fix             write_{name} all print {n} "{row}" &',
-            f'                file {raw_forces(name)} screen no title "time,structure,fx,fy,moment"',
+            f'                file {raw_forces(name)} screen no title "{FORCES_HEADER}"',
         ]
     return lines
 

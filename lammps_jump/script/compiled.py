@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..run_result import FORCES_HEADER
 from ..scene import Scene
 from ..walls import Block, Plane, Wall
 from .blocks import GUARDS_PER_FRAME, gravity, inlets, number, raw_forces
@@ -88,7 +89,7 @@ def probes(scene: Scene) -> list[str]:
         row = f"${{clock}},{name},${{fx_{name}}},${{fy_{name}}},${{mz_{name}}}"
         lines += [
             f'fix             write_{name} all print {scene.probe_steps} "{row}" &',
-            f'                file {raw_forces(name)} screen no title "time,structure,fx,fy,moment"',
+            f'                file {raw_forces(name)} screen no title "{FORCES_HEADER}"',
         ]
     return lines
 
