@@ -14,7 +14,7 @@ AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
 FRACTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
 QUICK_FRACTIONS = (0.05, 0.1, 0.2)
 PENETRATIONS = (5.0, 10.0, 20.0, 40.0)
-SKINS = (0.1, 0.2, 0.3, 0.5)
+SKINS = (0.1, 0.2, 0.3, 0.5, 0.7)
 
 
 @dataclass(frozen=True)
