@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
@@ -11,7 +12,6 @@ from lammps_jump.studies import bench_skips, stress_limits
 from lammps_jump.studies.bench_command import run_bench
 
 pytestmark = pytest.mark.lammps
-INPUTS = Path(__file__).parents[2] / "inputs"
 
 
 def silent(text):

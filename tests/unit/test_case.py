@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import INPUTS
 
 from lammps_jump.case import case_hash, load_case, parse_case, resolved_yaml
 from lammps_jump.case.to_scene import build_scene
@@ -17,7 +17,6 @@ from lammps_jump.errors import CaseError
 from lammps_jump.scenes import scene_names, scene_text
 from lammps_jump.walls import Plane
 
-INPUTS = Path(__file__).parents[2] / "inputs"
 SMALL = """\
 discs: {{diameter: {diameter}}}
 contact: {{restitution: 0.5, impact_speed: 10}}

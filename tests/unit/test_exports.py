@@ -6,7 +6,6 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.context import FlowContext
 from lammps_jump.analysis.dump import make_frame, open_dump, ten_indices
 from lammps_jump.analysis.dump_write import DumpWriter
 from lammps_jump.analysis.exports import (
@@ -20,16 +19,12 @@ from lammps_jump.analysis.exports import (
 from lammps_jump.analysis.fields import compute_fields
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.run_folder import find_dump, open_run_dump, read_forces
+from made_up import flow_context
 
 from lammps_jump.errors import DumpError
 from lammps_jump.walls import Plane
 
-CONTEXT = FlowContext(
-    name="made-up",
-    diameter=0.2,
-    mass=40.0,
-    density=1000.0,
-    gravity=(0.0, -9.81),
+CONTEXT = flow_context(
     domain=((0.0, 2.0), (0.0, 2.0)),
     x_range=(0.0, 2.0),
     walls=(Plane("floor", "y", 0.0, "above"),),

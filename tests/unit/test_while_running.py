@@ -5,10 +5,10 @@ from __future__ import annotations
 import io
 import subprocess
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
@@ -19,8 +19,6 @@ from lammps_jump.live import newest_frame_text
 from lammps_jump.progress import ProgressLine
 from lammps_jump.run_result import Progress
 from lammps_jump.steady_watch import SteadyWatch, steady_window
-
-INPUTS = Path(__file__).parents[2] / "inputs"
 
 
 @pytest.fixture
