@@ -110,7 +110,7 @@ def _fields(gathered: Gathered, request: AnalysisRequest, path: Path, out: Path,
 def _discs_for_paraview(gathered: Gathered, path: Path, out: Path) -> list[str]:
     """Ten frames of discs as .vtp with a .pvd that holds their times."""
     from .exports import write_pvd, write_vtp
-    from .figures import ten_indices
+    from .dump import ten_indices
 
     context = gathered.context
     dump = open_dump(path)
