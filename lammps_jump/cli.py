@@ -297,6 +297,9 @@ def bench(
         bool, typer.Option("--cells", help="CPU time against the cell size of the thesis' search.")
     ] = False,
     skips: Annotated[bool, typer.Option("--skips", help="What each thing left out of a script saves.")] = False,
+    speed: Annotated[
+        bool, typer.Option("--speed", help="Kernels and skins side by side on the developed flow, against stock.")
+    ] = False,
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
     diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
     fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
@@ -310,8 +313,8 @@ def bench(
 
     print(
         run_bench(
-            case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, table=table,
-            diameters=diameters, fractions=fractions, kernels=kernels, assignments=set_ or [], fresh=fresh,
+            case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, speed=speed,
+            table=table, diameters=diameters, fractions=fractions, kernels=kernels, assignments=set_ or [], fresh=fresh,
             say=_say(quiet),
         )
     )  # fmt: skip
