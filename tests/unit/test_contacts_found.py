@@ -1,0 +1,80 @@
+"""The one neighbour search of the analysis, against trying every pair; and which discs a wall touches."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lammps_jump.analysis import cell_grid
+from lammps_jump.analysis.cell_grid import close_pairs
+from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
+from lammps_jump.analysis.contacts_found import face_contacts, find_contacts
+from made_up import disc_frame, flow_context
+
+from lammps_jump.walls import Block, Plane
+
+D, K = 0.2, 1.0e6
+BOX = [[-10, 10], [-10, 10]]
+FLOOR = Plane("floor", "y", 0.0, "above")
+
+
+def every_pair(x, y, reach):
+    i, j = np.triu_indices(len(x), 1)
+    square = (x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2
+    near = (square < reach**2) & (square > 0)
+    return set(zip(i[near].tolist(), j[near].tolist(), strict=True))
+
+
+def as_set(pairs):
+    return {(min(pair), max(pair)) for pair in zip(*(part.tolist() for part in pairs), strict=True)}
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**31), count=st.integers(0, 80), width=st.sampled_from([0.1, 1.0, 50.0, 1e6]))
+def test_pairs_are_those_of_trying_all(seed, count, width):
+    """From all within reach of each other (more pairs than there is room for at first) to far strays."""
+    x, y = np.random.default_rng(seed).uniform(-width, width, (2, count))
+    found = close_pairs(x, y, D)
+    assert as_set(found) == every_pair(x, y, D)
+    assert len(found[0]) == len(as_set(found))  # each once
+
+
+def test_plain_loops_find_the_same(monkeypatch):
+    x, y = np.random.default_rng(5).uniform(0, 2, (2, 60))
+    compiled = close_pairs(x, y, D)
+    monkeypatch.setattr(cell_grid, "_sort_into_cells", cell_grid._sort_into_cells_py)
+    monkeypatch.setattr(cell_grid, "_list_pairs", cell_grid._list_pairs_py)
+    np.testing.assert_array_equal(close_pairs(x, y, D), compiled)
+
+
+def test_sums_are_those_over_the_contacts_found():
+    x, y, vx, vy = np.random.default_rng(6).uniform(0, 1.5, (4, 80))
+    frame = disc_frame(x, y, vx, vy, box=BOX)
+    sill = Block("sill", (0.4, 0.8), (0.0, 0.5))
+    flow = flow_context(
+        domain=((-10, 10), (-10, 10)), x_range=(0, 2), walls=(FLOOR, sill), stiffness=K, stiffness_wall=2 * K,
+        dashpot=300.0, dashpot_wall=200.0, touch="smooth", touch_width=0.03,
+    )  # fmt: skip
+    found = find_contacts(frame, flow)
+    pairs = ~found.is_wall
+    extent = np.abs(found.start[:, 0] - found.end[:, 0])
+    thrust = pair_sums(frame, flow, np.linspace(-1, 3, 9)).thrust
+    assert len(x) < pairs.sum() < found.is_wall.size
+    # bins of half a metre; what is left is the rounding of sums of 1e7 N
+    across = found.force * np.abs(found.normal[:, 0])
+    assert thrust.sum() * 0.5 == pytest.approx(np.sum((across * extent)[pairs]), rel=1e-10)
+    push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.walls)
+    assert push == pytest.approx((found.force[:, None] * found.normal)[found.is_wall].sum(axis=0), rel=1e-12)
+
+
+def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_it_is_not():
+    frame = disc_frame([0.5, 3.0], [-0.01, -0.01], box=BOX)
+    (behind,) = face_contacts(frame, FLOOR, 0.5 * D)
+    assert behind.index.tolist() == [0, 1] and behind.ny.tolist() == [1, 1]
+    assert behind.overlap == pytest.approx(0.11)
+    assert not list(face_contacts(frame, Block("bed", (0, 4), (-1, 0)), 0.5 * D))
+
+
+def test_discs_at_one_place_are_no_contact():
+    frame = disc_frame([1.0, 1.0], [1.0, 1.0], box=BOX)
+    flow = flow_context(domain=((0, 4), (0, 4)), x_range=(0, 4), stiffness=K)
+    assert find_contacts(frame, flow).force.size == 0
