@@ -13,7 +13,7 @@ from numba import njit
 from lammps_jump.walls import Wall
 
 from .cell_grid import close_pairs
-from .contacts_found import face_contacts, spring_force
+from .contacts_found import dashpot_share, face_contacts, spring_force
 from .context import FlowContext
 from .dump import Frame
 
@@ -22,9 +22,10 @@ def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, wid
     """Elastic energy of overlapping pairs (first[p], second[p]); their thrust along x is added to `pressure`.
 
     width is the soft start of a smooth touch (0: sharp): U = k delta^3/(6 s) below s, k (delta^2/2 - s delta/2 +
-    s^2/6) above. pressure[b] gains the mean over the planes x = const of bin b of the force that the discs left
-    of the plane exert on those right of it: each contact acts along the line of centres, so it counts with the
-    share of its x-extent that lies in the bin over the bin's width (method of planes, averaged).
+    s^2/6) above; the dashpot is scaled as in `contacts_found.dashpot_share`. pressure[b] gains the mean over the
+    planes x = const of bin b of the force that the discs left of the plane exert on those right of it: each contact
+    acts along the line of centres, so it counts with the share of its x-extent that lies in the bin over the bin's
+    width (method of planes, averaged).
     """
     energy = 0.0
     bins = pressure.size
@@ -33,18 +34,21 @@ def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, wid
         dx, dy = x[j] - x[i], y[j] - y[i]
         distance = np.sqrt(dx * dx + dy * dy)
         overlap = diameter - distance
-        soft = 1.0
+        share = 1.0
         if width > 0.0 and overlap < width:
-            soft = overlap / width
             energy += stiffness * overlap**3 / (6.0 * width)
-            force = 0.5 * stiffness * overlap * soft
+            force = 0.5 * stiffness * overlap * overlap / width
+            share = np.sqrt(0.75 * overlap / width)
         else:
             energy += stiffness * (0.5 * overlap**2 - 0.5 * width * overlap + width**2 / 6.0)
-            force = stiffness * (overlap - 0.5 * width)
+            beyond = overlap - 0.5 * width
+            force = stiffness * beyond
+            if width > 0.0:
+                share = beyond / np.sqrt(beyond * beyond + width * width / 12.0)
         if bins == 0:
             continue
         approach = -((vx[j] - vx[i]) * dx + (vy[j] - vy[i]) * dy) / distance
-        force += soft * dashpot * approach
+        force += share * dashpot * approach
         push = force * abs(dx) / distance
         left = min(x[i], x[j])
         right = max(x[i], x[j])
@@ -142,7 +146,6 @@ def wall_sums(frame: Frame, wall: Wall, context: FlowContext, *, velocity: bool 
     energy, indices, fxs, fys, sideways = 0.0, [], [], [], False
     top_speed = None
     for index, overlap, nx, ny in face_contacts(frame, wall, context.radius):
-        soft = np.minimum(1.0, overlap / width) if width else np.ones_like(overlap)
         k = context.stiffness_wall
         normal = spring_force(overlap, k, context.touch, width)
         stored = 0.5 * overlap**2 - 0.5 * width * overlap + width**2 / 6.0
@@ -150,7 +153,8 @@ def wall_sums(frame: Frame, wall: Wall, context: FlowContext, *, velocity: bool 
         tangential = np.zeros_like(normal)
         if velocity:
             vx, vy = frame.vx[index], frame.vy[index]
-            normal = normal - soft * context.dashpot_wall * (vx * nx + vy * ny)
+            share = dashpot_share(overlap, context.touch, width)
+            normal = normal - share * context.dashpot_wall * (vx * nx + vy * ny)
             if context.friction:
                 slip = -vx * ny + vy * nx
                 if context.rotation and "omegaz" in frame.columns:

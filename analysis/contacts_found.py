@@ -50,6 +50,19 @@ def spring_force(overlap: np.ndarray, stiffness: float, touch: str, touch_width:
     return stiffness * overlap
 
 
+def dashpot_share(overlap: np.ndarray, touch: str, touch_width: float) -> np.ndarray:
+    """Factor on the dashpot as the engines have it, F/sqrt(2 k E): 1 of a sharp touch.
+
+    Of a smooth one of width s, q = delta - s/2: sqrt(3 delta/(4 s)) below s, q/sqrt(q^2 + s^2/12) beyond. The
+    restitution coefficient is then the same at every speed (docs/kernels.md).
+    """
+    if touch == "smooth" and touch_width > 0:
+        beyond = overlap - 0.5 * touch_width
+        stiff = beyond / np.sqrt(beyond**2 + touch_width**2 / 12.0)
+        return np.where(overlap < touch_width, np.sqrt(0.75 * np.maximum(overlap, 0.0) / touch_width), stiff)
+    return np.ones_like(overlap)
+
+
 class FaceContacts(NamedTuple):
     """Discs that touch one face of a wall: their indices, overlaps (m) and the unit normals of the push on them."""
 
@@ -76,8 +89,8 @@ def face_contacts(frame: Frame, wall: Wall, radius: float) -> Iterator[FaceConta
 def find_contacts(frame: Frame, context: FlowContext, *, damping: bool = True) -> Contacts:
     """Contacts of a frame, friction left out.
 
-    F_n = spring (see `spring_force`) + c delta_dot (thesis 3.11), c delta_dot times min(1, delta/s) with a smooth
-    touch. The dashpot takes the velocities of the dump, which stand at the full step.
+    F_n = spring (see `spring_force`) + c delta_dot (thesis 3.11), c times `dashpot_share`. The dashpot takes the
+    velocities of the dump, which stand at the full step.
 
     Parameters
     ----------
@@ -99,12 +112,10 @@ def find_contacts(frame: Frame, context: FlowContext, *, damping: bool = True) -
     points = np.column_stack([frame.x, frame.y])
     damping = damping and "vx" in frame.columns and "vy" in frame.columns
     velocity = np.column_stack([frame.vx, frame.vy]) if damping else np.zeros_like(points)
-    smooth = context.touch == "smooth" and context.touch_width > 0
+    touch = context.touch, context.touch_width
 
     def normal_force(overlap, closing, stiffness, dashpot):
-        ramp = np.minimum(1.0, overlap / context.touch_width) if smooth else 1.0
-        force = spring_force(overlap, stiffness, context.touch, context.touch_width)
-        return force + dashpot * closing * ramp
+        return spring_force(overlap, stiffness, *touch) + dashpot * dashpot_share(overlap, *touch) * closing
 
     i, j = close_pairs(*(np.ascontiguousarray(values, float) for values in (frame.x, frame.y)), context.diameter)
     branch = points[i] - points[j]

@@ -8,8 +8,11 @@ from lammps_jump.analysis import cell_grid
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
 from lammps_jump.analysis.contacts_found import face_contacts, find_contacts
+from lammps_jump.analysis.context import from_scene
 from made_up import disc_frame, flow_context
 
+from lammps_jump.native import NativeSimulation
+from lammps_jump.native.handmade import handmade_scene
 from lammps_jump.walls import Block, Plane
 
 D, K = 0.2, 1.0e6
@@ -64,6 +67,28 @@ def test_sums_are_those_over_the_contacts_found():
     assert thrust.sum() * 0.5 == pytest.approx(np.sum((across * extent)[pairs]), rel=1e-10)
     push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.walls)
     assert push == pytest.approx((found.force[:, None] * found.normal)[found.is_wall].sum(axis=0), rel=1e-12)
+
+
+@pytest.mark.parametrize("width", [0.0, 0.004, 0.05], ids=["sharp", "mostly beyond", "mostly within"])
+def test_forces_are_those_of_the_engine(width):
+    """Springs and dashpots of a touch, disc by disc, as the native engine has them at the start of a run."""
+    rng = np.random.default_rng(8)
+    x, y, vx, vy = *rng.uniform(0.08, 1.5, (2, 60)), *rng.normal(0, 2, (2, 60))
+    scene = handmade_scene(
+        np.column_stack([x, y]), np.column_stack([vx, vy]), (FLOOR, Plane("back", "x", 0.0, "above")),
+        gravity=(0.0, 0.0), touch="smooth" if width else "sharp", touch_width=width, overlap_limit=D,
+    )  # fmt: skip
+    engine = NativeSimulation(scene)
+    order = np.argsort(engine.discs.ids[:60])
+    expected = np.column_stack([engine.discs.fx[:60], engine.discs.fy[:60]])[order]
+    flow, frame = from_scene(scene), disc_frame(x, y, vx, vy, box=BOX)
+    found = find_contacts(frame, flow)
+    push = found.force[:, None] * found.normal
+    total = np.zeros((60, 2))
+    at = {place: index for index, place in enumerate(zip(x, y, strict=True))}
+    np.add.at(total, [at[tuple(place)] for place in found.start], push)
+    np.subtract.at(total, [at[tuple(place)] for place in found.end[~found.is_wall]], push[~found.is_wall])
+    np.testing.assert_allclose(total, expected, atol=1e-10 * np.abs(expected).max())  # sums in another order
 
 
 def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_it_is_not():
