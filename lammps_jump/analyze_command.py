@@ -41,7 +41,8 @@ def analyze_target(
 
 def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say) -> dict[str, Any]:
     from .analysis.analyze import AnalysisRequest, analyze_dump
-    from .analysis.context import from_dump, from_scene
+    from .analysis.context import from_scene
+    from .analysis.context_of_dump import from_dump
     from .analysis.dump import open_dump
     from .analysis.run_folder import find_dump
     from .summary import write_summary
@@ -72,7 +73,8 @@ def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say
 def animate_target(target: Path, out: Path | None, fps: int) -> Path:
     """Write the moving picture of a folder or dump; returns its path."""
     from .analysis.animate import animate
-    from .analysis.context import from_dump, from_scene
+    from .analysis.context import from_scene
+    from .analysis.context_of_dump import from_dump
     from .analysis.dump import open_dump
     from .analysis.run_folder import find_dump, read_forces
 

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 from lammps_jump.analysis.analyze import AnalysisRequest, analyze_dump, plain, with_velocities
-from lammps_jump.analysis.context import from_dump
+from lammps_jump.analysis.context_of_dump import from_dump
 from lammps_jump.analysis.dump import open_dump
 from lammps_jump.analysis.dump_write import DumpWriter
 from lammps_jump.analysis.profiles import read_profiles

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.context import FlowContext, from_dump, from_scene
+from lammps_jump.analysis.context import FlowContext, from_scene
+from lammps_jump.analysis.context_of_dump import from_dump
 from lammps_jump.analysis.dump import make_frame, open_dump
 from lammps_jump.analysis.dump_write import DumpWriter
 
