@@ -87,7 +87,7 @@ def measure_collisions(scene: Scene, kernel: str) -> dict[str, np.ndarray]:
 
 
 def expected(restitution: float, speed: float = SPEED) -> dict[str, float]:
-    """Closed forms (PHYSICS 1.1) for the same pair."""
+    """Closed forms (docs/theory.md, one collision, exactly) for the same pair."""
     k = contact.stiffness(DENSITY, PENETRATION, SPEED)
     omega = contact.angular_frequency(k, 0.5 * contact.disc_mass(DENSITY, DIAMETER))
     return {

@@ -108,7 +108,7 @@ def parse_axes(text: str | None) -> tuple[str, ...]:
 
 
 def stable(setting: Setting, restitution: float) -> bool:
-    """Whether the step is below the limit of a dense packing (PHYSICS 1.5, `contact.stable_fraction`)."""
+    """Whether the step is below the limit of a dense packing (`contact.stable_fraction`)."""
     integrator = "leapfrog_extrapolated" if setting.kernel == "native" else "velocity_verlet"
     xi = contact.damping_ratio(restitution)
     return setting.fraction <= contact.stable_fraction(xi, integrator)

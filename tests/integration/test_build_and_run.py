@@ -105,10 +105,10 @@ def test_energy_box_whole(tmp_path, fraction, bound):
 
 
 def test_row_speeds_and_counts_while_the_inlet_is_free(tmp_path):
-    """floor(u t / (s d)) + 1 discs a row to within one, at the row speeds of PHYSICS section 4."""
+    """floor(u t / (s d)) + 1 discs a row to within one, at the row speeds of the 1/7 profile (4.1)."""
     summary = job("hydraulic_jump", tmp_path, "run.duration=0.4")
     scene = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", ["run.duration=0.4"]))
-    theory = summary["theory"]  # PHYSICS section 2.1, printed digits
+    theory = summary["theory"]  # docs/theory.md, printed digits
     assert theory["froude"] == pytest.approx(5.108, abs=5e-4)
     assert theory["belanger_y2"] == pytest.approx(6.742, abs=5e-4)
     assert theory["jump_length"] == pytest.approx(40.63, abs=5e-3)
@@ -143,7 +143,7 @@ probes: {forces: [floor, left, right], interval: 0.5}
 
 @pytest.mark.parametrize("kernel", ["stock", "compiled"])
 def test_floor_carries_the_weight_of_a_settled_tank(tmp_path, kernel):
-    """N m g to 0.1 % (an identity of equilibrium, PHYSICS 3.4), and the side walls push alike."""
+    """N m g to 0.1 % (an identity of equilibrium), and the side walls push alike."""
     if kernel == "compiled":
         plugin_or_skip()
     (tmp_path / "tank.yaml").write_text(SETTLED)

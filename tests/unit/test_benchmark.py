@@ -18,7 +18,7 @@ from lammps_jump.studies.timing import Store, in_turn, middle
 
 def test_only_stable_steps_are_settings():
     found = make_settings(("f", "kernel", "touch"), restitution=0.2, kernels=("stock", "compiled", "native"))
-    # PHYSICS 1.5: 0.280 for velocity Verlet, 0.167 for the thesis' scheme
+    # docs/theory.md, stability: 0.280 for velocity Verlet, 0.167 for the thesis' scheme
     assert max(s.fraction for s in found if s.kernel != "native") == 0.2
     assert max(s.fraction for s in found if s.kernel == "native") == 0.1
     assert {s.family for s in found} == {"stock", "compiled", "native", "compiled smooth"}

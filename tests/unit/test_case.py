@@ -110,7 +110,7 @@ def test_thesis_numbers_of_the_hydraulic_jump():
     c = scene.coefficients
     assert c.mass == pytest.approx(40, rel=1e-12)
     assert c.stiffness == pytest.approx(2.56e7, rel=1e-12)
-    assert c.time_step == pytest.approx(8.839e-5, rel=1e-4)  # PHYSICS section 0, four digits printed
+    assert c.time_step == pytest.approx(8.839e-5, rel=1e-4)  # 0.05 x 2/omega, four digits
     assert c.damping == pytest.approx(20634, rel=1e-4)
     assert c.damping_wall == pytest.approx(29181, rel=1e-4)
     assert c.correction == pytest.approx(0.9775, abs=5e-5)

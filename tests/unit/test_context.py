@@ -32,7 +32,7 @@ def test_context_of_a_channel():
     c = from_scene(scene())
     assert c.x_range == (0.0, 90.0)
     assert (c.inflow_depth, c.inflow_speed) == (pytest.approx(1.0), pytest.approx(16.0))
-    # thesis 3.21-3.23 at n = 10: the table of PHYSICS section 0, five digits
+    # thesis 3.21-3.23 at n = 10: 2 xi sqrt(k m_eff) at e = 0.2, five digits
     assert c.dashpot == pytest.approx(20634, rel=1e-4) and c.dashpot_wall == pytest.approx(29181, rel=1e-4)
     assert c.duration == pytest.approx(800 * c.time_step)
     assert c.time(make_frame(200, None, [[0, 1], [0, 1]], {"x": [], "y": []})) == 0.0
