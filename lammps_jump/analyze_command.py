@@ -64,7 +64,7 @@ def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say
     folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
     parts = analyze_dump(path, context, AnalysisRequest(bin_width=bin_width, jump=True, front=True), folder)
     write_summary(folder, {"name": path.name, **parts})
-    for note in (*getattr(context, "notes", ()), *parts.get("warnings", ())):
+    for note in parts["warnings"]:  # what the context guessed is among them
         say(f"note: {note}")
     say(f"results are in {folder}")
     return parts

@@ -12,6 +12,7 @@ from lammps_jump.analysis.dump_write import DumpWriter
 from lammps_jump.analysis.profiles import read_profiles
 from made_up import columns_of_discs, flow_context
 
+from lammps_jump.analyze_command import analyze_target
 from lammps_jump.errors import DumpError
 from lammps_jump.walls import Plane
 
@@ -139,3 +140,15 @@ def test_exports_and_fields(tmp_path):
 def test_plain():
     given = {"a": np.float64("nan"), 1: [np.int64(3), float("inf"), np.array([1.0, np.nan])], "b": np.bool_(True)}
     assert plain(given) == {"a": None, "1": [3, None, [1.0, None]], "b": True}
+
+
+def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path):
+    dump_of(tmp_path / "dump.flow", [bore(20.0)] * 2)
+    said = []
+    options = {"out": None, "case": None, "diameter": None, "density": 1000.0, "bin_width": None, "assignments": []}
+    parts = analyze_target(tmp_path, **options, quiet=False, say=said.append)
+    notes = [text for text in said if text.startswith("note: ")]
+    assert len(notes) == len(set(notes)) == len(parts["warnings"])
+    for guess in ("Diameter guessed as 0.2 m", "Gravity taken as 9.81", "Floor taken at y = "):
+        assert sum(guess in note for note in notes) == 1
+    assert (tmp_path / "dump_analysis" / "summary.json").exists() and "dump_analysis" in said[-1]
