@@ -32,6 +32,13 @@ def columns_of_discs(layers, low, high, *, d=0.2, bed=0.0) -> tuple[np.ndarray, 
     return np.repeat(centres, number), bed + d * (np.concatenate([np.arange(n) for n in number]) + 0.5)
 
 
+def collected(collector, frames):
+    """What a collector of the analysis (anything with ``add(frame, time)`` and ``result()``) makes of frames."""
+    for frame in frames:
+        collector.add(frame, frame.time)
+    return collector.result()
+
+
 def plugin_or_skip() -> Path:
     """The compiled plugin, built where needed; the test is skipped, with the reason, where it cannot be had."""
     from lammps_jump.errors import SetupError

@@ -16,7 +16,7 @@ from lammps_jump.analysis.dam_break import (
     summarise_front,
 )
 from lammps_jump.analysis.dump import make_frame
-from made_up import disc_frame, flow_context
+from made_up import collected, disc_frame, flow_context
 
 from lammps_jump import reference_data, theory
 from lammps_jump.walls import Block, Box, Plane
@@ -38,10 +38,7 @@ def block(width, height, step=0, time=0.0, velocity=0.0, extra=()):
 
 
 def tracked(frames, flow):
-    tracker = FrontTracker(flow)
-    for frame in frames:
-        tracker.add(frame, frame.time)
-    return tracker.result()
+    return collected(FrontTracker(flow), frames)
 
 
 def test_uniform_block():

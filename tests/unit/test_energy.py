@@ -10,7 +10,7 @@ from lammps_jump.analysis import contact_sums
 from lammps_jump.analysis.contact_series import ContactCollector
 from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
 from lammps_jump.analysis.energy import EnergyLedger, drift, summarise_energy
-from made_up import disc_frame, flow_context
+from made_up import collected, disc_frame, flow_context
 
 from lammps_jump.walls import Block, Box, Plane
 
@@ -29,10 +29,7 @@ def frame(x, y, vx=0.0, vy=0.0, step=0, **more):
 
 
 def summed(frames, flow):
-    ledger = EnergyLedger(flow)
-    for item in frames:
-        ledger.add(item, item.time)
-    return ledger.result()
+    return collected(EnergyLedger(flow), frames)
 
 
 def test_two_overlapping_discs():

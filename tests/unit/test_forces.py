@@ -14,7 +14,7 @@ from lammps_jump.analysis.impulse import MomentumLedger, impulse_identity, windo
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.reflected_wave import track_reflection
 from lammps_jump.analysis.run_folder import ForceHistory
-from made_up import disc_frame, flow_context
+from made_up import collected, disc_frame, flow_context
 
 from lammps_jump import theory
 from lammps_jump.scene import Gate
@@ -49,10 +49,7 @@ def record(value, windows=100, every=10):
 
 
 def ledger(frames, flow):
-    taker = MomentumLedger(flow)
-    for frame in frames:
-        taker.add(frame, frame.time)
-    return taker.result()
+    return collected(MomentumLedger(flow), frames)
 
 
 def test_identity_of_a_constant_force():
