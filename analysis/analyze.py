@@ -122,7 +122,7 @@ def analyze_dump(path: Path, context: FlowContext, request: AnalysisRequest, out
     ----------
     path : Path
     context : FlowContext
-        Of `context.from_scene` or `context.from_dump`.
+        Of `context.from_scene` or `context_of_dump.from_dump`.
     request : AnalysisRequest
     out : Path
         Folder that gets ``profiles.nc``, ``*.csv``, ``figures/*.png`` and, when asked for, ``animation.mp4``.
