@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
-from ..checkpoint import Checkpoint, cut_back, file_sizes, fingerprint, write_checkpoint
+from ..checkpoint import Checkpoint, cut_back, file_sizes, fingerprint, remove_checkpoint, write_checkpoint
 from ..errors import CaseError, RunError
 from ..interrupts import deferred_interrupt, terminate_as_interrupt
 from ..run_result import DUMP_NAMES, Progress, ProgressCallback, RunResult, interruption
@@ -79,6 +79,8 @@ def simulate(
         simulation = _make(scene, search, cell_size, ledger)
     if folder is not None:
         Path(folder).mkdir(parents=True, exist_ok=True)
+        if resume is None:
+            remove_checkpoint(Path(folder))  # of an earlier run: not this one's beginning
     writer = DumpWriter(folder, scene, dump_format, append=resume is not None) if folder is not None else None
     frames: list[Frame] = []
 
