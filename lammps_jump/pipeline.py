@@ -313,7 +313,7 @@ def _write_continuation(prepared: Prepared, checkpoint: Checkpoint) -> None:
         kernel=prepared.kernel,
         ranks=prepared.ranks,
         dump_format=prepared.loaded.case.run.dump_format,
-        header=_header(prepared),
+        header=tuple(line.replace("in.lammps", "in.resume.lammps") for line in _header(prepared)),
         plugin=prepared.plugin,
     )
 
