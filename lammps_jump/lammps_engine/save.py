@@ -10,7 +10,7 @@ from ..run_result import DUMP_NAMES, RunResult
 from ..scene import Scene
 from ..script import continuation
 from ..script.blocks import half_step_back
-from ..script.write import STATE
+from ..script.write import STATE, first_step
 from .log import LogSummary
 
 LOG = "log.lammps"
@@ -60,7 +60,7 @@ def keep_checkpoint(scene: Scene, folder: Path, log: LogSummary, result: RunResu
     """
     state = STATE.format(step=log.step)
     if not (folder / state).exists():
-        if log.step <= continuation.first_step(scene):
+        if log.step <= first_step(scene):
             return "it had not got behind its start" + (", where gates open and inlets begin" * bool(scene.inlets))
         return "it was not ended in order, so that no state was saved"
     if scene.pours and log.highest_id - len(scene.positions) < sum(item.count for item in scene.pours):
@@ -69,7 +69,10 @@ def keep_checkpoint(scene: Scene, folder: Path, log: LogSummary, result: RunResu
     sizes = file_sizes(folder, LOG, *DUMP_NAMES.values())
     removed = tuple(log.removed_by[: len(scene.outlets)])
     time = scene.time(log.step)
-    write_checkpoint(folder, Checkpoint(fingerprint(scene), log.step, time, state, sizes, removed, result))
+    try:
+        write_checkpoint(folder, Checkpoint(fingerprint(scene), log.step, time, state, sizes, removed, result))
+    except OSError as error:
+        return f"its state could not be saved ({error})"
     return ""
 
 

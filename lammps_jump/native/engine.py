@@ -136,12 +136,7 @@ def simulate(
     report()
     result = _result(scene, simulation, status, message, seconds, writing, resume.result if resume else None)
     if status == "interrupted":
-        reason = "a second interruption came before the step was done" if not between_steps else ""
-        if not reason and folder is not None and search == "verlet":
-            result = _saved(scene, simulation, Path(folder), dump_format, result)
-        else:
-            end, place = scene.time(scene.steps), folder or "memory"
-            result = replace(result, message=interruption(scene.time(simulation.step), end, place, reason=reason))
+        result = _interrupted(scene, simulation, folder, dump_format, result, search == "verlet", between_steps)
     return NativeRun(result, tuple(frames), tuple(simulation.forces))
 
 
@@ -174,15 +169,22 @@ def _result(scene, simulation, status, message, seconds, writing, earlier: RunRe
     )
 
 
-def _saved(scene: Scene, simulation, folder: Path, dump_format: str, result: RunResult) -> RunResult:
-    """Leave a checkpoint of an interrupted run; its result, with the message that says how to go on."""
-    now = scene.time(simulation.step)
-    result = replace(result, message=interruption(now, scene.time(scene.steps), folder, again=now))
-    state = f"checkpoint-{simulation.step}.npz"
-    save_state(simulation, folder / state)
-    sizes = file_sizes(folder, DUMP_NAMES[dump_format])
-    write_checkpoint(folder, Checkpoint(fingerprint(scene), simulation.step, now, state, sizes, (), result))
-    return result
+def _interrupted(scene, simulation, folder, dump_format, result, saved, between_steps) -> RunResult:
+    """Leave a checkpoint of an interrupted run where there can be one; its result, with what to tell the user."""
+    now, end = scene.time(simulation.step), scene.time(scene.steps)
+    reason = "" if between_steps else "a second interruption came before the step was done"
+    if folder is not None and saved and between_steps:
+        folder = Path(folder)
+        result = replace(result, message=interruption(now, end, folder, again=now))
+        state = f"checkpoint-{simulation.step}.npz"
+        try:
+            save_state(simulation, folder / state)
+            sizes = file_sizes(folder, DUMP_NAMES[dump_format])
+            write_checkpoint(folder, Checkpoint(fingerprint(scene), simulation.step, now, state, sizes, (), result))
+            return result
+        except OSError as error:
+            reason = f"its state could not be saved ({error})"
+    return replace(result, message=interruption(now, end, folder or "memory", reason=reason))
 
 
 def _make(scene: Scene, search: str, cell_size: float | None, ledger: bool) -> NativeSimulation:

@@ -23,11 +23,6 @@ BINARY_PART = "dump.resume.lammpsbin"
 """LAMMPS appends to text and gzip dumps, not to binary ones; these are put together afterwards."""
 
 
-def first_step(scene: Scene) -> int:
-    """Checkpoints are of later steps only: up to here a script with a second ``run`` command is in its first."""
-    return scene.settle_steps if scene.inlets else 0
-
-
 def continuation_text(
     scene: Scene,
     *,
@@ -47,7 +42,7 @@ def continuation_text(
     state : str
         Restart file, written after `lammps_jump.script.blocks.half_step_back`.
     step : int
-        Its step, behind `first_step`, and the end of a window of the probes.
+        Its step, behind `lammps_jump.script.write.first_step`, and the end of a window of the probes.
     removed : tuple of int
         Discs that each outlet has taken so far: ``fix evaporate`` keeps no count over a restart.
     """

@@ -71,10 +71,7 @@ def script_text(
         ("output", blocks.output(scene, dump_format)),
         ("log", blocks.thermo(scene)),
         ("run", schedule),
-        (
-            "state, where the end was asked for",
-            save_at_end(scene, kernel, ranks, scene.settle_steps * bool(scene.inlets)),
-        ),
+        ("state, where the end was asked for", save_at_end(scene, kernel, ranks, first_step(scene))),
     ]
     lines = [f"# {line}" for line in (f"{scene.name}: {scene.description}".rstrip(": "), *header)]
     for title, commands in sections:
@@ -88,6 +85,11 @@ def balance(scene: Scene, ranks: int) -> list[str]:
     if ranks == 1:
         return []
     return [f"fix             balance all balance {max(1, scene.output_steps)} 1.05 shift x 10 1.02"]
+
+
+def first_step(scene: Scene) -> int:
+    """Checkpoints are of later steps only: up to here a script with a second ``run`` command is in its first."""
+    return scene.settle_steps if scene.inlets else 0
 
 
 def polite_end(scene: Scene, ranks: int) -> list[str]:

@@ -156,6 +156,17 @@ def test_an_interruption_in_the_midst_of_a_step_saves_nothing(tmp_path, monkeypa
     assert read_checkpoint(tmp_path) is None
 
 
+def test_a_full_disk_is_told(tmp_path, monkeypatch):
+    def full(*arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("lammps_jump.native.engine.save_state", full)
+    scene = SCENES["inlets and outlets"]()
+    result = run_native(scene, tmp_path, should_stop=lambda: True, report_every=0.0)
+    assert result.status == "interrupted" and "cannot go on: its state could not be saved" in result.message
+    assert "No space left" in result.message and read_checkpoint(tmp_path) is None
+
+
 # --- the whole job -----------------------------------------------------------------------------------------------
 
 
