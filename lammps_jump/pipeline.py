@@ -206,6 +206,8 @@ def run_folder(
     With `resume` go on there with an interrupted run; `build_seconds`, `analysis_seconds`: spent in earlier parts.
     """
     result, steady = _run_engine(prepared, quiet, live, resume)
+    if resume is not None and result.status == "failed" and result.steps <= resume.step:
+        raise RunError(f"{result.message} Nothing was added to the run, and its checkpoint is kept.")
     if result.status != "interrupted":
         remove_checkpoint(prepared.folder)
         (prepared.folder / "in.resume.lammps").unlink(missing_ok=True)

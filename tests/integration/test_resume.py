@@ -17,7 +17,7 @@ from lammps_jump import pipeline
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.checkpoint import read_checkpoint
-from lammps_jump.errors import ResumeError, RunInterrupted, SetupError
+from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
 from lammps_jump.kernels import plugin_path
 from lammps_jump.lammps_engine import run as engine_run
 from lammps_jump.lammps_engine import run_lammps
@@ -264,6 +264,10 @@ def test_whole_job(tmp_path, monkeypatch):
     with pytest.raises(ResumeError, match="differs"):
         resume_case(case, assignments=[*changes, "run.seed=5"], **options)
     shutil.copytree(tmp_path / "run", tmp_path / "copy")
+    with monkeypatch.context() as patch:  # a part that cannot begin, for want of a library say, spoils nothing
+        patch.setattr(pipeline, "_write_continuation", lambda prepared, checkpoint: None)
+        with pytest.raises(RunError, match="checkpoint is kept"):
+            resume_case(case, assignments=changes, **options)
     summary = resume_case(case, assignments=changes, **options)
     whole = pipeline.build_and_run(case, assignments=changes, **{**options, "out": tmp_path / "whole"})
     for key in ("status", "steps", "simulated_time", "disc_steps", "discs", "case_hash", "message"):
