@@ -158,7 +158,7 @@ def _in_process(scene, folder, script, arguments, progress, should_stop, save) -
         def work() -> None:
             try:
                 engine.file(script)
-                if outcome.interrupted:
+                if outcome.interrupted and not outcome.error:
                     outcome.unsaved = save(engine)
             except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
                 outcome.error = str(error)
@@ -171,7 +171,7 @@ def _in_process(scene, folder, script, arguments, progress, should_stop, save) -
             try:
                 if ended.wait(POLL_SECONDS):
                     break
-                _report(scene, engine, progress)
+                _report(scene, engine, progress, outcome)
                 if should_stop and should_stop() and not outcome.interrupted:
                     raise KeyboardInterrupt
             except KeyboardInterrupt:
@@ -185,10 +185,16 @@ def _in_process(scene, folder, script, arguments, progress, should_stop, save) -
     return outcome
 
 
-def _report(scene: Scene, engine, progress: ProgressCallback | None) -> None:
+def _report(scene: Scene, engine, progress: ProgressCallback | None, outcome: _Outcome) -> None:
     if progress is None:
         return
-    values = engine.last_thermo()
+    try:
+        values = engine.last_thermo()
+    except (
+        Exception
+    ) as error:  # LAMMPS tells an error once, to the thread that asks first: the script's would not see it
+        outcome.error = str(error)
+        return
     if values and "Step" in values:
         step = int(values["Step"])
         progress(Progress(step, scene.steps, scene.time(step), int(values["Atoms"])))

@@ -2,10 +2,11 @@
 
 LAMMPS' granular forces depend on velocity, and a step evaluates them with the velocities of its half step,
 v_(n-1/2). A run that starts evaluates its first forces with v_n instead, so that a restarted run parts from the other
-one at once (LAMMPS' documentation of `read_restart` says so; measured here: 5e-7 d after fifty steps of a dam break with friction,
-1e-4 d after 650). The restart files of this project therefore hold v_(n-1/2) = v_n - dt F_n / (2 m), which is known
-where the run stops: the first force evaluation of the next part is then the same as the last one of the part before,
-up to the order of sums, half a kick gives v_n back, and the run goes on with those forces (``run … pre no``).
+one at once (LAMMPS' documentation of `read_restart` says so; measured here: 5e-7 d after fifty steps of a dam break
+with friction, 1e-4 d after 650). The restart files of this project therefore hold v_(n-1/2) = v_n - dt F_n / (2 m),
+which is known where the run stops: the first force evaluation of the next part is then the same as the last one of the
+part before, up to the order of sums, half a kick gives v_n back, and the run goes on with those forces
+(``run … pre no``).
 """
 
 from __future__ import annotations
