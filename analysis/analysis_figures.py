@@ -16,7 +16,8 @@ from .context import FlowContext
 from .dam_break import FrontHistory, dimensionless
 from .dump import open_dump
 from .energy import EnergyHistory
-from .figures import BLACK, BLUE, GOLD, GREY, RED, depth_profile, new_figure, save, snapshots, style, xt_map
+from .figures import BLACK, BLUE, GOLD, GREY, RED, depth_profile, new_figure, save, style, xt_map
+from .snapshots import snapshots
 
 if TYPE_CHECKING:
     from .analyze import Gathered
@@ -35,18 +36,8 @@ def draw_all(gathered: Gathered, shown: dict, folder: Path, dump: Path) -> list[
         figure = draw()
         if figure is None:
             continue
-        _settle(figure)
         written.append(f"{folder.name}/{save(figure, folder / name).name}")
     return written
-
-
-def _settle(figure: Figure) -> None:
-    """Lay the figure out now: saving would draw it twice for that, and drawing is most of the analysis' time."""
-    engine = figure.get_layout_engine()
-    if engine is not None:
-        with style():
-            engine.execute(figure)
-        figure.set_layout_engine("none")
 
 
 def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[], Figure | None]]:

@@ -212,11 +212,12 @@ def _stage(sample, context, x, y, width, top_speed) -> _Stage:
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    from .figures import _speed, seen_heights, seen_range, style, top_of
+    from .figures import style
+    from .snapshots import disc_speeds, seen_heights, seen_range, top_of
 
     x = x or seen_range(sample, context)
     y = y or seen_heights(sample, context, x)
-    top_speed = top_speed or top_of([_speed(frame) for frame in sample])
+    top_speed = top_speed or top_of([disc_speeds(frame) for frame in sample])
     left, right, above, below = 62, 92, 34, 46
     inner = width - left - right
     view = View.fitted(x, y, inner)

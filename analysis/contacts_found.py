@@ -1,11 +1,19 @@
-"""Contacts of one frame, found from positions: who touches whom, how deep, how hard."""
+"""Contacts of one frame, found from positions: who touches whom, how deep, how hard.
+
+The one place of the analysis where discs and walls are tried for contact; `contact_sums` adds up what is found here.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.walls import Block, Wall
+
+from .cell_grid import close_pairs
 from .context import FlowContext
 from .dump import Frame
 
@@ -42,11 +50,47 @@ def spring_force(overlap: np.ndarray, stiffness: float, touch: str, touch_width:
     return stiffness * overlap
 
 
+def dashpot_share(overlap: np.ndarray, touch: str, touch_width: float) -> np.ndarray:
+    """Factor on the dashpot as the engines have it, F/sqrt(2 k E): 1 of a sharp touch.
+
+    Of a smooth one of width s, q = delta - s/2: sqrt(3 delta/(4 s)) below s, q/sqrt(q^2 + s^2/12) beyond. The
+    restitution coefficient is then the same at every speed (docs/kernels.md).
+    """
+    if touch == "smooth" and touch_width > 0:
+        beyond = overlap - 0.5 * touch_width
+        stiff = beyond / np.sqrt(beyond**2 + touch_width**2 / 12.0)
+        return np.where(overlap < touch_width, np.sqrt(0.75 * np.maximum(overlap, 0.0) / touch_width), stiff)
+    return np.ones_like(overlap)
+
+
+class FaceContacts(NamedTuple):
+    """Discs that touch one face of a wall: their indices, overlaps (m) and the unit normals of the push on them."""
+
+    index: np.ndarray
+    overlap: np.ndarray
+    nx: np.ndarray
+    ny: np.ndarray
+
+
+def face_contacts(frame: Frame, wall: Wall, radius: float) -> Iterator[FaceContacts]:
+    """Contacts of a frame's discs with each face of a wall, faces that nothing touches left out.
+
+    As in the engines a disc behind a plane is pushed back, and one with its centre inside a block feels nothing.
+    """
+    for distance, nx, ny in wall.contacts(frame.x, frame.y):
+        touching = distance < radius
+        if isinstance(wall, Block):
+            touching &= distance > 0
+        index = np.flatnonzero(touching)
+        if index.size:
+            yield FaceContacts(index, radius - distance[index], nx[index], ny[index])
+
+
 def find_contacts(frame: Frame, context: FlowContext, *, damping: bool = True) -> Contacts:
     """Contacts of a frame, friction left out.
 
-    F_n = spring (see `spring_force`) + c delta_dot (thesis 3.11), c delta_dot times min(1, delta/s) with a smooth
-    touch. The dashpot takes the velocities of the dump, which stand at the full step.
+    F_n = spring (see `spring_force`) + c delta_dot (thesis 3.11), c times `dashpot_share`. The dashpot takes the
+    velocities of the dump, which stand at the full step.
 
     Parameters
     ----------
@@ -61,51 +105,34 @@ def find_contacts(frame: Frame, context: FlowContext, *, damping: bool = True) -
     DumpError
         The stiffness is not known.
     """
-    from scipy.spatial import cKDTree
-
     from lammps_jump.errors import DumpError
 
     if context.stiffness is None:
         raise DumpError("contact forces need the stiffness of the discs (N/m): give stiffness=… with the dump.")
     points = np.column_stack([frame.x, frame.y])
-    radius, damping = context.radius, damping and "vx" in frame.columns and "vy" in frame.columns
+    damping = damping and "vx" in frame.columns and "vy" in frame.columns
     velocity = np.column_stack([frame.vx, frame.vy]) if damping else np.zeros_like(points)
-    smooth = context.touch == "smooth" and context.touch_width > 0
+    touch = context.touch, context.touch_width
 
     def normal_force(overlap, closing, stiffness, dashpot):
-        ramp = np.minimum(1.0, overlap / context.touch_width) if smooth else 1.0
-        force = spring_force(overlap, stiffness, context.touch, context.touch_width)
-        return force + dashpot * closing * ramp
+        return spring_force(overlap, stiffness, *touch) + dashpot * dashpot_share(overlap, *touch) * closing
 
-    pairs = np.empty((0, 2), int)
-    if len(points) > 1:
-        pairs = cKDTree(points).query_pairs(context.diameter, output_type="ndarray")
-    i, j = pairs.T
+    i, j = close_pairs(*(np.ascontiguousarray(values, float) for values in (frame.x, frame.y)), context.diameter)
     branch = points[i] - points[j]
     distance = np.hypot(*branch.T)
-    safe = np.where(distance > 0, distance, 1.0)[:, None]
-    normal = np.where(distance[:, None] > 0, branch / safe, [0.0, 1.0])
+    normal = branch / distance[:, None]
     overlap = context.diameter - distance
     closing = -np.einsum("ij,ij->i", velocity[i] - velocity[j], normal)
-    parts = [
-        (
-            points[i],
-            points[j],
-            normal,
-            overlap,
-            normal_force(overlap, closing, context.stiffness, context.dashpot),
-            False,
-        )
-    ]
+    force = normal_force(overlap, closing, context.stiffness, context.dashpot)
+    parts = [(points[i], points[j], normal, overlap, force, False)]
     stiffness_wall = context.stiffness if context.stiffness_wall is None else context.stiffness_wall
     for wall in context.walls_at(context.time(frame)):
-        for gap, nx, ny in wall.contacts(*points.T):
-            touching = (gap > 0) & (gap < radius)
-            here, gap, normal = points[touching], gap[touching], np.column_stack([nx, ny])[touching]
-            overlap = radius - gap
-            closing = -np.einsum("ij,ij->i", velocity[touching], normal)
-            force = normal_force(overlap, closing, stiffness_wall, context.dashpot_wall)
-            parts.append((here, here - gap[:, None] * normal, normal, overlap, force, True))
+        for face in face_contacts(frame, wall, context.radius):
+            here, normal = points[face.index], np.column_stack([face.nx, face.ny])
+            closing = -np.einsum("ij,ij->i", velocity[face.index], normal)
+            force = normal_force(face.overlap, closing, stiffness_wall, context.dashpot_wall)
+            end = here - (context.radius - face.overlap)[:, None] * normal
+            parts.append((here, end, normal, face.overlap, force, True))
     joined = [np.concatenate(column) for column in list(zip(*parts, strict=True))[:5]]
     is_wall = np.concatenate([np.full(len(part[3]), part[5]) for part in parts])
     return Contacts(*joined, is_wall)

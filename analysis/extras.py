@@ -10,7 +10,7 @@ import numpy as np
 
 from lammps_jump.errors import DumpError, SetupError
 
-from .dump import open_dump
+from .dump import open_dump, ten_indices
 
 if TYPE_CHECKING:
     from .analyze import AnalysisRequest, Gathered
@@ -110,7 +110,6 @@ def _fields(gathered: Gathered, request: AnalysisRequest, path: Path, out: Path,
 def _discs_for_paraview(gathered: Gathered, path: Path, out: Path) -> list[str]:
     """Ten frames of discs as .vtp with a .pvd that holds their times."""
     from .exports import write_pvd, write_vtp
-    from .figures import ten_indices
 
     context = gathered.context
     dump = open_dump(path)

@@ -120,9 +120,9 @@ def summarise_jump(result: JumpResult) -> dict:
 def _relations(result: JumpResult, gravity: float) -> dict:
     """Sequent ratios by momentum, one measured ingredient after the other.
 
-    `density_relation_ratio`: the change of density (PHYSICS 2.2c); `full_relation_ratio`: bed force and slope, and the
-    momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure, and what the
-    control volume stores.
+    `density_relation_ratio`: the change of density (`theory.sequent_ratio`); `full_relation_ratio`: bed force and
+    slope, and the momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure,
+    and what the control volume stores.
     """
     one, two, terms = result.upstream, result.downstream, result.balance
     froude, s1, s2 = one.froude_relative, one.mass_depth.value, two.mass_depth.value

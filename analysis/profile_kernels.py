@@ -7,6 +7,8 @@ from math import asin, ceil, floor, pi, sqrt
 import numpy as np
 from numba import njit
 
+from .cell_grid import sort_into_cells
+
 LINES_PER_DIAMETER = 8
 REACH = 2.0
 """Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""
@@ -65,28 +67,7 @@ def _connected_py(x, y, bed, reach, radius):
     joined = np.zeros(n, np.bool_)
     if n == 0:
         return joined
-    x0, y0 = x.min(), y.min()
-    nx = int((x.max() - x0) / reach) + 1
-    ny = int((y.max() - y0) / reach) + 1
-    if nx * ny > 64 * n + 4096:  # far strays: a coarser grid keeps the memory bounded
-        stretch = sqrt(nx * ny / (64.0 * n + 4096.0))
-        side = reach * stretch
-        nx = int((x.max() - x0) / side) + 1
-        ny = int((y.max() - y0) / side) + 1
-    else:
-        side = reach
-    start = np.zeros(nx * ny + 1, np.int64)
-    cell = np.empty(n, np.int64)
-    for i in range(n):
-        cell[i] = int((x[i] - x0) / side) * ny + int((y[i] - y0) / side)
-        start[cell[i] + 1] += 1
-    for c in range(nx * ny):
-        start[c + 1] += start[c]
-    members = np.empty(n, np.int64)
-    fill = start[:-1].copy()
-    for i in range(n):
-        members[fill[cell[i]]] = i
-        fill[cell[i]] += 1
+    cell, start, members, nx, ny = sort_into_cells(x, y, reach)
     queue = np.empty(n, np.int64)
     tail = 0
     for i in range(n):

@@ -42,22 +42,32 @@ class ForceHistory:
 
 
 def find_dump(place: str | Path) -> Path:
-    """The dump of a run folder, or the file itself.
+    """The dump of a folder, or the file itself.
+
+    A folder's dump is the first of `DUMP_NAMES` in it, else its only file ``dump.*``: in a folder of ours the run's
+    own dump whatever else lies there, in anybody's the one that can be meant.
 
     Raises
     ------
     DumpError
-        Nothing there, or a folder without a dump.
+        Nothing there, a folder without a dump, or one with several of other names.
     """
     place = Path(place)
-    if place.is_dir():
-        for name in DUMP_NAMES:
-            if (place / name).is_file():
-                return place / name
-        raise DumpError(f"{place}: no dump in this folder (looked for {', '.join(DUMP_NAMES)}). Did the run finish?")
     if not place.exists():
         raise DumpError(f"{place}: there is no such file or folder.")
-    return place
+    if not place.is_dir():
+        return place
+    for name in DUMP_NAMES:
+        if (place / name).is_file():
+            return place / name
+    others = sorted(path for path in place.glob("dump.*") if path.is_file())
+    if not others:
+        raise DumpError(f"{place}: no dump in this folder (looked for dump.*). Did the run finish?")
+    if len(others) > 1:
+        raise DumpError(
+            f"{place}: {len(others)} dumps in this folder ({others[0].name} … {others[-1].name}); name one of them."
+        )
+    return others[0]
 
 
 def open_run_dump(place: str | Path) -> Dump:

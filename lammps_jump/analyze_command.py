@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .errors import CaseError, DumpError
+from .errors import CaseError
 from .pipeline import Say
 
 
@@ -21,9 +21,12 @@ def analyze_target(
     quiet: bool,
     say: Say,
 ) -> dict[str, Any]:
-    """Analyse; returns the numbers found, which are also in ``summary.json`` of the folder of results."""
-    if not target.exists():
-        raise DumpError(f"{target}: no such run folder or dump")
+    """Analyse; returns the numbers found, which are also in ``summary.json`` of the folder of results.
+
+    Raises
+    ------
+    CaseError, DumpError
+    """
     if target.is_dir() and (target / "case.yaml").exists():
         from .display import print_summary
         from .reopen import reanalyse
@@ -36,25 +39,12 @@ def analyze_target(
     return _bare_dump(target, out, case, diameter, density, bin_width, assignments, say)
 
 
-def find_dump(target: Path) -> Path:
-    """The dump of a folder, or the file itself.
-
-    Raises
-    ------
-    DumpError
-    """
-    if target.is_file():
-        return target
-    found = sorted(target.glob("dump.*"))
-    if not found:
-        raise DumpError(f"{target}: holds neither case.yaml nor a dump (dump.*); name a run folder or a dump file")
-    return found[0]
-
-
 def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say) -> dict[str, Any]:
     from .analysis.analyze import AnalysisRequest, analyze_dump
-    from .analysis.context import from_dump, from_scene
+    from .analysis.context import from_scene
+    from .analysis.context_of_dump import from_dump
     from .analysis.dump import open_dump
+    from .analysis.run_folder import find_dump
     from .summary import write_summary
 
     path = find_dump(target)
@@ -74,7 +64,7 @@ def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say
     folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
     parts = analyze_dump(path, context, AnalysisRequest(bin_width=bin_width, jump=True, front=True), folder)
     write_summary(folder, {"name": path.name, **parts})
-    for note in (*getattr(context, "notes", ()), *parts.get("warnings", ())):
+    for note in parts["warnings"]:  # what the context guessed is among them
         say(f"note: {note}")
     say(f"results are in {folder}")
     return parts
@@ -83,12 +73,11 @@ def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say
 def animate_target(target: Path, out: Path | None, fps: int) -> Path:
     """Write the moving picture of a folder or dump; returns its path."""
     from .analysis.animate import animate
-    from .analysis.context import from_dump, from_scene
+    from .analysis.context import from_scene
+    from .analysis.context_of_dump import from_dump
     from .analysis.dump import open_dump
-    from .analysis.run_folder import read_forces
+    from .analysis.run_folder import find_dump, read_forces
 
-    if not target.exists():
-        raise DumpError(f"{target}: no such run folder or dump")
     if not 1 <= fps <= 120:
         raise CaseError(f"--fps {fps}: allowed is 1 to 120")
     path = find_dump(target)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -42,6 +43,8 @@ def newest_frame_text(path: Path, guess: int = 2_000_000) -> bytes | None:
 class LiveView:
     """A progress callback that also draws; hands every report on to `then`.
 
+    Without a screen, or once the window is closed, the picture file goes on alone; nothing of it ends a run.
+
     Parameters
     ----------
     scene : Scene
@@ -59,7 +62,9 @@ class LiveView:
         self.picture = folder / PICTURE
         self.then = then
         self.shown = time.perf_counter()
-        self.window = _open_window(scene.name)
+        self.window, reason = _open_window(scene.name)
+        if reason and not getattr(then, "quiet", False):
+            print(f"note: {reason}: look at {self.picture}, which is drawn anew as the run goes", file=sys.stderr)
 
     def __call__(self, report: Progress) -> None:
         """Draw when it is time to."""
@@ -85,7 +90,17 @@ class LiveView:
             except DumpError:
                 return  # a frame in the making: the next one will do
         if self.window is not None and self.picture.exists():
-            self.window.show(self.picture)
+            self._show()
+
+    def _show(self) -> None:
+        """Show the picture; without a window from then on where the user has closed it or its toolkit fails."""
+        try:
+            if not self.window.closed:
+                self.window.show(self.picture)
+            if self.window.closed:
+                self.window = None
+        except Exception:  # whatever becomes of the window, the run goes on
+            self.window = None
 
 
 class _Window:
@@ -97,8 +112,13 @@ class _Window:
         self.plt = plt
         plt.ion()
         self.figure, self.axes = plt.subplots(figsize=(12, 5), num=title)
+        self.figure.subplots_adjust(0, 0, 1, 1)
         self.axes.axis("off")
         self.image = None
+
+    @property
+    def closed(self) -> bool:
+        return not self.plt.fignum_exists(self.figure.number)
 
     def show(self, picture: Path) -> None:
         pixels = self.plt.imread(picture)
@@ -110,14 +130,17 @@ class _Window:
         self.figure.canvas.flush_events()
 
 
-def _open_window(title: str) -> _Window | None:
-    """A window, or None where there is no screen or no toolkit for one."""
+def _open_window(title: str) -> tuple[_Window | None, str]:
+    """A window, or None and the reason: no screen, no toolkit for one."""
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        return None
+        return None, "there is no screen"
     try:
         import matplotlib
+        from matplotlib.backends import BackendFilter, backend_registry
 
-        matplotlib.use("TkAgg")
-        return _Window(title)
-    except Exception:  # toolkits fail in their own ways; the file is written all the same
-        return None
+        backend = matplotlib.get_backend()  # the user's choice, else the first that works here
+        if backend.lower() in backend_registry.list_builtin(BackendFilter.NON_INTERACTIVE):
+            return None, f"matplotlib has no toolkit for windows here (backend {backend})"
+        return _Window(title), ""
+    except Exception as error:  # toolkits fail in their own ways; the file is written all the same
+        return None, f"no window can be opened ({error})"

@@ -1,4 +1,4 @@
-"""The fields of a case file (DESIGN section 7): pydantic models, frozen, unknown keys refused."""
+"""The fields of a case file: pydantic models, frozen, unknown keys refused."""
 
 from __future__ import annotations
 

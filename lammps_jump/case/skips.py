@@ -1,4 +1,4 @@
-"""What a scene does not need, and why (DESIGN section 5): left out of script and kernels, listed by `check`."""
+"""What a scene does not need, and why: left out of script and kernels, listed by `check`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def reachable(wall: Wall, domain, d: float) -> bool:
 
 
 def skipped(case: Case, walls, kept, probes) -> tuple[str, ...]:
-    """What the engines leave out because the scene does not need it (DESIGN section 5)."""
+    """What the engines leave out because the scene does not need it."""
     texts = []
     if case.contact.friction == 0:
         texts.append("friction terms: friction is 0")

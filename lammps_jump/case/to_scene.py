@@ -9,11 +9,11 @@ import numpy as np
 from .. import contact, theory
 from ..scene import Gate, InletRow, Outlet, Pour, Scene
 from ..walls import Block, Box, Plane, Wall
-from .arrange import Packing, arrange, closest_pair
+from .arrange import Packing, arrange
 from .load import LoadedCase
 from .models import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
+from .scene_checks import check_places, check_size, check_stability
 from .skips import reachable, skipped
-from .slip_check import slip_warnings
 from .source import nearest
 
 MAX_SPEED_MARGIN = 2.0
@@ -22,6 +22,26 @@ MAX_SPEED_MARGIN = 2.0
 TOUCH_STEPS = 2.0
 """Width of a smooth touch in steps at v0. Energy box at f = 0.2: 3.1 % error with 1, 1.3 % with 2 (as a sharp contact
 at f = 0.05), 0.6 % with 4, while the largest overlap of an elastic collision at v0 grows by 19, 37 and 69 %."""
+
+
+def contact_coefficients(case: Case, integrator: str, time_step_fraction: float | None = None) -> contact.Coefficients:
+    """Contact coefficients of a case, with its own step or another (as a share of 2/omega)."""
+    _, impact_speed, stiffness = _stiffness(case)
+    return contact.derive(
+        density=case.discs.density,
+        diameter=case.discs.diameter,
+        restitution=case.contact.restitution,
+        friction=case.contact.friction,
+        stiffness=stiffness,
+        stiffness_wall=case.contact.stiffness_wall or stiffness,
+        impact_speed=impact_speed,
+        time_step_fraction=time_step_fraction or case.run.time_step_fraction,
+        integrator=integrator,
+        correct_restitution=case.contact.correct_restitution,
+        rotation=case.contact.rotation,
+        tangential_damping=case.contact.tangential_damping,
+        touch=case.contact.touch,
+    )
 
 
 def build_scene(loaded: LoadedCase) -> Scene:
@@ -35,23 +55,9 @@ def build_scene(loaded: LoadedCase) -> Scene:
     """
     case, source = loaded.case, loaded.source
     integrator = _integrator(loaded)
+    coefficients = contact_coefficients(case, integrator)
     penetration, impact_speed, stiffness = _stiffness(case)
-    coefficients = contact.derive(
-        density=case.discs.density,
-        diameter=case.discs.diameter,
-        restitution=case.contact.restitution,
-        friction=case.contact.friction,
-        stiffness=stiffness,
-        stiffness_wall=case.contact.stiffness_wall or stiffness,
-        impact_speed=impact_speed,
-        time_step_fraction=case.run.time_step_fraction,
-        integrator=integrator,
-        correct_restitution=case.contact.correct_restitution,
-        rotation=case.contact.rotation,
-        tangential_damping=case.contact.tangential_damping,
-        touch=case.contact.touch,
-    )
-    warnings = _check_stability(loaded, coefficients, integrator)
+    warnings = check_stability(loaded, coefficients, integrator)
     dt, d = coefficients.time_step, case.discs.diameter
     angle = math.radians(case.slope)
     gravity = (case.gravity * math.sin(angle), -case.gravity * math.cos(angle))
@@ -78,7 +84,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
     )
     domain = _domain(case, positions, inlets, speed)
     outlets = _outlets(loaded, domain, speed, dt, output_steps)
-    _check_places(loaded, positions, walls, inlets, domain, d, d / penetration)
+    check_places(loaded, positions, walls, inlets, domain, d / penetration)
     probes = _probes(loaded, walls)
     kept = tuple(wall for wall in walls if reachable(wall, domain, d) or wall.name in probes)
     touch_width = 0.0
@@ -89,7 +95,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
             "run.stop_when_steady",
             f"reads text dumps as they grow; run.dump_format is {case.run.dump_format}: use text",
         )
-    _check_size(loaded, steps, len(positions), domain)
+    check_size(loaded, steps, len(positions), domain)
     if case.run.stop_when_steady and not inlets:
         warnings.append("stop_when_steady has no effect: without inflow rows a flow does not become steady")
     scene = Scene(
@@ -132,32 +138,6 @@ def _frozen(array: np.ndarray) -> np.ndarray:
     return array
 
 
-MOST_STEPS = 2_000_000_000
-"""LAMMPS counts steps of one run and insertions in 32 bits."""
-MOST_DISCS = 20_000_000
-MOST_BINS = 100_000
-
-
-def _check_size(loaded: LoadedCase, steps: int, discs: int, domain) -> None:
-    """Refuse what no run could finish, before it starts."""
-    case, source = loaded.case, loaded.source
-    if steps > MOST_STEPS:
-        raise source.error(
-            "run.duration",
-            f"{case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, raise "
-            "run.time_step_fraction or lower the stiffness",
-        )
-    if discs > MOST_DISCS:
-        raise source.error("initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs")
-    width = case.analysis.bin_width
-    length = domain[0][1] - domain[0][0]
-    if width is not None and length / width > MOST_BINS:
-        raise source.error(
-            "analysis.bin_width",
-            f"{width:g} m would make {length / width:.0f} bins over {length:g} m; allowed are {MOST_BINS}: widen it",
-        )
-
-
 def _integrator(loaded: LoadedCase) -> str:
     case, source = loaded.case, loaded.source
     engine, wanted = case.engine.name, case.run.integrator
@@ -187,34 +167,6 @@ def _stiffness(case: Case) -> tuple[float, float, float]:
         return n, given.impact_speed, contact.stiffness(rho, n, given.impact_speed)
     speed = given.impact_speed or math.sqrt(given.stiffness / rho) / 10.0
     return math.sqrt(given.stiffness / rho) / speed, speed, given.stiffness
-
-
-def _check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, integrator: str) -> list[str]:
-    fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
-    if fraction > limit and not loaded.case.run.allow_unstable:
-        # the correction softens the dashpot with f: what is allowed for sure is the limit without it
-        limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
-        raise loaded.source.error(
-            "run.time_step_fraction",
-            f"{fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of 2/omega for {integrator} at "
-            f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set "
-            "run.allow_unstable: true",
-        )
-    given = loaded.case.contact
-    found = slip_warnings(coefficients, given.friction_law, given.rotation)
-    if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
-        found.append(
-            f"time_step_fraction {fraction:g} is stable, but at restitution {coefficients.restitution:g} the "
-            "kink at first "
-            "touch heats the discs from 0.2 on; use 0.1 or less, or contact.touch: smooth"
-        )
-    if fraction > 0.8 * limit:
-        found.insert(
-            0,
-            f"time_step_fraction {fraction:g} is close to the limit of stability {limit:.3f} (hexagonal packing, "
-            f"{integrator}); energies near it are not to be trusted",
-        )
-    return found
 
 
 def _schedule(duration: float, interval: float, probe_interval: float | None, dt: float) -> tuple[int, int, int]:
@@ -349,55 +301,6 @@ def _outlets(loaded: LoadedCase, domain, speed: float, dt: float, output_steps: 
         every = max(1, min(output_steps, int(room / (MAX_SPEED_MARGIN * speed * dt))))
         outlets.append(Outlet(axis, at, side, every))
     return tuple(outlets)
-
-
-def _check_places(loaded: LoadedCase, positions, walls, inlets, domain, d: float, allowed: float) -> None:
-    source = loaded.source
-    for axis, label in enumerate("xy"):
-        low, high = domain[axis]
-        outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
-        if outside.size:
-            value = positions[outside[0], axis]
-            raise source.error(
-                "domain" if loaded.case.domain else "initial",
-                f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, "
-                f"{high:g}]; widen domain.{label}",
-            )
-        for row in inlets:
-            if not low < (row.x, row.y)[axis] < high:
-                raise source.error(
-                    "inflow",
-                    f"the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} [{low:g}, {high:g}]",
-                )
-    close = closest_pair(positions, d)
-    if close is not None and d - close[0] > allowed * (1 + 1e-9):
-        distance, i, j = close
-        raise source.error(
-            "initial",
-            f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
-            f"({positions[j, 0]:g}, {positions[j, 1]:g}) "
-            f"overlap by {d - distance:.3g} m at the start; allowed is d/n = {allowed:.3g} m; move them apart",
-        )
-    for index, wall in enumerate(walls):
-        if len(positions):
-            distance = wall.signed_distance(positions[:, 0], positions[:, 1])
-            worst = int(np.argmin(distance))
-            if d / 2 - distance[worst] > allowed * (1 + 1e-9):
-                raise source.error(
-                    ("walls", index),
-                    f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
-                    f"{d / 2 - distance[worst]:.3g} m deep in "
-                    f"wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the discs",
-                )
-        for number, row in enumerate(inlets):
-            distance = float(wall.signed_distance(np.array([row.x]), np.array([row.y]))[0])
-            if distance < d / 2 * (1 - 1e-6):
-                raise source.error(
-                    "inflow",
-                    f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {d / 2 - distance:.3g} m deep in "
-                    f"wall '{wall.name}'; "
-                    "move the inlet (inflow.x, inflow.y) or the wall",
-                )
 
 
 def _probes(loaded: LoadedCase, walls) -> tuple[str, ...]:

@@ -14,10 +14,13 @@
 
    The tensile tail of F_n is kept, as the thesis keeps it. Every branch is a template argument: a scene pays for
    nothing it lacks. The order of the operations follows gran/hooke, so that results agree with it to round-off
-   (compile with contraction off: a fused multiply-add would round differently). */
+   (compile with contraction off: a fused multiply-add would round differently). A Number is a double (walls) or
+   eight of them (pairs, lanes.h). */
 
 #ifndef JUMP_CONTACT_LAW_H
 #define JUMP_CONTACT_LAW_H
+
+#include "lanes.h"
 
 #include <cmath>
 
@@ -46,11 +49,11 @@ struct Law {
   double eps = 0.0;         // slip speed of the sign law now, m/s
 };
 
-struct ContactForce {
-  double fx, fy;       // on the disc, N
-  double twist;        // tangential force times its sense: moment on the disc is -(lever) * twist
-  double dash_x, dash_y;    // share of the dashpot in the force
-  double rub_x, rub_y;      // share of friction in the force
+template <class Number> struct ContactForce {
+  Number fx, fy;            // on the disc, N
+  Number twist;             // tangential force times its sense: moment on the disc is -(lever) * twist
+  Number dash_x, dash_y;    // share of the dashpot in the force
+  Number rub_x, rub_y;      // share of friction in the force
 };
 
 /** Elastic energy of an overlap, J per metre of width. */
@@ -65,32 +68,35 @@ template <Touch TOUCH> inline double elastic_energy(const Law &law, double overl
 
 /** Force on a disc whose centre lies at (dx, dy) from its partner's; (vx, vy) is its relative velocity.
 
-    rim is R (omega_i + omega_j), the speed of the rims at the contact; free of branches, so that it vectorises. */
-template <Friction FRICTION, Touch TOUCH>
-inline ContactForce contact_force(const Law &law, double dx, double dy, double vx, double vy, double rim)
+    rim is R (omega_i + omega_j), the speed of the rims at the contact. */
+template <Friction FRICTION, Touch TOUCH, class Number>
+inline ContactForce<Number> contact_force(const Law &law, const Number &dx, const Number &dy, const Number &vx,
+                                          const Number &vy, const Number &rim)
 {
-  ContactForce out;
-  const double rsq = dx * dx + dy * dy;
-  const double r = std::sqrt(rsq);
-  const double rinv = 1.0 / r;
-  const double rsqinv = rinv * rinv;
-  const double vnnr = vx * dx + vy * dy;
-  const double overlap = law.reach - r;
-  double damp = law.damping * vnnr * rsqinv;
-  double ccel;
+  ContactForce<Number> out;
+  const Number rsq = dx * dx + dy * dy;
+  const Number r = root(rsq);
+  const Number rinv = 1.0 / r;
+  const Number rsqinv = rinv * rinv;
+  const Number vnnr = vx * dx + vy * dy;
+  const Number overlap = law.reach - r;
+  Number damp = law.damping * vnnr * rsqinv;
+  Number ccel;
   if (TOUCH != Touch::SHARP) {
-    const double share = overlap * law.inverse_width;
-    const double ramp = share < 1.0 ? share : 1.0;
+    const Number share = overlap * law.inverse_width;
+    const Number one = spread(1.0, rsq);
+    const Number ramp = least(share, one);
     if (TOUCH == Touch::RAMP) {
       damp *= ramp;
     } else {
       // (F / sqrt(2 k E))^2: 3 delta/(4 s) below s, q^2/(q^2 + s^2/12) with q = delta - s/2 beyond
-      const double q = overlap - 0.5 * law.width;
-      const double beyond = q * q / (q * q + law.width * law.width / 12.0);
-      damp *= std::sqrt(share < 1.0 ? 0.75 * share : beyond);
+      const Number q = overlap - 0.5 * law.width;
+      const Number beyond = q * q / (q * q + law.width * law.width / 12.0);
+      const Number squared = share < one ? 0.75 * share : beyond;
+      damp *= root(squared);
     }
     // both branches in one: k (overlap - s ramp/2) ramp is k delta^2/(2 s) below s and k (delta - s/2) beyond
-    const double spring = law.k * ramp * (overlap - 0.5 * law.width * ramp);
+    const Number spring = law.k * ramp * (overlap - 0.5 * law.width * ramp);
     ccel = spring * rinv - damp;
   } else {
     ccel = law.k * overlap * rinv - damp;
@@ -99,30 +105,25 @@ inline ContactForce contact_force(const Law &law, double dx, double dy, double v
   out.dash_y = -dy * damp;
   out.fx = dx * ccel;
   out.fy = dy * ccel;
-  out.twist = 0.0;
-  out.rub_x = 0.0;
-  out.rub_y = 0.0;
+  out.twist = out.rub_x = out.rub_y = spread(0.0, rsq);
   if (has_friction(FRICTION)) {
-    double vtx = vx - dx * vnnr * rsqinv;
-    double vty = vy - dy * vnnr * rsqinv;
+    Number vtx = vx - dx * vnnr * rsqinv;
+    Number vty = vy - dy * vnnr * rsqinv;
     if (has_spin(FRICTION)) {
-      const double wr = rim * rinv;
+      const Number wr = rim * rinv;
       vtx += dy * wr;
       vty -= dx * wr;
     }
-    const double slip = std::sqrt(vtx * vtx + vty * vty);
-    const double coulomb = law.mu * std::fabs(ccel * r);
-    double rate;    // friction force per slip speed
+    const Number slip = root(vtx * vtx + vty * vty);
+    const Number coulomb = law.mu * magnitude(ccel * r);
+    Number rate;    // friction force per slip speed
     if (is_sign(FRICTION)) {
-      double scale = slip > law.eps ? slip : law.eps;
-      scale = scale > 1e-300 ? scale : 1e-300;
-      rate = coulomb / scale;
+      rate = coulomb / most(slip, spread(law.eps > 1e-300 ? law.eps : 1e-300, slip));
     } else {
-      const double sliding = coulomb / (slip > 1e-300 ? slip : 1e-300);
-      rate = sliding < law.tangential ? sliding : law.tangential;
+      rate = least(coulomb / most(slip, spread(1e-300, slip)), spread(law.tangential, slip));
     }
-    const double fsx = -rate * vtx;
-    const double fsy = -rate * vty;
+    const Number fsx = -rate * vtx;
+    const Number fsy = -rate * vty;
     out.fx += fsx;
     out.fy += fsy;
     out.twist = rinv * (dx * fsy - dy * fsx);

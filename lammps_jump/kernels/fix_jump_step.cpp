@@ -302,7 +302,7 @@ void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const jum
 {
   const auto &a = pair->disc[i];
   const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
-  const ContactForce out = jump::contact_force<FRICTION, TOUCH>(rule, dx, dy, a.vx, a.vy, rim);
+  const ContactForce<double> out = jump::contact_force<FRICTION, TOUCH>(rule, dx, dy, a.vx, a.vy, rim);
   double *const f = atom->f[i];
   f[0] += out.fx;
   f[1] += out.fy;

@@ -15,12 +15,13 @@
 using namespace LAMMPS_NS;
 using jump::ContactForce;
 using jump::Friction;
+using jump::Lanes;
+using jump::LANES;
 using jump::Touch;
 
 namespace {
 typedef double Vec4 __attribute__((vector_size(32), may_alias));
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
-constexpr int LANES = 8;      // doubles in the widest vector; divides BATCH
 constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
 }    // namespace
 
@@ -244,6 +245,8 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
   const int nlocal = atom->nlocal;
   const bool newton = force->newton_pair;
   const double radius = 0.5 * diameter;
+  // the global virial comes from forces and positions at the end; a contact of its own counts for others only
+  const bool tally = vflag_global || vflag_atom || num_tally_compute > 0;
   if (LEDGER) std::fill(loss.begin(), loss.begin() + nlocal, Loss{0.0, 0.0, 0.0, 0.0});
   double *const __restrict f = atom->f ? atom->f[0] : nullptr;
   double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
@@ -251,7 +254,7 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
   // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
   alignas(64) double between[BATCH][4];
   alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
-  alignas(64) double lost[LEDGER ? BATCH : 1][4];
+  alignas(64) double dashed[LEDGER ? BATCH : 1][2], rubbed[LEDGER ? BATCH : 1][2];
   int touching[BATCH + 1];
   for (size_t begin = 0; begin < candidates; begin += BATCH) {
     const size_t end = begin + BATCH < candidates ? begin + BATCH : candidates;
@@ -275,18 +278,16 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
       between[c][2] = between[c][3] = 0.0;
       rims[c] = 0.0;
     }
-    for (int c = 0; c < whole; c++) {
-      const ContactForce out =
-          jump::contact_force<FRICTION, TOUCH>(rule, between[c][0], between[c][1], between[c][2], between[c][3],
-                                                jump::has_spin(FRICTION) ? rims[c] : 0.0);
-      force_on[c][0] = out.fx;
-      force_on[c][1] = out.fy;
-      if (jump::has_spin(FRICTION)) twist[c] = radius * out.twist;
+    for (int c = 0; c < whole; c += LANES) {
+      Lanes part[4];
+      jump::columns(between + c, part);
+      const Lanes rim_speed = jump::has_spin(FRICTION) ? *reinterpret_cast<const Lanes *>(rims + c) : Lanes{};
+      const auto out = jump::contact_force<FRICTION, TOUCH>(rule, part[0], part[1], part[2], part[3], rim_speed);
+      jump::rows_of_two(out.fx, out.fy, force_on + c);
+      if (jump::has_spin(FRICTION)) *reinterpret_cast<Lanes *>(twist + c) = radius * out.twist;
       if (LEDGER) {
-        lost[c][0] = out.dash_x;
-        lost[c][1] = out.dash_y;
-        lost[c][2] = out.rub_x;
-        lost[c][3] = out.rub_y;
+        jump::rows_of_two(out.dash_x, out.dash_y, dashed + c);
+        jump::rows_of_two(out.rub_x, out.rub_y, rubbed + c);
       }
     }
     for (int c = 0; c < n; c++) {
@@ -299,11 +300,11 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
         if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= twist[c];
       }
       if (LEDGER) {
-        const Vec4 taken = *reinterpret_cast<const Vec4 *>(lost[c]);
+        const Vec4 taken = {dashed[c][0], dashed[c][1], rubbed[c][0], rubbed[c][1]};
         *reinterpret_cast<Vec4 *>(&loss[i]) += taken;
         if (j < nlocal) *reinterpret_cast<Vec4 *>(&loss[j]) -= taken;
       }
-      if (evflag)
+      if (tally)
         ev_tally_xyz(i, j, nlocal, newton, 0.0, 0.0, push[0], push[1], 0.0, between[c][0], between[c][1], 0.0);
     }
   }
@@ -366,12 +367,11 @@ double PairJumpDisc::elastic_energy() const
   double sum = 0.0;
   const int nlocal = atom->nlocal;
   for (size_t p = 0; p < candidates; p++) {
-    const Disc &a = disc[first[p]];
-    const Disc &b = disc[second[p]];
-    const double dx = a.x - b.x, dy = a.y - b.y;
-    const double overlap = law.reach - std::sqrt(dx * dx + dy * dy);
+    const double dx = disc[first[p]].x - disc[second[p]].x, dy = disc[first[p]].y - disc[second[p]].y;
+    const double rsq = dx * dx + dy * dy;
+    if (rsq >= law.reach * law.reach) continue;
     const double share = force->newton_pair || second[p] < nlocal ? 1.0 : 0.5;
-    sum += share * elastic_energy(law, overlap);
+    sum += share * elastic_energy(law, law.reach - std::sqrt(rsq));
   }
   return sum;
 }
@@ -394,7 +394,7 @@ double PairJumpDisc::single(int i, int j, int, int, double rsq, double, double, 
   if (rsq >= law.reach * law.reach) return 0.0;
   const double dx = atom->x[i][0] - atom->x[j][0], dy = atom->x[i][1] - atom->x[j][1];
   const double vx = atom->v[i][0] - atom->v[j][0], vy = atom->v[i][1] - atom->v[j][1];
-  const ContactForce out = touch == Touch::SHARP
+  const ContactForce<double> out = touch == Touch::SHARP
       ? jump::contact_force<Friction::NONE, Touch::SHARP>(law, dx, dy, vx, vy, 0.0)
       : touch == Touch::RAMP ? jump::contact_force<Friction::NONE, Touch::RAMP>(law, dx, dy, vx, vy, 0.0)
                              : jump::contact_force<Friction::NONE, Touch::EVEN>(law, dx, dy, vx, vy, 0.0);

@@ -2,7 +2,7 @@
 
 ``python -m lammps_jump.kernels.touch_study`` prints the tables. Units: m_eff = k = 1, so that omega = 1, times count in
 1/omega and the step is h = omega dt = 2 f. Velocity Verlet with the dashpot fed by the half-step velocity, as LAMMPS
-evaluates it (PHYSICS 1.2).
+evaluates it (docs/theory.md, one collision in steps).
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ def contact_law(scene: Scene) -> list[str]:
     words = [
         f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
         f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter "
-        f"{number(scene.diameter)}",
+        f"{number(scene.diameter)} skin {number(scene.skin)}",
     ]
     if scene.touch == "smooth":
         words.append(f"touch smooth {number(scene.touch_width)} dashpot even")
@@ -37,8 +37,9 @@ def contact_law(scene: Scene) -> list[str]:
 def neighbours(scene: Scene) -> list[str]:
     """Skin, and how often LAMMPS looks whether discs must change ranks.
 
-    The plugin keeps a list of its own. On one rank LAMMPS' check serves nothing but lost discs: every tenth step is
-    enough and saves 10 % of a run. Ghosts of other ranks must be fresh: every step there, however it is started.
+    The plugin keeps a list of its own, with a skin of its own (`contact_law`). On one rank LAMMPS' check serves
+    nothing but lost discs: every tenth step is enough and saves 10 % of a run. Ghosts of other ranks must be fresh:
+    every step there, however it is started.
     """
     every = "$(1+9*(extract_setting(world_size)==1))"
     return [

@@ -20,6 +20,7 @@ def run_bench(
     members: int | None = None,
     cells: bool = False,
     skips: bool = False,
+    speed: bool = False,
     table: bool = False,
     diameters: str | None = None,
     fractions: str | None = None,
@@ -48,6 +49,10 @@ def run_bench(
         from .bench_skips import bench_skips
 
         return bench_skips(case, out=out, quick=quick, assignments=assignments, fresh=fresh, say=say)
+    if speed:
+        from .bench_speed import bench_speed
+
+        return bench_speed(case, out=out, quick=quick, assignments=assignments, fresh=fresh, say=say)
     from .bench_table import markdown
 
     names = tuple(word.strip() for word in kernels.split(",")) if kernels else None

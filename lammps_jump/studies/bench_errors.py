@@ -4,7 +4,7 @@ A setting is run from several slightly moved starts. Its error in a quantity is 
 the mean of the reference's (the finest step), over its size; of a curve, the root mean square along it.
 What the two ensembles' own scatter would give by chance alone, were the two equal, is the *floor*: sqrt(s^2/n +
 s_ref^2/n_ref). Below it nothing can be told apart. An energy box has an exact answer, no deviation; the error is the
-median over the starts of the largest one (PHYSICS 1.6), its floor is 0.
+median over the starts of the largest one, its floor is 0.
 """
 
 from __future__ import annotations

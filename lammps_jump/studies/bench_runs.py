@@ -145,12 +145,12 @@ def warm_up(scene: Scene) -> None:
 def measure(folder: Path, scene: Scene, loaded: LoadedCase, result: RunResult) -> dict[str, Any]:
     """What the case asks of a run, as numbers and curves: energy, front, jump, impulse on structures."""
     from ..analysis.context import from_scene
-    from ..analysis.run_folder import find_dump, open_run_dump, read_forces
+    from ..analysis.run_folder import open_run_dump, read_forces
 
     asked = loaded.case.analysis
     context = from_scene(scene, bin_width=asked.bin_width, window=asked.window)
     measures: dict[str, Any] = {}
-    dump = open_run_dump(find_dump(folder))
+    dump = open_run_dump(folder)
     if asked.energy:
         measures |= _energy(dump, context)
     if asked.front:

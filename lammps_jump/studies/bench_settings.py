@@ -14,7 +14,7 @@ AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
 FRACTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
 QUICK_FRACTIONS = (0.05, 0.1, 0.2)
 PENETRATIONS = (5.0, 10.0, 20.0, 40.0)
-SKINS = (0.1, 0.2, 0.3, 0.5)
+SKINS = (0.1, 0.2, 0.3, 0.5, 0.7)
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def parse_axes(text: str | None) -> tuple[str, ...]:
 
 
 def stable(setting: Setting, restitution: float) -> bool:
-    """Whether the step is below the limit of a dense packing (PHYSICS 1.5, `contact.stable_fraction`)."""
+    """Whether the step is below the limit of a dense packing (`contact.stable_fraction`)."""
     integrator = "leapfrog_extrapolated" if setting.kernel == "native" else "velocity_verlet"
     xi = contact.damping_ratio(restitution)
     return setting.fraction <= contact.stable_fraction(xi, integrator)

@@ -1,4 +1,4 @@
-"""What each thing left out of a script saves (DESIGN section 5), on the stock LAMMPS script, by putting it back in.
+"""What each thing left out of a script saves, on the stock LAMMPS script, by putting it back in.
 
 Every row takes the script that the generator writes, edits the one thing in, runs both in turn, and compares the last
 frame: the trajectory must not change. Where the order of sums changes (another skin, other list builds) the comparison

@@ -154,7 +154,13 @@ def choose_setting(
 
 
 def _fits(row: dict[str, Any], case: Any, usable: set[str]) -> bool:
-    """Whether a stored setting can be used for a case here: engine, kernel, law, stability."""
+    """Whether a stored setting can be used for a case here: engine, kernel, law, stability of contacts and of slip.
+
+    The calibration is without friction: a step at which friction turns the slip round every time is not shown by it.
+    """
+    from ..case.slip_check import slip_warnings
+    from ..case.to_scene import contact_coefficients
+
     kernel = row["kernel"]
     if kernel not in usable or (case.engine.name == "native") != (kernel == "native"):
         return False
@@ -163,7 +169,10 @@ def _fits(row: dict[str, Any], case: Any, usable: set[str]) -> bool:
     if kernel == "stock" and case.contact.friction_law == "sign" and case.contact.friction > 0:
         return False
     integrator = "leapfrog_extrapolated" if kernel == "native" else "velocity_verlet"
-    return row["fraction"] <= contact.stable_fraction(contact.damping_ratio(case.contact.restitution), integrator)
+    if row["fraction"] > contact.stable_fraction(contact.damping_ratio(case.contact.restitution), integrator):
+        return False
+    coefficients = contact_coefficients(case, integrator, row["fraction"])
+    return not slip_warnings(coefficients, case.contact.friction_law, case.contact.rotation)
 
 
 def _reason(row, rows, entry, case, accuracy: float, quantity: str, words: str) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -22,13 +22,12 @@ from ..case.to_scene import build_scene
 from ..errors import SetupError
 from ..progress import ProgressLine
 from ..scene import Scene
-from ..summary import plain, versions
 from .cv_divergence import TWIN_JITTER, Divergence, measure_divergence
 from .cv_quantities import Comparison, Quantities, Wanted, compare, measure
 from .cv_scenes import friction_scene, micro_scenes
-from .cv_statistics import CONFIDENCE, FAMILY_ERROR
+from .cv_statistics import FAMILY_ERROR
 from .cv_trajectories import CONTACT_STEPS, DeterministicCheck, Growth, check_scene, developed_scene, twin_separation
-from .ensembles import JITTER, EngineChoice, Member, perturbed, run_ensemble
+from .ensembles import EngineChoice, Member, perturbed, run_ensemble
 
 MEMBERS, QUICK_MEMBERS = 6, 3
 DIVERGENCE_WORK = 4e7
@@ -141,7 +140,7 @@ def cross_validate(
     study.criteria = criteria(study)
     study.seconds = time.perf_counter() - begin
     from .cv_figures import draw_all
-    from .cv_report import write_report
+    from .cv_report import as_dict, write_report
 
     report = as_dict(study, seeds)
     (folder / RESULT_FILE).write_text(json.dumps(report, indent=1, allow_nan=False) + "\n")
@@ -342,68 +341,6 @@ def criteria(study: Study) -> list[dict[str, Any]]:
         met = bool(share <= limit) if np.isfinite(share) and without_friction else None
         rows.append({"name": f"{name} between the engines", "limit": limit, "value": share, "met": met})
     return rows
-
-
-def as_dict(study: Study, seeds: list[int]) -> dict[str, Any]:
-    """What goes into ``cross_validation.json``."""
-    divergence = study.divergence
-    report = {
-        "name": study.name,
-        "passed": study.passed,
-        "seconds": study.seconds,
-        "versions": versions(),
-        "seeds": seeds,
-        "jitter": JITTER,
-        "confidence": CONFIDENCE,
-        "family_error": FAMILY_ERROR,
-        "time_step_fraction": study.scene.coefficients.time_step_fraction,
-        "duration": study.scene.time(study.scene.steps),
-        "lammps_kernel": study.engine.kernel,
-        "notes": study.notes,
-        "disc_by_disc": [
-            {**asdict(check), "expected_difference": study.expected(check)} for check in study.checks
-        ],
-        "divergence": divergence and {
-            "kernel": divergence.kernel,
-            "time_step": study.scene.time_step,
-            "steps": int(divergence.engines.steps[-1]) if len(divergence.engines.steps) else 0,
-            "growth": asdict(divergence.growth),
-            "twin_growth": asdict(divergence.twin_growth),
-            "first_step_beyond": divergence.levels,
-            "other_discs_from_step": divergence.engines.other_discs,
-            "largest_separation": float(divergence.engines.largest.max(initial=0.0)),
-        },
-        "statistics": study.comparison and _comparison_dict(study.comparison),
-        "criteria": study.criteria,
-        "laws": {label: {"what": text, **_comparison_dict(found)} for label, (text, found) in study.laws.items()},
-        "runs": {
-            label: [{"seed": member.seed, **member.result} for member in members]
-            for label, members in study.members.items()
-        },
-    }  # fmt: skip
-    return plain(report)
-
-
-def _comparison_dict(found: Comparison) -> dict[str, Any]:
-    return {
-        "ensembles": [found.name_1, found.name_2],
-        "jump_verdicts": list(found.verdicts_of_jump),
-        "agrees": found.agrees,
-        "quantities": [
-            {
-                "name": v.name,
-                "unit": v.unit,
-                "kind": v.kind,
-                "verdict": v.word,
-                "text": v.text,
-                "place": v.place or None,
-                "points": v.points or None,
-                "p_adjusted": v.p_adjusted,
-                **asdict(v.difference),
-            }
-            for v in found.verdicts
-        ],
-    }
 
 
 __all__ = ["Study", "cross_validate"]

@@ -1,14 +1,19 @@
-"""The report of a cross-validation: one HTML file that needs nothing else."""
+"""The report of a cross-validation: what ``cross_validation.json`` holds, and one HTML file that needs nothing else."""
 
 from __future__ import annotations
 
 import base64
+from dataclasses import asdict
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..summary import plain, versions
 from .cv_figures import SHOWN
+from .cv_quantities import Comparison
+from .cv_statistics import CONFIDENCE, FAMILY_ERROR
 from .cv_trajectories import CONTACT_STEPS
+from .ensembles import JITTER
 
 if TYPE_CHECKING:
     from .cross_validation import Study
@@ -25,6 +30,68 @@ th, td { text-align: left; padding: .25rem .5rem; border-bottom: 1px solid #e4e4
 .differ { color: #b3263a; font-weight: 600; }
 figure { margin: 1.2rem 0; } img { width: 100%; height: auto; } figcaption { font-size: .9rem; color: #444; }
 """
+
+
+def as_dict(study: Study, seeds: list[int]) -> dict[str, Any]:
+    """What goes into ``cross_validation.json``."""
+    divergence = study.divergence
+    report = {
+        "name": study.name,
+        "passed": study.passed,
+        "seconds": study.seconds,
+        "versions": versions(),
+        "seeds": seeds,
+        "jitter": JITTER,
+        "confidence": CONFIDENCE,
+        "family_error": FAMILY_ERROR,
+        "time_step_fraction": study.scene.coefficients.time_step_fraction,
+        "duration": study.scene.time(study.scene.steps),
+        "lammps_kernel": study.engine.kernel,
+        "notes": study.notes,
+        "disc_by_disc": [
+            {**asdict(check), "expected_difference": study.expected(check)} for check in study.checks
+        ],
+        "divergence": divergence and {
+            "kernel": divergence.kernel,
+            "time_step": study.scene.time_step,
+            "steps": int(divergence.engines.steps[-1]) if len(divergence.engines.steps) else 0,
+            "growth": asdict(divergence.growth),
+            "twin_growth": asdict(divergence.twin_growth),
+            "first_step_beyond": divergence.levels,
+            "other_discs_from_step": divergence.engines.other_discs,
+            "largest_separation": float(divergence.engines.largest.max(initial=0.0)),
+        },
+        "statistics": study.comparison and _comparison_dict(study.comparison),
+        "criteria": study.criteria,
+        "laws": {label: {"what": text, **_comparison_dict(found)} for label, (text, found) in study.laws.items()},
+        "runs": {
+            label: [{"seed": member.seed, **member.result} for member in members]
+            for label, members in study.members.items()
+        },
+    }  # fmt: skip
+    return plain(report)
+
+
+def _comparison_dict(found: Comparison) -> dict[str, Any]:
+    return {
+        "ensembles": [found.name_1, found.name_2],
+        "jump_verdicts": list(found.verdicts_of_jump),
+        "agrees": found.agrees,
+        "quantities": [
+            {
+                "name": v.name,
+                "unit": v.unit,
+                "kind": v.kind,
+                "verdict": v.word,
+                "text": v.text,
+                "place": v.place or None,
+                "points": v.points or None,
+                "p_adjusted": v.p_adjusted,
+                **asdict(v.difference),
+            }
+            for v in found.verdicts
+        ],
+    }
 
 
 def write_report(study: Study, report: dict[str, Any], figures: dict[str, Path], path: Path) -> Path:

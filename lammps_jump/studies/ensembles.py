@@ -98,6 +98,12 @@ def _digest(*parts: bytes) -> str:
     return found.hexdigest()[:12]
 
 
+REDUCING = (
+    "profiles", "profile_kernels", "dam_break", "energy", "contact_sums", "contacts_found", "cell_grid", "context",
+)  # fmt: skip
+"""Modules of the analysis that make a member's numbers."""
+
+
 def _sources(package: str, names: tuple[str, ...] | None = None) -> bytes:
     folder = Path(__import__(package, fromlist=["_"]).__file__).parent
     files = sorted(folder.glob("*.py")) if names is None else [folder / f"{name}.py" for name in names]
@@ -109,9 +115,7 @@ def member_key(scene: Scene, engine: EngineChoice, bin_width: float | None, wind
     from ..lammps_engine.loader import wheel_version
     from ..script.write import data_text, script_text
 
-    reduction = _sources(
-        "lammps_jump.analysis", ("profiles", "profile_kernels", "dam_break", "energy", "contact_sums", "context")
-    )
+    reduction = _sources("lammps_jump.analysis", REDUCING)
     common = f"{REDUCTION} {bin_width} {window}".encode()
     # the script holds every number that LAMMPS sees; the native engine gets the same scene
     numbers = script_text(scene, kernel="compiled", dump_format="binary").encode() + data_text(scene).encode()

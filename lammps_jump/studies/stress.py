@@ -126,7 +126,7 @@ def measure_limits(store: Store, kernels: list[str], quick: bool, say: Say) -> l
 
 
 def periodic(store: Store, quick: bool, say: Say) -> list[dict[str, Any]]:
-    """The bracket of PHYSICS 1.5 on a periodic crystal: 0.280 stable, 0.285 not (e = 0.2)."""
+    """A bracket of the closed form on a periodic crystal: 0.280 stable, 0.285 not (e = 0.2)."""
     rows = []
     points = (
         ((0.2, 0.28), (0.2, 0.285)) if quick else ((0.2, 0.275), (0.2, 0.28), (0.2, 0.285), (1.0, 0.575), (1.0, 0.58))
@@ -250,7 +250,7 @@ def run_random(store: Store, kernels: list[str], count: int, seed: int, say: Say
 
 
 def may_heat(case: dict[str, Any]) -> bool:
-    """Steps that are stable yet heat hard elastic contacts (PHYSICS 1.6), or that were forced through."""
+    """Steps that are stable yet heat hard elastic contacts, or that were forced through."""
     run = case["run"]
     return run["allow_unstable"] or (case["contact"]["restitution"] > 0.9 and run["time_step_fraction"] >= 0.2)
 

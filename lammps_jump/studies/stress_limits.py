@@ -44,7 +44,7 @@ class Limit:
     restitution, friction : float
     rotation : bool
     predicted : float
-        Closed form of PHYSICS 1.5 (for the column: that of a hexagonal packing, a lower bound).
+        Closed form, docs/theory.md (for the column: that of a hexagonal packing, a lower bound).
     stable, unstable : float
         Largest fraction seen stable, smallest seen unstable.
     """

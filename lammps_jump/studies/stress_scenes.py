@@ -19,7 +19,7 @@ from ..errors import JumpError, SetupError
 
 GOOD = ("stable", "refused", "stopped")
 HEATED = 0.1
-"""Energy out of nothing beyond this share ends as 'heated': an elastic collision errs by 1 % at f = 0.2 (PHYSICS 1.2),
+"""Energy out of nothing beyond this share ends as 'heated': an elastic collision errs by 1 % at f = 0.2,
 an elastic box by a few per cent a minute."""
 REASONS = re.compile(r"overlap|number|lost|left the domain|left the plane|balance|unstable|blew up|blown up|deep", re.I)
 ENGINE_TEXTS = {

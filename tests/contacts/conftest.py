@@ -12,6 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from made_up import plugin_or_skip
 
 from lammps_jump import contact
 from lammps_jump.scene import Scene
@@ -32,16 +33,6 @@ ENGINES = {
 # --- engines ----------------------------------------------------------------------------------------------------
 
 
-def plugin() -> Path:
-    """This project's plugin; the test is skipped, with the reason, where it cannot be built."""
-    from lammps_jump.kernels import availability, plugin_path
-
-    status = availability()
-    if not status.available:
-        pytest.skip(f"no compiled kernel: {status.reason}")
-    return plugin_path()
-
-
 class LammpsEngine:
     """The generated script up to its run, then stepped from here."""
 
@@ -49,7 +40,7 @@ class LammpsEngine:
         from lammps_jump.lammps_engine.loader import load_lammps
         from lammps_jump.script import write_script
 
-        chosen = {"kernel": "compiled", "plugin": plugin()} if compiled else {}
+        chosen = {"kernel": "compiled", "plugin": plugin_or_skip()} if compiled else {}
         path = write_script(scene, folder, **chosen)
         commands = path.read_text().partition("# --- run")[0]
         commands = commands.replace("discs.data", str(folder / "discs.data"))

@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from lammps_jump.case import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.script import script_text
+
 HERE = Path(__file__).parent
 _spec = importlib.util.spec_from_file_location("golden_make", HERE / "make.py")
 _make = importlib.util.module_from_spec(_spec)
@@ -33,6 +37,14 @@ def test_blocks_stand_only_where_needed():
     # no friction: dampflag and coefficients are zero in pair and walls
     assert "gran/hooke 25600000 NULL 1008.5" in jump and " 0 0 0\n" in jump
     assert jump.count("fix deposit") == 0 and jump.count(" all deposit ") == 5
+
+
+def test_skin_of_the_case_reaches_every_neighbour_list():
+    scene = build_scene(load_case(_make.INPUTS / "dam_break.yaml", ["engine.skin=0.05"]))
+    stock, compiled = (script_text(scene, kernel=kernel) for kernel in ("stock", "compiled"))
+    assert "neighbor        0.05 bin\n" in stock
+    # the plugin keeps a list of its own beside that of LAMMPS
+    assert "neighbor        0.05 bin\n" in compiled and " diameter 0.2 skin 0.05\n" in compiled
 
 
 def test_traps_of_the_design_are_avoided():

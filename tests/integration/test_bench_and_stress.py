@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
@@ -11,7 +12,6 @@ from lammps_jump.studies import bench_skips, stress_limits
 from lammps_jump.studies.bench_command import run_bench
 
 pytestmark = pytest.mark.lammps
-INPUTS = Path(__file__).parents[2] / "inputs"
 
 
 def silent(text):
@@ -37,7 +37,7 @@ def test_bench_of_collisions(tmp_path):
     run_bench(Path("collision"), out=tmp_path, quick=True)
     rows = json.loads((tmp_path / "collision.json").read_text())["rows"]
     found = {(row["way"], row["restitution"], row["fraction"]): row["restitution_error"] for row in rows}
-    # PHYSICS 1.2 at f = 0.05: 4.7 % low by closed form, gone when corrected (64 phases: 0.5 %)
+    # `contact.lagged_restitution` at f = 0.05: 4.7 % low by closed form, gone when corrected (64 phases: 0.5 %)
     assert found["stock, uncorrected", 0.2, 0.05] == pytest.approx(-0.047, abs=0.008)
     assert abs(found["stock, corrected", 0.2, 0.05]) < 0.008
 

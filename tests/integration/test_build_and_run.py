@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lammps_jump.analysis.dump import open_dump
+from made_up import INPUTS, plugin_or_skip
 
 from lammps_jump import pipeline
 from lammps_jump.case import load_case, parse_case
@@ -23,7 +24,6 @@ from lammps_jump.reopen import reopen
 from lammps_jump.scenes import scene_names
 from lammps_jump.script import write_script
 
-INPUTS = Path(__file__).parents[2] / "inputs"
 pytestmark = pytest.mark.lammps
 
 CONTRACT_FILES = ("case.yaml", "in.lammps", "log.lammps", "summary.json", "profiles.nc", "report.html")
@@ -105,10 +105,10 @@ def test_energy_box_whole(tmp_path, fraction, bound):
 
 
 def test_row_speeds_and_counts_while_the_inlet_is_free(tmp_path):
-    """floor(u t / (s d)) + 1 discs a row to within one, at the row speeds of PHYSICS section 4."""
+    """floor(u t / (s d)) + 1 discs a row to within one, at the row speeds of the 1/7 profile (4.1)."""
     summary = job("hydraulic_jump", tmp_path, "run.duration=0.4")
     scene = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", ["run.duration=0.4"]))
-    theory = summary["theory"]  # PHYSICS section 2.1, printed digits
+    theory = summary["theory"]  # docs/theory.md, printed digits
     assert theory["froude"] == pytest.approx(5.108, abs=5e-4)
     assert theory["belanger_y2"] == pytest.approx(6.742, abs=5e-4)
     assert theory["jump_length"] == pytest.approx(40.63, abs=5e-3)
@@ -143,12 +143,9 @@ probes: {forces: [floor, left, right], interval: 0.5}
 
 @pytest.mark.parametrize("kernel", ["stock", "compiled"])
 def test_floor_carries_the_weight_of_a_settled_tank(tmp_path, kernel):
-    """N m g to 0.1 % (an identity of equilibrium, PHYSICS 3.4), and the side walls push alike."""
+    """N m g to 0.1 % (an identity of equilibrium), and the side walls push alike."""
     if kernel == "compiled":
-        from lammps_jump.kernels.build import availability
-
-        if not availability().available:
-            pytest.skip(availability().reason)
+        plugin_or_skip()
     (tmp_path / "tank.yaml").write_text(SETTLED)
     pipeline.build_and_run(
         tmp_path / "tank.yaml",
@@ -322,10 +319,7 @@ run: {duration: 3, time_step_fraction: 0.1, output_interval: 0.5}
 def test_poured_discs_all_come_and_stay(tmp_path, engine):
     """Places differ (each engine draws its own), the count does not; masses are the case's."""
     if engine == "compiled":
-        from lammps_jump.kernels.build import availability
-
-        if not availability().available:
-            pytest.skip(availability().reason)
+        plugin_or_skip()
     (tmp_path / "pour.yaml").write_text(POUR)
     choice = "engine.name=native" if engine == "native" else f"engine.kernel={engine}"
     summary = pipeline.build_and_run(
@@ -367,13 +361,7 @@ def test_refusal_leaves_an_earlier_result_alone(tmp_path):
 @pytest.mark.parametrize("kernel", ["stock", "compiled"])
 def test_positions_that_are_no_numbers_end_the_run(tmp_path, kernel):
     """Two discs at one place have no normal: LAMMPS itself would run on with NaN to a complete end."""
-    plugin = None
-    if kernel == "compiled":
-        from lammps_jump.kernels.build import availability, plugin_path
-
-        if not availability().available:
-            pytest.skip(availability().reason)
-        plugin = plugin_path()
+    plugin = plugin_or_skip() if kernel == "compiled" else None
     scene = build_scene(load_case(INPUTS / "energy_box_7.yaml", ["run.duration=1"]))
     together = scene.positions.copy()
     together[1] = together[0]

@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lammps_jump.contact import derive
 from lammps_jump.errors import SetupError
-from lammps_jump.kernels import plugin_path
-from lammps_jump.scene import Gate, InletRow, Outlet, Scene
+from lammps_jump.native.handmade import handmade_scene
+from lammps_jump.scene import Gate, InletRow, Outlet
 from lammps_jump.walls import Block, Box, Plane
 
 pytestmark = pytest.mark.lammps
@@ -22,14 +21,6 @@ pytestmark = pytest.mark.lammps
 DIAMETER = 0.2
 EQUAL = 1e-9  # diameters after 1000 steps: the agreement that is promised
 # Sums are taken in another order, so the last digit differs; collisions amplify it some ten-fold each.
-
-
-@pytest.fixture(scope="session")
-def plugin():
-    try:
-        return plugin_path()
-    except SetupError as error:
-        pytest.skip(f"no compiled kernel here: {error}")
 
 
 @pytest.fixture(scope="module")
@@ -42,38 +33,13 @@ def lammps():
         pytest.skip(str(error))
 
 
-def scene(positions, velocities, walls, *, friction=0.0, law="hooke", rotation=False, restitution=0.2, **more):
+def scene(positions, velocities, walls, *, law="hooke", fraction=0.05, **more):
     """A scene of discs of 40 kg with the coefficients of the hydraulic jump."""
-    coefficients = derive(
-        density=1000.0,
-        diameter=DIAMETER,
-        restitution=restitution,
-        friction=friction,
-        stiffness=2.56e7,
-        stiffness_wall=2.56e7,
-        impact_speed=16.0,
-        time_step_fraction=more.pop("fraction", 0.05),
-        integrator="velocity_verlet",
-        correct_restitution=True,
-        rotation=rotation,
-        touch=more.get("touch", "sharp"),
-    )
-    settings = {"gravity": (0.0, -9.81), "steps": 1000, "output_steps": 1000, "skin": 0.06, "overlap_limit": DIAMETER}
-    return Scene(
-        name="small",
-        description="",
-        diameter=DIAMETER,
-        density=1000.0,
-        coefficients=coefficients,
-        friction_law=law,
-        rotation=rotation,
-        integrator="velocity_verlet",
-        domain=((-3.0, 9.0), (-4.0, 9.0)),
-        positions=np.asarray(positions, float),
-        velocities=np.asarray(velocities, float),
-        walls=tuple(walls),
-        **{**settings, **more},
-    )
+    settings = {"steps": 1000, "output_steps": 1000, "skin": 0.06, "overlap_limit": DIAMETER, "name": "small"}
+    return handmade_scene(
+        positions, velocities, walls, friction_law=law, time_step_fraction=fraction, correct_restitution=True,
+        domain=((-3.0, 9.0), (-4.0, 9.0)), **{**settings, **more},
+    )  # fmt: skip
 
 
 def cloud(seed, nx=12, ny=12, speed=3.0, at=(0.3, 0.3)):

@@ -28,14 +28,6 @@ analysis: {bin_width: 0.4, front: true}
 """
 
 
-def _plugin():
-    from lammps_jump.kernels.build import availability, plugin_path
-
-    if not availability().available:
-        pytest.skip("no compiler for the plugin here")
-    return plugin_path()
-
-
 @pytest.mark.parametrize("scene", micro_scenes(), ids=lambda scene: scene.name)
 def test_stock_lammps_walks_the_native_engines_path(scene):
     check = check_scene(scene)
@@ -43,8 +35,8 @@ def test_stock_lammps_walks_the_native_engines_path(scene):
 
 
 @pytest.mark.parametrize("scene", [*micro_scenes(), friction_scene("sign")], ids=lambda scene: scene.name)
-def test_the_compiled_kernel_walks_the_native_engines_path(scene):
-    check = check_scene(scene, kernel="compiled", plugin=_plugin())
+def test_the_compiled_kernel_walks_the_native_engines_path(plugin, scene):
+    check = check_scene(scene, kernel="compiled", plugin=plugin)
     assert check.agrees, check
 
 

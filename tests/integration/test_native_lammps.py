@@ -133,7 +133,7 @@ def test_positions_agree_for_1000_steps(lammps, tmp_path, walls, law):
     scene = handmade_scene(
         positions, velocities, WALLS[walls], restitution=0.5, domain=((-1.0, 3.0), (-1.0, 6.0)), **LAWS[law]
     )
-    assert worst_distance(lammps, scene, 1000, tmp_path) < 1e-9  # issue 3; measured 1e-12
+    assert worst_distance(lammps, scene, 1000, tmp_path) < 1e-9  # promised; measured 1e-12
 
 
 def test_column_under_its_weight_agrees(lammps, tmp_path):

@@ -7,34 +7,25 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 from lammps_jump.analysis.dump import open_dump
+from made_up import INPUTS
 
 from lammps_jump.case.load import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.errors import SetupError
-from lammps_jump.kernels import plugin_path
 from lammps_jump.lammps_engine import run_lammps
 from lammps_jump.lammps_engine.loader import program
 from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
 
-INPUTS = Path(__file__).parents[2] / "inputs"
 
-
-@pytest.fixture(scope="module")
-def plugin():
-    try:
-        found = plugin_path()
-    except SetupError as error:
-        pytest.skip(f"no compiled kernel here: {error}")
+@pytest.fixture(autouse=True)
+def mpiexec():
     if program("mpiexec") is None:
         pytest.skip("the mpich wheel brings no mpiexec")
-    return found
 
 
 def run(name, folder, plugin, ranks, *changes, **options):

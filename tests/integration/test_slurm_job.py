@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import os
 import subprocess
-from pathlib import Path
 
 import pytest
+from made_up import INPUTS
 
 from lammps_jump.case.load import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.lammps_engine.slurm import write_job
-
-INPUTS = Path(__file__).parents[2] / "inputs"
 
 
 @pytest.fixture

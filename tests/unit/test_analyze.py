@@ -1,15 +1,18 @@
 """The whole analysis of made-up dumps: files, numbers that JSON can carry, dumps that are nearly nothing."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 from lammps_jump.analysis.analyze import AnalysisRequest, analyze_dump, plain, with_velocities
-from lammps_jump.analysis.context import FlowContext, from_dump
+from lammps_jump.analysis.context_of_dump import from_dump
 from lammps_jump.analysis.dump import open_dump
 from lammps_jump.analysis.dump_write import DumpWriter
 from lammps_jump.analysis.profiles import read_profiles
+from made_up import columns_of_discs, flow_context
 
+from lammps_jump.analyze_command import analyze_target
 from lammps_jump.errors import DumpError
 from lammps_jump.walls import Plane
 
@@ -17,22 +20,10 @@ D = 0.2
 EVERYTHING = AnalysisRequest(jump=True, energy=True, front=True, forces=True)
 
 
-def context(**changes):
-    values = {
-        "name": "made-up",
-        "diameter": D,
-        "mass": 40.0,
-        "density": 1000.0,
-        "gravity": (0.0, -9.81),
-        "domain": ((-5.0, 45.0), (-5.0, 20.0)),
-        "x_range": (0.0, 40.0),
-        "walls": (Plane("floor", "y", 0.0, "above"),),
-        "stiffness": 1e6,
-        "stiffness_wall": 1e6,
-        "time_step": 1e-3,
-        "window": (0.0, 9.0),
-    }
-    return FlowContext(**{**values, **changes})
+context = partial(
+    flow_context, domain=((-5.0, 45.0), (-5.0, 20.0)), x_range=(0.0, 40.0), walls=(Plane("floor", "y", 0.0, "above"),),
+    stiffness=1e6, stiffness_wall=1e6, time_step=1e-3, window=(0.0, 9.0),
+)  # fmt: skip
 
 
 def dump_of(path, frames, columns=("id", "x", "y", "vx", "vy")):
@@ -45,10 +36,8 @@ def dump_of(path, frames, columns=("id", "x", "y", "vx", "vy")):
 
 
 def bore(front):
-    centres = np.arange(D / 2, 40, D)
-    layers = np.where(centres < front, 5, 30)
-    y = D * (np.concatenate([np.arange(n) for n in layers]) + 0.5)
-    return np.repeat(centres, layers), y, np.repeat(np.where(centres < front, 12.0, 0.4), layers)
+    x, y = columns_of_discs(lambda centres: np.where(centres < front, 5, 30), 0.0, 40.0, d=D)
+    return x, y, np.where(x < front, 12.0, 0.4)
 
 
 @pytest.fixture(scope="module")
@@ -151,3 +140,15 @@ def test_exports_and_fields(tmp_path):
 def test_plain():
     given = {"a": np.float64("nan"), 1: [np.int64(3), float("inf"), np.array([1.0, np.nan])], "b": np.bool_(True)}
     assert plain(given) == {"a": None, "1": [3, None, [1.0, None]], "b": True}
+
+
+def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path):
+    dump_of(tmp_path / "dump.flow", [bore(20.0)] * 2)
+    said = []
+    options = {"out": None, "case": None, "diameter": None, "density": 1000.0, "bin_width": None, "assignments": []}
+    parts = analyze_target(tmp_path, **options, quiet=False, say=said.append)
+    notes = [text for text in said if text.startswith("note: ")]
+    assert len(notes) == len(set(notes)) == len(parts["warnings"])
+    for guess in ("Diameter guessed as 0.2 m", "Gravity taken as 9.81", "Floor taken at y = "):
+        assert sum(guess in note for note in notes) == 1
+    assert (tmp_path / "dump_analysis" / "summary.json").exists() and "dump_analysis" in said[-1]

@@ -7,21 +7,16 @@ import numpy as np
 import pytest
 from lammps_jump.analysis import painter
 from lammps_jump.analysis.animate import animate, still
-from lammps_jump.analysis.context import FlowContext
 from lammps_jump.analysis.dump import open_dump
 from lammps_jump.analysis.dump_write import DumpWriter
 from lammps_jump.analysis.painter import View, blank, coloured, paint_arrow, paint_discs, paint_walls
 from lammps_jump.analysis.run_folder import ForceHistory
+from made_up import flow_context
 
 from lammps_jump.errors import DumpError
 from lammps_jump.walls import Block, Box, Plane
 
-CONTEXT = FlowContext(
-    name="made-up",
-    diameter=0.2,
-    mass=40.0,
-    density=1000.0,
-    gravity=(0.0, -9.81),
+CONTEXT = flow_context(
     domain=((0.0, 8.0), (0.0, 4.0)),
     x_range=(0.0, 8.0),
     walls=(Plane("floor", "y", 0.0, "above"), Block("sill", (6.0, 6.5), (0.0, 1.0))),

@@ -10,6 +10,7 @@ import pytest
 from lammps_jump.case import load_case
 from lammps_jump.errors import CaseError
 from lammps_jump.studies import bench_errors, bench_table
+from lammps_jump.studies.bench_collision import SPEED, collision_scene
 from lammps_jump.studies.bench_runs import JITTER, jittered
 from lammps_jump.studies.bench_settings import Setting, make_settings, parse_axes, reference_setting, stable
 from lammps_jump.studies.timing import Store, in_turn, middle
@@ -17,7 +18,7 @@ from lammps_jump.studies.timing import Store, in_turn, middle
 
 def test_only_stable_steps_are_settings():
     found = make_settings(("f", "kernel", "touch"), restitution=0.2, kernels=("stock", "compiled", "native"))
-    # PHYSICS 1.5: 0.280 for velocity Verlet, 0.167 for the thesis' scheme
+    # docs/theory.md, stability: 0.280 for velocity Verlet, 0.167 for the thesis' scheme
     assert max(s.fraction for s in found if s.kernel != "native") == 0.2
     assert max(s.fraction for s in found if s.kernel == "native") == 0.1
     assert {s.family for s in found} == {"stock", "compiled", "native", "compiled smooth"}
@@ -47,6 +48,19 @@ def test_assignments_make_the_case(tmp_path):
     assert case.contact.correct_restitution is False and case.engine.skin == pytest.approx(0.08)
     moved = load_case(path, jittered(path, [], 3)).case
     assert moved.run.seed == case.run.seed + 3 and moved.initial[0].jitter == JITTER
+
+
+def test_collisions_have_the_contact_of_a_case():
+    """Half of the lag's correction and a width of two steps at v0 for a smooth touch, whatever speed is tried."""
+    sharp, smooth = (collision_scene(0.1, 0.2, touch=touch, speed=3.0, phases=4) for touch in ("sharp", "smooth"))
+    assert sharp.touch_width == 0 and smooth.touch_width == pytest.approx(2 * SPEED * smooth.time_step, rel=1e-12)
+    lag = 1 - sharp.coefficients.correction
+    assert lag > 0.03 and 1 - smooth.coefficients.correction == pytest.approx(0.5 * lag, rel=1e-12)
+    assert collision_scene(0.1, 0.2, correct=False, phases=4).coefficients.correction == 1
+    # first touch falls at shares 1/8, 3/8, 5/8, 7/8 of a step, one step and more after the start
+    gaps = smooth.positions[1::2, 0] - smooth.positions[::2, 0] - smooth.diameter
+    assert gaps / (3.0 * smooth.time_step) == pytest.approx([1.125, 1.375, 1.625, 1.875], rel=1e-9)
+    assert smooth.output_steps == 1 and smooth.steps * smooth.time_step > 1.6 * smooth.coefficients.contact_duration
 
 
 def test_unknown_axis_is_named():

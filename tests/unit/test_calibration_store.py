@@ -70,6 +70,18 @@ def test_unstable_steps_are_left_out(file):
     assert not store._fits({**rows[0], "fraction": 0.58}, damped, {"compiled"})
 
 
+def test_steps_that_turn_the_slip_round_are_left_out(file):
+    """gamma_t = 3 omega damps slip by 18 f a step in dense packings (slip_check): 1.8 at f = 0.1, 7.2 at f = 0.4."""
+    rows = {row["label"]: row for row in json.loads(file.read_text())["kinds"]["box"]["rows"]}
+    rough = case(BOX, "contact.friction=0.1")
+    assert store._fits(rows["compiled smooth f=0.1"], rough, {"compiled"})
+    assert not store._fits(rows["compiled f=0.4"], rough, {"compiled"})
+    assert store._fits(
+        rows["compiled f=0.4"], case(BOX, "contact.friction=0.1", "contact.tangential_damping=1"), {"compiled"}
+    )
+    assert store.choose_setting(rough, 0.3, path=file).reason.startswith("compiled smooth f=0.1")
+
+
 def test_what_is_not_shown_is_refused(file):
     with pytest.raises(CaseError, match=r"0\.1 % in energy deviation .* the best shown is 0\.4 %"):
         store.choose_setting(case(), 0.001, path=file)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import INPUTS
 
 from lammps_jump.case import case_hash, load_case, parse_case, resolved_yaml
 from lammps_jump.case.to_scene import build_scene
@@ -17,7 +17,6 @@ from lammps_jump.errors import CaseError
 from lammps_jump.scenes import scene_names, scene_text
 from lammps_jump.walls import Plane
 
-INPUTS = Path(__file__).parents[2] / "inputs"
 SMALL = """\
 discs: {{diameter: {diameter}}}
 contact: {{restitution: 0.5, impact_speed: 10}}
@@ -111,7 +110,7 @@ def test_thesis_numbers_of_the_hydraulic_jump():
     c = scene.coefficients
     assert c.mass == pytest.approx(40, rel=1e-12)
     assert c.stiffness == pytest.approx(2.56e7, rel=1e-12)
-    assert c.time_step == pytest.approx(8.839e-5, rel=1e-4)  # PHYSICS section 0, four digits printed
+    assert c.time_step == pytest.approx(8.839e-5, rel=1e-4)  # 0.05 x 2/omega, four digits
     assert c.damping == pytest.approx(20634, rel=1e-4)
     assert c.damping_wall == pytest.approx(29181, rel=1e-4)
     assert c.correction == pytest.approx(0.9775, abs=5e-5)

@@ -4,57 +4,35 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.context import FlowContext, from_dump, from_scene
+from lammps_jump.analysis.context import FlowContext, from_scene
+from lammps_jump.analysis.context_of_dump import from_dump
 from lammps_jump.analysis.dump import make_frame, open_dump
 from lammps_jump.analysis.dump_write import DumpWriter
 
-from lammps_jump.contact import derive
 from lammps_jump.errors import DumpError
-from lammps_jump.scene import Gate, InletRow, Outlet, Scene
+from lammps_jump.native.handmade import handmade_scene
+from lammps_jump.scene import Gate, InletRow, Outlet
 from lammps_jump.walls import Block, Box, Plane
 
 
 def scene(**changes):
-    coefficients = derive(
-        density=1000.0,
-        diameter=0.2,
-        restitution=0.2,
-        friction=0.1,
-        stiffness=2.56e7,
-        stiffness_wall=2.56e7,
-        impact_speed=16.0,
-        time_step_fraction=0.05,
-        integrator="velocity_verlet",
-        correct_restitution=False,
-        rotation=False,
-    )
     values = {
-        "name": "s",
-        "description": "",
-        "diameter": 0.2,
-        "density": 1000.0,
-        "gravity": (0.0, -9.81),
-        "coefficients": coefficients,
-        "friction_law": "hooke",
-        "rotation": False,
-        "integrator": "velocity_verlet",
+        "friction": 0.1,
         "domain": ((-1.0, 95.0), (-15.0, 40.0)),
-        "positions": np.empty((0, 2)),
-        "velocities": np.empty((0, 2)),
         "walls": (Block("floor", (-10, 60.5), (-10, 0)), Block("sill", (60, 61), (-10, 2))),
         "inlets": tuple(InletRow(0.0, 0.1 + 0.2 * i, 14.0 + i, 0.0, 0, 140, 0.2) for i in range(5)),
         "outlets": (Outlet("x", 90.0, "above", 100), Outlet("y", -5.0, "below", 100)),
         "steps": 1000,
         "settle_steps": 200,
     }
-    return Scene(**{**values, **changes})
+    return handmade_scene([], [], **{**values, **changes})
 
 
 def test_context_of_a_channel():
     c = from_scene(scene())
     assert c.x_range == (0.0, 90.0)
     assert (c.inflow_depth, c.inflow_speed) == (pytest.approx(1.0), pytest.approx(16.0))
-    # thesis 3.21-3.23 at n = 10: the table of PHYSICS section 0, five digits
+    # thesis 3.21-3.23 at n = 10: 2 xi sqrt(k m_eff) at e = 0.2, five digits
     assert c.dashpot == pytest.approx(20634, rel=1e-4) and c.dashpot_wall == pytest.approx(29181, rel=1e-4)
     assert c.duration == pytest.approx(800 * c.time_step)
     assert c.time(make_frame(200, None, [[0, 1], [0, 1]], {"x": [], "y": []})) == 0.0

@@ -226,7 +226,7 @@ class TestEnsembles:
         scene = _scene("contact.restitution=1", "run.time_step_fraction=0.02")
         member = ensembles.run_member(scene, 1, ensembles.EngineChoice("native"), tmp_path, bin_width=0.5)
         total = sum(member.series[name] for name in ("kinetic", "gravitational", "elastic"))
-        # second-order scheme with a kink at first touch, f = 0.02: a few 1e-4 (PHYSICS 1.6)
+        # second-order scheme with a kink at first touch, f = 0.02: a few 1e-4
         assert np.abs(total / total[0] - 1).max() < 3e-3
 
 

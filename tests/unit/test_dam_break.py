@@ -4,7 +4,6 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.context import FlowContext
 from lammps_jump.analysis.dam_break import (
     FrontHistory,
     FrontTracker,
@@ -17,6 +16,7 @@ from lammps_jump.analysis.dam_break import (
     summarise_front,
 )
 from lammps_jump.analysis.dump import make_frame
+from made_up import collected, disc_frame, flow_context
 
 from lammps_jump import reference_data, theory
 from lammps_jump.walls import Block, Box, Plane
@@ -26,17 +26,7 @@ WALLS = (Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above"))
 
 
 def context(walls=WALLS, **changes):
-    values = {
-        "name": "made-up",
-        "diameter": D,
-        "mass": 40.0,
-        "density": 1000.0,
-        "gravity": (0.0, -G),
-        "domain": ((-1.0, 100.0), (-1.0, 40.0)),
-        "x_range": (0.0, 100.0),
-        "walls": walls,
-    }
-    return FlowContext(**{**values, **changes})
+    return flow_context(domain=((-1.0, 100.0), (-1.0, 40.0)), x_range=(0.0, 100.0), walls=walls, **changes)
 
 
 def block(width, height, step=0, time=0.0, velocity=0.0, extra=()):
@@ -44,15 +34,11 @@ def block(width, height, step=0, time=0.0, velocity=0.0, extra=()):
     y = np.tile(np.arange(D / 2, height, D), round(width / D))
     x = np.concatenate([x, [p[0] for p in extra]])
     y = np.concatenate([y, [p[1] for p in extra]])
-    return make_frame(step, time, [[-1, 100], [-1, 40]],
-                      {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": velocity + 0 * x, "vy": 0 * x})  # fmt: skip
+    return disc_frame(x, y, velocity, box=[[-1, 100], [-1, 40]], step=step, time=time)
 
 
 def tracked(frames, flow):
-    tracker = FrontTracker(flow)
-    for frame in frames:
-        tracker.add(frame, frame.time)
-    return tracker.result()
+    return collected(FrontTracker(flow), frames)
 
 
 def test_uniform_block():

@@ -1,5 +1,7 @@
 """Energy and contact sums on discs placed by hand."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,9 +9,8 @@ from hypothesis import strategies as st
 from lammps_jump.analysis import contact_sums
 from lammps_jump.analysis.contact_series import ContactCollector
 from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
-from lammps_jump.analysis.context import FlowContext
-from lammps_jump.analysis.dump import make_frame
 from lammps_jump.analysis.energy import EnergyLedger, drift, summarise_energy
+from made_up import collected, disc_frame, flow_context
 
 from lammps_jump.walls import Block, Box, Plane
 
@@ -17,34 +18,18 @@ D, K = 0.2, 1.0e6
 BOX = [[-10, 10], [-10, 10]]
 
 
-def context(**changes):
-    values = {
-        "name": "made-up",
-        "diameter": D,
-        "mass": 40.0,
-        "density": 1000.0,
-        "gravity": (0.0, -9.81),
-        "domain": ((-10.0, 10.0), (-10.0, 10.0)),
-        "x_range": (-10.0, 10.0),
-        "stiffness": K,
-        "stiffness_wall": K,
-        "restitution": 1.0,
-        "friction": 0.0,
-    }
-    return FlowContext(**{**values, **changes})
+context = partial(
+    flow_context, domain=((-10.0, 10.0), (-10.0, 10.0)), x_range=(-10.0, 10.0), stiffness=K, stiffness_wall=K,
+    restitution=1.0, friction=0.0,
+)  # fmt: skip
 
 
 def frame(x, y, vx=0.0, vy=0.0, step=0, **more):
-    x = np.asarray(x, float)
-    columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x + vx, "vy": 0 * x + vy, **more}
-    return make_frame(step, 0.1 * step, BOX, columns)
+    return disc_frame(x, y, vx, vy, box=BOX, step=step, time=0.1 * step, **more)
 
 
 def summed(frames, flow):
-    ledger = EnergyLedger(flow)
-    for item in frames:
-        ledger.add(item, item.time)
-    return ledger.result()
+    return collected(EnergyLedger(flow), frames)
 
 
 def test_two_overlapping_discs():

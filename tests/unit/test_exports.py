@@ -6,7 +6,6 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.context import FlowContext
 from lammps_jump.analysis.dump import make_frame, open_dump, ten_indices
 from lammps_jump.analysis.dump_write import DumpWriter
 from lammps_jump.analysis.exports import (
@@ -20,16 +19,12 @@ from lammps_jump.analysis.exports import (
 from lammps_jump.analysis.fields import compute_fields
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.run_folder import find_dump, open_run_dump, read_forces
+from made_up import flow_context
 
 from lammps_jump.errors import DumpError
 from lammps_jump.walls import Plane
 
-CONTEXT = FlowContext(
-    name="made-up",
-    diameter=0.2,
-    mass=40.0,
-    density=1000.0,
-    gravity=(0.0, -9.81),
+CONTEXT = flow_context(
     domain=((0.0, 2.0), (0.0, 2.0)),
     x_range=(0.0, 2.0),
     walls=(Plane("floor", "y", 0.0, "above"),),
@@ -126,13 +121,21 @@ def test_the_ten_pictures_of_the_thesis(tmp_path):
     assert len(write_pictures(dump(tmp_path, 4), tmp_path)) == 4
 
 
-def test_run_folder(tmp_path):
+def test_a_folder_with_one_dump_in_it_has_that_dump_whatever_its_name(tmp_path):
     with pytest.raises(DumpError, match="no dump in this folder"):
         find_dump(tmp_path)
-    dump(tmp_path, 2)
-    assert open_run_dump(tmp_path).count() == 2
     with pytest.raises(DumpError, match="no such file"):
         find_dump(tmp_path / "nothing")
+    (tmp_path / "dump.parts").mkdir()  # a folder is no dump
+    theirs = dump(tmp_path, 2).path.rename(tmp_path / "dump.flow")
+    assert find_dump(tmp_path) == find_dump(theirs) == theirs
+    assert open_run_dump(tmp_path).count() == 2
+    (tmp_path / "dump.forces").write_text("")
+    with pytest.raises(DumpError, match=r"2 dumps in this folder \(dump.flow … dump.forces\); name one"):
+        find_dump(tmp_path)
+    # a run's own dump goes before whatever else was written beside it
+    ours = dump(tmp_path, 3).path
+    assert find_dump(tmp_path) == ours and open_run_dump(tmp_path).count() == 3
 
 
 def test_forces(tmp_path):

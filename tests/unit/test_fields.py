@@ -1,14 +1,15 @@
 """Coarse-grained fields: conservation, hydrostatics of a column with known overlaps, contacts in closed form."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lammps_jump.analysis import fields as module
 from lammps_jump.analysis.contacts_found import find_contacts, spring_force
-from lammps_jump.analysis.context import FlowContext
-from lammps_jump.analysis.dump import make_frame
 from lammps_jump.analysis.fields import compute_fields, mean_fields
+from made_up import disc_frame, flow_context
 
 from lammps_jump.errors import DumpError
 from lammps_jump.walls import Block, Box, Plane
@@ -17,25 +18,14 @@ D, M, K, G = 0.2, 40.0, 2.56e7, 9.81
 BOX = [[0, 10], [0, 10]]
 
 
-def context(**changes):
-    values = {
-        "name": "made-up",
-        "diameter": D,
-        "mass": M,
-        "density": 1000.0,
-        "gravity": (0.0, -G),
-        "domain": ((0.0, 4.0), (0.0, 6.0)),
-        "x_range": (0.0, 4.0),
-        "walls": (Box("box", (0.0, 4.0), (0.0, 6.0)),),
-        "stiffness": K,
-        "stiffness_wall": K,
-    }
-    return FlowContext(**{**values, **changes})
+context = partial(
+    flow_context, domain=((0.0, 4.0), (0.0, 6.0)), x_range=(0.0, 4.0), walls=(Box("box", (0.0, 4.0), (0.0, 6.0)),),
+    stiffness=K, stiffness_wall=K,
+)  # fmt: skip
 
 
 def frame(x, y, u=0.0, v=0.0, time=0.0):
-    x, y = np.asarray(x, float), np.asarray(y, float)
-    return make_frame(0, time, BOX, {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": x * 0 + u, "vy": y * 0 + v})
+    return disc_frame(x, y, u, v, box=BOX, time=time)
 
 
 points = st.lists(st.tuples(st.floats(0.01, 3.99), st.floats(0.01, 5.5)), min_size=1, max_size=40)

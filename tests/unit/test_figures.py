@@ -3,21 +3,16 @@
 import matplotlib as mpl
 import numpy as np
 import pytest
-from lammps_jump.analysis import figures
-from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis import figures, painter, snapshots
 from lammps_jump.analysis.dump import make_frame
 from lammps_jump.analysis.profiles import compute_profiles
+from made_up import flow_context
 from matplotlib._pylab_helpers import Gcf
 
 from lammps_jump.errors import DumpError
 from lammps_jump.walls import Block
 
-CONTEXT = FlowContext(
-    name="made-up",
-    diameter=0.2,
-    mass=40.0,
-    density=1000.0,
-    gravity=(0.0, -9.81),
+CONTEXT = flow_context(
     domain=((0.0, 20.0), (0.0, 5.0)),
     x_range=(0.0, 20.0),
     walls=(Block("floor", (-1, 15), (-1, 0)), Block("sill", (14, 15), (-1, 1))),
@@ -70,16 +65,16 @@ def test_xt_map(profiles, tmp_path):
 
 
 def test_ten_snapshots(tmp_path):
-    figure = figures.snapshots(frames(21), CONTEXT)
+    figure = snapshots.snapshots(frames(21), CONTEXT)
     titles = [axes._left_title.get_text() or axes.get_title() for axes in figure.axes if axes.images]
     assert len(titles) == 10 and titles[0].startswith("t = 0.00 s") and titles[-1].startswith("t = 10.00 s")
     picture = figure.axes[0].images[0].get_array()
-    blue = (np.abs(picture.astype(int) - figures.colour_table()[-1]).sum(axis=2) < 30).mean()
+    blue = (np.abs(picture.astype(int) - painter.colour_table()[-1]).sum(axis=2) < 30).mean()
     assert blue > 0.05  # all discs move at 5 m/s, the top of the scale
     figures.save(figure, tmp_path / "ten.png")
-    assert len([axes for axes in figures.snapshots(frames(3), CONTEXT).axes if axes.images]) == 3
+    assert len([axes for axes in snapshots.snapshots(frames(3), CONTEXT).axes if axes.images]) == 3
     with pytest.raises(DumpError, match="no frame"):
-        figures.snapshots([], CONTEXT)
+        snapshots.snapshots([], CONTEXT)
 
 
 def test_empty_flow_can_be_drawn(tmp_path):
@@ -89,14 +84,14 @@ def test_empty_flow_can_be_drawn(tmp_path):
     profiles = compute_profiles(empty, CONTEXT)
     figures.save(figures.depth_profile(profiles, CONTEXT), tmp_path / "a.png")
     figures.save(figures.xt_map(profiles), tmp_path / "b.png")
-    figures.save(figures.snapshots(empty, CONTEXT), tmp_path / "c.png")
+    figures.save(snapshots.snapshots(empty, CONTEXT), tmp_path / "c.png")
 
 
 def test_end_of_a_colour_scale():
-    assert figures.top_of([np.full(1000, 18.2)]) == 20.0
-    assert figures.top_of([np.full(1000, 0.31)]) == pytest.approx(0.35)
-    assert figures.top_of([np.zeros(3)]) == 1.0 and figures.top_of([]) == 1.0
-    assert figures.top_of([np.append(np.full(1000, 1.0), 500.0)]) == 1.0
+    assert snapshots.top_of([np.full(1000, 18.2)]) == 20.0
+    assert snapshots.top_of([np.full(1000, 0.31)]) == pytest.approx(0.35)
+    assert snapshots.top_of([np.zeros(3)]) == 1.0 and snapshots.top_of([]) == 1.0
+    assert snapshots.top_of([np.append(np.full(1000, 1.0), 500.0)]) == 1.0
 
 
 def test_a_figure_that_cannot_be_written(profiles, tmp_path):
@@ -104,3 +99,34 @@ def test_a_figure_that_cannot_be_written(profiles, tmp_path):
     for name in ("no/a.png", "a.xyz"):
         with pytest.raises(DumpError, match="cannot be written"):
             figures.save(figure, tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("pictures", "wide", "columns"), [(10, 12.0, 1), (10, 2.0, 2), (10, 1.0, 5), (3, 1.0, 3), (10, 0.1, 5)]
+)
+def test_pictures_do_not_overlap(pictures, wide, columns):
+    """Places lie inside the figure, apart from each other, above the colour bar, and in the true proportion."""
+    grid = snapshots._Grid.fitted(pictures, wide)
+    assert grid.columns == columns and grid.width / grid.height == pytest.approx(wide)
+    places = [grid.place(i) for i in range(pictures)]
+    for left, bottom, width, height in places:
+        assert left > 0 and left + width < 1 and bottom + height < 1
+        assert bottom > grid.bar[1] + grid.bar[3]
+    for i, one in enumerate(places):
+        for two in places[:i]:
+            apart = [one[k] >= two[k] + two[k + 2] or two[k] >= one[k] + one[k + 2] for k in (0, 1)]
+            assert any(apart)
+
+
+def test_png_is_drawn_at_the_saved_resolution(tmp_path):
+    """One drawing at savefig's dots per inch; the figure keeps its own."""
+    from PIL import Image
+
+    with figures.style():
+        figure, axes = figures.new_figure(4.0, 3.0)
+        axes.plot([0, 1])
+    before = figure.get_dpi()
+    with Image.open(figures.save(figure, tmp_path / "a.png")) as picture:
+        assert picture.size == (520, 390) and picture.mode == "RGB"
+        assert np.asarray(picture).min() < 100 and picture.info["dpi"][0] == pytest.approx(130, abs=0.1)
+    assert figure.get_dpi() == before

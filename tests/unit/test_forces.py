@@ -1,5 +1,6 @@
 """Forces, impulses and the reflected wave on made-up records with known answers."""
 
+from functools import partial
 from math import pi
 
 import numpy as np
@@ -7,13 +8,13 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from lammps_jump.analysis.context import FlowContext
 from lammps_jump.analysis.dump import make_frame
 from lammps_jump.analysis.forces import analyse_forces, moving_mean
 from lammps_jump.analysis.impulse import MomentumLedger, impulse_identity, window_lengths
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.reflected_wave import track_reflection
 from lammps_jump.analysis.run_folder import ForceHistory
+from made_up import collected, disc_frame, flow_context
 
 from lammps_jump import theory
 from lammps_jump.scene import Gate
@@ -21,25 +22,13 @@ from lammps_jump.walls import Block, Plane
 
 D, M, G, DT = 0.2, 40.0, 9.81, 1e-3
 BACK, FLOOR = Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above")
+BOX = [[-1, 30], [-1, 20]]
 
 
-def context(**changes):
-    values = {
-        "name": "made-up",
-        "diameter": D,
-        "mass": M,
-        "density": 1000.0,
-        "gravity": (0.0, -G),
-        "domain": ((-1.0, 30.0), (-1.0, 20.0)),
-        "x_range": (0.0, 30.0),
-        "walls": (BACK, FLOOR),
-        "stiffness": 1e6,
-        "stiffness_wall": 1e6,
-        "time_step": DT,
-        "probes": ("back",),
-        "bin_width": 1.0,
-    }
-    return FlowContext(**{**values, **changes})
+context = partial(
+    flow_context, domain=((-1.0, 30.0), (-1.0, 20.0)), x_range=(0.0, 30.0), walls=(BACK, FLOOR), stiffness=1e6,
+    stiffness_wall=1e6, time_step=DT, probes=("back",), bin_width=1.0,
+)  # fmt: skip
 
 
 def pushed(force, frames=11, every=100, y=5.0, gone=None):
@@ -49,8 +38,7 @@ def pushed(force, frames=11, every=100, y=5.0, gone=None):
         t = k * every * DT
         n = 3 if gone is None or k < gone else 2
         x = 1.0 + 0.5 * np.arange(n)
-        columns = {"id": np.arange(n) + 1, "x": x, "y": 0 * x + y, "vx": 0 * x + force * t / (3 * M), "vy": 0 * x}
-        result.append(make_frame(k * every, t, [[-1, 30], [-1, 20]], columns))
+        result.append(disc_frame(x, 0 * x + y, force * t / (3 * M), box=BOX, step=k * every, time=t))
     return result
 
 
@@ -61,10 +49,7 @@ def record(value, windows=100, every=10):
 
 
 def ledger(frames, flow):
-    taker = MomentumLedger(flow)
-    for frame in frames:
-        taker.add(frame, frame.time)
-    return taker.result()
+    return collected(MomentumLedger(flow), frames)
 
 
 def test_identity_of_a_constant_force():
@@ -143,7 +128,7 @@ def still_water(depth=4.0, speed=0.0, frames=11):
     layers = round(depth / D)
     px, py = np.repeat(x, layers), np.tile(D * (np.arange(layers) + 0.5), len(x))
     columns = {"id": np.arange(len(px)) + 1, "x": px, "y": py, "vx": speed + 0 * px, "vy": 0 * px}
-    return [make_frame(k * 100, 0.1 * k, [[-1, 30], [-1, 20]], columns) for k in range(frames)]
+    return [make_frame(k * 100, 0.1 * k, BOX, columns) for k in range(frames)]
 
 
 def test_hydrostatic_estimates_of_wall_and_block():

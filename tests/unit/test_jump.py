@@ -1,19 +1,20 @@
 """The jump analysis on made-up flows: steps and ramps that move at a set speed, and flows that are no jump."""
 
 from dataclasses import replace
+from functools import partial
 from math import sqrt
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lammps_jump.analysis.context import FlowContext
 from lammps_jump.analysis.dump import make_frame
 from lammps_jump.analysis.jump import analyse_jump, level_reach
 from lammps_jump.analysis.jump_state import growth_rate
 from lammps_jump.analysis.jump_summary import summarise_jump
 from lammps_jump.analysis.jump_track import equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.profiles import compute_profiles
+from made_up import columns_of_discs, disc_frame, flow_context
 
 from lammps_jump import theory
 from lammps_jump.walls import Block, Plane
@@ -26,31 +27,16 @@ U1 = SPEED + FROUDE * sqrt(G * S1)
 U2 = SPEED + (U1 - SPEED) * S1 / S2
 
 
-def context(**changes):
-    values = {
-        "name": "made-up",
-        "diameter": D,
-        "mass": 1000 * D**2,
-        "density": 1000.0,
-        "gravity": (0.0, -G),
-        "domain": ((-5.0, 65.0), (-5.0, 20.0)),
-        "x_range": (0.0, 60.0),
-        "walls": (Plane("floor", "y", 0.0, "above"),),
-        "bin_width": 1.0,
-        "window": (0.0, 10.0),
-    }
-    return FlowContext(**{**values, **changes})
+context = partial(
+    flow_context, domain=((-5.0, 65.0), (-5.0, 20.0)), x_range=(0.0, 60.0), walls=(Plane("floor", "y", 0.0, "above"),),
+    bin_width=1.0, window=(0.0, 10.0),
+)  # fmt: skip
 
 
 def flow(layers, speed, time=0.0, low=0.0, high=60.0):
     """Touching discs: layers(x) of them in each column, all with velocity speed(x)."""
-    centres = np.arange(low + D / 2, high, D)
-    number = np.round(layers(centres)).astype(int)
-    x = np.repeat(centres, number)
-    y = D * (np.concatenate([np.arange(n) for n in number]) + 0.5)
-    u = np.repeat(np.broadcast_to(speed(centres), centres.shape), number)
-    columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": u, "vy": 0 * x}
-    return make_frame(round(time * 1000), time, BOX, columns)
+    x, y = columns_of_discs(layers, low, high)
+    return disc_frame(x, y, speed(x), box=BOX, step=round(time * 1000), time=time)
 
 
 def moving_step(frames=24, start=40.0):

@@ -1,4 +1,4 @@
-"""Contacts on the native engine against closed forms (PHYSICS 1.1-1.4)."""
+"""Contacts on the native engine against closed forms (docs/theory.md)."""
 
 from math import atan2, cos, exp, log, pi, sin, sqrt
 
@@ -98,7 +98,7 @@ def test_order_of_convergence_inside_a_contact(integrator, e, order):
 
 @pytest.mark.parametrize("pair", [False, True], ids=["wall", "pair"])
 def test_gross_sliding_impulse(pair):
-    """v_t' = v_t - mu A (1+e) v_n and R w' = 2 mu A (1+e) v_n for a spinning disc (PHYSICS 1.3), A with the tail."""
+    """v_t' = v_t - mu A (1+e) v_n and R w' = 2 mu A (1+e) v_n for a spinning disc, A with the tail."""
     e, mu, vn, vt = 0.6, 0.3, 3.0, 9.0
     kw = dict(restitution=e, friction=mu, rotation=True, time_step_fraction=0.005, gravity=(0.0, 0.0))
     kw["penetration_fraction"] = 200  # stiff, so that the pair does not turn while it touches
@@ -194,7 +194,7 @@ def test_corner_pushes_along_the_line_to_it():
     (x, y), (vx, vy) = simulation.positions[0], simulation.velocities[0]
     assert x * vy - y * vx == pytest.approx(before, abs=1e-12)
     assert vx > 0  # it did bounce
-    assert vx**2 + vy**2 == pytest.approx(velocity @ velocity, rel=3e-3)  # PHYSICS 1.2: e scatters by 0.0012
+    assert vx**2 + vy**2 == pytest.approx(velocity @ velocity, rel=3e-3)  # e scatters by 0.0012
 
 
 def test_centre_inside_a_block_feels_nothing():

@@ -40,13 +40,13 @@ def test_ledger_closes_and_improves_with_the_step(integrator, law):
     for f in (0.05, 0.0125):
         books, errors[f] = relative_residual(column(f, integrator=integrator, friction_law=law), 1.2)
     assert books["carried_out"] > 0 and books["dissipated_friction"] > 0 and books["dissipated_dashpots"] > 0
-    assert errors[0.05] < 1e-3  # issue 3
+    assert errors[0.05] < 1e-3  # promised
     # each contact's error is of order f^2 with a random sign: a quarter of the step leaves at most a third of it
     assert errors[0.0125] < errors[0.05] / 3
 
 
 def test_ledger_with_smooth_touch_closes_better():
-    """The kink at first touch makes most of the error (issue 6): a ramp of v dt takes it away."""
+    """The kink at first touch makes most of the error: a ramp of v dt takes it away."""
     _, sharp = relative_residual(column(0.1), 1.0)
     dt = column(0.1).time_step
     _, smooth = relative_residual(column(0.1, touch="smooth", touch_width=8.0 * dt), 1.0)
@@ -117,7 +117,7 @@ def test_energy_box_keeps_its_energy():
             worst = max(worst, abs(simulation.energy().total / 5760.0 - 1))
         assert simulation.ledger["dissipated_dashpots"] == 0.0
         deviations[f] = worst
-    assert deviations[0.05] < 0.03  # issue 2: below 3 % in 120 s
+    assert deviations[0.05] < 0.03  # promised: below 3 % in 120 s
     assert deviations[0.0125] < 0.003
 
 

@@ -1,4 +1,4 @@
-"""Limits of stability of the native engine in a dense packing against the closed form (PHYSICS 1.5)."""
+"""Limits of stability of the native engine in a dense packing against the closed form (docs/theory.md)."""
 
 import numpy as np
 import pytest
@@ -28,6 +28,6 @@ def late_kinetic_energy(integrator, fraction):
 @pytest.mark.parametrize("integrator", ["velocity_verlet", "leapfrog_extrapolated"])
 def test_hexagonal_packing_blows_up_at_the_closed_form(integrator):
     limit = stable_fraction(damping_ratio(0.2), integrator)  # 0.282 and 0.167
-    # issue 5 asks for 3 %: below by that much the start (2e-4 J) dies out, above it the crystal shakes by itself
+    # 3 % is promised: below by that much the start (2e-4 J) dies out, above it the crystal shakes by itself
     assert late_kinetic_energy(integrator, 0.97 * limit) < 1e-6
     assert late_kinetic_energy(integrator, 1.03 * limit) > 10.0

@@ -77,7 +77,7 @@ def test_discs_balance(search):
     assert result.removed > 0 and result.present > 0
     assert result.inserted == result.present + result.removed
     assert result.lost == 0
-    assert result.ledger["residual"] == pytest.approx(0.0, abs=1e-3 * result.ledger["throughput"])  # issue 3
+    assert result.ledger["residual"] == pytest.approx(0.0, abs=1e-3 * result.ledger["throughput"])  # promised
 
 
 @pytest.mark.parametrize("size", [0.5, 1.0, 2.0, 3.7])
@@ -143,7 +143,7 @@ def test_floor_force_is_the_weight():
     assert len(simulation.forces) == 2 * (simulation.step // 500)
     step, name, _, fy, _ = simulation.forces[-2]
     assert (step, name) == (simulation.step, "floor")
-    assert fy == pytest.approx(-24 * 40 * 9.81, rel=1e-3)  # issue 2
+    assert fy == pytest.approx(-24 * 40 * 9.81, rel=1e-3)  # an identity once at rest
 
 
 def test_moment_on_a_block_about_its_lower_left_corner():

@@ -1,14 +1,16 @@
 """Profiles of made-up flows whose depth, discharge and mass are known."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lammps_jump.analysis import profile_kernels
-from lammps_jump.analysis.context import FlowContext
 from lammps_jump.analysis.dump import make_frame
 from lammps_jump.analysis.profiles import add_means, bin_edges, compute_profiles, read_profiles, write_profiles
 from lammps_jump.analysis.statistics import block_average
+from made_up import columns_of_discs, disc_frame, flow_context
 
 from lammps_jump.errors import DumpError
 from lammps_jump.walls import Block, Plane
@@ -17,34 +19,18 @@ D = 0.2
 BOX = [[-5, 25], [-5, 20]]
 
 
-def context(**changes):
-    values = {
-        "name": "made-up",
-        "diameter": D,
-        "mass": 1000 * D**2,
-        "density": 1000.0,
-        "gravity": (0.0, -9.81),
-        "domain": ((-5.0, 25.0), (-5.0, 20.0)),
-        "x_range": (0.0, 20.0),
-        "walls": (Plane("floor", "y", 0.0, "above"),),
-        "bin_width": 1.0,
-    }
-    return FlowContext(**{**values, **changes})
+context = partial(
+    flow_context, domain=((-5.0, 25.0), (-5.0, 20.0)), x_range=(0.0, 20.0), walls=(Plane("floor", "y", 0.0, "above"),),
+    bin_width=1.0,
+)  # fmt: skip
 
 
 def lattice(layers, x_low=-1.0, x_high=21.0, bed=0.0):
-    """Touching discs, `layers` high; layers may depend on x."""
-    centres = np.arange(x_low + D / 2, x_high, D)
-    high = np.broadcast_to(layers(centres) if callable(layers) else layers, centres.shape).astype(int)
-    x = np.repeat(centres, high)
-    y = bed + D * (np.concatenate([np.arange(n) for n in high]) + 0.5)
-    return x, y
+    return columns_of_discs(layers, x_low, x_high, bed=bed)
 
 
 def frame(x, y, u=0.0, v=0.0, step=0, time=0.0):
-    x = np.asarray(x, float)
-    columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": x * 0 + u, "vy": x * 0 + v}
-    return make_frame(step, time, BOX, columns)
+    return disc_frame(x, y, u, v, box=BOX, step=step, time=time)
 
 
 def test_uniform_block():

@@ -17,7 +17,7 @@ NATIVE = ("native velocity_verlet", "native leapfrog_extrapolated")
 @pytest.mark.parametrize("arrangement", ["pair", "wall", "square", "hexagonal"])
 def test_limits_within_three_per_cent(arrangement, engine):
     found = stress_limits.measure_limit(arrangement, engine, 0.2, steps=2000, side=12, tolerance=0.01)
-    # the issue asks for 3 %: 12 discs a side take 1 % off the closed form, the bracket another 0.5 %
+    # 3 % is promised: 12 discs a side take 1 % off the closed form, the bracket another 0.5 %
     assert abs(found.deviation) < 0.03
     assert found.stable < found.unstable
 

@@ -5,22 +5,22 @@ from __future__ import annotations
 import io
 import subprocess
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from made_up import INPUTS
+from PIL import Image
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.lammps_engine.log import read_log
 from lammps_jump.lammps_engine.ranks import choose_ranks, expected_discs
 from lammps_jump.lammps_engine.slurm import job_text
-from lammps_jump.live import newest_frame_text
+from lammps_jump.live import SECONDS, LiveView, newest_frame_text
+from lammps_jump.native import run_native
 from lammps_jump.progress import ProgressLine
 from lammps_jump.run_result import Progress
 from lammps_jump.steady_watch import SteadyWatch, steady_window
-
-INPUTS = Path(__file__).parents[2] / "inputs"
 
 
 @pytest.fixture
@@ -96,6 +96,88 @@ def test_newest_frame_is_the_last_whole_one(tmp_path):
     path.write_text("".join(whole))
     assert newest_frame_text(path) == whole[1].encode()
     assert newest_frame_text(path, guess=100) == whole[1].encode()  # grows until a frame fits
+
+
+@pytest.fixture
+def screen(monkeypatch):
+    """A screen that is none: windows of `window_stand_in`."""
+    import matplotlib.pyplot as plt
+    import window_stand_in
+
+    before = plt.get_backend(), plt.isinteractive()
+    monkeypatch.setenv("DISPLAY", ":77")
+    monkeypatch.setattr(window_stand_in, "shown", [])
+    plt.switch_backend("module://window_stand_in")
+    yield window_stand_in
+    plt.close("all")
+    plt.switch_backend(before[0])
+    plt.interactive(before[1])
+
+
+def watch(scene, folder, reports=3, then=lambda report: None):
+    """A view fed with a growing dump; how many pictures the file and the window showed is left in them."""
+    view = LiveView(scene, folder, then)
+    with (folder / "dump.lammpstrj").open("w") as dump:
+        dump.write(frame_text(-0.1, 0, step_flow(2)))
+        for k in range(reports):
+            dump.write(frame_text(0.1 * k, k, step_flow(4 + 4 * k)))
+            dump.flush()
+            view.shown -= 2 * SECONDS
+            view(Progress(step=k, steps=reports, time=0.1 * k, discs=1000))
+    return view
+
+
+def test_live_view_shows_the_newest_frames_in_a_window(tmp_path, scene, screen, capfd):
+    reports = []
+    view = watch(scene, tmp_path, then=reports.append)
+    assert [report.step for report in reports] == [0, 1, 2]
+    assert len(screen.shown) == 3 and view.window is not None and capfd.readouterr().err == ""
+    one, _, three = screen.shown
+    assert one.shape == three.shape and (one != three).any()
+    assert np.array_equal(np.asarray(Image.open(tmp_path / "live.png")), np.round(255 * three).astype(np.uint8))
+
+
+@pytest.mark.parametrize(("mood", "pictures"), [("closed", 1), ("broken", 0)])
+def test_a_window_that_is_closed_or_fails_ends_no_run(tmp_path, scene, screen, monkeypatch, mood, pictures):
+    monkeypatch.setattr(screen, "mood", mood)
+    scene = replace(scene, steps=2 * scene.output_steps)
+    result = run_native(scene, tmp_path, progress=hurried(LiveView(scene, tmp_path, lambda report: None)))
+    assert result.status == "complete" and len(screen.shown) <= pictures
+    (tmp_path / "live.png").unlink(missing_ok=True)
+    view = watch(scene, tmp_path)
+    assert view.window is None and len(screen.shown) >= pictures
+    assert (tmp_path / "live.png").exists()  # the file goes on without it
+
+
+def hurried(view):
+    """The view, drawing at every report."""
+
+    def report(progress):
+        view.shown -= 2 * SECONDS
+        view(progress)
+
+    return report
+
+
+def test_no_screen_leads_to_the_file_and_a_note(tmp_path, scene, monkeypatch, capfd):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    view = watch(scene, tmp_path)
+    assert view.window is None and (tmp_path / "live.png").exists()
+    assert "no screen" in (note := capfd.readouterr().err) and "live.png" in note
+    watch(scene, tmp_path, then=ProgressLine(1.0, quiet=True))
+    assert capfd.readouterr().err == ""
+
+
+def test_a_screen_that_does_not_answer_leads_to_the_file(tmp_path, scene, monkeypatch, capfd):
+    monkeypatch.setenv("DISPLAY", ":77")
+    monkeypatch.setattr("matplotlib.get_backend", lambda: "agg")  # what matplotlib falls back to there
+    assert watch(scene, tmp_path).window is None
+    assert "no toolkit" in capfd.readouterr().err
+    monkeypatch.setattr("matplotlib.get_backend", lambda: "tkagg")
+    monkeypatch.setattr("matplotlib.pyplot.ion", lambda: 1 / 0)
+    assert watch(scene, tmp_path).window is None
+    assert "no window can be opened (division by zero)" in capfd.readouterr().err
 
 
 def test_progress_line_tells_time_discs_and_time_left():

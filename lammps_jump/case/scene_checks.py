@@ -1,0 +1,140 @@
+"""Checks of a scene that fields alone do not show: a step that is stable, discs and inlets in free places, a sane size.
+
+Each raises `CaseError` with the place in the file and the remedy.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .. import contact
+from ..scene import InletRow
+from ..walls import Interval, Wall
+from .arrange import closest_pair
+from .load import LoadedCase
+from .slip_check import slip_warnings
+
+MOST_STEPS = 2_000_000_000
+"""LAMMPS counts steps of one run and insertions in 32 bits."""
+MOST_DISCS = 20_000_000
+MOST_BINS = 100_000
+
+
+def check_size(loaded: LoadedCase, steps: int, discs: int, domain) -> None:
+    """Refuse what no run could finish, before it starts."""
+    case, source = loaded.case, loaded.source
+    if steps > MOST_STEPS:
+        raise source.error(
+            "run.duration",
+            f"{case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, raise "
+            "run.time_step_fraction or lower the stiffness",
+        )
+    if discs > MOST_DISCS:
+        raise source.error("initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs")
+    width = case.analysis.bin_width
+    length = domain[0][1] - domain[0][0]
+    if width is not None and length / width > MOST_BINS:
+        raise source.error(
+            "analysis.bin_width",
+            f"{width:g} m would make {length / width:.0f} bins over {length:g} m; allowed are {MOST_BINS}: widen it",
+        )
+
+
+def check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, integrator: str) -> list[str]:
+    """Refuse an unstable step (unless ``run.allow_unstable``); warnings about one that is stable and yet too long."""
+    fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
+    if fraction > limit and not loaded.case.run.allow_unstable:
+        # the correction softens the dashpot with f: what is allowed for sure is the limit without it
+        limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
+        raise loaded.source.error(
+            "run.time_step_fraction",
+            f"{fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of 2/omega for {integrator} at "
+            f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set "
+            "run.allow_unstable: true",
+        )
+    given = loaded.case.contact
+    found = slip_warnings(coefficients, given.friction_law, given.rotation)
+    if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
+        found.append(
+            f"time_step_fraction {fraction:g} is stable, but at restitution {coefficients.restitution:g} the kink at "
+            "first touch heats the discs from 0.2 on; use 0.1 or less, or contact.touch: smooth"
+        )
+    if fraction > 0.8 * limit:
+        found.insert(
+            0,
+            f"time_step_fraction {fraction:g} is close to the limit of stability {limit:.3f} (hexagonal packing, "
+            f"{integrator}); energies near it are not to be trusted",
+        )
+    return found
+
+
+def check_places(
+    loaded: LoadedCase,
+    positions: np.ndarray,
+    walls: tuple[Wall, ...],
+    inlets: tuple[InletRow, ...],
+    domain: tuple[Interval, Interval],
+    allowed: float,
+) -> None:
+    """Refuse discs and inlets outside the domain or in a wall, and discs that overlap too deeply.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, 2), m
+    allowed : float
+        Largest overlap at the start, with discs and walls, m.
+    """
+    d = loaded.case.discs.diameter
+    _check_in_domain(loaded, positions, inlets, domain)
+    close = closest_pair(positions, d)
+    if close is not None and d - close[0] > allowed * (1 + 1e-9):
+        distance, i, j = close
+        raise loaded.source.error(
+            "initial",
+            f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
+            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {d - distance:.3g} m at the start; "
+            f"allowed is d/n = {allowed:.3g} m; move them apart",
+        )
+    for index, wall in enumerate(walls):
+        _check_free_of(wall, index, loaded, positions, inlets, allowed)
+
+
+def _check_in_domain(loaded: LoadedCase, positions, inlets, domain) -> None:
+    for axis, label in enumerate("xy"):
+        low, high = domain[axis]
+        outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
+        if outside.size:
+            value = positions[outside[0], axis]
+            raise loaded.source.error(
+                "domain" if loaded.case.domain else "initial",
+                f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, "
+                f"{high:g}]; widen domain.{label}",
+            )
+        for row in inlets:
+            if not low < (row.x, row.y)[axis] < high:
+                raise loaded.source.error(
+                    "inflow",
+                    f"the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} [{low:g}, {high:g}]",
+                )
+
+
+def _check_free_of(wall: Wall, index: int, loaded: LoadedCase, positions, inlets, allowed: float) -> None:
+    radius = loaded.case.discs.diameter / 2
+    if len(positions):
+        distance = wall.signed_distance(positions[:, 0], positions[:, 1])
+        worst = int(np.argmin(distance))
+        if radius - distance[worst] > allowed * (1 + 1e-9):
+            raise loaded.source.error(
+                ("walls", index),
+                f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
+                f"{radius - distance[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; "
+                "move the wall or the discs",
+            )
+    for number, row in enumerate(inlets):
+        distance = float(wall.signed_distance(np.array([row.x]), np.array([row.y]))[0])
+        if distance < radius * (1 - 1e-6):
+            raise loaded.source.error(
+                "inflow",
+                f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {radius - distance:.3g} m deep in wall "
+                f"'{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall",
+            )

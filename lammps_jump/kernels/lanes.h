@@ -1,0 +1,120 @@
+/* Several contacts at a time: a vector of doubles as wide as the machine's, and the operations that the language lacks.
+
+   Written out, because the compiler's own vectors of the same loop take longer (docs/kernels.md). Sums, products and roots
+   are rounded as for single numbers: the width changes no result. */
+
+#ifndef JUMP_LANES_H
+#define JUMP_LANES_H
+
+#include <cmath>
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+#pragma GCC diagnostic ignored "-Wpsabi"    // all inline: no vector crosses a library's border
+
+namespace jump {
+
+#if defined(__AVX512F__)
+constexpr int LANES = 8;
+#elif defined(__AVX__)
+constexpr int LANES = 4;
+#else
+constexpr int LANES = 2;
+#endif
+
+typedef double Lanes __attribute__((vector_size(LANES * sizeof(double)), may_alias));
+
+inline double root(double x) { return std::sqrt(x); }
+
+inline Lanes root(const Lanes &x)
+{
+#if defined(__AVX512F__)
+  return (Lanes) _mm512_sqrt_pd((__m512d) x);
+#elif defined(__AVX__)
+  return (Lanes) _mm256_sqrt_pd((__m256d) x);
+#elif defined(__SSE2__)
+  return (Lanes) _mm_sqrt_pd((__m128d) x);
+#else
+  return Lanes{std::sqrt(x[0]), std::sqrt(x[1])};
+#endif
+}
+
+/** A number in the form of another: itself, or the same in every lane. */
+inline double spread(double x, double) { return x; }
+inline Lanes spread(double x, const Lanes &) { return x - Lanes{}; }
+
+template <class Number> inline Number least(const Number &a, const Number &b) { return a < b ? a : b; }
+template <class Number> inline Number most(const Number &a, const Number &b) { return a > b ? a : b; }
+template <class Number> inline Number magnitude(const Number &x) { return x < 0.0 ? -x : x; }
+
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define JUMP_PICK(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#endif
+#endif
+#ifndef JUMP_PICK    // GCC before 12
+typedef long long Places __attribute__((vector_size(LANES * sizeof(long long))));
+#define JUMP_PICK(a, b, ...) __builtin_shuffle(a, b, (Places){__VA_ARGS__})
+#endif
+
+/** Rows of four numbers, one for each lane, as four vectors: column[c][row] = rows[row][c].
+
+    And rows_of_two: two vectors as rows of two numbers. */
+#if defined(__AVX512F__)
+inline void columns(const double (*rows)[4], Lanes column[4])
+{
+  const Lanes *const two = reinterpret_cast<const Lanes *>(rows);    // two rows each
+  const Lanes xy0 = JUMP_PICK(two[0], two[1], 0, 4, 8, 12, 1, 5, 9, 13);
+  const Lanes xy4 = JUMP_PICK(two[2], two[3], 0, 4, 8, 12, 1, 5, 9, 13);
+  const Lanes uv0 = JUMP_PICK(two[0], two[1], 2, 6, 10, 14, 3, 7, 11, 15);
+  const Lanes uv4 = JUMP_PICK(two[2], two[3], 2, 6, 10, 14, 3, 7, 11, 15);
+  column[0] = JUMP_PICK(xy0, xy4, 0, 1, 2, 3, 8, 9, 10, 11);
+  column[1] = JUMP_PICK(xy0, xy4, 4, 5, 6, 7, 12, 13, 14, 15);
+  column[2] = JUMP_PICK(uv0, uv4, 0, 1, 2, 3, 8, 9, 10, 11);
+  column[3] = JUMP_PICK(uv0, uv4, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+
+inline void rows_of_two(const Lanes &x, const Lanes &y, double (*rows)[2])
+{
+  Lanes *const four = reinterpret_cast<Lanes *>(rows);    // four rows each
+  four[0] = JUMP_PICK(x, y, 0, 8, 1, 9, 2, 10, 3, 11);
+  four[1] = JUMP_PICK(x, y, 4, 12, 5, 13, 6, 14, 7, 15);
+}
+#elif defined(__AVX__)
+inline void columns(const double (*rows)[4], Lanes column[4])
+{
+  const Lanes *const row = reinterpret_cast<const Lanes *>(rows);
+  const Lanes xu0 = JUMP_PICK(row[0], row[1], 0, 4, 2, 6), yv0 = JUMP_PICK(row[0], row[1], 1, 5, 3, 7);
+  const Lanes xu2 = JUMP_PICK(row[2], row[3], 0, 4, 2, 6), yv2 = JUMP_PICK(row[2], row[3], 1, 5, 3, 7);
+  column[0] = JUMP_PICK(xu0, xu2, 0, 1, 4, 5);
+  column[1] = JUMP_PICK(yv0, yv2, 0, 1, 4, 5);
+  column[2] = JUMP_PICK(xu0, xu2, 2, 3, 6, 7);
+  column[3] = JUMP_PICK(yv0, yv2, 2, 3, 6, 7);
+}
+
+inline void rows_of_two(const Lanes &x, const Lanes &y, double (*rows)[2])
+{
+  Lanes *const two = reinterpret_cast<Lanes *>(rows);    // two rows each
+  const Lanes even = JUMP_PICK(x, y, 0, 4, 2, 6), odd = JUMP_PICK(x, y, 1, 5, 3, 7);
+  two[0] = JUMP_PICK(even, odd, 0, 1, 4, 5);
+  two[1] = JUMP_PICK(even, odd, 2, 3, 6, 7);
+}
+#else
+inline void columns(const double (*rows)[4], Lanes column[4])
+{
+  for (int c = 0; c < 4; c++) column[c] = Lanes{rows[0][c], rows[1][c]};
+}
+
+inline void rows_of_two(const Lanes &x, const Lanes &y, double (*rows)[2])
+{
+  for (int lane = 0; lane < LANES; lane++) {
+    rows[lane][0] = x[lane];
+    rows[lane][1] = y[lane];
+  }
+}
+#endif
+
+}    // namespace jump
+
+#endif

@@ -1,0 +1,50 @@
+"""What several tests make up: contexts, frames of discs placed by hand, the plugin or a reason to go without."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.context import FlowContext
+from lammps_jump.analysis.dump import Frame, make_frame
+
+INPUTS = Path(__file__).parents[1] / "inputs"
+
+
+def flow_context(**fields) -> FlowContext:
+    """A flow of discs of 0.2 m and 40 kg; at least `domain` and `x_range` are the test's own."""
+    discs = {"diameter": 0.2, "mass": 40.0, "density": 1000.0}
+    return FlowContext(**{"name": "made-up", "gravity": (0.0, -9.81), **discs, **fields})
+
+
+def disc_frame(x, y, vx=0.0, vy=0.0, *, box, step=0, time=0.0, **more) -> Frame:
+    """Discs 1 … n at (x, y); velocities are numbers or one value a disc, `more` are further columns."""
+    x, y = np.asarray(x, float), np.asarray(y, float)
+    columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x + vx, "vy": 0 * x + vy, **more}
+    return make_frame(step, time, box, columns)
+
+
+def columns_of_discs(layers, low, high, *, d=0.2, bed=0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Centres of touching discs between x = low and high, `layers` high: a number, or a function of the column's x."""
+    centres = np.arange(low + d / 2, high, d)
+    number = np.broadcast_to(np.round(layers(centres) if callable(layers) else layers), centres.shape).astype(int)
+    return np.repeat(centres, number), bed + d * (np.concatenate([np.arange(n) for n in number]) + 0.5)
+
+
+def collected(collector, frames):
+    """What a collector of the analysis (anything with ``add(frame, time)`` and ``result()``) makes of frames."""
+    for frame in frames:
+        collector.add(frame, frame.time)
+    return collector.result()
+
+
+def plugin_or_skip() -> Path:
+    """The compiled plugin, built where needed; the test is skipped, with the reason, where it cannot be had."""
+    from lammps_jump.errors import SetupError
+    from lammps_jump.kernels import plugin_path
+
+    try:
+        return plugin_path()
+    except SetupError as error:
+        pytest.skip(f"no compiled kernel here: {error}")

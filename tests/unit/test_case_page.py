@@ -1,0 +1,63 @@
+"""docs/case.md names every field of a case file, with its default."""
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+import yaml
+from pydantic import BaseModel
+
+from lammps_jump.case import models
+
+PAGE = (Path(__file__).parents[2] / "docs" / "case.md").read_text()
+ROWS = dict(re.findall(r"^\| `([\w.]+)` \| ([^|]+) \|", PAGE, re.MULTILINE))
+NONE = "\N{EN DASH}"
+GROUPS = ("discs", "contact", "run", "engine", "probes", "analysis")
+
+
+def fields():
+    for name, field in models.Case.model_fields.items():
+        if name in GROUPS:
+            for inner, part in field.annotation.model_fields.items():
+                yield f"{name}.{inner}", part
+        else:
+            yield name, field
+
+
+@pytest.mark.parametrize(("name", "field"), list(fields()), ids=lambda part: part if isinstance(part, str) else "")
+def test_field_and_default(name, field):
+    said = ROWS[name].strip()
+    if name == "name" or (field.default is None and not field.is_required()):
+        assert said == NONE  # a case without a name takes its file's
+    elif field.is_required():
+        assert said == "needed"
+    elif field.default in ((), ""):
+        assert said in ("none", "empty")
+    else:
+        assert yaml.safe_load(said) == field.default
+
+
+def kinds():
+    for union in (models.WallField, models.InitialField, models.InflowField):
+        yield from get_args(get_args(union)[0])
+
+
+@pytest.mark.parametrize("model", list(kinds()), ids=lambda model: model.__name__)
+def test_fields_of_a_kind(model: type[BaseModel]):
+    names = dict(model.model_fields)
+    (kind,) = get_args(names.pop("kind").annotation)
+    (row,) = re.findall(rf"^\| `{kind}` \|(.*)$", PAGE, re.MULTILINE)
+    names.pop("name", None)  # of every wall, said above the table
+    said = re.findall(r"`(\w+)`", row)
+    assert set(names) == set(said)
+    for name, field in names.items():
+        default = re.search(rf"`{name}` \(([^:;)]+)", row)
+        if isinstance(field.default, bool | int | float | str) and not field.is_required():
+            word = yaml.safe_load(re.split(r"[ ,]", default.group(1))[0])
+            assert word == field.default, name
+
+
+def test_no_row_is_left_of_a_field_that_is_gone():
+    known = {name for name, _ in fields()} | {get_args(model.model_fields["kind"].annotation)[0] for model in kinds()}
+    assert set(re.findall(r"^\| `([\w.]+)` \|", PAGE, re.MULTILINE)) == known

@@ -1,0 +1,105 @@
+"""The one neighbour search of the analysis, against trying every pair; and which discs a wall touches."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lammps_jump.analysis import cell_grid
+from lammps_jump.analysis.cell_grid import close_pairs
+from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
+from lammps_jump.analysis.contacts_found import face_contacts, find_contacts
+from lammps_jump.analysis.context import from_scene
+from made_up import disc_frame, flow_context
+
+from lammps_jump.native import NativeSimulation
+from lammps_jump.native.handmade import handmade_scene
+from lammps_jump.walls import Block, Plane
+
+D, K = 0.2, 1.0e6
+BOX = [[-10, 10], [-10, 10]]
+FLOOR = Plane("floor", "y", 0.0, "above")
+
+
+def every_pair(x, y, reach):
+    i, j = np.triu_indices(len(x), 1)
+    square = (x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2
+    near = (square < reach**2) & (square > 0)
+    return set(zip(i[near].tolist(), j[near].tolist(), strict=True))
+
+
+def as_set(pairs):
+    return {(min(pair), max(pair)) for pair in zip(*(part.tolist() for part in pairs), strict=True)}
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**31), count=st.integers(0, 80), width=st.sampled_from([0.1, 1.0, 50.0, 1e6]))
+def test_pairs_are_those_of_trying_all(seed, count, width):
+    """From all within reach of each other (more pairs than there is room for at first) to far strays."""
+    x, y = np.random.default_rng(seed).uniform(-width, width, (2, count))
+    found = close_pairs(x, y, D)
+    assert as_set(found) == every_pair(x, y, D)
+    assert len(found[0]) == len(as_set(found))  # each once
+
+
+def test_plain_loops_find_the_same(monkeypatch):
+    x, y = np.random.default_rng(5).uniform(0, 2, (2, 60))
+    compiled = close_pairs(x, y, D)
+    monkeypatch.setattr(cell_grid, "_sort_into_cells", cell_grid._sort_into_cells_py)
+    monkeypatch.setattr(cell_grid, "_list_pairs", cell_grid._list_pairs_py)
+    np.testing.assert_array_equal(close_pairs(x, y, D), compiled)
+
+
+def test_sums_are_those_over_the_contacts_found():
+    x, y, vx, vy = np.random.default_rng(6).uniform(0, 1.5, (4, 80))
+    frame = disc_frame(x, y, vx, vy, box=BOX)
+    sill = Block("sill", (0.4, 0.8), (0.0, 0.5))
+    flow = flow_context(
+        domain=((-10, 10), (-10, 10)), x_range=(0, 2), walls=(FLOOR, sill), stiffness=K, stiffness_wall=2 * K,
+        dashpot=300.0, dashpot_wall=200.0, touch="smooth", touch_width=0.03,
+    )  # fmt: skip
+    found = find_contacts(frame, flow)
+    pairs = ~found.is_wall
+    extent = np.abs(found.start[:, 0] - found.end[:, 0])
+    thrust = pair_sums(frame, flow, np.linspace(-1, 3, 9)).thrust
+    assert len(x) < pairs.sum() < found.is_wall.size
+    # bins of half a metre; what is left is the rounding of sums of 1e7 N
+    across = found.force * np.abs(found.normal[:, 0])
+    assert thrust.sum() * 0.5 == pytest.approx(np.sum((across * extent)[pairs]), rel=1e-10)
+    push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.walls)
+    assert push == pytest.approx((found.force[:, None] * found.normal)[found.is_wall].sum(axis=0), rel=1e-12)
+
+
+@pytest.mark.parametrize("width", [0.0, 0.004, 0.05], ids=["sharp", "mostly beyond", "mostly within"])
+def test_forces_are_those_of_the_engine(width):
+    """Springs and dashpots of a touch, disc by disc, as the native engine has them at the start of a run."""
+    rng = np.random.default_rng(8)
+    x, y, vx, vy = *rng.uniform(0.08, 1.5, (2, 60)), *rng.normal(0, 2, (2, 60))
+    scene = handmade_scene(
+        np.column_stack([x, y]), np.column_stack([vx, vy]), (FLOOR, Plane("back", "x", 0.0, "above")),
+        gravity=(0.0, 0.0), touch="smooth" if width else "sharp", touch_width=width, overlap_limit=D,
+    )  # fmt: skip
+    engine = NativeSimulation(scene)
+    order = np.argsort(engine.discs.ids[:60])
+    expected = np.column_stack([engine.discs.fx[:60], engine.discs.fy[:60]])[order]
+    flow, frame = from_scene(scene), disc_frame(x, y, vx, vy, box=BOX)
+    found = find_contacts(frame, flow)
+    push = found.force[:, None] * found.normal
+    total = np.zeros((60, 2))
+    at = {place: index for index, place in enumerate(zip(x, y, strict=True))}
+    np.add.at(total, [at[tuple(place)] for place in found.start], push)
+    np.subtract.at(total, [at[tuple(place)] for place in found.end[~found.is_wall]], push[~found.is_wall])
+    np.testing.assert_allclose(total, expected, atol=1e-10 * np.abs(expected).max())  # sums in another order
+
+
+def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_it_is_not():
+    frame = disc_frame([0.5, 3.0], [-0.01, -0.01], box=BOX)
+    (behind,) = face_contacts(frame, FLOOR, 0.5 * D)
+    assert behind.index.tolist() == [0, 1] and behind.ny.tolist() == [1, 1]
+    assert behind.overlap == pytest.approx(0.11)
+    assert not list(face_contacts(frame, Block("bed", (0, 4), (-1, 0)), 0.5 * D))
+
+
+def test_discs_at_one_place_are_no_contact():
+    frame = disc_frame([1.0, 1.0], [1.0, 1.0], box=BOX)
+    flow = flow_context(domain=((0, 4), (0, 4)), x_range=(0, 4), stiffness=K)
+    assert find_contacts(frame, flow).force.size == 0
