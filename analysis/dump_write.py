@@ -35,6 +35,8 @@ class DumpWriter:
         LAMMPS boundary of each axis, two letters of p f s m.
     units : str or None
         Unit style, written with the first frame; None leaves it out.
+    append : bool
+        Write behind the frames that the file holds (gzip: as a further member, which readers take as one stream).
 
     Raises
     ------
@@ -51,6 +53,7 @@ class DumpWriter:
         *,
         boundary: Sequence[str] = ("ff", "ff", "pp"),
         units: str | None = "si",
+        append: bool = False,
     ):
         if fmt not in ("text", "gz", "binary"):
             raise DumpError(f"format '{fmt}' of {path}: it must be text, gz or binary.")
@@ -59,10 +62,11 @@ class DumpWriter:
         self.path, self.columns, self.fmt = Path(path), tuple(columns), fmt
         self.boundary, self.units = tuple(boundary), units
         self._row = " ".join("%d" if name in INTEGER_COLUMNS else precision for name in self.columns) + "\n"
-        self._first = True
+        self._first = not append
+        mode = "ab" if append else "wb"
         try:
             # mtime 0: the same run gives the same bytes
-            self._file = gzip.GzipFile(path, "wb", compresslevel=4, mtime=0) if fmt == "gz" else open(path, "wb")
+            self._file = gzip.GzipFile(path, mode, compresslevel=4, mtime=0) if fmt == "gz" else open(path, mode)
         except OSError as error:
             raise DumpError(f"{path}: cannot be written ({error.strerror or error}).") from error
 

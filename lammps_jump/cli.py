@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from .errors import JumpError
+from .errors import CaseError, JumpError
 
 app = typer.Typer(
     name="lammps-jump",
@@ -58,6 +58,10 @@ Accuracy = Annotated[
     typer.Option("--accuracy", help="Cheapest setting shown to meet it, such as 1% (see docs/benchmark.md)."),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; errors only.")]
+Resume = Annotated[
+    bool,
+    typer.Option("--resume", help="Go on with the interrupted run in the folder; frames and sums are of the whole."),
+]
 Force = Annotated[bool, typer.Option("--force", help="Run even where the folder already holds this result.")]
 
 
@@ -92,22 +96,20 @@ def build_and_run(
     accuracy: Accuracy = None,
     set_: Sets = None,
     force: Force = False,
+    resume: Resume = False,
     live: Annotated[bool, typer.Option("--live", help="Show the run as it goes: a window, and live.png.")] = False,
     quiet: Quiet = False,
 ) -> None:
     """The whole job: validate, write the script, run, analyse, report."""
-    from . import pipeline
     from .display import print_summary
+    from .pipeline import build_and_run as start
+    from .resume import resume_case
 
-    summary = pipeline.build_and_run(
-        case,
-        out=out,
-        assignments=_assignments(set_, engine, kernel, ranks, accuracy),
-        force=force,
-        quiet=quiet,
-        live=live,
-        say=_say(quiet),
-    )
+    if resume and force:
+        raise CaseError("--resume goes on with a run, --force starts it anew: use one of the two")
+    options = {"out": out, "assignments": _assignments(set_, engine, kernel, ranks, accuracy)}
+    options |= {"quiet": quiet, "live": live, "say": _say(quiet)}
+    summary = resume_case(case, **options) if resume else start(case, force=force, **options)
     if not quiet:
         print_summary(summary, out or Path("runs") / summary["name"])
 
@@ -136,16 +138,21 @@ def build(
 @app.command()
 def run(
     folder: Annotated[Path, typer.Argument(help="Folder made by `lammps-jump build`.", show_default=False)],
+    resume: Resume = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a built folder and analyse it."""
     from . import pipeline
     from .display import print_summary
     from .reopen import reopen
+    from .resume import resume_prepared
 
     prepared = reopen(folder)
-    pipeline.write_folder(prepared)
-    summary = pipeline.run_folder(prepared, build_seconds=0.0, quiet=quiet, say=_say(quiet))
+    if resume:
+        summary = resume_prepared(prepared, quiet=quiet, say=_say(quiet))
+    else:
+        pipeline.write_folder(prepared)
+        summary = pipeline.run_folder(prepared, build_seconds=0.0, quiet=quiet, say=_say(quiet))
     if not quiet:
         print_summary(summary, folder)
 

@@ -31,6 +31,12 @@ class SetupError(JumpError, RuntimeError):
     exit_status = 2
 
 
+class ResumeError(JumpError, ValueError):
+    """There is no interrupted run of this case to go on with (exit status 2); nothing was touched."""
+
+    exit_status = 2
+
+
 class RunError(JumpError, RuntimeError):
     """A run that started and failed; what it had is kept (exit status 1)."""
 

@@ -13,42 +13,12 @@ from .accuracy import load_with_accuracy
 from .case import LoadedCase, case_hash, resolved_yaml
 from .case.to_scene import build_scene
 from .check import inflow_theory
+from .checkpoint import Checkpoint, remove_checkpoint
 from .errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
 from .progress import ProgressLine
+from .run_files import OWN_FILES, RESULT_FILES, clear
 from .run_result import ProgressCallback, RunResult
 from .scene import Scene
-
-OWN_FILES = (
-    "case.yaml",
-    "in.lammps",
-    "discs.data",
-    "disk.mol",
-    "log.lammps",
-    "dump.lammpstrj",
-    "dump.lammpstrj.gz",
-    "dump.lammpsbin",
-    "forces.csv",
-    "profiles.nc",
-    "summary.json",
-    "animation.mp4",
-    "report.html",
-    "live.png",
-    "job.slurm",
-    "profiles*.csv",
-    "energy.csv",
-    "front.csv",
-    "jump_*.csv",
-    "force_*.csv",
-    "forces_*.raw",
-    "reflected_wave.csv",
-    "fields.nc",
-    "fields*.vti",
-    "discs*.vtp",
-    "discs.pvd",
-    "picture?.dat",
-    "figures/*.png",
-)
-"""What a run folder may hold of an earlier run (names and patterns); nothing else in it is ever deleted."""
 
 Say = Callable[[str], None]
 
@@ -177,9 +147,7 @@ def write_folder(prepared: Prepared) -> None:
     folder = prepared.folder
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for pattern in OWN_FILES:
-            for old in folder.glob(pattern):
-                old.unlink()
+        clear(folder, OWN_FILES)
         (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
         if prepared.loaded.case.engine.name == "lammps":
             from .script import write_script
@@ -224,11 +192,28 @@ def _announce(prepared: Prepared, say: Say) -> None:
 
 
 def run_folder(
-    prepared: Prepared, *, build_seconds: float, quiet: bool, say: Say, live: bool = False
+    prepared: Prepared,
+    *,
+    build_seconds: float,
+    quiet: bool,
+    say: Say,
+    live: bool = False,
+    resume: Checkpoint | None = None,
+    analysis_seconds: float = 0.0,
 ) -> dict[str, Any]:
-    """Run the engine in a folder that `write_folder` made, analyse and report; see `build_and_run`."""
-    result, steady = _run_engine(prepared, quiet, live)
-    begin = time.perf_counter()
+    """Run the engine in a folder that `write_folder` made, analyse and report; see `build_and_run`.
+
+    With `resume` go on there with an interrupted run; `build_seconds`, `analysis_seconds`: spent in earlier parts.
+    """
+    result, steady = _run_engine(prepared, quiet, live, resume)
+    if resume is not None and result.status == "failed" and result.steps <= resume.step:
+        raise RunError(f"{result.message} Nothing was added to the run, and its checkpoint is kept.")
+    if result.status != "interrupted":
+        remove_checkpoint(prepared.folder)
+        (prepared.folder / "in.resume.lammps").unlink(missing_ok=True)
+    begin = time.perf_counter() - analysis_seconds
+    if resume is not None:
+        clear(prepared.folder, RESULT_FILES)  # those of the part before
     parts: dict[str, Any] = {}
     trouble = ""
     try:
@@ -278,10 +263,12 @@ def _steady_watch(prepared: Prepared):
     return SteadyWatch(prepared.scene, prepared.folder, studied_reach(from_scene(prepared.scene)))
 
 
-def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> tuple[RunResult, str]:
+def _run_engine(
+    prepared: Prepared, quiet: bool, live: bool = False, resume: Checkpoint | None = None
+) -> tuple[RunResult, str]:
     """Run; the text says why it was stopped as steady, and is empty where it was not."""
     scene = prepared.scene
-    line = ProgressLine(scene.time(scene.steps), quiet=quiet)
+    line = ProgressLine(scene.time(scene.steps), quiet=quiet, first_step=resume.step if resume else 0)
     watch = _steady_watch(prepared)
     shown: ProgressCallback = line
     if live:
@@ -292,10 +279,14 @@ def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> tuple[Ru
     if prepared.loaded.case.engine.name == "native":
         from .native import run_native
 
-        result = run_native(scene, prepared.folder, progress=shown, should_stop=watch, dump_format=dump_format)
+        result = run_native(
+            scene, prepared.folder, progress=shown, should_stop=watch, dump_format=dump_format, resume=resume
+        )
     else:
         from .lammps_engine import run_lammps
 
+        if resume is not None:
+            _write_continuation(prepared, resume)
         result = run_lammps(
             scene,
             prepared.folder,
@@ -304,11 +295,29 @@ def _run_engine(prepared: Prepared, quiet: bool, live: bool = False) -> tuple[Ru
             plugin=prepared.plugin,
             progress=shown,
             should_stop=watch,
+            resume=resume,
         )
     line.finish()
     if watch is not None and watch.reason and result.status == "interrupted":
         return replace(result, status="complete", message=""), watch.reason
     return result, ""
+
+
+def _write_continuation(prepared: Prepared, checkpoint: Checkpoint) -> None:
+    from .script.continuation import write_continuation
+
+    write_continuation(
+        prepared.scene,
+        prepared.folder,
+        state=checkpoint.state,
+        step=checkpoint.step,
+        removed=checkpoint.removed,
+        kernel=prepared.kernel,
+        ranks=prepared.ranks,
+        dump_format=prepared.loaded.case.run.dump_format,
+        header=tuple(line.replace("in.lammps", "in.resume.lammps") for line in _header(prepared)),
+        plugin=prepared.plugin,
+    )
 
 
 def analysis_request(prepared: Prepared):

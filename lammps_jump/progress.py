@@ -24,16 +24,19 @@ class ProgressLine:
         Print nothing.
     stream : file, optional
         Default stderr.
+    first_step : int
+        Where this part of the run begins.
     """
 
-    def __init__(self, end_time: float, *, quiet: bool = False, stream: TextIO | None = None):
+    def __init__(self, end_time: float, *, quiet: bool = False, stream: TextIO | None = None, first_step: int = 0):
         self.end_time = end_time
         self.quiet = quiet
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
         self.begin = time.perf_counter()
         self.shown = self.begin
-        self.previous = (self.begin, 0)
+        self.first_step = first_step
+        self.previous = (self.begin, first_step)
         self.rate = 0.0
 
     def __call__(self, report: Progress) -> None:
@@ -47,7 +50,8 @@ class ProgressLine:
         self.previous = (now, report.step)
         self.shown = now
         done = report.step / max(report.steps, 1)
-        left = (now - self.begin) * (1 - done) / done if done > 0 else float("nan")
+        here = report.step - self.first_step
+        left = (now - self.begin) * (report.steps - report.step) / here if here > 0 else float("nan")
         text = (
             f"t = {report.time:.3f} of {self.end_time:g} s  {100 * done:3.0f} %  {report.discs} discs  "
             f"{self.rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left"

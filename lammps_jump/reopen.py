@@ -70,6 +70,7 @@ def _as_stored(stored: dict[str, Any], prepared: Prepared) -> RunResult:
         versions=stored.get("versions", {}),
         ledger=stored.get("ledger"),
         breakdown=stored.get("breakdown_seconds") or {},
+        resumed=tuple(stored.get("resumed_at") or ()),
     )
 
 

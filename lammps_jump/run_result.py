@@ -48,6 +48,8 @@ class RunResult:
         Energy ledger in joules per metre of width where the engine keeps one.
     breakdown : dict of float
         Seconds by kind of work (pair, neighbour, modify, output …) where the engine tells.
+    resumed : tuple of float
+        Simulated times (s) at which the run went on after an interruption; all other numbers are of all parts.
     """
 
     engine: str
@@ -64,11 +66,29 @@ class RunResult:
     versions: dict[str, str] = field(default_factory=dict)
     ledger: dict[str, float] | None = None
     breakdown: dict[str, float] = field(default_factory=dict)
+    resumed: tuple[float, ...] = ()
 
 
-def interruption(time: float, end: float, folder: object) -> str:
-    """What to tell the user of a run that was ended before its end: when, what is kept, how to go on."""
-    return (
+def interruption(time: float, end: float, folder: object, *, again: float | None = None, reason: str = "") -> str:
+    """What to tell the user of a run that was ended before its end: when, what is kept, how to go on.
+
+    Parameters
+    ----------
+    time, end : float
+        Simulated time reached, and of the end of the run, s.
+    folder : Path or str
+    again : float, optional
+        Simulated time of the checkpoint, from which the run can go on.
+    reason : str
+        Why it cannot, where there is no checkpoint.
+    """
+    kept = (
         f"the run was ended at t = {time:.4g} s of {end:.4g} s; the frames up to there are kept "
-        f"in {folder}: `lammps-jump analyze {folder}` looks at them, the same command with --force starts anew"
+        f"in {folder}: `lammps-jump analyze {folder}` looks at them"
     )
+    if again is not None:
+        return (
+            f"{kept}, `lammps-jump run {folder} --resume` (or the same command with --resume) goes on from "
+            f"t = {again:.4g} s, with --force it starts anew"
+        )
+    return f"{kept}, the same command with --force starts anew" + (f"; it cannot go on: {reason}" if reason else "")

@@ -81,6 +81,7 @@ def compose(
             "coefficients": coefficients(scene),
             "steps": result.steps,
             "simulated_time": scene.time(result.steps),
+            **({"resumed_at": result.resumed} if result.resumed else {}),
             "wall_seconds": seconds,
             "disc_steps": result.disc_steps,
             "disc_steps_per_second": result.disc_steps / result.seconds if result.seconds > 0 else None,

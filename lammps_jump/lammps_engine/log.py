@@ -14,6 +14,8 @@ class LogSummary:
     Attributes
     ----------
     step, time, discs, removed : last values of the log lines
+    removed_by : tuple of int
+        Discs that each outlet has taken.
     highest_id : int
         Highest disc id ever logged, 0 where the log has no such column.
     disc_steps : float
@@ -30,6 +32,7 @@ class LogSummary:
     time: float = 0.0
     discs: int = 0
     removed: int = 0
+    removed_by: tuple[int, ...] = ()
     highest_id: int = 0
     disc_steps: float = 0.0
     loop_seconds: float = 0.0
@@ -74,6 +77,7 @@ def read_log(path: Path) -> LogSummary:
 
 def _take(summary: LogSummary, row: dict[str, float]) -> None:
     summary.step, summary.time, summary.discs = int(row["Step"]), row["Time"], int(row["Atoms"])
-    summary.removed = int(sum(value for name, value in row.items() if name.startswith("f_outlet")))
+    summary.removed_by = tuple(int(value) for name, value in row.items() if name.startswith("f_outlet"))
+    summary.removed = sum(summary.removed_by)
     if "c_top" in row and row["c_top"] > 0:
         summary.highest_id = max(summary.highest_id, int(row["c_top"]))

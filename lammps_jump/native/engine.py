@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import signal
-import threading
 from collections.abc import Callable
-from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
+from ..checkpoint import Checkpoint, cut_back, file_sizes, fingerprint, remove_checkpoint, write_checkpoint
 from ..errors import CaseError, RunError
-from ..run_result import Progress, ProgressCallback, RunResult, interruption
+from ..interrupts import deferred_interrupt, terminate_as_interrupt
+from ..run_result import DUMP_NAMES, Progress, ProgressCallback, RunResult, interruption
 from ..scene import Scene
 from .cells import CellSimulation
 from .output import DumpWriter, Frame, write_forces
 from .simulation import NativeSimulation
+from .state import load_state, save_state
 
 
 @dataclass(frozen=True)
@@ -34,30 +34,6 @@ class NativeRun:
     result: RunResult
     frames: tuple[Frame, ...]
     forces: tuple[tuple[int, str, float, float, float], ...]
-
-
-@contextmanager
-def deferred_interrupt():
-    """Ctrl-C waits until the stepping comes back, so that no array is left half sorted; a second one does not wait.
-
-    Yields a function that tells whether it was pressed. Outside the main thread nothing changes: signals do not come
-    there.
-    """
-    pressed: list[int] = []
-
-    def remember(number, stack) -> None:
-        if pressed:
-            raise KeyboardInterrupt
-        pressed.append(number)
-
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
-        return
-    before = signal.signal(signal.SIGINT, remember)
-    try:
-        yield lambda: bool(pressed)
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def take_frame(simulation) -> Frame:
@@ -93,12 +69,19 @@ def simulate(
     search: str = "verlet",
     cell_size: float | None = None,
     ledger: bool = True,
+    resume: Checkpoint | None = None,
 ) -> NativeRun:
     """Run a scene to its last step; see `run_native` for the parameters."""
-    simulation = _make(scene, search, cell_size, ledger)
+    if resume is not None:
+        cut_back(folder, resume)
+        simulation = load_state(scene, Path(folder) / resume.state, ledger=ledger)
+    else:
+        simulation = _make(scene, search, cell_size, ledger)
     if folder is not None:
         Path(folder).mkdir(parents=True, exist_ok=True)
-    writer = DumpWriter(folder, scene, dump_format) if folder is not None else None
+        if resume is None:
+            remove_checkpoint(Path(folder))  # of an earlier run: not this one's beginning
+    writer = DumpWriter(folder, scene, dump_format, append=resume is not None) if folder is not None else None
     frames: list[Frame] = []
 
     def output() -> None:
@@ -110,36 +93,39 @@ def simulate(
         if writer is not None:
             writer.write(frame)
 
+    def report() -> None:
+        if progress is not None:
+            progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
+
     status, message = "complete", ""
     seconds = writing = 0.0
+    between_steps = False  # an interruption that did not wait may leave arrays half sorted, or half a frame
     try:
-        output()
-        reported = perf_counter()
-        while simulation.step < scene.steps:
-            target = min(scene.steps, (simulation.step // scene.output_steps + 1) * scene.output_steps)
-            started = perf_counter()
-            with deferred_interrupt() as pressed:
+        with terminate_as_interrupt(), deferred_interrupt() as pressed:
+            if resume is None:
+                output()
+            reported = perf_counter()
+            while simulation.step < scene.steps:
+                target = min(scene.steps, (simulation.step // scene.output_steps + 1) * scene.output_steps)
+                started = perf_counter()
+                between_steps = False
                 simulation.run_some(target)
-            now = perf_counter()
-            seconds += now - started
-            if pressed():
-                raise KeyboardInterrupt
-            if simulation.step == target:
-                simulation.check()
-                if target % scene.output_steps == 0:
-                    output()
-                    writing += perf_counter() - now
-            if now - reported >= report_every:
-                reported = now
-                if progress is not None:
-                    progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
-                if should_stop is not None and should_stop():
-                    status = "interrupted"
-                    message = interruption(scene.time(simulation.step), scene.time(scene.steps), folder or "memory")
-                    break
+                now = perf_counter()
+                seconds += now - started
+                if simulation.step == target:
+                    simulation.check()
+                    if target % scene.output_steps == 0:
+                        output()
+                        writing += perf_counter() - now
+                between_steps = True
+                due = now - reported >= report_every
+                if due:
+                    reported = now
+                    report()
+                if simulation.step < scene.steps and (pressed() or (due and should_stop is not None and should_stop())):
+                    raise KeyboardInterrupt
     except KeyboardInterrupt:
         status = "interrupted"
-        message = interruption(scene.time(simulation.step), scene.time(scene.steps), folder or "memory")
     except RunError as error:
         status, message = "failed", str(error)
     finally:
@@ -147,10 +133,20 @@ def simulate(
             writer.close()
             if scene.probes:
                 write_forces(folder, scene, simulation.forces)
-    if progress is not None:
-        progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
+    report()
+    result = _result(scene, simulation, status, message, seconds, writing, resume.result if resume else None)
+    if status == "interrupted":
+        result = _interrupted(scene, simulation, folder, dump_format, result, search == "verlet", between_steps)
+    return NativeRun(result, tuple(frames), tuple(simulation.forces))
+
+
+def _result(scene, simulation, status, message, seconds, writing, earlier: RunResult | None) -> RunResult:
+    """The result of all parts of a run; a simulation that was read back counts on by itself, but for the clock."""
     traffic = simulation.traffic
-    result = RunResult(
+    if earlier is not None:
+        seconds += earlier.seconds
+        writing += earlier.breakdown.get("output", 0.0)
+    return RunResult(
         engine="native",
         kernel="numba",
         status=status,
@@ -169,8 +165,26 @@ def simulate(
             "neighbour": simulation.rebuild_seconds,
             "output": writing,
         },
+        resumed=(*earlier.resumed, scene.time(earlier.steps)) if earlier else (),
     )
-    return NativeRun(result, tuple(frames), tuple(simulation.forces))
+
+
+def _interrupted(scene, simulation, folder, dump_format, result, saved, between_steps) -> RunResult:
+    """Leave a checkpoint of an interrupted run where there can be one; its result, with what to tell the user."""
+    now, end = scene.time(simulation.step), scene.time(scene.steps)
+    reason = "" if between_steps else "a second interruption came before the step was done"
+    if folder is not None and saved and between_steps:
+        folder = Path(folder)
+        result = replace(result, message=interruption(now, end, folder, again=now))
+        state = f"checkpoint-{simulation.step}.npz"
+        try:
+            save_state(simulation, folder / state)
+            sizes = file_sizes(folder, DUMP_NAMES[dump_format])
+            write_checkpoint(folder, Checkpoint(fingerprint(scene), simulation.step, now, state, sizes, (), result))
+            return result
+        except OSError as error:
+            reason = f"its state could not be saved ({error})"
+    return replace(result, message=interruption(now, end, folder or "memory", reason=reason))
 
 
 def _make(scene: Scene, search: str, cell_size: float | None, ledger: bool) -> NativeSimulation:
@@ -193,6 +207,7 @@ def run_native(
     search: str = "verlet",
     cell_size: float | None = None,
     ledger: bool = True,
+    resume: Checkpoint | None = None,
 ) -> RunResult:
     """Run a scene on the native engine and leave dump and forces.csv in `folder`.
 
@@ -212,6 +227,9 @@ def run_native(
         Neighbour list, or the thesis' own contact search in cells of `cell_size` (m, default 2 d).
     ledger : bool
         Keep the books of dissipated energy; a quarter of the stepping time.
+    resume : Checkpoint, optional
+        Go on with the interrupted run that left it in `folder` (see `lammps_jump.checkpoint`), with the same scene,
+        `dump_format` and `ledger`. Its frames are those of an uninterrupted run, bit for bit.
 
     Returns
     -------
@@ -229,4 +247,5 @@ def run_native(
         search=search,
         cell_size=cell_size,
         ledger=ledger,
+        resume=resume,
     ).result

@@ -35,14 +35,17 @@ class DumpWriter:
     scene : Scene
     dump_format : {'text', 'gz', 'binary'}
         dump.lammpstrj (10 digits), dump.lammpstrj.gz, or dump.lammpsbin (LAMMPS' binary format, revision 2).
+    append : bool
+        Write behind the frames that are there.
     """
 
-    def __init__(self, folder: Path, scene: Scene, dump_format: str = "text"):
+    def __init__(self, folder: Path, scene: Scene, dump_format: str = "text", *, append: bool = False):
         if dump_format not in DUMP_NAMES:
             raise CaseError(f"dump format {dump_format!r} is not known: use one of {', '.join(DUMP_NAMES)}")
         self.columns = ("x", "y", "vx", "vy", *(("omegaz",) if scene.rotation else ()))
         self.box = (*scene.domain, (-scene.radius, scene.radius))
-        self._file = dump_write.DumpWriter(Path(folder) / DUMP_NAMES[dump_format], ("id", *self.columns), dump_format)
+        path = Path(folder) / DUMP_NAMES[dump_format]
+        self._file = dump_write.DumpWriter(path, ("id", *self.columns), dump_format, append=append)
 
     def write(self, frame: Frame) -> None:
         """Append one frame."""

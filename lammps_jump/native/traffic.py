@@ -80,8 +80,8 @@ class Traffic:
     def __init__(self, scene: Scene):
         self.scene = scene
         self.rows = [RowState(row) for row in scene.inlets]
-        rng = np.random.default_rng(scene.seed)
-        self.pours = [PourState(pour, scene, rng) for pour in scene.pours]
+        self.rng = np.random.default_rng(scene.seed)
+        self.pours = [PourState(pour, scene, self.rng) for pour in scene.pours]
         self.outlets: tuple[Outlet, ...] = scene.outlets
         self.removed = 0
         self.inserted = len(scene.positions)

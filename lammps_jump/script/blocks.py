@@ -46,9 +46,12 @@ def box_and_discs(scene: Scene) -> list[str]:
             f"region          domain block {number(xlo)} {number(xhi)} {number(ylo)} {number(yhi)} -{half} {half}",
             "create_box      1 domain",
         ]
-    if scene.inlets or scene.pours:
-        lines.append(f"molecule        disk {MOLECULE_FILE}")
-    return lines
+    return lines + molecule(scene)
+
+
+def molecule(scene: Scene) -> list[str]:
+    """The disc that inlets and pours insert, where there are some."""
+    return [f"molecule        disk {MOLECULE_FILE}"] if scene.inlets or scene.pours else []
 
 
 def _gamma(value: float) -> str:
@@ -243,20 +246,26 @@ def probes(scene: Scene) -> list[str]:
     return lines
 
 
-def thermo(scene: Scene) -> list[str]:
+def thermo(scene: Scene, removed: tuple[int, ...] = ()) -> list[str]:
     """Log lines with the disc balance; the style first, because it resets what thermo_modify says.
 
-    The highest id counts the discs that ever were (ids are given in turn, ``id max``).
+    The highest id counts the discs that ever were (ids are given in turn, ``id max``). `removed` is what each outlet
+    took in earlier parts of an interrupted run; the columns are called as without it.
     """
-    removed = "".join(f" f_outlet_{index}" for index, _ in enumerate(scene.outlets, 1))
-    lines, top = [], ""
+    names = [f"f_outlet_{index}" for index, _ in enumerate(scene.outlets, 1)]
+    lines, top, called = [], "", ""
+    if any(removed):
+        before = enumerate(zip(names, removed, strict=True), 1)
+        lines = [f"variable        gone_{index} equal {name}+{count}" for index, (name, count) in before]
+        called = "".join(f" colname v_gone_{index} {name}" for index, name in enumerate(names, 1))
+        names = [f"v_gone_{index}" for index, _ in enumerate(names, 1)]
     if scene.inlets or scene.pours:
-        lines = ["variable        id atom id", "compute         top all reduce max v_id"]
+        lines += ["variable        id atom id", "compute         top all reduce max v_id"]
         top = " c_top"
     return [
         *lines,
-        f"thermo_style    custom step time atoms{removed}{top}",
-        "thermo_modify   lost error flush yes",
+        f"thermo_style    custom step time atoms{''.join(f' {name}' for name in names)}{top}",
+        f"thermo_modify   lost error flush yes{called}",
         f"thermo          {max(1, scene.output_steps // LOG_LINES_PER_FRAME)}",
     ]
 
@@ -286,3 +295,32 @@ def schedule(scene: Scene) -> list[str]:
     lines.append(f"run             {scene.settle_steps}")
     lines += [f"unfix           wall_{item.wall.name}" for item in scene.gates]
     return [*lines, *inlets(scene), f"run             {scene.steps - scene.settle_steps}"]
+
+
+def half_step(scene: Scene, kernel: str, sign: str = "+") -> list[str]:
+    """From the velocities of the half step to those of the step with the forces that are there; "-" for the way back.
+
+    v_n = v_(n-1/2) + dt F_n / (2 m), and the same for spin with its torque. The compiled kernel keeps gravity out of
+    the forces, unless a pour needs LAMMPS' own.
+    """
+    half = number(0.5 * scene.time_step)
+    gx, gy = scene.gravity if kernel == "compiled" and not scene.pours else (0.0, 0.0)
+    lines = [
+        f"variable        half_x atom vx{sign}{half}*(fx/mass+({number(gx)}))",
+        f"variable        half_y atom vy{sign}{half}*(fy/mass+({number(gy)}))",
+        "set             group all vx v_half_x vy v_half_y",
+    ]
+    if scene.rotation:
+        turn = number(0.5 * scene.time_step / (scene.coefficients.inertia * scene.radius**2))
+        lines += [
+            "fix             turning all store/state 0 omegaz tqz",
+            f"variable        half_w atom f_turning[1]{sign}{turn}*f_turning[2]",
+            "set             group all omega 0 0 v_half_w",
+            "unfix           turning",
+        ]
+    return lines
+
+
+def half_step_back(scene: Scene, kernel: str) -> list[str]:
+    """What a restart file of this project is written after; see `lammps_jump.script.continuation`."""
+    return half_step(scene, kernel, "-")

@@ -8,6 +8,11 @@ from ..scene import Scene
 from . import blocks, compiled
 from .blocks import number
 
+STOP_FILE = "stop.request"
+"""A file of this name in the run folder ends a run of more ranks in order."""
+STOP_STEPS = 100
+STATE = "checkpoint-{step}.restart"
+
 
 def script_text(
     scene: Scene,
@@ -62,9 +67,11 @@ def script_text(
         ("balance of the ranks", balance(scene, ranks)),
         ("force on structures", probes),
         ("guards", compiled.guards(scene) if kernel == "compiled" else blocks.guards(scene)),
+        ("end on request", polite_end(scene, ranks)),
         ("output", blocks.output(scene, dump_format)),
         ("log", blocks.thermo(scene)),
         ("run", schedule),
+        ("state, where the end was asked for", save_at_end(scene, kernel, ranks, first_step(scene))),
     ]
     lines = [f"# {line}" for line in (f"{scene.name}: {scene.description}".rstrip(": "), *header)]
     for title, commands in sections:
@@ -78,6 +85,35 @@ def balance(scene: Scene, ranks: int) -> list[str]:
     if ranks == 1:
         return []
     return [f"fix             balance all balance {max(1, scene.output_steps)} 1.05 shift x 10 1.02"]
+
+
+def first_step(scene: Scene) -> int:
+    """Checkpoints are of later steps only: up to here a script with a second ``run`` command is in its first."""
+    return scene.settle_steps if scene.inlets else 0
+
+
+def polite_end(scene: Scene, ranks: int) -> list[str]:
+    """Ranks of their own have no caller who could end them in order: they end where there is a file that asks for it.
+
+    At the end of a window of the probes, whose sums no restart file keeps. The first rank's answer counts for all.
+    """
+    if ranks == 1:
+        return []
+    every = scene.probe_steps if scene.probes else min(scene.output_steps, STOP_STEPS)
+    return [
+        f"variable        asked equal is_file({STOP_FILE})",
+        f"fix             stop all halt {every} v_asked != 0 error soft",
+    ]
+
+
+def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
+    """The restart file of ranks that ended on request behind step `first`, and a last line of the log."""
+    if ranks == 1:
+        return []
+    commands = ["timer timeout off", "run 0 pre no post no", *blocks.half_step_back(scene, kernel)]
+    commands.append(f"write_restart {STATE.format(step='$(step)')}")
+    words = " &\n                ".join(f'"{" ".join(command.split())}"' for command in commands)
+    return [f'if "$(step) > {first} && $(step) < {scene.steps}" then &\n                {words}']
 
 
 def data_text(scene: Scene) -> str:

@@ -1,0 +1,288 @@
+"""Interrupted LAMMPS runs go on: every frame once, sums of all parts, and the motion of an uninterrupted run."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.dump import open_dump
+from lammps_jump.analysis.run_folder import read_forces
+
+from lammps_jump import pipeline
+from lammps_jump.case import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.checkpoint import read_checkpoint
+from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
+from lammps_jump.kernels import plugin_path
+from lammps_jump.lammps_engine import run as engine_run
+from lammps_jump.lammps_engine import run_lammps
+from lammps_jump.lammps_engine.loader import program
+from lammps_jump.lammps_engine.log import read_log
+from lammps_jump.resume import resume_case
+from lammps_jump.scene import Gate, Pour
+from lammps_jump.script import write_script
+from lammps_jump.script.continuation import write_continuation
+from lammps_jump.walls import Plane
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+pytestmark = pytest.mark.lammps
+
+GATE = ("run.duration=0.25", "initial.0.settle=0.2", "run.output_interval=0.01", "contact.rotation=true")
+FRICTION = (*GATE, "contact.friction=0.1")
+COLLAPSE = ("run.duration=0.4", "run.output_interval=0.01")
+JUMP = ("run.duration=2", 'outflow=[{"x_beyond": 7}]', "walls.sill.x=[6.5, 6.9]", "run.output_interval=0.05")
+
+
+@pytest.fixture(autouse=True)
+def _look_often(monkeypatch):
+    """Runs of tenths of a second must be caught in their midst."""
+    monkeypatch.setattr(engine_run, "POLL_SECONDS", 0.002)
+
+
+def scene_of(name: str, *changes: str):
+    return build_scene(load_case(INPUTS / f"{name}.yaml", list(changes)))
+
+
+def plugin_of(kernel: str) -> Path | None:
+    if kernel == "stock":
+        return None
+    try:
+        return plugin_path()
+    except SetupError as error:
+        pytest.skip(f"no compiled kernel here: {error}")
+
+
+def stop_behind(step: float) -> dict:
+    seen = []
+    return {"progress": seen.append, "should_stop": lambda: bool(seen) and seen[-1].step > step}
+
+
+def go_on(scene, folder: Path, dump_format: str, stop=float("inf"), **engine):
+    checkpoint = read_checkpoint(folder)
+    options = {"state": checkpoint.state, "step": checkpoint.step, "removed": checkpoint.removed}
+    write_continuation(scene, folder, dump_format=dump_format, **options, **engine)
+    return run_lammps(scene, folder, resume=checkpoint, **stop_behind(stop), **engine)
+
+
+def frames(folder: Path):
+    return [frame.sorted() for frame in open_dump(next(folder.glob("dump.lammps*")))]
+
+
+def apart(one, two) -> float:
+    """Largest difference of a coordinate, m."""
+    assert np.array_equal(one.ids, two.ids)
+    return max(np.abs(one.x - two.x).max(initial=0), np.abs(one.y - two.y).max(initial=0))
+
+
+@pytest.mark.parametrize(
+    ("kernel", "dump_format", "name", "changes"),
+    [
+        ("stock", "text", "wave_structure", FRICTION),
+        ("compiled", "gz", "wave_structure", FRICTION),
+        ("compiled", "text", "dam_break", (*COLLAPSE, "contact.friction=0.1", "contact.friction_law=sign")),
+        ("stock", "binary", "quick_jump", JUMP),
+        ("compiled", "binary", "quick_jump", JUMP),
+    ],
+)
+def test_continued_run_is_the_uninterrupted_one(kernel, dump_format, name, changes, tmp_path):
+    scene = scene_of(name, *changes)
+    engine = {"kernel": kernel, "plugin": plugin_of(kernel)}
+    for place in ("whole", "parts"):
+        write_script(scene, tmp_path / place, dump_format=dump_format, **engine)
+    whole = run_lammps(scene, tmp_path / "whole", **engine)
+    parts = tmp_path / "parts"
+    first = run_lammps(scene, parts, **stop_behind(0.25 * scene.steps), **engine)
+    second = go_on(scene, parts, dump_format, 0.6 * scene.steps, **engine)
+    third = go_on(scene, parts, dump_format, **engine)
+    assert [result.status for result in (first, second, third)] == ["interrupted", "interrupted", "complete"]
+    assert "--resume" in first.message and 0 < first.steps < second.steps < third.steps == whole.steps == scene.steps
+    assert first.steps % scene.probe_steps == 0
+    assert third.resumed == (scene.time(first.steps), scene.time(second.steps))
+    assert third.seconds > second.seconds > first.seconds
+    for result in (first, second, third):
+        assert result.lost == 0 and result.inserted == result.present + result.removed
+
+    one, two = frames(tmp_path / "whole"), frames(parts)
+    assert [frame.step for frame in two] == [frame.step for frame in one]
+    joined = next(i for i, frame in enumerate(one) if frame.step > first.steps)
+    # the same forces up to the order of sums: the tenth digit, or ten times the 1e-12 m that a hundred steps of
+    # collisions make of the last bit; a restart from full-step velocities is off by 1e-7 d here
+    digit = 1e-11 if dump_format == "binary" else 1e-8
+    assert max(apart(a, b) for a, b in zip(one[: joined + 1], two[: joined + 1], strict=True)) < digit
+    if name == "wave_structure":  # at rest first, no chaos to the end of so short a run
+        assert apart(one[-1], two[-1]) < 1e-7
+        assert third.disc_steps == whole.disc_steps
+
+    forces = [read_forces(place / "forces.csv") for place in (tmp_path / "whole", parts)]
+    assert forces[0].keys() == forces[1].keys()
+    for wall, history in forces[0].items():  # the clock starts from another sum: fifteen digits of it are printed
+        assert forces[1][wall].time == pytest.approx(history.time, rel=1e-13, abs=1e-13)
+    lines = [{int(row.split()[0]) for row in log_rows(place / "log.lammps")} for place in (tmp_path / "whole", parts)]
+    assert lines[0] <= lines[1]  # all rows, and those of the joins
+    log = read_log(parts / "log.lammps")
+    assert (log.step, log.removed, log.discs) == (scene.steps, third.removed, third.present)
+    if name == "quick_jump":  # counted on over the joins
+        removed = [int(row.split()[3]) for row in log_rows(parts / "log.lammps")]
+        assert removed == sorted(removed) and 0 < second.removed < third.removed
+
+
+def log_rows(path: Path) -> list[str]:
+    """Rows of step, time, discs and counts."""
+    return [row for row in path.read_text().splitlines() if re.fullmatch(r"( +[\d.e+-]+){4,}\s*", row)]
+
+
+def test_full_step_velocities_would_not_do(tmp_path):
+    """The half step is no ornament: without it the first frames differ by more than the digits of the dump."""
+    scene = scene_of("dam_break", *COLLAPSE)
+    engine = {"kernel": "stock"}
+    write_script(scene, tmp_path / "whole", **engine)
+    run_lammps(scene, tmp_path / "whole", **engine)
+    place = tmp_path / "parts"
+    write_script(scene, place, **engine)
+    run_lammps(scene, place, **stop_behind(0.2 * scene.steps), **engine)
+    checkpoint = read_checkpoint(place)
+    options = {"state": checkpoint.state, "step": checkpoint.step, "removed": checkpoint.removed}
+    script = write_continuation(scene, place, **options, **engine)
+    lines = script.read_text().splitlines()
+    # set the velocities of the step first, and let the run compute its forces with them
+    start = lines.index("run             0 post no")
+    run = next(i for i, line in enumerate(lines) if line.endswith("upto pre no"))
+    lines = [*lines[:run], lines[run].replace(" pre no", ""), *lines[run + 1 :]]
+    assert start < run
+    script.write_text("\n".join(lines) + "\n")
+    run_lammps(scene, place, resume=checkpoint, **engine)
+    one, two = frames(tmp_path / "whole"), frames(place)
+    later = next(i for i, frame in enumerate(one) if frame.step > checkpoint.step + 50)
+    assert 1e-8 * scene.diameter < apart(one[later], two[later]) < 1e-3 * scene.diameter
+
+
+# --- what cannot go on ---------------------------------------------------------------------------------------------
+
+
+def test_a_pour_that_goes_on_is_refused(tmp_path):
+    pour = Pour(x=(12.0, 20.0), y=(6.0, 8.0), count=2000, volume_fraction=0.2, speed_down=1.0)
+    scene = scene_of("dam_break", *COLLAPSE)
+    scene = replace(scene, pours=(pour,), probes=())
+    write_script(scene, tmp_path)
+    result = run_lammps(scene, tmp_path, **stop_behind(0.2 * scene.steps))
+    assert result.status == "interrupted" and "still pouring" in result.message
+    assert read_checkpoint(tmp_path) is None and not list(tmp_path.glob("checkpoint*"))
+
+
+def test_a_gate_before_inlets_is_refused_until_it_is_open(tmp_path):
+    gate = Gate(Plane("gate", "x", 3.0, "below"), 3000)
+    scene = scene_of("quick_jump", "run.duration=2")
+    rows = tuple(replace(row, first_step=row.first_step + 3000) for row in scene.inlets)
+    scene = replace(scene, gates=(gate,), settle_steps=3000, inlets=rows, positions=np.array([[1.0, 0.1]]))
+    scene = replace(scene, velocities=np.zeros((1, 2)))
+    write_script(scene, tmp_path)
+    result = run_lammps(scene, tmp_path, **stop_behind(0))
+    if result.steps > 3000:
+        pytest.skip("this machine was too quick to be caught")
+    assert result.status == "interrupted" and "gates open and inlets begin" in result.message
+    assert read_checkpoint(tmp_path) is None
+    write_script(scene, tmp_path)
+    assert run_lammps(scene, tmp_path, **stop_behind(3500)).status == "interrupted"
+    assert read_checkpoint(tmp_path).step > 3500
+    assert "wall_gate" not in write_continuation(scene, tmp_path, state="x", step=1, removed=()).read_text()
+    result = go_on(scene, tmp_path, "text")
+    assert result.status == "complete" and result.lost == 0
+
+
+def test_an_end_asked_for_too_late_is_no_interruption(tmp_path):
+    scene = scene_of("energy_box_16", "run.duration=0.2")
+    write_script(scene, tmp_path)
+    result = run_lammps(scene, tmp_path, should_stop=lambda: (tmp_path / "log.lammps").read_text().count("Loop") > 0)
+    assert result.status == "complete" and result.message == ""
+
+
+# --- ranks, and the whole job --------------------------------------------------------------------------------------
+
+
+def test_two_ranks_end_in_order_and_go_on(tmp_path):
+    """Ended again soon: ranks that share a core wait for each other for milliseconds a step."""
+    engine = {"kernel": "compiled", "plugin": plugin_of("compiled"), "ranks": 2}
+    if program("mpiexec") is None:
+        pytest.skip("the mpich wheel brings no mpiexec")
+    scene = scene_of("quick_jump", "run.duration=40", "run.output_interval=0.01")
+    place = tmp_path / "parts"
+    write_script(scene, place, **engine)
+    first = run_lammps(scene, place, should_stop=lambda: read_log(place / "log.lammps").step > 0, **engine)
+    assert first.status == "interrupted" and "--resume" in first.message
+    second = go_on(scene, place, "text", first.steps, **engine)
+    assert second.status == "interrupted" and second.resumed == (scene.time(first.steps),)
+    assert 0 < first.steps < second.steps < scene.steps and not (place / "stop.request").exists()
+    assert first.steps % scene.probe_steps == second.steps % scene.probe_steps == 0
+    assert second.lost == 0 and second.inserted == second.present > 0
+
+    alone = {"kernel": "compiled", "plugin": engine["plugin"]}  # engine.ranks: auto may choose another number
+    third = go_on(scene, place, "text", second.steps, **alone)
+    assert third.status == "interrupted" and second.steps < third.steps < scene.steps
+
+    short = replace(scene, steps=third.steps)
+    write_script(short, tmp_path / "whole", **alone)
+    run_lammps(short, tmp_path / "whole", **alone)
+    one, two = frames(tmp_path / "whole"), frames(place)
+    assert [frame.step for frame in two] == [frame.step for frame in one]
+    ranked = [pair for pair in zip(one, two, strict=True) if pair[0].step <= second.steps]
+    digit = 1e-8  # the tenth of the dump, at x up to 10 m
+    assert max(apart(a, b) for a, b in ranked) < digit
+    forces = [len((folder / "forces.csv").read_text().splitlines()) for folder in (tmp_path / "whole", place)]
+    assert forces[0] == forces[1] == 1 + third.steps // scene.probe_steps
+
+
+class StopAt:
+    """In place of the steady watch: ends the run when it is asked the n-th time."""
+
+    reason = ""
+
+    def __init__(self, calls: int):
+        self.left = calls
+
+    def __call__(self) -> bool:
+        self.left -= 1
+        return self.left <= 0
+
+
+def test_whole_job(tmp_path, monkeypatch):
+    """Interrupted, refused for another case, gone on with, and then a folder like any other."""
+    case, changes = INPUTS / "dam_break.yaml", ["engine.kernel=stock", *COLLAPSE]
+    options = {"out": tmp_path / "run", "quiet": True, "say": lambda text: None}
+    monkeypatch.setattr(pipeline, "analyse", lambda prepared, result, quiet: {})  # seconds, and the same as ever
+    monkeypatch.setattr(pipeline, "report", lambda prepared, summary: (prepared.folder / "report.html").write_text(""))
+    with monkeypatch.context() as patch:
+        patch.setattr(pipeline, "_steady_watch", lambda prepared: StopAt(20))
+        with pytest.raises(RunInterrupted, match="--resume"):
+            pipeline.build_and_run(case, assignments=changes, **options)
+    first = json.loads((tmp_path / "run/summary.json").read_text())
+    assert first["status"] == "interrupted"
+    with pytest.raises(ResumeError, match="differs"):
+        resume_case(case, assignments=[*changes, "run.seed=5"], **options)
+    shutil.copytree(tmp_path / "run", tmp_path / "copy")
+    with monkeypatch.context() as patch:  # a part that cannot begin, for want of a library say, spoils nothing
+        patch.setattr(pipeline, "_write_continuation", lambda prepared, checkpoint: None)
+        with pytest.raises(RunError, match="checkpoint is kept"):
+            resume_case(case, assignments=changes, **options)
+    summary = resume_case(case, assignments=changes, **options)
+    whole = pipeline.build_and_run(case, assignments=changes, **{**options, "out": tmp_path / "whole"})
+    for key in ("status", "steps", "simulated_time", "disc_steps", "discs", "case_hash", "message"):
+        assert summary[key] == whole[key]
+    assert summary["resumed_at"] == [first["simulated_time"]]
+    assert summary["wall_seconds"]["run"] > first["wall_seconds"]["run"]
+    names = [
+        {str(path.relative_to(place)) for path in place.rglob("*")} for place in (tmp_path / "run", tmp_path / "whole")
+    ]
+    assert names[0] == names[1]
+    assert (tmp_path / "run/in.lammps").read_bytes() == (tmp_path / "whole/in.lammps").read_bytes()
+    # a part that is killed leaves more than the checkpoint knows of: the next try cuts it off
+    again = tmp_path / "copy"
+    for name in ("dump.lammpstrj", "log.lammps"):
+        with (again / name).open("ab") as file:
+            file.write(b"torn")
+    resume_case(case, assignments=changes, **{**options, "out": again})
+    assert (again / "dump.lammpstrj").read_bytes() == (tmp_path / "run/dump.lammpstrj").read_bytes()

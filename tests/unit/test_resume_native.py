@@ -1,0 +1,363 @@
+"""Interrupted runs of the native engine go on bit for bit, and what cannot go on is refused untouched."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lammps_jump.analysis.dump import open_dump
+
+from lammps_jump import cli, pipeline
+from lammps_jump.case import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.checkpoint import CHECKPOINT_FILE, fingerprint, read_checkpoint
+from lammps_jump.errors import CaseError, ResumeError, RunInterrupted
+from lammps_jump.interrupts import deferred_interrupt, terminate_as_interrupt
+from lammps_jump.native import run_native
+from lammps_jump.native.handmade import handmade_scene
+from lammps_jump.native.simulation import NativeSimulation
+from lammps_jump.native.state import load_state, save_state
+from lammps_jump.progress import ProgressLine
+from lammps_jump.reopen import reopen
+from lammps_jump.resume import resume_case, resume_prepared
+from lammps_jump.run_result import Progress, interruption
+from lammps_jump.scene import Pour
+from lammps_jump.walls import Box
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+JUMP = ("run.duration=1.2", "run.output_interval=0.05", 'outflow=[{"x_beyond": 7}]', "walls.sill.x=[6.5, 6.9]")
+
+
+def case_scene(name: str, *changes: str):
+    return build_scene(load_case(INPUTS / f"{name}.yaml", ["engine.name=native", *changes]))
+
+
+def pouring():
+    """Places of a pour are drawn at random: the generator's state must go on too."""
+    pour = Pour(x=(0.3, 1.7), y=(1.0, 1.3), count=20, volume_fraction=0.3, speed_down=5.0)
+    box = Box("box", (0.0, 2.0), (0.0, 3.0))
+    return handmade_scene(
+        [], [], walls=[box], pours=(pour,), domain=((-1, 3), (-1, 4)), steps=9000, output_steps=500, probes=("box",),
+        probe_steps=70,
+    )  # fmt: skip
+
+
+SCENES = {
+    "inlets and outlets": lambda: case_scene("quick_jump", *JUMP),
+    "gate, friction, spin": lambda: case_scene(
+        "wave_structure", "run.duration=0.1", "initial.0.settle=0.1", "run.output_interval=0.01",
+        "contact.rotation=true", "contact.friction=0.1",
+    ),
+    "thesis friction": lambda: case_scene(
+        "dam_break", "run.duration=0.1", "run.output_interval=0.01", "contact.friction=0.2", "contact.friction_law=sign"
+    ),
+    "pour": pouring,
+}  # fmt: skip
+
+
+def run_in_parts(scene, folder: Path, fractions=(0.3, 0.7), **options):
+    """Run a scene, interrupted at the given fractions of its steps and continued."""
+    seen: list[Progress] = []
+    checkpoint = None
+    for fraction in (*fractions, 2.0):
+        seen.clear()
+        result = run_native(
+            scene, folder, progress=seen.append, report_every=0.0, resume=checkpoint, **options,
+            should_stop=lambda limit=fraction * scene.steps: seen[-1].step > limit,
+        )  # fmt: skip
+        checkpoint = read_checkpoint(folder)
+        if fraction < 1:
+            assert result.status == "interrupted" and "--resume" in result.message
+            assert checkpoint.step == result.steps > fraction * scene.steps
+    return result
+
+
+@pytest.mark.parametrize(
+    ("name", "dump_format"),
+    [*((name, "binary") for name in SCENES), ("inlets and outlets", "text"), ("inlets and outlets", "gz")],
+)
+def test_continued_is_the_same_bit_for_bit(name, dump_format, tmp_path):
+    scene = SCENES[name]()
+    whole = run_native(scene, tmp_path / "whole", dump_format=dump_format)
+    parts = run_in_parts(scene, tmp_path / "parts", dump_format=dump_format)
+    assert parts.status == whole.status == "complete" and len(parts.resumed) == 2
+    for field in ("steps", "disc_steps", "inserted", "present", "removed", "lost", "ledger"):
+        assert getattr(parts, field) == getattr(whole, field)
+    if name == "inlets and outlets":
+        assert whole.removed > 0
+    if name == "pour":
+        assert whole.inserted == 20
+    one, two = (list(open_dump(next((tmp_path / k).glob("dump.lammps*")))) for k in ("whole", "parts"))
+    assert [frame.step for frame in two] == [frame.step for frame in one]
+    for a, b in zip(one, two, strict=True):
+        assert all(np.array_equal(getattr(a, c), getattr(b, c)) for c in ("ids", "x", "y", "vx", "vy"))
+    if scene.probes:
+        assert (tmp_path / "parts/forces.csv").read_bytes() == (tmp_path / "whole/forces.csv").read_bytes()
+
+
+def test_state_holds_every_bit(tmp_path):
+    """Text has ten digits: compare the arrays themselves, with new lists to be made in between."""
+    scene = SCENES["inlets and outlets"]()
+    whole = NativeSimulation(scene)
+    whole.run(4321)
+    save_state(whole, tmp_path / "state.npz")
+    other = load_state(scene, tmp_path / "state.npz")
+    assert other.rebuilds == whole.rebuilds
+    for simulation in (whole, other):
+        simulation.run(1500)
+    assert other.rebuilds == whole.rebuilds
+    assert np.array_equal(other.positions, whole.positions)
+    assert np.array_equal(other.velocities, whole.velocities)
+    assert other.forces == whole.forces and other.ledger == whole.ledger
+
+
+def test_what_a_killed_part_wrote_is_cut_off(tmp_path):
+    scene = SCENES["inlets and outlets"]()
+    run_native(scene, tmp_path / "whole")
+    folder, seen = tmp_path / "parts", []
+    stop = {"progress": seen.append, "should_stop": lambda: seen[-1].step > 2000, "report_every": 0.0}
+    run_native(scene, folder, **stop)
+    dump = folder / "dump.lammpstrj"
+    with dump.open("ab") as file:  # a frame, and half of one more
+        file.write(dump.read_bytes()[:1500])
+    run_native(scene, folder, resume=read_checkpoint(folder))
+    assert dump.read_bytes() == (tmp_path / "whole/dump.lammpstrj").read_bytes()
+
+
+def test_a_new_run_forgets_the_checkpoint_of_another(tmp_path):
+    scene = SCENES["inlets and outlets"]()
+    seen = []
+    run_native(scene, tmp_path, progress=seen.append, should_stop=lambda: bool(seen), report_every=0.0)
+    assert read_checkpoint(tmp_path) is not None
+    run_native(replace(scene, steps=10), tmp_path)
+    assert read_checkpoint(tmp_path) is None and not list(tmp_path.glob("checkpoint*"))
+
+
+def test_an_interruption_in_the_midst_of_a_step_saves_nothing(tmp_path, monkeypatch):
+    """The second Ctrl-C does not wait: arrays may be half sorted."""
+    scene = SCENES["inlets and outlets"]()
+
+    def pressed_twice(self, target):
+        self.step += 1
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(NativeSimulation, "run_some", pressed_twice)
+    result = run_native(scene, tmp_path)
+    assert result.status == "interrupted" and "cannot go on: a second interruption" in result.message
+    assert read_checkpoint(tmp_path) is None
+
+
+def test_a_full_disk_is_told(tmp_path, monkeypatch):
+    def full(*arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("lammps_jump.native.engine.save_state", full)
+    scene = SCENES["inlets and outlets"]()
+    result = run_native(scene, tmp_path, should_stop=lambda: True, report_every=0.0)
+    assert result.status == "interrupted" and "cannot go on: its state could not be saved" in result.message
+    assert "No space left" in result.message and read_checkpoint(tmp_path) is None
+
+
+# --- the whole job -----------------------------------------------------------------------------------------------
+
+
+class StopAt:
+    """In place of the steady watch: ends the run when it is asked the n-th time."""
+
+    reason = ""
+
+    def __init__(self, calls: int):
+        self.left = calls
+
+    def __call__(self) -> bool:
+        self.left -= 1
+        return self.left <= 0
+
+
+CHANGES = ["engine.name=native", "run.duration=1.2", "run.output_interval=0.05"]
+
+
+def job(folder: Path, changes=CHANGES, **options):
+    return pipeline.build_and_run(
+        INPUTS / "quick_jump.yaml", out=folder, assignments=changes, quiet=True, say=lambda text: None, **options
+    )
+
+
+@pytest.fixture
+def light(monkeypatch):
+    """No figures: seconds for each folder, and other tests look at them."""
+
+    def analyse(prepared, result, quiet):
+        (prepared.folder / "profiles.nc").write_text(f"of {result.steps} steps")
+        return {}
+
+    monkeypatch.setattr(pipeline, "analyse", analyse)
+    monkeypatch.setattr(pipeline, "report", lambda prepared, summary: (prepared.folder / "report.html").write_text(""))
+
+
+@pytest.fixture
+def interrupted(tmp_path, monkeypatch, light):
+    """A run folder of a run that was interrupted half way."""
+    with monkeypatch.context() as patch:
+        patch.setattr("lammps_jump.native.simulation.WORK_PER_CALL", 100_000)
+        patch.setattr(run_native, "__kwdefaults__", dict(run_native.__kwdefaults__, report_every=0.0))
+        patch.setattr(pipeline, "_steady_watch", lambda prepared: StopAt(9))
+        with pytest.raises(RunInterrupted, match=r"lammps-jump run .* --resume"):
+            job(tmp_path / "run")
+    return tmp_path / "run"
+
+
+def snapshot(folder: Path) -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def resume(folder: Path, changes=CHANGES):
+    return resume_case(
+        INPUTS / "quick_jump.yaml", out=folder, assignments=changes, quiet=True, say=lambda text: None
+    )  # fmt: skip
+
+
+def test_folder_afterwards_is_that_of_an_uninterrupted_run(tmp_path, interrupted):
+    first = json.loads((interrupted / "summary.json").read_text())
+    assert first["status"] == "interrupted" and first["steps"] < 5640
+    (interrupted / "jump_stale.csv").write_bytes(b"")  # of the analysis of the part
+    summary = resume(interrupted)
+    whole = job(tmp_path / "whole")
+    for key in ("status", "steps", "simulated_time", "disc_steps", "discs", "ledger", "message", "case_hash"):
+        assert summary[key] == whole[key]
+    assert summary["resumed_at"] == [first["simulated_time"]] and "resumed_at" not in whole
+    for name, seconds in first["wall_seconds"].items():
+        assert summary["wall_seconds"][name] >= seconds
+    names = [{str(path.relative_to(place)) for path in place.rglob("*")} for place in (interrupted, tmp_path / "whole")]
+    assert names[0] == names[1]
+    for name in ("dump.lammpstrj", "forces.csv", "case.yaml"):
+        assert (interrupted / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    with pytest.raises(ResumeError, match="finished"):
+        resume(interrupted)
+
+
+def test_the_folder_alone_is_enough(interrupted):
+    summary = resume_prepared(reopen(interrupted), quiet=True, say=lambda text: None)
+    assert summary["status"] == "complete" and summary["steps"] == 5640
+
+
+def test_a_run_that_was_killed_in_its_analysis_can_go_on(interrupted):
+    (interrupted / "summary.json").unlink()
+    assert resume(interrupted)["status"] == "complete"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda folder: None, "differs from the case"),
+        (lambda folder: (folder / CHECKPOINT_FILE).unlink(), "left no checkpoint"),
+        (lambda folder: (folder / CHECKPOINT_FILE).write_text("{"), "cannot be read"),
+        (lambda folder: next(folder.glob("checkpoint-*.npz")).unlink(), "0 bytes, 1 or more"),
+        (lambda folder: os.truncate(folder / "dump.lammpstrj", 100), "100 bytes"),
+        (lambda folder: (folder / "case.yaml").unlink(), "holds no run"),
+        (lambda folder: set_in(folder / "summary.json", status="failed"), "has failed"),
+        (lambda folder: set_in(folder / CHECKPOINT_FILE, scene="another"), "this version of lammps-jump"),
+    ],
+)
+def test_what_cannot_go_on_is_refused_untouched(interrupted, spoil, message):
+    spoil(interrupted)
+    before = snapshot(interrupted)
+    changes = [*CHANGES, "contact.restitution=0.5"] if message.startswith("differs") else CHANGES
+    with pytest.raises(ResumeError, match=message) as caught:
+        resume(interrupted, changes)
+    assert caught.value.exit_status == 2
+    assert snapshot(interrupted) == before
+
+
+def set_in(path: Path, **values) -> None:
+    path.write_text(json.dumps({**json.loads(path.read_text()), **values}))
+
+
+def test_resume_and_force_exclude_each_other(tmp_path):
+    with pytest.raises(CaseError, match="use one of the two"):
+        cli.build_and_run(INPUTS / "quick_jump.yaml", out=tmp_path, force=True, resume=True)
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_resume_an_interrupted_run_starts_anew(interrupted):
+    summary = job(interrupted)
+    assert summary["status"] == "complete" and "resumed_at" not in summary
+    assert not list(interrupted.glob("checkpoint*"))
+
+
+def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypatch, light, capsys):
+    """The signal of a batch system; then `lammps-jump run FOLDER --resume`, and the frames to the last digit."""
+    changes = ["run.duration=40", "run.output_interval=0.5"]
+    command = [sys.executable, "-m", "lammps_jump", "build-and-run", str(INPUTS / "energy_box_16.yaml"), "--quiet"]
+    command += ["--out", str(tmp_path), "--engine", "native", *(word for text in changes for word in ("--set", text))]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    dump = tmp_path / "dump.lammpstrj"
+    deadline = time.monotonic() + 60
+    while not (dump.exists() and dump.read_text().count("TIMESTEP") > 2):
+        assert process.poll() is None and time.monotonic() < deadline
+        time.sleep(0.01)
+    process.send_signal(signal.SIGTERM)
+    output, _ = process.communicate(timeout=60)
+    assert process.returncode == 1 and "--resume" in output
+    scene = case_scene("energy_box_16", *changes)
+    assert 0 < read_checkpoint(tmp_path).step < scene.steps
+    cli.run(tmp_path, resume=True, quiet=True)
+    run_native(scene, tmp_path / "whole")
+    assert dump.read_bytes() == (tmp_path / "whole/dump.lammpstrj").read_bytes()
+    monkeypatch.setattr(sys, "argv", ["lammps-jump", "run", str(tmp_path), "--resume"])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 2 and "the run is finished" in capsys.readouterr().err
+
+
+# --- small parts -------------------------------------------------------------------------------------------------
+
+
+def test_sigterm_does_what_ctrl_c_does_at_the_time():
+    if threading.current_thread() is not threading.main_thread():
+        pytest.skip("signals come to the main thread only")
+    before = signal.getsignal(signal.SIGTERM)
+    with terminate_as_interrupt():
+        with deferred_interrupt() as pressed:
+            assert not pressed()
+            os.kill(os.getpid(), signal.SIGTERM)
+            assert pressed()
+            with pytest.raises(KeyboardInterrupt):  # the second one does not wait
+                os.kill(os.getpid(), signal.SIGTERM)
+                time.sleep(1)
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(1)
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_fingerprint_is_of_the_numbers():
+    scene = SCENES["inlets and outlets"]()
+    assert fingerprint(scene) == fingerprint(replace(scene, description="other words", warnings=("x",)))
+    assert fingerprint(scene) != fingerprint(replace(scene, skin=1.0000001 * scene.skin))
+    discs = case_scene("dam_break")
+    assert fingerprint(discs) != fingerprint(replace(discs, positions=discs.positions + 1e-15))
+
+
+def test_message_says_how_to_go_on():
+    text = interruption(1.25, 5.0, "runs/x", again=1.2)
+    assert "ended at t = 1.25 s of 5 s" in text and "`lammps-jump run runs/x --resume`" in text and "t = 1.2 s" in text
+    assert "cannot go on: why" in interruption(1.25, 5.0, "runs/x", reason="why")
+
+
+def test_progress_of_a_part_tells_its_own_speed(capsys):
+    line = ProgressLine(10.0, stream=sys.stdout, first_step=900)
+    line.begin -= 20
+    line.shown -= 20
+    line.previous = (line.begin, 900)
+    line(Progress(step=950, steps=1000, time=9.5, discs=10**6))
+    assert "95 %" in (text := capsys.readouterr().out) and "2.5 M disc-steps/s" in text and "20 s left" in text
