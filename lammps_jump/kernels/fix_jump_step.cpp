@@ -155,6 +155,7 @@ void FixJumpStep::init()
   law.reach = 0.5 * pair->diameter;
   law.width = pair->width;
   law.inverse_width = law.width > 0.0 ? 1.0 / law.width : 0.0;
+  pair->stepped = modify->n_post_integrate == 0;
   reset_dt();
 }
 

@@ -22,10 +22,11 @@ using jump::Touch;
 namespace {
 typedef double Vec4 __attribute__((vector_size(32), may_alias));
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
+constexpr int RESTART_FORM = 0x6a640002;    // changes with what the restart file holds
 constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
 }    // namespace
 
-PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp)
+PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
 {
   single_enable = 1;
   restartinfo = 1;
@@ -112,6 +113,8 @@ void PairJumpDisc::settings(int narg, char **arg)
       if (!(skin > 0.0)) error->all(FLERR, "pair_style jump/disc: skin must be above 0");
     } else if (key == "ledger") {
       ledger = yes(a + 1);
+    } else if (key == "halo") {
+      halo = yes(a + 1);
     } else {
       error->all(FLERR, "pair_style jump/disc: unknown keyword '{}'", key);
     }
@@ -158,7 +161,13 @@ void PairJumpDisc::coeff(int narg, char **arg)
 
 void PairJumpDisc::init_style()
 {
-  if (comm->ghost_velocity == 0 && comm->nprocs > 1)
+  if (uses_halo()) {
+    if (comm->layout == Comm::LAYOUT_TILED || comm->procgrid[0] != comm->nprocs || domain->xperiodic ||
+        domain->yperiodic || force->newton_pair)
+      error->all(FLERR, "pair_style jump/disc halo yes needs processors * 1 1, newton off and no periodic x or y");
+    // no ghosts of LAMMPS' own: their cutoff must not be 0 (a warning), and init_one asks for none
+    if (comm->cutghostuser == 0.0) comm->cutghostuser = 1e-6 * diameter;
+  } else if (comm->ghost_velocity == 0 && comm->nprocs > 1)
     error->all(FLERR, "pair_style jump/disc needs comm_modify vel yes on more than one rank");
   if (spin && !atom->omega_flag) error->all(FLERR, "pair_style jump/disc spin yes needs atom_style sphere");
   if (spin && !atom->torque_flag) error->all(FLERR, "pair_style jump/disc spin yes needs an atom style with torque");
@@ -167,14 +176,40 @@ void PairJumpDisc::init_style()
   if (ledger && force->newton_pair && (comm->nprocs > 1 || domain->xperiodic || domain->yperiodic))
     error->all(FLERR, "pair_style jump/disc ledger yes needs newton off where discs have images on other ranks");
   packed_step = -1;
+  stepped = false;
   listed.clear();
-  candidates = 0;
+  candidates = interior = 0;
+}
+
+/** Whether the style itself brings the discs of other ranks. */
+bool PairJumpDisc::uses_halo() const
+{
+  return halo && comm->nprocs > 1;
+}
+
+/** Discs of other ranks (or images) behind the local ones. */
+int PairJumpDisc::others() const
+{
+  return uses_halo() ? ring.count() : atom->nghost;
+}
+
+/** How far from the cuts a disc of another rank can come into touch before LAMMPS reneighbours, m.
+
+    Until LAMMPS looks, a disc moves by half its skin; and on, at most, for the steps between two looks. Its speed then may be
+    larger than any now: twice that, and what an overlap of 5 % gives to a disc at rest. */
+double PairJumpDisc::halo_cut() const
+{
+  double most = largest_squared_speed();
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  const double speed = 2.0 * std::sqrt(most) + 0.05 * diameter * std::sqrt(2.0 * k / mass);
+  const int steps = std::max(neighbor->every, neighbor->delay);
+  return law.reach + neighbor->skin + 2.0 * steps * update->dt * speed;
 }
 
 double PairJumpDisc::init_one(int i, int j)
 {
   if (setflag[i][j] == 0) error->all(FLERR, "pair_coeff of jump/disc is not set for types {} {}", i, j);
-  return diameter;
+  return uses_halo() ? 0.0 : diameter;
 }
 
 void PairJumpDisc::reserve(int n)
@@ -222,7 +257,7 @@ void PairJumpDisc::check_equal_discs(int from, int to)
   }
 }
 
-void PairJumpDisc::find_largest_speed()
+double PairJumpDisc::largest_squared_speed() const
 {
   const int nlocal = atom->nlocal;
   double most = 0.0;
@@ -230,12 +265,19 @@ void PairJumpDisc::find_largest_speed()
     const double vsq = disc[i].vx * disc[i].vx + disc[i].vy * disc[i].vy;
     most = vsq > most ? vsq : most;
   }
+  return most;
+}
+
+void PairJumpDisc::find_largest_speed()
+{
+  double most = largest_squared_speed();
   if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   largest_speed = std::sqrt(most);
   law.eps = jump::SIGN_RAMP * largest_speed;
 }
 
-template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evaluate()
+/** Forces of the pairs from one place in the list to another. */
+template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evaluate(size_t from, size_t to)
 {
   const Disc *const __restrict at = disc.data();
   const int *const __restrict one = first.data();
@@ -245,9 +287,7 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
   const int nlocal = atom->nlocal;
   const bool newton = force->newton_pair;
   const double radius = 0.5 * diameter;
-  // the global virial comes from forces and positions at the end; a contact of its own counts for others only
-  const bool tally = vflag_global || vflag_atom || num_tally_compute > 0;
-  if (LEDGER) std::fill(loss.begin(), loss.begin() + nlocal, Loss{0.0, 0.0, 0.0, 0.0});
+  const bool tally = vflag_atom || num_tally_compute > 0;
   double *const __restrict f = atom->f ? atom->f[0] : nullptr;
   double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
 
@@ -256,8 +296,8 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
   alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
   alignas(64) double dashed[LEDGER ? BATCH : 1][2], rubbed[LEDGER ? BATCH : 1][2];
   int touching[BATCH + 1];
-  for (size_t begin = 0; begin < candidates; begin += BATCH) {
-    const size_t end = begin + BATCH < candidates ? begin + BATCH : candidates;
+  for (size_t begin = from; begin < to; begin += BATCH) {
+    const size_t end = begin + BATCH < to ? begin + BATCH : to;
     int n = 0;
     for (size_t p = begin; p < end; p++) {
       // written whether it touches or not, and counted only if it does: a branch here would be guessed wrong often
@@ -290,6 +330,14 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
         jump::rows_of_two(out.rub_x, out.rub_y, rubbed + c);
       }
     }
+    if (vflag_global && !tally) {    // with newton on it comes from forces and positions at the end
+      for (int c = 0; c < n; c++) {
+        const double share = newton || two[touching[c]] < nlocal ? 1.0 : 0.5;
+        virial[0] += share * between[c][0] * force_on[c][0];
+        virial[1] += share * between[c][1] * force_on[c][1];
+        virial[3] += share * between[c][0] * force_on[c][1];
+      }
+    }
     for (int c = 0; c < n; c++) {
       const int i = one[touching[c]], j = two[touching[c]];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
@@ -314,32 +362,73 @@ void PairJumpDisc::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   const int nlocal = atom->nlocal;
-  const int nall = nlocal + atom->nghost;
-  reserve(nall);
+  const bool reneighboured = neighbor->ago == 0;
+  reserve(nlocal + others());
   // fix jump/step has packed the local discs; a reneighbouring may have moved them to other indices since
-  if (neighbor->ago == 0 || packed_step != update->ntimestep) pack(0, nlocal);
-  if (nall > nlocal) {
-    pack(nlocal, nall);
-    for (int i = nlocal; i < nall; i++) {
-      range_lo[0] = std::min(range_lo[0], disc[i].vx);
-      range_hi[0] = std::max(range_hi[0], disc[i].vx);
-      range_lo[1] = std::min(range_lo[1], disc[i].vy);
-      range_hi[1] = std::max(range_hi[1], disc[i].vy);
+  if (reneighboured || packed_step != update->ntimestep) pack(0, nlocal);
+  bool travelling = false;    // the discs of other ranks
+  if (!uses_halo()) {
+    pack(nlocal, nlocal + others());
+  } else {
+    if (num_tally_compute > 0) error->all(FLERR, "pair_style jump/disc: a tally compute needs halo no");
+    if (reneighboured) {
+      ring.rebuild(*this, halo_cut());
+    } else {
+      ring.start(*this);
+      travelling = true;
     }
   }
-  update_list();
-  packed_step = update->ntimestep;
+  if (driven()) travel(moved_here);
+  if (travelling && (!driven() || worn(moved_here))) {
+    ring.finish(*this);
+    travelling = false;
+  }
+  if (!travelling) {
+    widen_range(nlocal, nlocal + others());
+    if (driven()) travel(moved);
+    update_list();
+  }
   if (sign) find_largest_speed();
+  if (ledger) std::fill(loss.begin(), loss.begin() + nlocal, Loss{0.0, 0.0, 0.0, 0.0});
 
+  if (travelling) {
+    evaluate(0, interior);
+    ring.finish(*this);
+    widen_range(nlocal, nlocal + others());
+    travel(moved);
+    if (worn(moved)) build_list(skin);
+    evaluate(interior, candidates);
+  } else {
+    evaluate(0, candidates);
+  }
+  packed_step = update->ntimestep;
+
+  if (eflag_global) eng_vdwl += elastic_energy();
+  if (vflag_fdotr) virial_fdotr_compute();
+}
+
+/** Take the others' velocities into the range of this step. */
+void PairJumpDisc::widen_range(int from, int to)
+{
+  for (int i = from; i < to; i++) {
+    range_lo[0] = std::min(range_lo[0], disc[i].vx);
+    range_hi[0] = std::max(range_hi[0], disc[i].vx);
+    range_lo[1] = std::min(range_lo[1], disc[i].vy);
+    range_hi[1] = std::max(range_hi[1], disc[i].vy);
+  }
+}
+
+void PairJumpDisc::evaluate(size_t from, size_t to)
+{
   auto run = [&](auto touch_tag, auto ledger_tag) {
     constexpr Touch T = decltype(touch_tag)::value;
     constexpr bool L = decltype(ledger_tag)::value;
     switch (friction) {
-      case Friction::NONE: evaluate<Friction::NONE, T, L>(); break;
-      case Friction::HOOKE: evaluate<Friction::HOOKE, T, L>(); break;
-      case Friction::HOOKE_SPIN: evaluate<Friction::HOOKE_SPIN, T, L>(); break;
-      case Friction::SIGN: evaluate<Friction::SIGN, T, L>(); break;
-      case Friction::SIGN_SPIN: evaluate<Friction::SIGN_SPIN, T, L>(); break;
+      case Friction::NONE: evaluate<Friction::NONE, T, L>(from, to); break;
+      case Friction::HOOKE: evaluate<Friction::HOOKE, T, L>(from, to); break;
+      case Friction::HOOKE_SPIN: evaluate<Friction::HOOKE_SPIN, T, L>(from, to); break;
+      case Friction::SIGN: evaluate<Friction::SIGN, T, L>(from, to); break;
+      case Friction::SIGN_SPIN: evaluate<Friction::SIGN_SPIN, T, L>(from, to); break;
     }
   };
   auto run_touch = [&](auto touch_tag) {
@@ -350,9 +439,6 @@ void PairJumpDisc::compute(int eflag, int vflag)
     case Touch::RAMP: run_touch(std::integral_constant<Touch, Touch::RAMP>{}); break;
     case Touch::EVEN: run_touch(std::integral_constant<Touch, Touch::EVEN>{}); break;
   }
-
-  if (eflag_global) eng_vdwl += elastic_energy();
-  if (vflag_fdotr) virial_fdotr_compute();
 }
 
 /** Elastic energy of one overlap under the touch in use, J/m. */
@@ -433,21 +519,26 @@ void PairJumpDisc::read_restart(FILE *fp)
 void PairJumpDisc::write_restart_settings(FILE *fp)
 {
   const double numbers[8] = {k, gamma, gamma_t, mu, mass, diameter, width, skin};
-  const int flags[5] = {sign, smooth, even, spin, ledger};
+  const int flags[6] = {sign, smooth, even, spin, ledger, halo};
+  fwrite(&RESTART_FORM, sizeof(int), 1, fp);
   fwrite(numbers, sizeof(double), 8, fp);
-  fwrite(flags, sizeof(int), 5, fp);
+  fwrite(flags, sizeof(int), 6, fp);
 }
 
 void PairJumpDisc::read_restart_settings(FILE *fp)
 {
   double numbers[8];
-  int flags[5];
+  int flags[6];
   if (comm->me == 0) {
+    int form;
+    utils::sfread(FLERR, &form, sizeof(int), 1, fp, nullptr, error);
+    if (form != RESTART_FORM)
+      error->one(FLERR, "pair_style jump/disc: the restart file is of another version of the plugin: it cannot go on");
     utils::sfread(FLERR, numbers, sizeof(double), 8, fp, nullptr, error);
-    utils::sfread(FLERR, flags, sizeof(int), 5, fp, nullptr, error);
+    utils::sfread(FLERR, flags, sizeof(int), 6, fp, nullptr, error);
   }
   MPI_Bcast(numbers, 8, MPI_DOUBLE, 0, world);
-  MPI_Bcast(flags, 5, MPI_INT, 0, world);
+  MPI_Bcast(flags, 6, MPI_INT, 0, world);
   k = numbers[0];
   gamma = numbers[1];
   gamma_t = numbers[2];
@@ -461,14 +552,15 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
   even = flags[2];
   spin = flags[3];
   ledger = flags[4];
+  halo = flags[5];
   choose();
 }
 
 double PairJumpDisc::memory_usage()
 {
-  return disc.capacity() * sizeof(Disc) +
+  return ring.memory_usage() + disc.capacity() * sizeof(Disc) +
       (rim.capacity() + 4 * loss.capacity() + sorted_x.capacity() + sorted_y.capacity()) * sizeof(double) +
-      (first.capacity() + second.capacity() + cell_of.capacity() + cell_start.capacity() +
+      (first.capacity() + second.capacity() + first_across.capacity() + second_across.capacity() + cell_of.capacity() + cell_start.capacity() +
        sorted.capacity() + listed.capacity()) *
       sizeof(int);
 }

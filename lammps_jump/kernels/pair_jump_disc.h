@@ -1,5 +1,6 @@
 /* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D
                         [touch sharp | touch smooth S] [dashpot even|ramp] [spin yes|no] [ledger yes|no] [skin L]
+                        [halo yes|no]
    pair_coeff * *
 
    Contact forces between equal discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Equal discs
@@ -9,12 +10,17 @@
    unless given) and asks LAMMPS for none. The list holds until the discs can have moved L against one another. Where
    fix jump/step moves the discs, that is bounded by the sum over the steps of dt times the range of the velocities
    (all the discs of a jet move together: only the range counts); under other integrators the list is built when LAMMPS
-   reneighbours, with LAMMPS' skin. Without ghosts it also outlives a reneighbouring that only brought new discs. */
+   reneighbours, with LAMMPS' skin. Without ghosts it also outlives a reneighbouring that only brought new discs.
+
+   halo yes (no): on several ranks the style exchanges the discs near the cuts itself (halo.h) and asks LAMMPS for no
+   ghosts. For `processors * 1 1`, newton off and no periodic x or y; it sees to `comm_modify cutoff`. The list is then in
+   two parts: contacts of local discs, which are computed while the messages travel, and contacts across the cuts. */
 
 #ifndef LMP_PAIR_JUMP_DISC_H
 #define LMP_PAIR_JUMP_DISC_H
 
 #include "contact_law.h"
+#include "halo.h"
 #include "pair.h"
 
 namespace LAMMPS_NS {
@@ -49,13 +55,14 @@ class PairJumpDisc : public Pair {
   // shared with fix jump/step
 
   jump::Friction friction = jump::Friction::NONE;
-  bool sign = false, smooth = false, even = true, spin = false, ledger = false;
+  bool sign = false, smooth = false, even = true, spin = false, ledger = false, halo = false;
   double mass = 0.0, diameter = 0.0, width = 0.0;
   std::vector<Loss> loss;                            // what takes energy from the local discs, with the ledger
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc> disc;                            // local discs, then ghosts
   std::vector<double> rim;                           // R omega, with spin
   bigint packed_step = -1;                           // step for which the local discs are packed
+  bool stepped = false;                              // fix jump/step moves the discs, and nobody else
 
   jump::Touch touch = jump::Touch::SHARP;
   bigint order = 0;                                  // counts the changes of what the indices of discs mean
@@ -73,11 +80,14 @@ class PairJumpDisc : public Pair {
   jump::Law law;
   double skin = 0.0, margin = 0.0;   // asked for, and of the list as it stands
   std::vector<int> first, second;    // candidate pairs, flat, cell by cell
-  size_t candidates = 0;
-  double moved[2] = {0.0, 0.0};      // bound of the relative displacement since the list was built
+  size_t interior = 0, candidates = 0;    // pairs of local discs, which come first where there are others; and all
+  double moved[2] = {0.0, 0.0};      // bound of the relative displacement of all discs since the list was built
+  double moved_here[2] = {0.0, 0.0};    // … and of the local ones
+  JumpHalo ring;
   std::vector<tagint> listed;        // ids of the local discs in the list, by index
   std::vector<int> cell_of, cell_start, sorted;
   std::vector<double> sorted_x, sorted_y;
+  std::vector<int> first_across, second_across;    // pairs across a cut, while the list is built
 
   void allocate();
   void choose();
@@ -85,10 +95,19 @@ class PairJumpDisc : public Pair {
   bool is_mine(int, int) const;
   void build_list(double);
   void append_to_list(int);
+  bool uses_halo() const;
+  int others() const;
+  void widen_range(int, int);
+  bool driven() const;
+  bool worn(const double *) const;
   void update_list();
+  void travel(double *) const;
+  double halo_cut() const;
   void remember_order();
+  double largest_squared_speed() const;
   void find_largest_speed();
-  template <jump::Friction, jump::Touch TOUCH, bool LEDGER> void evaluate();
+  void evaluate(size_t, size_t);
+  template <jump::Friction, jump::Touch TOUCH, bool LEDGER> void evaluate(size_t, size_t);
 };
 
 }    // namespace LAMMPS_NS

@@ -49,10 +49,12 @@ void PairJumpDisc::remember_order()
 void PairJumpDisc::build_list(double room_to_move)
 {
   const int nlocal = atom->nlocal;
-  const int n = nlocal + atom->nghost;
-  candidates = 0;
+  const int n = nlocal + others();
+  candidates = interior = 0;
   margin = room_to_move;
-  moved[0] = moved[1] = 0.0;
+  for (int c = 0; c < 2; c++) moved[c] = moved_here[c] = 0.0;
+  first_across.clear();
+  second_across.clear();
   check_equal_discs(0, nlocal);
   remember_order();
   if (n == 0) return;
@@ -61,7 +63,8 @@ void PairJumpDisc::build_list(double room_to_move)
   double xlo = disc[0].x, xhi = xlo, ylo = disc[0].y, yhi = ylo;
   for (int i = 0; i < n; i++) {
     if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
-      error->one(FLERR, "jump/disc: the position of disc {} is not a number: the run has blown up", atom->tag[i]);
+      error->one(FLERR, "jump/disc: the position of {} {} is not a number: the run has blown up",
+                 i < nlocal ? "disc" : "a disc of another rank beside disc", i < nlocal ? atom->tag[i] : nlocal > 0 ? atom->tag[0] : 0);
     xlo = std::min(xlo, disc[i].x);
     xhi = std::max(xhi, disc[i].x);
     ylo = std::min(ylo, disc[i].y);
@@ -117,9 +120,14 @@ void PairJumpDisc::build_list(double room_to_move)
           const double dx = x - sorted_x[t], dy = y - sorted_y[t];
           const int j = sorted[t];
           if (dx * dx + dy * dy >= cut_sq || (i >= nlocal && j >= nlocal) || !is_mine(i, j)) continue;
-          first[found] = i < j ? i : j;    // a local disc comes first
-          second[found] = i < j ? j : i;
-          found++;
+          if (i < nlocal && j < nlocal) {
+            first[found] = i;
+            second[found] = j;
+            found++;
+          } else {
+            first_across.push_back(i < j ? i : j);    // a local disc comes first
+            second_across.push_back(i < j ? j : i);
+          }
         }
       } else {
         for (int t = run[0]; t < run[1]; t++) {
@@ -131,7 +139,14 @@ void PairJumpDisc::build_list(double room_to_move)
       }
     }
   }
-  candidates = found;
+  interior = found;
+  candidates = found + first_across.size();
+  if (first.size() < candidates) {
+    first.resize(candidates + candidates / 2);
+    second.resize(first.size());
+  }
+  std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
+  std::copy(second_across.begin(), second_across.end(), second.begin() + interior);
 }
 
 /** New discs at the end, the others as they were: add the pairs of the new ones. */
@@ -157,21 +172,37 @@ void PairJumpDisc::append_to_list(int from)
   remember_order();
 }
 
+/** Whether fix jump/step moved the discs to where they are packed: then their way is known. */
+bool PairJumpDisc::driven() const
+{
+  return packed_step == update->ntimestep && !update->setupflag;
+}
+
+/** Add this step to a bound of the way of the discs against one another. */
+void PairJumpDisc::travel(double *way) const
+{
+  for (int c = 0; c < 2; c++) way[c] += update->dt * std::max(range_hi[c] - range_lo[c], 0.0);
+}
+
+/** Whether pairs may have come into reach that the list does not hold. */
+bool PairJumpDisc::worn(const double *way) const
+{
+  return !(way[0] * way[0] + way[1] * way[1] < margin * margin);
+}
+
 /** Keep the list usable for the positions that are packed now. */
 void PairJumpDisc::update_list()
 {
   const int nlocal = atom->nlocal;
   const bool reneighboured = neighbor->ago == 0;
-  const bool driven = packed_step == update->ntimestep && !update->setupflag;    // by fix jump/step
-  if (!driven) {
-    if (reneighboured || listed.empty()) build_list(neighbor->skin);
+  if (!driven()) {
+    // the start of a run that fix jump/step will go on with needs no more than the style's own skin
+    if (reneighboured || listed.empty()) build_list(stepped && update->setupflag ? skin : neighbor->skin);
     return;
   }
-  for (int c = 0; c < 2; c++) moved[c] += update->dt * std::max(range_hi[c] - range_lo[c], 0.0);
-  const bool stale = !(moved[0] * moved[0] + moved[1] * moved[1] < margin * margin);
   const bool fixed_indices =
       comm->nprocs == 1 && atom->nghost == 0 && !domain->xperiodic && !domain->yperiodic;
-  if (stale || (reneighboured && !(fixed_indices && keeps_order())))
+  if (worn(moved) || (reneighboured && !(fixed_indices && keeps_order())))
     build_list(skin);
   else if (reneighboured && nlocal > (int) listed.size())
     append_to_list((int) listed.size());

@@ -6,8 +6,8 @@ import os
 
 from ..scene import Scene
 
-DISCS_PER_RANK = 10_000
-"""Below this a second rank waits more than it works (ranks spin while they wait)."""
+DISCS_PER_RANK = 2_500
+"""Below this another rank waits for a good part of its time, spinning (docs/scaling.md)."""
 
 
 def free_cores() -> int:

@@ -8,7 +8,7 @@ from ..scene import Scene
 from .ranks import expected_discs
 
 BYTES_PER_DISC = 3_000
-"""Peak of the stock styles 2.2 kB, of the compiled ones 1.3 kB (docs/scaling.md); plus `BASE_BYTES` a rank."""
+"""Peak of the stock styles 2.2 kB, of the compiled ones 1.4 kB (docs/scaling.md); plus `BASE_BYTES` a rank."""
 BASE_BYTES = 200_000_000
 DISC_STEPS_PER_SECOND = 10e6
 """Stock script on one core, deliberately low: a job that is killed by its limit costs more than one that ends early."""

@@ -12,6 +12,9 @@ from .blocks import GUARDS_PER_FRAME, gravity, inlets, number, raw_forces
 GLOBAL_VALUES = 9
 """Length of the fix' vector before the probes' values."""
 OVERLAP = 7
+ONE_RANK_LOOKS = 10
+SORT_CELL = 0.65
+"""LAMMPS sorts discs into cells of this many diameters, for the cache's sake: half of d and a skin of 0.3 d."""
 
 
 def load(plugin: Path | None) -> list[str]:
@@ -25,7 +28,7 @@ def contact_law(scene: Scene) -> list[str]:
     words = [
         f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
         f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter "
-        f"{number(scene.diameter)} skin {number(scene.skin)}",
+        f"{number(scene.diameter)} skin {number(scene.skin)} halo yes",
     ]
     if scene.touch == "smooth":
         words.append(f"touch smooth {number(scene.touch_width)} dashpot even")
@@ -35,17 +38,20 @@ def contact_law(scene: Scene) -> list[str]:
 
 
 def neighbours(scene: Scene) -> list[str]:
-    """Skin, and how often LAMMPS looks whether discs must change ranks.
+    """How far discs may move before LAMMPS looks where they belong, and how often it asks.
 
-    The plugin keeps a list of its own, with a skin of its own (`contact_law`). On one rank LAMMPS' check serves
-    nothing but lost discs: every tenth step is enough and saves 10 % of a run. Ghosts of other ranks must be fresh:
-    every step there, however it is started.
+    The plugin keeps a list of its own, with a skin of its own, and brings the discs of other ranks itself
+    (`contact_law`). LAMMPS' check serves to find lost discs and discs that must change ranks. A part of the channel is
+    never thinner than LAMMPS' skin (fix balance); between two checks no disc may cross one, so that ranks look more
+    often the larger the step.
     """
-    every = "$(1+9*(extract_setting(world_size)==1))"
+    often = max(1, min(ONE_RANK_LOOKS, int(0.5 / scene.coefficients.time_step_fraction)))
+    every = f"$({often}+{ONE_RANK_LOOKS - often}*(extract_setting(world_size)==1))"
     return [
-        f"neighbor        {number(scene.skin)} bin",
-        "# ranks look every step whether discs have moved on; one rank alone needs it for lost discs only",
-        f"neigh_modify    delay 0 every {every} check yes",
+        f"neighbor        {number(scene.diameter)} bin",
+        f"atom_modify     sort 1000 {number(SORT_CELL * scene.diameter)}",
+        "# ranks look whether discs have moved on; one rank alone needs it for lost discs only",
+        f"neigh_modify    delay 0 every {every if often < ONE_RANK_LOOKS else ONE_RANK_LOOKS} check yes",
     ]
 
 

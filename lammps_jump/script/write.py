@@ -84,7 +84,7 @@ def balance(scene: Scene, ranks: int) -> list[str]:
     """Even shares of discs along x, moved as the flow fills the channel."""
     if ranks == 1:
         return []
-    return [f"fix             balance all balance {max(1, scene.output_steps)} 1.05 shift x 10 1.02"]
+    return [f"fix             balance all balance {max(1, scene.output_steps)} 1.01 shift x 10 1.005"]
 
 
 def first_step(scene: Scene) -> int:

@@ -1,0 +1,112 @@
+#include "halo.h"
+
+#include "pair_jump_disc.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+namespace {
+constexpr int LOOKS = 1000;    // before waiting in earnest, which lets others have the core and is slower to answer
+constexpr int COUNTS = 7401, DISCS = 7402;    // tags that LAMMPS does not use
+}
+
+/** Where the cut with this number lies; what is beyond the ends belongs to the ranks at the ends. */
+double JumpHalo::cut_at(int index) const
+{
+  if (index <= 0) return -1e300;
+  if (index >= comm->procgrid[0]) return 1e300;
+  return domain->boxlo[0] + comm->xsplit[index] * domain->prd[0];
+}
+
+/** Choose whom to send what, and exchange it: discs closer than cut to the part of another rank. */
+void JumpHalo::rebuild(PairJumpDisc &pair, double cut)
+{
+  const int here = comm->myloc[0];
+  const int nlocal = atom->nlocal;
+  partners.clear();
+  for (int there = 0; there < comm->procgrid[0]; there++) {
+    if (there == here) continue;
+    // both ranks reckon the gap from the same two numbers, so that both or neither wait for the other
+    const double gap = cut_at(std::max(here, there)) - cut_at(std::min(here, there) + 1);
+    if (gap >= cut) continue;
+    Partner partner;
+    partner.rank = comm->grid2proc[there][0][0];
+    const double lo = cut_at(there) - cut, hi = cut_at(there + 1) + cut;
+    for (int i = 0; i < nlocal; i++)
+      if (pair.disc[i].x > lo && pair.disc[i].x < hi) partner.mine.push_back(i);
+    partners.push_back(std::move(partner));
+  }
+  requests.resize(2 * partners.size());
+  std::vector<int> sizes(partners.size());
+  for (size_t p = 0; p < partners.size(); p++) {
+    sizes[p] = (int) partners[p].mine.size();
+    MPI_Irecv(&partners[p].incoming, 1, MPI_INT, partners[p].rank, COUNTS, world, &requests[2 * p]);
+    MPI_Isend(&sizes[p], 1, MPI_INT, partners[p].rank, COUNTS, world, &requests[2 * p + 1]);
+  }
+  MPI_Waitall((int) requests.size(), requests.data(), MPI_STATUSES_IGNORE);
+  number = 0;
+  for (auto &partner : partners) number += partner.incoming;
+  pair.reserve(nlocal + number);
+  start(pair);
+  finish(pair);
+}
+
+/** Send what the others need of this step's positions and velocities, and ask for theirs. */
+void JumpHalo::start(const PairJumpDisc &pair)
+{
+  const int words = pair.spin ? 5 : 4;
+  requests.clear();
+  for (auto &partner : partners) {
+    if (partner.incoming > 0) {
+      partner.in.resize((size_t) words * partner.incoming);
+      requests.emplace_back();
+      MPI_Irecv(partner.in.data(), (int) partner.in.size(), MPI_DOUBLE, partner.rank, DISCS, world, &requests.back());
+    }
+    if (partner.mine.empty()) continue;
+    partner.out.resize((size_t) words * partner.mine.size());
+    double *to = partner.out.data();
+    for (const int i : partner.mine) {
+      const auto &disc = pair.disc[i];
+      to[0] = disc.x;
+      to[1] = disc.y;
+      to[2] = disc.vx;
+      to[3] = disc.vy;
+      if (pair.spin) to[4] = pair.rim[i];
+      to += words;
+    }
+    requests.emplace_back();
+    MPI_Isend(partner.out.data(), (int) partner.out.size(), MPI_DOUBLE, partner.rank, DISCS, world, &requests.back());
+  }
+}
+
+/** Wait for the others' discs; they stand behind the local ones. */
+void JumpHalo::finish(PairJumpDisc &pair)
+{
+  int all = 0;
+  for (int look = 0; look < LOOKS && !all; look++)
+    MPI_Testall((int) requests.size(), requests.data(), &all, MPI_STATUSES_IGNORE);
+  if (!all) MPI_Waitall((int) requests.size(), requests.data(), MPI_STATUSES_IGNORE);
+  const int words = pair.spin ? 5 : 4;
+  int i = atom->nlocal;
+  for (const auto &partner : partners) {
+    const double *from = partner.in.data();
+    for (int n = 0; n < partner.incoming; n++, i++, from += words) {
+      pair.disc[i] = {from[0], from[1], from[2], from[3]};
+      if (pair.spin) pair.rim[i] = from[4];
+    }
+  }
+}
+
+double JumpHalo::memory_usage() const
+{
+  double bytes = 0.0;
+  for (const auto &partner : partners)
+    bytes += (double) (partner.mine.capacity() * sizeof(int)) +
+        (double) ((partner.in.capacity() + partner.out.capacity()) * sizeof(double));
+  return bytes;
+}

@@ -1,0 +1,49 @@
+/* The discs of other ranks near this one's part of the channel, for pair_style jump/disc on several ranks.
+
+   Takes the place of LAMMPS' ghosts where space is cut along x alone. A disc is four numbers (five with spin) instead
+   of nine, all messages of a step leave together, and they travel while the contacts among the rank's own discs are
+   computed. Who is sent is chosen anew when LAMMPS reneighbours; discs further away than the cut cannot come into
+   touch before. */
+
+#ifndef JUMP_HALO_H
+#define JUMP_HALO_H
+
+#include "pointers.h"
+
+#include <mpi.h>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class PairJumpDisc;
+
+class JumpHalo : protected Pointers {
+ public:
+  JumpHalo(LAMMPS *lmp) : Pointers(lmp) {}
+
+  void rebuild(PairJumpDisc &pair, double cut);
+  void start(const PairJumpDisc &pair);
+  void finish(PairJumpDisc &pair);
+
+  int count() const { return number; }
+  double memory_usage() const;
+
+ private:
+  /** A rank with discs in reach. */
+  struct Partner {
+    int rank;
+    int incoming = 0;             // discs it sends
+    std::vector<int> mine;        // local discs that it gets
+    std::vector<double> out, in;
+  };
+
+  std::vector<Partner> partners;
+  std::vector<MPI_Request> requests;
+  int number = 0;
+
+  double cut_at(int index) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif
