@@ -68,7 +68,7 @@ def blank(view: View) -> np.ndarray:
 
 
 def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates: tuple[Wall, ...] = ()) -> None:
-    """Walls as grey solids: blocks filled, the far side of planes and boxes filled; gates that are planes as bars."""
+    """Walls as grey solids: blocks filled, the far side of planes and boxes filled; gates without thickness as bars."""
     height, width = picture.shape[:2]
     x = view.x[0] + (np.arange(width) + 0.5) / view.scale
     y = view.y[1] - (np.arange(height) + 0.5) / view.scale
@@ -83,7 +83,9 @@ def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates:
             solid |= ~(((y >= wall.y[0]) & (y <= wall.y[1]))[:, None] & ((x >= wall.x[0]) & (x <= wall.x[1]))[None, :])
     bar = 5.0 / view.scale
     for gate in gates:
-        if isinstance(gate, Plane):
+        if isinstance(gate, Block) and gate.x[0] == gate.x[1]:  # felt from both sides, without thickness
+            solid |= (np.abs(x - gate.x[0]) < 0.5 * bar)[None, :]
+        elif isinstance(gate, Plane):
             behind = gate.sign * ((x if gate.axis == "x" else y) - gate.at)
             inside = (behind < 0) & (behind > -bar)
             solid |= inside[None, :] if gate.axis == "x" else inside[:, None]

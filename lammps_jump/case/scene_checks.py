@@ -75,6 +75,7 @@ def check_places(
     inlets: tuple[InletRow, ...],
     domain: tuple[Interval, Interval],
     allowed: float,
+    gates: tuple[Wall, ...] = (),
 ) -> None:
     """Refuse discs and inlets outside the domain or in a wall, and discs that overlap too deeply.
 
@@ -82,7 +83,7 @@ def check_places(
     ----------
     positions : ndarray, shape (n, 2), m
     allowed : float
-        Largest overlap at the start, with discs and walls, m.
+        Largest overlap at the start, with discs, walls and gates, m.
     """
     d = loaded.case.discs.diameter
     _check_in_domain(loaded, positions, inlets, domain)
@@ -96,7 +97,9 @@ def check_places(
             f"allowed is d/n = {allowed:.3g} m; move them apart",
         )
     for index, wall in enumerate(walls):
-        _check_free_of(wall, index, loaded, positions, inlets, allowed)
+        _check_free_of(wall, ("walls", index), loaded, positions, inlets, allowed)
+    for gate in gates:
+        _check_free_of(gate, "initial", loaded, positions, (), allowed)
 
 
 def _check_in_domain(loaded: LoadedCase, positions, inlets, domain) -> None:
@@ -118,14 +121,16 @@ def _check_in_domain(loaded: LoadedCase, positions, inlets, domain) -> None:
                 )
 
 
-def _check_free_of(wall: Wall, index: int, loaded: LoadedCase, positions, inlets, allowed: float) -> None:
+def _check_free_of(
+    wall: Wall, field: str | tuple[str, int], loaded: LoadedCase, positions, inlets, allowed: float
+) -> None:
     radius = loaded.case.discs.diameter / 2
     if len(positions):
         distance = wall.signed_distance(positions[:, 0], positions[:, 1])
         worst = int(np.argmin(distance))
         if radius - distance[worst] > allowed * (1 + 1e-9):
             raise loaded.source.error(
-                ("walls", index),
+                field,
                 f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
                 f"{radius - distance[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; "
                 "move the wall or the discs",

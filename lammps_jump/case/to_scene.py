@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import contact, theory
 from ..scene import Gate, InletRow, Outlet, Pour, Scene
-from ..walls import Block, Box, Plane, Wall
+from ..walls import Block, Box, Interval, Plane, Wall
 from .arrange import Packing, arrange
 from .load import LoadedCase
 from .models import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
@@ -71,11 +71,6 @@ def build_scene(loaded: LoadedCase) -> Scene:
     probe_interval = case.probes.interval if case.probes.forces else None
     output_steps, probe_steps, steps = _schedule(case.run.duration, case.run.output_interval, probe_interval, dt)
     settle_steps = math.ceil(settle_steps / output_steps) * output_steps
-    gates = tuple(
-        Gate(Plane(f"gate_{index}" if index else "gate", "x", item.x[1], "below"), settle_steps)
-        for index, item in enumerate(case.initial)
-        if isinstance(item, Column) and item.gate and settle_steps
-    )
     inlets = _inlets(loaded, dt, settle_steps)
     speed = max(
         [row.vx for row in inlets]
@@ -84,7 +79,8 @@ def build_scene(loaded: LoadedCase) -> Scene:
     )
     domain = _domain(case, positions, inlets, speed)
     outlets = _outlets(loaded, domain, speed, dt, output_steps)
-    check_places(loaded, positions, walls, inlets, domain, d / penetration)
+    gates = _gates(case, positions, settle_steps, domain)
+    check_places(loaded, positions, walls, inlets, domain, d / penetration, tuple(gate.wall for gate in gates))
     probes = _probes(loaded, walls)
     kept = tuple(wall for wall in walls if reachable(wall, domain, d) or wall.name in probes)
     touch_width = 0.0
@@ -200,6 +196,20 @@ def _inlet_back(case: Case) -> tuple[Plane, ...]:
     if not isinstance(inflow, RowsInflow) or inflow.back == "open":
         return ()
     return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * case.discs.diameter, "above"),)
+
+
+def _gates(case: Case, positions: np.ndarray, settle_steps: int, domain: tuple[Interval, Interval]) -> tuple[Gate, ...]:
+    """Gates of settling columns; one with discs on its far side too is a sheet that both sides feel."""
+    gates = []
+    for index, item in enumerate(case.initial):
+        if not (isinstance(item, Column) and item.gate and settle_steps):
+            continue
+        name, x = f"gate_{index}" if index else "gate", item.x[1]
+        if len(positions) and positions[:, 0].max() > x:
+            gates.append(Gate(Block(name, (x, x), domain[1]), settle_steps))
+        else:
+            gates.append(Gate(Plane(name, "x", x, "below"), settle_steps))
+    return tuple(gates)
 
 
 def _discs(loaded: LoadedCase, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:

@@ -111,7 +111,9 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
     a += 5;
   } else if (kind == "block" || kind == "box") {
     const double xlo = number(a + 2), xhi = number(a + 3), ylo = number(a + 4), yhi = number(a + 5);
-    if (!(xlo < xhi) || !(ylo < yhi)) error->all(FLERR, "fix jump/step: wall '{}' has no extent", wall.name);
+    // a block may be without thickness: a sheet that discs on both sides feel
+    if (xlo > xhi || ylo > yhi || (kind == "box" && (xlo == xhi || ylo == yhi)))
+      error->all(FLERR, "fix jump/step: wall '{}' has no extent", wall.name);
     wall.x0 = xlo;
     wall.y0 = ylo;
     if (kind == "block") {

@@ -26,6 +26,8 @@ class LogSummary:
         Seconds in Pair, Neigh, Comm, Output, Modify, Other.
     error : str
         Text of the first ERROR line, else empty.
+    rows : int
+        Log lines of the run seen.
     """
 
     step: int = 0
@@ -39,6 +41,7 @@ class LogSummary:
     neighbour_builds: int = 0
     breakdown: dict[str, float] = field(default_factory=dict)
     error: str = ""
+    rows: int = 0
 
 
 def read_log(path: Path) -> LogSummary:
@@ -76,6 +79,7 @@ def read_log(path: Path) -> LogSummary:
 
 
 def _take(summary: LogSummary, row: dict[str, float]) -> None:
+    summary.rows += 1
     summary.step, summary.time, summary.discs = int(row["Step"]), row["Time"], int(row["Atoms"])
     summary.removed_by = tuple(int(value) for name, value in row.items() if name.startswith("f_outlet"))
     summary.removed = sum(summary.removed_by)

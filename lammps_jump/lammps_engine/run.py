@@ -295,8 +295,12 @@ def _force_rows(lines: list[str]) -> list[tuple[float, str]]:
 def _result(
     scene: Scene, folder: Path, kernel: str, outcome: _Outcome, log: LogSummary, seconds: float, resume
 ) -> RunResult:
-    inserted = max(len(scene.positions), log.highest_id)
     removed, present = log.removed, log.discs
+    if not log.rows:  # it ended before the first line
+        present = len(scene.positions)
+    # ids count the discs that ever were, but the highest is given again where its disc has left; LAMMPS itself ends a
+    # run that has lost one
+    inserted = max(len(scene.positions), log.highest_id, present + removed)
     lost = inserted - removed - present
     status, message = "complete", ""
     if outcome.interrupted:

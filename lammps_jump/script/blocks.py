@@ -10,6 +10,8 @@ DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
 FAR = 1e4
 """Metres that an opened gate is out of the way."""
+FAR_SIDE = "_far_side"
+"""What the name of a gate's face on the side away from its column ends with."""
 GUARDS_PER_FRAME = 2
 LOG_LINES_PER_FRAME = 5
 
@@ -276,7 +278,13 @@ def gate(scene: Scene, item: Gate) -> list[str]:
     Taking its fix away between two runs would be the shorter text, but a second run computes its first forces anew
     with full-step velocities, where a run that goes on has half-step ones: the dashpots would jolt (1e-5 d).
     """
-    plane, name = item.wall, item.wall.name
+    name = item.wall.name
+    if isinstance(item.wall, Block):
+        # discs on both sides feel it: the faces of two half-spaces
+        x = item.wall.x[0]
+        sides = (Plane(name, "x", x, "below"), Plane(f"{name}{FAR_SIDE}", "x", x, "above"))
+        return [line for side in sides for line in gate(scene, Gate(side, item.release_step))]
+    plane = item.wall
     inward = f"{number(plane.sign)} 0 0" if plane.axis == "x" else f"0 {number(plane.sign)} 0"
     point = f"{number(plane.at)} 0 0" if plane.axis == "x" else f"0 {number(plane.at)} 0"
     away = f"move v_open_{name} NULL NULL" if plane.axis == "x" else f"move NULL v_open_{name} NULL"
@@ -293,7 +301,8 @@ def schedule(scene: Scene) -> list[str]:
     if not (scene.gates and scene.inlets):
         return [*lines, *inlets(scene), f"run             {scene.steps}"]
     lines.append(f"run             {scene.settle_steps}")
-    lines += [f"unfix           wall_{item.wall.name}" for item in scene.gates]
+    fixes = [line.split()[1] for item in scene.gates for line in gate(scene, item) if line.startswith("fix ")]
+    lines += [f"unfix           {name}" for name in fixes]
     return [*lines, *inlets(scene), f"run             {scene.steps - scene.settle_steps}"]
 
 

@@ -18,8 +18,11 @@ SORT_CELL = 0.65
 
 
 def load(plugin: Path | None) -> list[str]:
-    """Load the plugin; ``-var plugin FILE`` on the command line names another build of it."""
-    return [f"variable        plugin index {plugin or 'jump_plugin.so'}", "plugin          load ${plugin}"]
+    """Load the plugin; ``-var plugin FILE`` names another build of it, but not where its path holds blanks."""
+    path = str(plugin or "jump_plugin.so")
+    if len(path.split()) > 1:  # quoted text stays one word, but a variable in quotes is not replaced
+        return [f'plugin          load "{path}"']
+    return [f"variable        plugin index {path}", "plugin          load ${plugin}"]
 
 
 def contact_law(scene: Scene) -> list[str]:

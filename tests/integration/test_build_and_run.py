@@ -370,3 +370,72 @@ def test_positions_that_are_no_numbers_end_the_run(tmp_path, kernel):
     result = run_lammps(scene, tmp_path, kernel=kernel, plugin=plugin)
     assert result.status == "failed"
     assert "no longer a number" in result.message or "overlap too deeply" in result.message
+
+
+TWO_SIDED = """
+name: wet_bed
+discs: {diameter: 0.1}
+contact: {restitution: 0.5, impact_speed: 5}
+walls:
+  - {name: floor, kind: plane, axis: y, at: 0, side: above}
+  - {name: back, kind: plane, axis: x, at: 0, side: above}
+  - {name: front, kind: plane, axis: x, at: 3, side: below}
+initial:
+  - {kind: column, x: [0, 1], y: [0, 1], settle: 0.05}
+  - {kind: list, positions: [[1.049, 0.05], [2, 0.05]], velocities: [[-1, 0], [0, 0]]}
+run: {duration: 0.05, output_interval: 0.01}
+"""
+
+
+def test_discs_beyond_a_gate_meet_the_same_sheet_on_every_engine(tmp_path):
+    """They were pushed out of the half-space that the gate was: 2 m away by the plugin, not at all by stock LAMMPS."""
+    case = tmp_path / "wet.yaml"
+    case.write_text(TWO_SIDED)
+    plugin_or_skip()
+    ends = {}
+    for engine, kernel in (("lammps", "stock"), ("lammps", "compiled"), ("native", "auto")):
+        out = tmp_path / f"{engine} {kernel}"
+        texts = [f"engine.name={engine}", f"engine.kernel={kernel}", "run.integrator=velocity_verlet"]
+        summary = pipeline.build_and_run(case, out=out, assignments=texts, quiet=True, say=lambda text: None)
+        assert summary["status"] == "complete"
+        frames = [frame.sorted() for frame in open_dump(out / "dump.lammpstrj")]
+        # the first thing that the disc at the gate does is to bounce off it
+        assert 0 < frames[1].vx[-2] < 1 and frames[1].x[-2] > 1.05 and frames[1].x[-1] == 2
+        ends[engine, kernel] = frames[-1]
+    one = ends["lammps", "stock"]
+    for other in ends.values():
+        # ten digits in the dump, and 0.1 s of a column that falls apart
+        assert max(np.abs(one.x - other.x).max(), np.abs(one.y - other.y).max()) < 1e-7
+
+
+def test_the_newest_disc_may_leave_first(tmp_path):
+    """Its id is given again: the count of discs must not fall behind, nor the run be called failed."""
+    case = tmp_path / "short.yaml"
+    case.write_text(
+        """
+name: short
+discs: {diameter: 0.15}
+contact: {restitution: 0.5, impact_speed: 5}
+domain: {x: [-1, 4], y: [-3, 10]}
+walls: [{name: floor, kind: plane, axis: y, at: 0, side: above}]
+inflow: {kind: rows, x: 0, depth: 0.15, mean_speed: 3, spacing: 5, profile: uniform}
+outflow: [{x_beyond: 0.6}]
+run: {duration: 1, time_step_fraction: 0.1}
+"""
+    )
+    summary = pipeline.build_and_run(
+        case, out=tmp_path / "out", assignments=["engine.kernel=stock"], quiet=True, say=lambda text: None
+    )
+    assert summary["status"] == "complete"
+    discs = summary["discs"]
+    assert discs["removed"] >= 3 and discs["lost"] == 0
+    assert discs["inserted"] == discs["present"] + discs["removed"]
+
+
+def test_plugin_in_a_folder_with_a_blank(tmp_path):
+    library = tmp_path / "my cache" / "plugin.so"
+    library.parent.mkdir()
+    shutil.copy(plugin_or_skip(), library)
+    scene = build_scene(load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.1"]))
+    write_script(scene, tmp_path, kernel="compiled", plugin=library)
+    assert run_lammps(scene, tmp_path, kernel="compiled", plugin=library).status == "complete"

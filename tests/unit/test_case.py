@@ -15,7 +15,7 @@ from lammps_jump.case import case_hash, load_case, parse_case, resolved_yaml
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import CaseError
 from lammps_jump.scenes import scene_names, scene_text
-from lammps_jump.walls import Plane
+from lammps_jump.walls import Block, Plane
 
 SMALL = """\
 discs: {{diameter: {diameter}}}
@@ -139,6 +139,31 @@ def test_gate_stands_until_time_zero():
     assert scene.time(gate.release_step) == 0.0
     assert gate.release_step * scene.time_step >= 2.0
     assert scene.settle_steps % scene.output_steps == 0
+
+
+WET_BED = """
+name: wet_bed
+discs: {diameter: 0.1}
+contact: {restitution: 0.5, impact_speed: 5}
+walls:
+  - {name: floor, kind: plane, axis: y, at: 0, side: above}
+  - {name: back, kind: plane, axis: x, at: 0, side: above}
+initial:
+  - {kind: column, x: [0, 1], y: [0, 1], settle: 0.1}
+  - {kind: list, positions: [[FAR, 0.05]]}
+run: {duration: 0.1, output_interval: 0.1}
+"""
+
+
+def test_gate_with_discs_beyond_it_is_felt_from_both_sides():
+    (gate,) = build_scene(parse_case(WET_BED.replace("FAR", "1.05"), "wet.yaml")).gates
+    assert isinstance(gate.wall, Block) and gate.wall.x == (1.0, 1.0)
+    assert gate.wall.signed_distance([0.95, 1.05], [0.5, 0.5]) == pytest.approx([0.05, 0.05])
+
+
+def test_disc_in_a_gate_is_refused():
+    with pytest.raises(CaseError, match="deep in wall 'gate'"):
+        build_scene(parse_case(WET_BED.replace("FAR, 0.05", "1.02, 2"), "wet.yaml"))
 
 
 def test_frames_and_probe_windows_divide_the_run():
