@@ -9,6 +9,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_valida
 from .units import Degree, Density, Metre, MetrePerSecond, MetrePerSecond2, PerSecond, Plain, Second, Stiffness
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
+WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
+"""Part of the names of LAMMPS fixes, regions and variables, which take no other letters."""
 Point = tuple[Metre, Metre]
 Vector = tuple[MetrePerSecond, MetrePerSecond]
 Extent = tuple[Metre, Metre]
@@ -74,7 +76,7 @@ class PlaneWall(Strict):
     """An endless straight wall; discs on one side of it."""
 
     kind: Literal["plane"]
-    name: Name
+    name: WallName
     axis: Literal["x", "y"]
     at: Metre
     side: Literal["above", "below"] = Field(description="where the discs are: at larger or smaller coordinates")
@@ -90,7 +92,7 @@ class BlockWall(Strict):
     """A solid rectangle; discs outside it."""
 
     kind: Literal["block"]
-    name: Name
+    name: WallName
     x: Extent
     y: Extent
     _order = field_validator("x", "y")(_ordered)
@@ -100,7 +102,7 @@ class BoxWall(Strict):
     """A hollow rectangle; discs inside it."""
 
     kind: Literal["box"]
-    name: Name
+    name: WallName
     x: Extent
     y: Extent
     _order = field_validator("x", "y")(_ordered)

@@ -12,7 +12,7 @@ from ..walls import Block, Box, Plane, Wall
 from .arrange import Packing, arrange
 from .load import LoadedCase
 from .models import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
-from .scene_checks import check_places, check_size, check_stability
+from .scene_checks import check_names, check_places, check_pour, check_size, check_stability
 from .skips import reachable, skipped
 from .source import nearest
 
@@ -76,6 +76,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
         for index, item in enumerate(case.initial)
         if isinstance(item, Column) and item.gate and settle_steps
     )
+    check_names(loaded, walls, gates)
     inlets = _inlets(loaded, dt, settle_steps)
     speed = max(
         [row.vx for row in inlets]
@@ -85,6 +86,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
     domain = _domain(case, positions, inlets, speed)
     outlets = _outlets(loaded, domain, speed, dt, output_steps)
     check_places(loaded, positions, walls, inlets, domain, d / penetration)
+    check_pour(loaded, domain)
     probes = _probes(loaded, walls)
     kept = tuple(wall for wall in walls if reachable(wall, domain, d) or wall.name in probes)
     touch_width = 0.0
@@ -95,7 +97,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
             "run.stop_when_steady",
             f"reads text dumps as they grow; run.dump_format is {case.run.dump_format}: use text",
         )
-    check_size(loaded, steps, len(positions), domain)
+    check_size(loaded, settle_steps, steps, len(positions), domain)
     if case.run.stop_when_steady and not inlets:
         warnings.append("stop_when_steady has no effect: without inflow rows a flow does not become steady")
     scene = Scene(

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from lammps_jump.case import parse_case
+from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli import main
 
 GOOD = """\
@@ -62,6 +64,27 @@ WRONG_CASES = [
         ["walls[1].name", "floor"],
     ),
     ("bad name", "name: good", "name: ../evil", ["case.yaml:1", "name", "../evil"]),
+    ("bad name of a wall", "name: floor", "name: a-b.c", ["walls[0].name", "a-b.c", "letters, digits and _ are"]),
+    ("name of the inlet's wall", "name: floor", "name: inlet_back", ["walls[0].name", "behind the inlet"]),
+    (
+        "name of a gate",
+        "walls:\n  - {name: floor",
+        "initial: [{kind: column, x: [5, 6], y: [0, 2], settle: 0.1}]\nwalls:\n  - {name: gate",
+        ["walls[0].name", "gate"],
+    ),
+    (
+        "name of a box's faces",
+        "walls:\n  - {name: floor",
+        "walls:\n  - {name: a, kind: box, x: [-1, 9], y: [-4, 9]}\n  - {name: a_x",
+        ["walls[1].name", "a_x", "box 'a'"],
+    ),
+    (
+        "endless settling",
+        "inflow:",
+        "initial: [{kind: column, x: [5, 6], y: [0, 2], settle: 1e9}]\ninflow:",
+        ["case.yaml:12", "initial[0].settle", "1e+09", "2e+09"],
+    ),
+    ("bins wider than the domain", "run:", "analysis: {bin_width: 22}\nrun:", ["analysis.bin_width", "22", "21 m"]),
     ("zero rows", "depth: 1.0", "depth: 0.1", ["inflow.depth", "0.1", "one diameter"]),
     ("inlet in a wall", "y: [-4, 0]", "y: [-4, 0.5]", ["inflow", "row 1", "floor"]),
     ("inlet outside", "x: 0, depth", "x: 30, depth", ["inflow", "30", "domain.x"]),
@@ -128,6 +151,19 @@ WRONG_CASES = [
 ]
 
 
+POUR = "inflow: {kind: pour, x: [1, 3], y: [5, 7], count: 20}"
+
+WRONG_POURS = [
+    ("no gravity", "gravity: 9.81", "gravity: 0", ["case.yaml:2: gravity", "fall", "> 0"]),
+    ("slope", "gravity: 9.81", "gravity: 9.81\nslope: 5", ["case.yaml:3: slope", "5", "straight down"]),
+    ("thin in x", "x: [1, 3]", "x: [1, 1.1]", ["inflow.x", "0.1 m", "0.2 m", "widen"]),
+    ("thin in y", "y: [5, 7]", "y: [5, 5.1]", ["inflow.y", "0.1 m", "0.2 m", "widen"]),
+    ("outside in x", "x: [1, 3]", "x: [1, 30]", ["inflow.x", "domain", "[-1, 20]"]),
+    ("outside in y", "y: [5, 7]", "y: [-50, 7]", ["inflow.y", "domain", "[-5, 10]"]),
+    ("holds no disc", "count: 20", "count: 20, volume_fraction: 1e-3", ["inflow.volume_fraction", "one disc"]),
+]
+
+
 def attempt(monkeypatch, capsys, folder: Path, *arguments: str) -> tuple[int, str]:
     """Run the command line in `folder`; exit status and what went to stderr."""
     monkeypatch.chdir(folder)
@@ -149,6 +185,19 @@ def test_wrong_case_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
         assert text in message
     assert "Traceback" not in message and message.count("\n") == 1, message
     assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"], "nothing may be written"
+
+
+@pytest.mark.parametrize("old, new, named", [row[1:] for row in WRONG_POURS], ids=[row[0] for row in WRONG_POURS])
+def test_wrong_pour_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
+    inflow = next(line for line in GOOD.splitlines() if line.startswith("inflow"))
+    good = GOOD.replace(inflow, POUR)
+    assert old in good
+    build_scene(parse_case(good))
+    (tmp_path / "case.yaml").write_text(good.replace(old, new, 1))
+    status, message = attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml")
+    assert status == 2 and message.count("\n") == 1, message
+    for text in named:
+        assert text in message
 
 
 @pytest.mark.parametrize(
