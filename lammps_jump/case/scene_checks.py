@@ -12,7 +12,7 @@ import numpy as np
 from .. import contact
 from ..scene import Gate, InletRow
 from ..walls import Interval, Wall
-from .arrange import closest_pair
+from .arrange import closest_pair, disc_count
 from .load import LoadedCase
 from .models import BoxWall, Column, PourInflow
 from .slip_check import slip_warnings
@@ -20,13 +20,16 @@ from .slip_check import slip_warnings
 MOST_STEPS = 2_000_000_000
 """LAMMPS counts steps of one run and insertions in 32 bits."""
 MOST_DISCS = 20_000_000
+MOST_FRAMES = 1_000_000
+MOST_CELLS = 500_000_000
+"""LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
 MOST_BINS = 100_000
 BOX_FACES = ("x", "y", "left", "right", "bottom", "top")
 """What is put behind the name of a box for its pairs of faces (script) and its faces (native engine)."""
 
 
-def check_size(loaded: LoadedCase, settle_steps: int, steps: int, discs: int, domain) -> None:
-    """Refuse what no run could finish, before it starts."""
+def check_size(loaded: LoadedCase, settle_steps: int, steps: int, output_steps: int) -> None:
+    """Refuse what no run could finish, before arrays are made."""
     case, source = loaded.case, loaded.source
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
         index, settle = max(
@@ -44,10 +47,32 @@ def check_size(loaded: LoadedCase, settle_steps: int, steps: int, discs: int, do
             f"{case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, raise "
             "run.time_step_fraction or lower the stiffness",
         )
+    frames = (settle_steps + steps) // output_steps
+    if frames > MOST_FRAMES:
+        raise source.error(
+            "run.output_interval",
+            f"{case.run.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
+        )
+    discs = sum(disc_count(item, case.discs.diameter) for item in case.initial)
     if discs > MOST_DISCS:
-        raise source.error("initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs")
+        raise source.error(
+            "initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer"
+        )
+
+
+def check_domain(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+    """Refuse a domain too large for neighbour lists, and bins that do not suit it."""
+    case, source = loaded.case, loaded.source
+    (xlo, xhi), (ylo, yhi) = domain
+    cells = (xhi - xlo) * (yhi - ylo) / case.discs.diameter**2
+    if cells > MOST_CELLS:
+        raise source.error(
+            "domain",
+            f"x [{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] has room for {cells:.3g} discs of {case.discs.diameter:g} m; "
+            f"allowed is room for {MOST_CELLS:.0e}: give a smaller domain or take larger discs",
+        )
     width = case.analysis.bin_width
-    length = domain[0][1] - domain[0][0]
+    length = xhi - xlo
     if width is not None and length / width > MOST_BINS:
         raise source.error(
             "analysis.bin_width",

@@ -249,3 +249,15 @@ def test_check_is_quick_to_import():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_frames_are_no_closer_than_steps():
+    loaded = parse_case(SMALL.format(diameter="0.2"), assignments=["run.duration=0.01", "run.output_interval=1e-7"])
+    scene = build_scene(loaded)
+    assert scene.output_steps == 1
+    assert scene.steps * scene.time_step == pytest.approx(0.01, abs=scene.time_step)
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_scenes_that_come_along_are_scenes(name):
+    build_scene(parse_case(scene_text(name), f"{name}.yaml"))
