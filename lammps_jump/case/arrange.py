@@ -32,6 +32,14 @@ def column_counts(column: Column, diameter: float) -> tuple[int, int]:
     return int(width + slack), int(height + slack)
 
 
+def disc_count(item: Column | Lattice | DiscList, diameter: float) -> int:
+    """Discs of one item of ``initial``, before any array of them is made."""
+    if isinstance(item, Column):
+        nx, ny = column_counts(item, diameter)
+        return nx * ny
+    return item.nx * item.ny if isinstance(item, Lattice) else len(item.positions)
+
+
 def column_positions(column: Column, packing: Packing) -> np.ndarray:
     """Centres of a column, shape (n, 2), row by row from the bottom.
 
@@ -54,6 +62,12 @@ def column_positions(column: Column, packing: Packing) -> np.ndarray:
     bottom = y0 + radius - ny * weight / packing.stiffness_wall
     y_rows = bottom + np.concatenate([[0.0], np.cumsum(d - vertical[:-1])])
     pressure = packing.density * packing.gravity * (above * d + radius) if column.hydrostatic else 0.0 * above
+    deepest = max(vertical.max(initial=0.0), pressure.max(initial=0.0) * d / packing.stiffness)
+    if deepest > radius:
+        raise ValueError(
+            f"its own weight would press the discs {deepest:.3g} m into each other; allowed is a radius, {radius:g} m: "
+            "raise the stiffness (contact.impact_speed, contact.penetration_fraction), or write hydrostatic: false"
+        )
     x_rows = []
     for thrust in pressure * d:
         first = x0 + radius - thrust / packing.stiffness_wall
@@ -102,7 +116,8 @@ def arrange(
 def closest_pair(positions: np.ndarray, reach: float) -> tuple[float, int, int] | None:
     """The closest two of `positions` (n, 2) that are nearer than `reach`: (distance, i, j), or None.
 
-    Cells of side `reach`, sorted; each disc is held against its own cell and four of the eight around it.
+    Cells of side `reach`, sorted; each disc is held against its own cell and four of the eight around it. Two that are
+    nearer than a tenth of `reach` are answer enough: a heap of thousands in one cell would take for ever.
     """
     if len(positions) < 2:
         return None
@@ -124,4 +139,6 @@ def closest_pair(positions: np.ndarray, reach: float) -> tuple[float, int, int] 
             least = int(np.argmin(distance))
             if distance[least] < reach and (best is None or distance[least] < best[0]):
                 best = (float(distance[least]), int(order[mine[least]]), int(order[other[least]]))
+                if best[0] < 0.1 * reach:
+                    return best
     return best

@@ -138,7 +138,8 @@ def _sentence(problem: dict, path: PathKey) -> str:
     if kind == "value_error":
         return str(context["error"])
     if kind == "string_pattern_mismatch":
-        return f"{value!r} is not a usable name; letters, digits, _ . and - are allowed"
+        letters = "letters, digits and _" if path[0] == "walls" else "letters, digits, _ . and -"
+        return f"{value!r} is not a usable name; {letters} are allowed"
     if kind in ("tuple_type", "list_type", "too_long", "too_short", "missing_argument"):
         return f"{value!r} does not fit: {problem['msg'].lower()}; a pair is written [low, high], a list with dashes"
     if kind in ("model_type", "dict_type"):

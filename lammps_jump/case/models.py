@@ -9,9 +9,32 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_valida
 from .units import Degree, Density, Metre, MetrePerSecond, MetrePerSecond2, PerSecond, Plain, Second, Stiffness
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
-Point = tuple[Metre, Metre]
-Vector = tuple[MetrePerSecond, MetrePerSecond]
-Extent = tuple[Metre, Metre]
+WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
+"""Part of the names of LAMMPS fixes, regions and variables, which take no other letters."""
+
+# Far beyond anything meant, and near enough that squares and quotients of the numbers stay numbers.
+LENGTH = {"ge": 1e-6, "le": 1e6}
+FINE_LENGTH = {"ge": 1e-12, "le": 1e6}
+SPEED = {"ge": 1e-6, "le": 1e6}
+TIME = {"ge": 1e-9, "le": 1e9}
+STIFFNESS = {"ge": 1e-6, "le": 1e24}
+LEAST_GRAVITY, MOST_GRAVITY = 1e-6, 1e6
+
+Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
+Component = Annotated[MetrePerSecond, Field(ge=-1e6, le=1e6)]
+Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
+Point = tuple[Coordinate, Coordinate]
+Vector = tuple[Component, Component]
+Extent = tuple[Coordinate, Coordinate]
+
+
+def _no_truth(value: Any) -> Any:
+    if isinstance(value, bool):
+        raise ValueError(f"{str(value).lower()} is not a number; expected a whole number")
+    return value
+
+
+Whole = Annotated[int, BeforeValidator(_no_truth)]
 
 
 def _ordered(value: tuple[float, float]) -> tuple[float, float]:
@@ -29,25 +52,29 @@ class Strict(BaseModel):
 class Discs(Strict):
     """Equal discs; mass per metre of width = density * diameter^2."""
 
-    diameter: Metre = Field(gt=0)
-    density: Density = Field(default=1000.0, gt=0)
+    diameter: Metre = Field(**LENGTH)
+    density: Density = Field(default=1000.0, ge=1e-3, le=1e6)
 
 
 class Contact(Strict):
     """What a collision does: the thesis' coefficients and our options."""
 
-    restitution: Plain = Field(gt=0, le=1)
-    friction: Plain = Field(default=0.0, ge=0)
+    restitution: Plain = Field(ge=1e-6, le=1)
+    friction: Plain = Field(default=0.0, ge=0, le=1000)
     friction_law: Literal["hooke", "sign"] = "hooke"
-    penetration_fraction: Plain | None = Field(default=None, ge=1, description="n = d / largest overlap (3.20)")
-    impact_speed: MetrePerSecond | None = Field(default=None, gt=0, description="v0 of (3.20)")
-    stiffness: Stiffness | None = Field(default=None, gt=0)
-    stiffness_wall: Stiffness | None = Field(default=None, gt=0)
+    penetration_fraction: Plain | None = Field(default=None, ge=1, le=1e6, description="n = d / largest overlap (3.20)")
+    impact_speed: MetrePerSecond | None = Field(default=None, **SPEED, description="v0 of (3.20)")
+    stiffness: Stiffness | None = Field(default=None, **STIFFNESS)
+    stiffness_wall: Stiffness | None = Field(default=None, **STIFFNESS)
     rotation: bool = False
     correct_restitution: bool = Field(default=True, description="remove the restitution bias of velocity Verlet")
-    tangential_damping: PerSecond | None = Field(default=None, gt=0, description="gamma_t, 1/s; default by rule")
+    tangential_damping: PerSecond | None = Field(
+        default=None, ge=1e-9, le=1e24, description="gamma_t, 1/s; default by rule"
+    )
     touch: Literal["sharp", "smooth"] = "sharp"
-    touch_width: Metre | None = Field(default=None, gt=0, description="smooth touch: width of the soft start, m")
+    touch_width: Metre | None = Field(
+        default=None, **FINE_LENGTH, description="smooth touch: width of the soft start, m"
+    )
 
     @model_validator(mode="after")
     def _stiffness_given_once(self) -> Contact:
@@ -74,9 +101,9 @@ class PlaneWall(Strict):
     """An endless straight wall; discs on one side of it."""
 
     kind: Literal["plane"]
-    name: Name
+    name: WallName
     axis: Literal["x", "y"]
-    at: Metre
+    at: Coordinate
     side: Literal["above", "below"] = Field(description="where the discs are: at larger or smaller coordinates")
 
     @field_validator("side", mode="before")
@@ -90,7 +117,7 @@ class BlockWall(Strict):
     """A solid rectangle; discs outside it."""
 
     kind: Literal["block"]
-    name: Name
+    name: WallName
     x: Extent
     y: Extent
     _order = field_validator("x", "y")(_ordered)
@@ -100,7 +127,7 @@ class BoxWall(Strict):
     """A hollow rectangle; discs inside it."""
 
     kind: Literal["box"]
-    name: Name
+    name: WallName
     x: Extent
     y: Extent
     _order = field_validator("x", "y")(_ordered)
@@ -119,7 +146,7 @@ class Column(Strict):
     hydrostatic: bool = Field(default=True, description="overlaps of thesis figure 6.2 that carry the weight")
     jitter: Plain = Field(default=0.0, ge=0, le=0.2, description="random shift, in diameters")
     gate: bool = Field(default=True, description="held at its right side until t = 0")
-    settle: Second = Field(default=0.0, ge=0, description="time behind the gate before t = 0")
+    settle: Second = Field(default=0.0, ge=0, le=1e9, description="time behind the gate before t = 0")
     _order = field_validator("x", "y")(_ordered)
 
 
@@ -127,9 +154,9 @@ class Lattice(Strict):
     """Discs on a rectangular grid; single discs may move."""
 
     kind: Literal["lattice"]
-    nx: int = Field(gt=0)
-    ny: int = Field(gt=0)
-    spacing: Metre = Field(gt=0)
+    nx: Whole = Field(gt=0)
+    ny: Whole = Field(gt=0)
+    spacing: Metre = Field(**LENGTH)
     origin: Point
     jitter: Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
     velocity: Vector = (0.0, 0.0)
@@ -154,14 +181,14 @@ class RowsInflow(Strict):
     """A jet of discs in rows (thesis 4.1-4.2): row i at height (i + 1/2) d above `y`."""
 
     kind: Literal["rows"]
-    x: Metre = 0.0
-    y: Metre = 0.0
-    depth: Metre = Field(gt=0)
-    mean_speed: MetrePerSecond = Field(gt=0)
+    x: Coordinate = 0.0
+    y: Coordinate = 0.0
+    depth: Metre = Field(**LENGTH)
+    mean_speed: MetrePerSecond = Field(**SPEED)
     profile: Literal["power_law", "uniform"] = "power_law"
     spacing: Plain = Field(default=1.02, ge=1, le=5, description="distance between discs of a row, in diameters")
     back: Literal["wall", "open"] = Field(default="wall", description="wall: discs cannot flow back through the inlet")
-    turns: int = Field(
+    turns: Whole = Field(
         default=1, ge=1, le=48, description="attempts per spacing; more lets a drowned inlet refill sooner"
     )
     exact_discharge: bool = Field(default=False, description="scale the rows so that they carry mean_speed * depth")
@@ -173,9 +200,9 @@ class PourInflow(Strict):
     kind: Literal["pour"]
     x: Extent
     y: Extent
-    count: int = Field(gt=0)
+    count: Whole = Field(gt=0, le=20_000_000)
     volume_fraction: Plain = Field(default=0.4, gt=0, le=0.7)
-    speed_down: MetrePerSecond = Field(default=0.0, ge=0)
+    speed_down: MetrePerSecond = Field(default=0.0, ge=0, le=1e6)
     _order = field_validator("x", "y")(_ordered)
 
 
@@ -185,10 +212,10 @@ InflowField = Annotated[RowsInflow | PourInflow, Field(discriminator="kind")]
 class Outflow(Strict):
     """Where discs are taken out: one of the four."""
 
-    x_beyond: Metre | None = None
-    x_before: Metre | None = None
-    y_below: Metre | None = None
-    y_above: Metre | None = None
+    x_beyond: Coordinate | None = None
+    x_before: Coordinate | None = None
+    y_below: Coordinate | None = None
+    y_above: Coordinate | None = None
 
     @model_validator(mode="after")
     def _one(self) -> Outflow:
@@ -206,10 +233,10 @@ def _accuracy(value: Any) -> float | None:
 class Run(Strict):
     """How long, how finely, what is kept."""
 
-    duration: Second = Field(gt=0)
-    time_step_fraction: Plain = Field(default=0.05, gt=0, le=2, description="f of the critical step 2/omega (3.24)")
-    output_interval: Second = Field(default=0.1, gt=0)
-    seed: int = Field(default=1, ge=1, le=2_000_000_000)
+    duration: Second = Field(**TIME)
+    time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
+    output_interval: Second = Field(default=0.1, **TIME)
+    seed: Whole = Field(default=1, ge=1, le=2_000_000_000)
     accuracy: Annotated[float | None, BeforeValidator(_accuracy)] = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )
@@ -223,14 +250,14 @@ class Probes(Strict):
     """What is recorded at every step."""
 
     forces: tuple[Name, ...] = ()
-    interval: Second = Field(default=0.01, gt=0, description="forces are averaged over this time, every step counted")
+    interval: Second = Field(default=0.01, **TIME, description="forces are averaged over this time, every step counted")
 
 
 class Analysis(Strict):
     """What is asked of the dump."""
 
-    bin_width: Metre | None = Field(default=None, gt=0)
-    window: tuple[Second, Second] | None = None
+    bin_width: Metre | None = Field(default=None, **LENGTH)
+    window: tuple[Moment, Moment] | None = None
     jump: bool = False
     energy: bool = False
     front: bool = False
@@ -248,8 +275,8 @@ class Engine(Strict):
 
     name: Literal["lammps", "native"] = "lammps"
     kernel: Literal["auto", "stock", "compiled"] = "auto"
-    ranks: int | Literal["auto"] = 1
-    skin: Metre | None = Field(default=None, gt=0, description="neighbour skin; default 0.3 d")
+    ranks: Annotated[int | Literal["auto"], BeforeValidator(_no_truth)] = 1
+    skin: Metre | None = Field(default=None, **FINE_LENGTH, description="neighbour skin; default 0.3 d")
 
     @field_validator("ranks")
     @classmethod
@@ -264,7 +291,7 @@ class Case(Strict):
 
     name: Name
     description: str = ""
-    gravity: MetrePerSecond2 = Field(default=9.81, ge=0)
+    gravity: MetrePerSecond2 = Field(default=9.81, ge=0, le=MOST_GRAVITY)
     slope: Degree = Field(default=0.0, gt=-90, lt=90, description="tilts gravity along +x")
     discs: Discs
     contact: Contact
@@ -277,3 +304,12 @@ class Case(Strict):
     probes: Probes = Probes()
     analysis: Analysis = Analysis()
     engine: Engine = Engine()
+
+    @field_validator("gravity")
+    @classmethod
+    def _some_or_none(cls, value: float) -> float:
+        if 0 < value < LEAST_GRAVITY:
+            raise ValueError(
+                f"{value:g} is out of range; allowed is 0 for none, or {LEAST_GRAVITY:g} to {MOST_GRAVITY:g} m/s^2"
+            )
+        return value

@@ -5,38 +5,131 @@ Each raises `CaseError` with the place in the file and the remedy.
 
 from __future__ import annotations
 
+from math import pi
+
 import numpy as np
 
 from .. import contact
-from ..scene import InletRow
-from ..walls import Interval, Wall
-from .arrange import closest_pair
+from ..scene import Gate, InletRow
+from ..walls import Block, Interval, Wall
+from .arrange import closest_pair, disc_count
 from .load import LoadedCase
+from .models import BoxWall, Column, PourInflow
 from .slip_check import slip_warnings
 
 MOST_STEPS = 2_000_000_000
 """LAMMPS counts steps of one run and insertions in 32 bits."""
 MOST_DISCS = 20_000_000
+MOST_FRAMES = 1_000_000
+MOST_CELLS = 500_000_000
+"""LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
 MOST_BINS = 100_000
+BOX_FACES = ("x", "y", "left", "right", "bottom", "top")
+"""What is put behind the name of a box for its pairs of faces (script) and its faces (native engine)."""
 
 
-def check_size(loaded: LoadedCase, steps: int, discs: int, domain) -> None:
-    """Refuse what no run could finish, before it starts."""
+def check_size(loaded: LoadedCase, settle_steps: int, steps: int, output_steps: int) -> None:
+    """Refuse what no run could finish, before arrays are made."""
     case, source = loaded.case, loaded.source
+    if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
+        index, settle = max(
+            ((i, item.settle) for i, item in enumerate(case.initial) if isinstance(item, Column) and item.gate),
+            key=lambda pair: pair[1],
+        )
+        raise source.error(
+            ("initial", index, "settle"),
+            f"{settle:g} s behind the gate are {settle_steps:.3g} steps, with those of run.duration "
+            f"{settle_steps + steps:.3g}; allowed are {MOST_STEPS:.0e}: shorten it",
+        )
     if steps > MOST_STEPS:
         raise source.error(
             "run.duration",
             f"{case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, raise "
             "run.time_step_fraction or lower the stiffness",
         )
+    frames = (settle_steps + steps) // output_steps
+    if frames > MOST_FRAMES:
+        raise source.error(
+            "run.output_interval",
+            f"{case.run.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
+        )
+    discs = sum(disc_count(item, case.discs.diameter) for item in case.initial)
     if discs > MOST_DISCS:
-        raise source.error("initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs")
+        raise source.error(
+            "initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer"
+        )
+
+
+def check_domain(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+    """Refuse a domain too large for neighbour lists, and bins that do not suit it."""
+    case, source = loaded.case, loaded.source
+    (xlo, xhi), (ylo, yhi) = domain
+    cells = (xhi - xlo) * (yhi - ylo) / case.discs.diameter**2
+    if cells > MOST_CELLS:
+        raise source.error(
+            "domain",
+            f"x [{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] has room for {cells:.3g} discs of {case.discs.diameter:g} m; "
+            f"allowed is room for {MOST_CELLS:.0e}: give a smaller domain or take larger discs",
+        )
     width = case.analysis.bin_width
-    length = domain[0][1] - domain[0][0]
+    length = xhi - xlo
     if width is not None and length / width > MOST_BINS:
         raise source.error(
             "analysis.bin_width",
             f"{width:g} m would make {length / width:.0f} bins over {length:g} m; allowed are {MOST_BINS}: widen it",
+        )
+    if width is not None and width > length:
+        raise source.error(
+            "analysis.bin_width",
+            f"{width:g} m is wider than the domain; allowed is up to its {length:g} m: make the bins narrower",
+        )
+
+
+def check_names(loaded: LoadedCase, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
+    """Refuse walls called as one of ours (behind an inlet, before a column) or as the faces of a box."""
+    own = {wall.name: "of the wall behind the inlet" for wall in walls[len(loaded.case.walls) :]}
+    own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
+    own |= {f"{gate.wall.name}_far_side": "of the far face of a gate" for gate in gates if isinstance(gate.wall, Block)}
+    for item in loaded.case.walls:
+        if isinstance(item, BoxWall):
+            own |= {f"{item.name}_{face}": f"of a face of box '{item.name}'" for face in BOX_FACES}
+    for index, item in enumerate(loaded.case.walls):
+        if item.name in own:
+            raise loaded.source.error(
+                ("walls", index, "name"), f"'{item.name}' is the name {own[item.name]}; give this wall another one"
+            )
+
+
+def check_pour(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+    """Refuse a pour that cannot fall, or whose region holds no disc or reaches out of the domain."""
+    case, source, pour = loaded.case, loaded.source, loaded.case.inflow
+    if not isinstance(pour, PourInflow):
+        return
+    if case.gravity == 0:
+        raise source.error("gravity", "is 0, so that poured discs do not fall; allowed is > 0 with inflow kind: pour")
+    if case.slope != 0:
+        raise source.error(
+            "slope", f"is {case.slope:g} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
+        )
+    d = case.discs.diameter
+    for axis, (low, high), limits in zip("xy", (pour.x, pour.y), domain, strict=True):
+        if high - low < d * (1 - 1e-9):
+            raise source.error(
+                ("inflow", axis),
+                f"[{low:g}, {high:g}] is {high - low:g} m wide; allowed is a disc's {d:g} m or more: widen it",
+            )
+        if low < limits[0] or high > limits[1]:
+            raise source.error(
+                ("inflow", axis),
+                f"[{low:g}, {high:g}] reaches out of the domain; allowed is within [{limits[0]:g}, {limits[1]:g}]: "
+                f"move the pour or widen domain.{axis}",
+            )
+    held = pour.volume_fraction * (pour.x[1] - pour.x[0]) * (pour.y[1] - pour.y[0]) / (pi * d * d / 4)
+    if held < 1:
+        raise source.error(
+            "inflow.volume_fraction",
+            f"{pour.volume_fraction:g} of the region is {held:.3g} discs; allowed is one disc or more: raise it or "
+            "widen inflow.x or inflow.y",
         )
 
 

@@ -34,6 +34,10 @@ _Loader.add_implicit_resolver(
 )
 
 
+MOST_DEPTH = 40
+MOST_VALUES = 1_000_000
+
+
 @dataclass
 class CaseSource:
     """The data of a case file and where each value came from.
@@ -48,12 +52,15 @@ class CaseSource:
         Path of keys and indices -> line number (from 1).
     overrides : dict
         Path -> the ``--set`` text that set it.
+    values : int
+        Groups, lists and single values read so far, aliases written out.
     """
 
     file: str
     data: dict[str, Any]
     lines: dict[PathKey, int] = field(default_factory=dict)
     overrides: dict[PathKey, str] = field(default_factory=dict)
+    values: int = 0
 
     def place(self, path: PathKey) -> str:
         """Where `path` stands: ``case.yaml:12: contact.friction`` (the nearest line known) or the ``--set`` text."""
@@ -69,7 +76,9 @@ class CaseSource:
     def error(self, path: str | PathKey, message: str) -> CaseError:
         """A `CaseError` that names the place of `path` (dotted text or key tuple)."""
         key = (
-            tuple(int(part) if part.isdigit() else part for part in path.split(".")) if isinstance(path, str) else path
+            tuple(int(part) if _is_number(part) else part for part in path.split("."))
+            if isinstance(path, str)
+            else path
         )
         return CaseError(f"{self.place(key)}: {message}")
 
@@ -120,7 +129,7 @@ def read_source(path: str | Path) -> CaseSource:
 def parse_source(text: str, file: str = "<case>") -> CaseSource:
     """Parse YAML text; see `read_source`."""
     try:
-        node = yaml.compose(text, Loader=_Loader)
+        node = _compose(text, file)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = f":{mark.line + 1}" if mark else ""
@@ -140,8 +149,36 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
     return source
 
 
+def _compose(text: str, file: str) -> yaml.Node | None:
+    """Node tree of the text; nested brackets are counted before, because building the tree recurses."""
+    depth = 0
+    for event in yaml.parse(text, Loader=_Loader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+            if depth > MOST_DEPTH:
+                raise CaseError(_too_deep(file, event))
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+    return yaml.compose(text, Loader=_Loader)
+
+
+def _too_deep(file: str, here: yaml.Event | yaml.Node) -> str:
+    return (
+        f"{file}:{here.start_mark.line + 1}: groups or lists more than {MOST_DEPTH} deep, or an alias (*) inside of "
+        "what it stands for; a case needs five levels: write the values out"
+    )
+
+
 def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loader) -> Any:
-    """Node tree to plain data; records lines, refuses repeated keys."""
+    """Node tree to plain data; records lines, refuses repeated keys and endless aliases."""
+    source.values += 1
+    if source.values > MOST_VALUES:
+        raise CaseError(
+            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path[:1])}: more than {MOST_VALUES} values, "
+            "aliases (*) counted as often as they stand; write fewer"
+        )
+    if len(path) > MOST_DEPTH:
+        raise CaseError(_too_deep(source.file, node))
     source.lines[path] = node.start_mark.line + 1
     if isinstance(node, yaml.MappingNode):
         result: dict[str, Any] = {}
@@ -165,7 +202,7 @@ def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loa
         return [_plain(child, (*path, index), source, constructor) for index, child in enumerate(node.value)]
     try:
         return constructor.construct_object(node)
-    except (yaml.YAMLError, ValueError) as error:
+    except (yaml.YAMLError, ValueError, LookupError, AttributeError) as error:  # the last two for tags such as !!bool
         raise CaseError(
             f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read ({error})"
         ) from None
@@ -183,14 +220,14 @@ def override(source: CaseSource, assignment: str) -> None:
         raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
     dotted, text = (part.strip() for part in assignment.split("=", 1))
     try:
-        node = yaml.compose(text, Loader=_Loader)
+        node = _compose(text, f"--set {assignment}")
     except yaml.YAMLError:
         raise CaseError(
             f"--set {assignment}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'"
         ) from None
     if not dotted or any(not part for part in dotted.split(".")):
         raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
-    scratch = CaseSource(file="--set", data={})
+    scratch = CaseSource(file=f"--set {assignment}", data={})
     value = None if node is None else _plain(node, (), scratch, _Loader(""))
     container: Any = source.data
     path: PathKey = ()
@@ -212,8 +249,12 @@ def override(source: CaseSource, assignment: str) -> None:
     source.overrides[path] = assignment
 
 
+def _is_number(part: str) -> bool:
+    return part.isascii() and part.isdigit() and len(part) < 10  # ² is a digit, and no number to int()
+
+
 def _item_index(items: list, part: str, assignment: str, path: PathKey) -> int:
-    if part.isdigit() and int(part) < len(items):
+    if _is_number(part) and int(part) < len(items):
         return int(part)
     names = [str(item["name"]) for item in items if isinstance(item, dict) and "name" in item]
     for index, item in enumerate(items):

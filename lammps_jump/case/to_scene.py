@@ -12,12 +12,15 @@ from ..walls import Block, Box, Interval, Plane, Wall
 from .arrange import Packing, arrange
 from .load import LoadedCase
 from .models import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
-from .scene_checks import check_places, check_size, check_stability
+from .scene_checks import MOST_STEPS, check_domain, check_names, check_places, check_pour, check_size, check_stability
 from .skips import reachable, skipped
 from .source import nearest
 
 MAX_SPEED_MARGIN = 2.0
 """Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""
+
+MOST_ROWS = 10_000
+"""Rows of an inflow; each is a fix of LAMMPS."""
 
 TOUCH_STEPS = 2.0
 """Width of a smooth touch in steps at v0. Energy box at f = 0.2: 3.1 % error with 1, 1.3 % with 2 (as a sharp contact
@@ -65,12 +68,13 @@ def build_scene(loaded: LoadedCase) -> Scene:
         gravity = (0.0, -case.gravity if case.gravity else 0.0)
 
     walls = tuple(_wall(item) for item in case.walls) + _inlet_back(case)
-    positions, velocities = _discs(loaded, coefficients, stiffness)
     settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
     settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
     probe_interval = case.probes.interval if case.probes.forces else None
     output_steps, probe_steps, steps = _schedule(case.run.duration, case.run.output_interval, probe_interval, dt)
     settle_steps = math.ceil(settle_steps / output_steps) * output_steps
+    check_size(loaded, settle_steps, steps, output_steps)
+    positions, velocities = _discs(loaded, coefficients, stiffness)
     inlets = _inlets(loaded, dt, settle_steps)
     speed = max(
         [row.vx for row in inlets]
@@ -78,9 +82,12 @@ def build_scene(loaded: LoadedCase) -> Scene:
         + [math.sqrt(2 * case.gravity * (item.y[1] - item.y[0])) for item in case.initial if isinstance(item, Column)]
     )
     domain = _domain(case, positions, inlets, speed)
+    check_domain(loaded, domain)
     outlets = _outlets(loaded, domain, speed, dt, output_steps)
     gates = _gates(case, positions, settle_steps, domain)
+    check_names(loaded, walls, gates)
     check_places(loaded, positions, walls, inlets, domain, d / penetration, tuple(gate.wall for gate in gates))
+    check_pour(loaded, domain)
     probes = _probes(loaded, walls)
     kept = tuple(wall for wall in walls if reachable(wall, domain, d) or wall.name in probes)
     touch_width = 0.0
@@ -91,7 +98,6 @@ def build_scene(loaded: LoadedCase) -> Scene:
             "run.stop_when_steady",
             f"reads text dumps as they grow; run.dump_format is {case.run.dump_format}: use text",
         )
-    check_size(loaded, steps, len(positions), domain)
     if case.run.stop_when_steady and not inlets:
         warnings.append("stop_when_steady has no effect: without inflow rows a flow does not become steady")
     scene = Scene(
@@ -170,7 +176,7 @@ def _schedule(duration: float, interval: float, probe_interval: float | None, dt
 
     The intervals are adapted by less than a step each; the duration by less than half a step a window.
     """
-    frames = max(1, round(duration / interval))
+    frames = max(1, min(round(duration / interval), round(duration / dt)))
     output_steps = max(1, round(duration / (frames * dt)))
     windows = 1
     if probe_interval is not None:
@@ -244,6 +250,11 @@ def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow,
         raise loaded.source.error(
             "inflow.depth", f"{inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
         )
+    if count > MOST_ROWS:
+        raise loaded.source.error(
+            "inflow.depth",
+            f"{inflow.depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger discs",
+        )
     heights = theory.row_heights(inflow.depth, d)
     speeds = theory.row_velocities(
         inflow.depth, d, inflow.mean_speed, profile=inflow.profile, exact_discharge=inflow.exact_discharge
@@ -251,6 +262,12 @@ def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow,
     rows = []
     for height, speed in zip(heights, speeds, strict=True):
         interval = math.ceil(inflow.spacing * d / (speed * dt) - 1e-9)
+        if interval > MOST_STEPS:
+            raise loaded.source.error(
+                "inflow.mean_speed",
+                f"{inflow.mean_speed:g} m/s lets a disc in every {interval:.3g} steps; allowed are {MOST_STEPS:.0e}: "
+                "raise it or lower the stiffness",
+            )
         rows.append(
             InletRow(
                 x=inflow.x,

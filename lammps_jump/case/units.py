@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
-from math import isfinite
+from math import inf, isfinite
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
+
+_FACTOR = r"(?:[^\W\d_]\w*|°|%)(?:(?:\^|\*\*)[+-]?[0-9]+)?"
+_QUANTITY = re.compile(
+    r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"  # one number
+    rf"(?:\s*((?:1\s*/\s*)?{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*))?\s*"  # factors of a unit, as 1/s, kg/m^3
+)
 
 
 @lru_cache(maxsize=1)
@@ -29,28 +36,35 @@ def to_si(value: Any, unit: str) -> Any:
     if isinstance(value, str):
         value = _from_text(value, unit)
     if isinstance(value, int | float):
+        try:
+            value = float(value)
+        except OverflowError:  # a whole number of more than 308 digits
+            value = inf
         if not isfinite(value):
             raise ValueError(f"{value} is not a finite number; expected {_expected(unit)}")
-        return float(value)
+        return value
     if value is None:
         raise ValueError(f"is empty; expected {_expected(unit)}")
     return value
 
 
 def _from_text(text: str, unit: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        pass
+    # pint alone would reckon with what it gets: 0.1.2 is 0.02 to it, 1:30 is 30, 1 000 is 0
+    found = _QUANTITY.fullmatch(text)
+    if not found:
+        raise ValueError(f"{text!r} is not one number with or without a unit; expected {_expected(unit)}")
+    number, given = found.groups()
+    if given is None:
+        return float(number)
     import pint
 
     try:
-        quantity = _registry().Quantity(text)
-        return float(quantity.to(unit or "dimensionless").magnitude)
+        units = _registry().parse_units(given.replace("·", "*"))
+        return float(_registry().Quantity(float(number), units).to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError as error:
-        raise ValueError(f"'{text}' is in {error.units1}; expected {_expected(unit)}") from None
+        raise ValueError(f"{text!r} is in {error.units1}; expected {_expected(unit)}") from None
     except Exception:  # pint raises many kinds (also tokenizer errors) for text that is no quantity
-        raise ValueError(f"'{text}' is not a number with a known unit; expected {_expected(unit)}") from None
+        raise ValueError(f"{text!r} is not a number with a known unit; expected {_expected(unit)}") from None
 
 
 def _expected(unit: str) -> str:
@@ -64,6 +78,7 @@ _EXAMPLES = {
     "kg/m^3": "1000 kg/m^3",
     "N/m": "2.56e7 N/m",
     "degree": "2 degree",
+    "1/s": "100 1/s",
 }
 
 

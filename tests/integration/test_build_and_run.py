@@ -353,7 +353,7 @@ def test_refusal_leaves_an_earlier_result_alone(tmp_path):
     job("energy_box_7", tmp_path, "run.duration=0.5")
     before = (tmp_path / "summary.json").read_bytes()
     for wrong in ("run.duration=1e99", "analysis.bin_width=1e-9"):
-        with pytest.raises(CaseError, match="allowed are"):
+        with pytest.raises(CaseError, match="allowed"):
             job("energy_box_7", tmp_path, wrong)
     assert (tmp_path / "summary.json").read_bytes() == before
 

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from lammps_jump.case import parse_case
+from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli import main
 
 GOOD = """\
@@ -39,12 +41,17 @@ WRONG_CASES = [
     ),
     ("missing group", "discs: {diameter: 0.2, density: 1000}\n", "", ["discs", "required"]),
     ("missing field", "diameter: 0.2, ", "", ["case.yaml:3", "discs.diameter", "required"]),
-    ("negative diameter", "diameter: 0.2", "diameter: -0.2", ["case.yaml:3", "discs.diameter", "-0.2", "> 0"]),
-    ("zero density", "density: 1000", "density: 0", ["discs.density", "> 0"]),
+    (
+        "negative diameter",
+        "diameter: 0.2",
+        "diameter: -0.2",
+        ["case.yaml:3", "discs.diameter", "-0.2", ">= 1e-06 and <= 1e+06"],
+    ),
+    ("zero density", "density: 1000", "density: 0", ["discs.density", ">= 0.001"]),
     ("NaN", "friction: 0.1", "friction: .nan", ["case.yaml:6", "contact.friction", "finite"]),
     ("infinity", "impact_speed: 16", "impact_speed: .inf", ["contact.impact_speed", "finite"]),
     ("restitution above 1", "restitution: 0.2", "restitution: 1.2", ["case.yaml:5", "contact.restitution", "<= 1"]),
-    ("restitution 0", "restitution: 0.2", "restitution: 0", ["contact.restitution", "> 0"]),
+    ("restitution 0", "restitution: 0.2", "restitution: 0", ["contact.restitution", ">= 1e-06"]),
     ("wrong unit", "diameter: 0.2", "diameter: 20 kg", ["discs.diameter", "20 kg", "m"]),
     ("unknown unit", "diameter: 0.2", "diameter: 20 florps", ["discs.diameter", "20 florps"]),
     ("text for a number", "restitution: 0.2", "restitution: much", ["contact.restitution", "much"]),
@@ -62,6 +69,27 @@ WRONG_CASES = [
         ["walls[1].name", "floor"],
     ),
     ("bad name", "name: good", "name: ../evil", ["case.yaml:1", "name", "../evil"]),
+    ("bad name of a wall", "name: floor", "name: a-b.c", ["walls[0].name", "a-b.c", "letters, digits and _ are"]),
+    ("name of the inlet's wall", "name: floor", "name: inlet_back", ["walls[0].name", "behind the inlet"]),
+    (
+        "name of a gate",
+        "walls:\n  - {name: floor",
+        "initial: [{kind: column, x: [5, 6], y: [0, 2], settle: 0.1}]\nwalls:\n  - {name: gate",
+        ["walls[0].name", "gate"],
+    ),
+    (
+        "name of a box's faces",
+        "walls:\n  - {name: floor",
+        "walls:\n  - {name: a, kind: box, x: [-1, 9], y: [-4, 9]}\n  - {name: a_x",
+        ["walls[1].name", "a_x", "box 'a'"],
+    ),
+    (
+        "endless settling",
+        "inflow:",
+        "initial: [{kind: column, x: [5, 6], y: [0, 2], settle: 1e9}]\ninflow:",
+        ["case.yaml:12", "initial[0].settle", "1e+09", "2e+09"],
+    ),
+    ("bins wider than the domain", "run:", "analysis: {bin_width: 22}\nrun:", ["analysis.bin_width", "22", "21 m"]),
     ("zero rows", "depth: 1.0", "depth: 0.1", ["inflow.depth", "0.1", "one diameter"]),
     ("inlet in a wall", "y: [-4, 0]", "y: [-4, 0.5]", ["inflow", "row 1", "floor"]),
     ("inlet outside", "x: 0, depth", "x: 30, depth", ["inflow", "30", "domain.x"]),
@@ -80,7 +108,7 @@ WRONG_CASES = [
         ["run.time_step_fraction", "0.5", "allow_unstable"],
     ),
     ("no duration", "duration: 0.01", "seed: 1", ["run.duration", "required"]),
-    ("zero duration", "duration: 0.01", "duration: 0", ["run.duration", "> 0"]),
+    ("zero duration", "duration: 0.01", "duration: 0", ["run.duration", ">= 1e-09"]),
     (
         "stiffness twice",
         "penetration_fraction: 10",
@@ -128,6 +156,57 @@ WRONG_CASES = [
 ]
 
 
+# far too small or large for any calculation, or a truth where a number belongs: (assignment, what the message names)
+ABSURD = [
+    ("gravity=1e-300", ["gravity", "0 for none"]),
+    ("gravity=1e300", ["gravity", "<= 1e+06"]),
+    ("discs.diameter=1e-300", ["discs.diameter", ">= 1e-06"]),
+    ("discs.diameter=1e300", ["discs.diameter", "<= 1e+06"]),
+    ("discs.diameter=1e-9", ["discs.diameter", ">= 1e-06"]),
+    ("discs.diameter=1e-6", ["inflow.depth", "rows", "10000"]),
+    ("discs.density=1e300", ["discs.density", "<= 1e+06"]),
+    ("contact.penetration_fraction=1e300", ["contact.penetration_fraction", "<= 1e+06"]),
+    ("contact.impact_speed=1e300", ["contact.impact_speed", "<= 1e+06"]),
+    ("contact.impact_speed=1e-300", ["contact.impact_speed", ">= 1e-06"]),
+    ("inflow.mean_speed=1e300", ["inflow.mean_speed", "<= 1e+06"]),
+    ("inflow.mean_speed=1e-300", ["inflow.mean_speed", ">= 1e-06"]),
+    ("inflow.mean_speed=1e-6", ["inflow.mean_speed", "steps", "2e+09"]),
+    ("inflow.depth=1e9", ["inflow.depth", "<= 1e+06"]),
+    ("inflow.depth=1e6", ["inflow.depth", "5000000 rows"]),
+    ("inflow.x=1e300", ["inflow.x", "<= 1"]),
+    ("domain.x=[-1,1e300]", ["domain.x", "<= 1"]),
+    ("domain={x: [-1e6, 1e6], y: [-1e6, 1e6]}", ["domain", "1e+14 discs", "5e+08"]),
+    ("initial=[{kind: lattice, nx: 1000000000, ny: 1, spacing: 1, origin: [0, 0]}]", ["initial", "1000000000 discs"]),
+    ("initial=[{kind: lattice, nx: 1, ny: 1000000000, spacing: 1, origin: [0, 0]}]", ["initial", "1000000000 discs"]),
+    ("initial=[{kind: column, x: [0, 1e6], y: [0, 1e6]}]", ["initial", "25000000000000 discs"]),
+    ("initial=[{kind: lattice, nx: 400, ny: 400, spacing: 1e-6, origin: [1, 1]}]", ["initial", "overlap"]),
+    ("initial=[{kind: column, x: [1, 1.3], y: [1, 1e5]}]", ["initial", "its own weight"]),
+    (
+        "run={duration: 2, output_interval: 1e-6, time_step_fraction: 1e-3}",
+        ["run.output_interval", "frames; allowed are 1000000"],
+    ),
+    ("run.duration=1e300", ["run.duration", "<= 1e+09"]),
+    ("run.time_step_fraction=1e-300", ["run.time_step_fraction", ">= 1e-06"]),
+    ("run.seed=true", ["run.seed", "true", "whole number"]),
+    ("engine.ranks=true", ["engine.ranks", "true", "whole number"]),
+    ("inflow.turns=true", ["inflow.turns", "true", "whole number"]),
+    ("initial=[{kind: lattice, nx: true, ny: 1, spacing: 1, origin: [0, 0]}]", ["initial[0].nx", "whole number"]),
+    ("initial=[{kind: lattice, nx: 1, ny: true, spacing: 1, origin: [0, 0]}]", ["initial[0].ny", "whole number"]),
+]
+
+POUR = "inflow: {kind: pour, x: [1, 3], y: [5, 7], count: 20}"
+
+WRONG_POURS = [
+    ("no gravity", "gravity: 9.81", "gravity: 0", ["case.yaml:2: gravity", "fall", "> 0"]),
+    ("slope", "gravity: 9.81", "gravity: 9.81\nslope: 5", ["case.yaml:3: slope", "5", "straight down"]),
+    ("thin in x", "x: [1, 3]", "x: [1, 1.1]", ["inflow.x", "0.1 m", "0.2 m", "widen"]),
+    ("thin in y", "y: [5, 7]", "y: [5, 5.1]", ["inflow.y", "0.1 m", "0.2 m", "widen"]),
+    ("outside in x", "x: [1, 3]", "x: [1, 30]", ["inflow.x", "domain", "[-1, 20]"]),
+    ("outside in y", "y: [5, 7]", "y: [-50, 7]", ["inflow.y", "domain", "[-5, 10]"]),
+    ("holds no disc", "count: 20", "count: 20, volume_fraction: 1e-3", ["inflow.volume_fraction", "one disc"]),
+]
+
+
 def attempt(monkeypatch, capsys, folder: Path, *arguments: str) -> tuple[int, str]:
     """Run the command line in `folder`; exit status and what went to stderr."""
     monkeypatch.chdir(folder)
@@ -151,6 +230,28 @@ def test_wrong_case_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
     assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"], "nothing may be written"
 
 
+@pytest.mark.parametrize("assignment, named", ABSURD, ids=[row[0][:50] for row in ABSURD])
+def test_absurd_number_is_refused(monkeypatch, capsys, tmp_path, assignment, named):
+    (tmp_path / "case.yaml").write_text(GOOD)
+    status, message = attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml", "--set", assignment)
+    assert status == 2 and message.count("\n") == 1, message
+    for text in named:
+        assert text in message
+
+
+@pytest.mark.parametrize("old, new, named", [row[1:] for row in WRONG_POURS], ids=[row[0] for row in WRONG_POURS])
+def test_wrong_pour_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
+    inflow = next(line for line in GOOD.splitlines() if line.startswith("inflow"))
+    good = GOOD.replace(inflow, POUR)
+    assert old in good
+    build_scene(parse_case(good))
+    (tmp_path / "case.yaml").write_text(good.replace(old, new, 1))
+    status, message = attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml")
+    assert status == 2 and message.count("\n") == 1, message
+    for text in named:
+        assert text in message
+
+
 @pytest.mark.parametrize(
     "assignment, named",
     [
@@ -159,6 +260,10 @@ def test_wrong_case_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
         ("walls.sill.y=[-10,3]", ["walls", "no item 'sill'", "floor"]),
         ("name.x=1", ["single value"]),
         ("contact.friction=[", ["not YAML"]),
+        ("walls.²=1", ["walls", "no item '²'", "floor"]),
+        ("walls.99999999999999999999=1", ["walls", "no item", "floor"]),
+        ("discs=&a {diameter: *a}", ["--set discs=&a {diameter: *a}", "alias"]),
+        ("discs=" + 3000 * "[", ["--set discs=[", "deep"]),
         ("contact.friction=-1", ["--set contact.friction=-1", ">= 0"]),
     ],
 )
@@ -169,6 +274,33 @@ def test_wrong_assignment_is_refused(monkeypatch, capsys, tmp_path, assignment, 
     for text in named:
         assert text in message
     assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
+
+
+BOMB = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
+    f"a{i}: &a{i} [{', '.join(10 * [f'*a{i - 1}'])}]\n" for i in range(1, 10)
+)
+
+
+@pytest.mark.parametrize(
+    "text, named",
+    [
+        ("name: a\ndiscs: &a {diameter: *a}\n", ["case.yaml:2", "alias"]),
+        ("name: a\ndiscs: &a [*a, *a]\n", ["case.yaml:2", "alias"]),
+        ("name: a\n\ndiscs: " + 3000 * "[" + 3000 * "]", ["case.yaml:3", "deep"]),
+        ("discs: " + 3000 * "{a: ", ["case.yaml:1", "deep"]),
+        (BOMB, ["case.yaml:", "1000000 values", "aliases"]),
+        ("a0: &a0 [1]\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 3000)), ["case.yaml:", "deep"]),
+        ("name: !!bool maybe\n", ["case.yaml:1", "name"]),
+        ("name: !!int ''\n", ["case.yaml:1", "name"]),
+    ],
+    ids=["self", "self twice", "brackets", "braces", "aliases of aliases", "chain of aliases", "no truth", "no number"],
+)
+def test_yaml_that_does_not_end_is_refused(monkeypatch, capsys, tmp_path, text, named):
+    (tmp_path / "case.yaml").write_text(text)
+    status, message = attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml")
+    assert status == 2 and len(message) < 500, message
+    for word in named:
+        assert word in message
 
 
 def test_files_that_are_no_case(monkeypatch, capsys, tmp_path):

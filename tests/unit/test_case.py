@@ -47,6 +47,42 @@ def test_numbers_and_units(text, metres):
     assert case_with(text).discs.diameter == pytest.approx(metres, rel=1e-15)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "2026-01-01",
+        "1:30",
+        "0.1.2",
+        "1 000",
+        "1,000",
+        "0,2",
+        "1 - 0.5",
+        "2**3",
+        "pi",
+        "1_000",
+        "1 1 m",
+        "0.2.1 m",
+        "-",
+        "''",
+    ],
+)
+def test_text_is_one_number_with_a_unit_and_never_arithmetic(text):
+    with pytest.raises(CaseError, match=r"small.yaml:1: discs.diameter: .*expected a number in m"):
+        case_with(text if text == "''" else f"'{text}'")
+
+
+@pytest.mark.parametrize("text", ["100 1/s", "0.1 kHz", "100 s^-1", "100 s**-1", "+1e2 1/s"])
+def test_units_are_products_of_factors(text):
+    assert case_with(assignments=[f"contact.tangential_damping={text}"]).contact.tangential_damping == pytest.approx(
+        100
+    )
+
+
+def test_whole_numbers_beyond_doubles_are_refused():
+    with pytest.raises(CaseError, match="not a finite number"):
+        case_with("1" + 400 * "0")
+
+
 def test_yaml_exponents_are_numbers():
     loaded = parse_case(SMALL.format(diameter="0.2"), assignments=["contact.stiffness=1e7", "contact.impact_speed=1E1"])
     assert loaded.case.contact.stiffness == 1e7
@@ -238,3 +274,15 @@ def test_check_is_quick_to_import():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_frames_are_no_closer_than_steps():
+    loaded = parse_case(SMALL.format(diameter="0.2"), assignments=["run.duration=0.01", "run.output_interval=1e-7"])
+    scene = build_scene(loaded)
+    assert scene.output_steps == 1
+    assert scene.steps * scene.time_step == pytest.approx(0.01, abs=scene.time_step)
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_scenes_that_come_along_are_scenes(name):
+    build_scene(parse_case(scene_text(name), f"{name}.yaml"))
