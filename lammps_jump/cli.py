@@ -161,11 +161,11 @@ def run(
 def analyze(
     target: Annotated[Path, typer.Argument(help="Run folder, or any LAMMPS custom dump with x y.", show_default=False)],
     out: Annotated[
-        Path | None, typer.Option("--out", help="Folder for the results (default: beside the dump).")
+        Path | None, typer.Option("--out", help="Folder for the results of a bare dump (default: beside it).")
     ] = None,
     case: Annotated[Path | None, typer.Option("--case", help="Case file that belongs to a bare dump.")] = None,
-    diameter: Annotated[float | None, typer.Option(help="Disc diameter, m (guessed from a bare dump).")] = None,
-    density: Annotated[float, typer.Option(help="Density, kg/m^3.")] = 1000.0,
+    diameter: Annotated[float | None, typer.Option(help="Disc diameter, m (of a bare dump; default: guessed).")] = None,
+    density: Annotated[float | None, typer.Option(help="Density, kg/m^3 (of a bare dump; default 1000).")] = None,
     bin_width: Annotated[float | None, typer.Option(help="Width of a profile bin, m.")] = None,
     set_: Sets = None,
     quiet: Quiet = False,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from .case.to_scene import build_scene
 from .check import inflow_theory
 from .checkpoint import Checkpoint, remove_checkpoint
 from .errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
+from .interrupts import terminate_as_interrupt
 from .progress import ProgressLine
 from .run_files import OWN_FILES, RESULT_FILES, clear
 from .run_result import ProgressCallback, RunResult
@@ -50,6 +52,12 @@ def prepare(path: str | Path, assignments: list[str], out: Path | None) -> Prepa
     """
     loaded, chosen = load_with_accuracy(path, assignments)
     scene = build_scene(loaded)
+    low, high = scene.domain[0]
+    width = loaded.case.analysis.bin_width
+    if width is not None and width > high - low:
+        raise loaded.source.error(
+            "analysis.bin_width", f"{width:g} m is wider than the domain, {high - low:g} m; allowed is that or less"
+        )
     folder = out or Path("runs") / loaded.case.name
     kernel, plugin, ranks, notes = _engine_choice(loaded, scene)
     return Prepared(loaded, scene, folder, kernel, ranks, plugin, (*chosen, *notes))
@@ -125,7 +133,10 @@ def build_and_run(
 
 def stored_result(prepared: Prepared) -> dict[str, Any] | None:
     """The summary of a finished run of the same resolved case in the same folder, else None."""
-    stored = summaries.read_summary(prepared.folder)
+    try:
+        stored = summaries.read_summary(prepared.folder)
+    except DumpError:
+        return None
     if stored is None or stored.get("status") != "complete" or stored.get("case_hash") != prepared.hash:
         return None
     try:
@@ -217,7 +228,8 @@ def run_folder(
     parts: dict[str, Any] = {}
     trouble = ""
     try:
-        parts = analyse(prepared, result, quiet)
+        with analysis_of(prepared.folder):
+            parts = analyse(prepared, result, quiet)
     except DumpError as error:
         trouble = str(error)
     seconds = {"build": build_seconds, "run": result.seconds, "analysis": time.perf_counter() - begin}
@@ -346,6 +358,18 @@ def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any
     from .analysis.analyze import analyze_run
 
     return analyze_run(prepared.folder, prepared.scene, analysis_request(prepared), result=result, quiet=quiet)
+
+
+@contextmanager
+def analysis_of(folder: Path):
+    """Ctrl-C and SIGTERM during the analysis of a run folder become a `RunInterrupted` that says what is left to do."""
+    try:
+        with terminate_as_interrupt():
+            yield
+    except KeyboardInterrupt:
+        raise RunInterrupted(
+            f"the analysis was ended; what the run wrote is kept: `lammps-jump analyze {folder}` analyses it"
+        ) from None
 
 
 def report(prepared: Prepared, summary: dict[str, Any]) -> None:

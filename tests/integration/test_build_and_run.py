@@ -335,7 +335,13 @@ def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
     whole = json.loads((tmp_path / "summary.json").read_text())
     (tmp_path / "summary.json").unlink()  # a killed run writes none
     found = reanalyse(tmp_path, [], quiet=True)
-    assert found["status"] == "interrupted" and found["discs"] == whole["discs"] and found["steps"] == whole["steps"]
+    assert found["status"] == "complete" and found["discs"] == whole["discs"] and found["steps"] == whole["steps"]
+    assert any("reached its end" in text for text in found["warnings"])
+    log = (tmp_path / "log.lammps").read_text()
+    (tmp_path / "log.lammps").write_text(log[: log.rindex("Loop time of")].rsplit("\n", 2)[0])
+    (tmp_path / "summary.json").unlink()
+    found = reanalyse(tmp_path, [], quiet=True)
+    assert found["status"] == "interrupted" and 0 < found["steps"] < whole["steps"]
     assert any("cut off" in text for text in found["warnings"])
 
 
