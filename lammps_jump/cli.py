@@ -132,7 +132,9 @@ def build(
         from .lammps_engine.slurm import write_job
 
         print(f"job file: {write_job(prepared.scene, prepared.folder, prepared.ranks)}")
-    print(f"{prepared.folder}: run it with `lammps-jump run {prepared.folder}`, or there with `lmp -in in.lammps`")
+    script = (prepared.folder / "in.lammps").exists()
+    there = ", or there with `lmp -in in.lammps`" if script else ""
+    print(f"{prepared.folder}: run it with `lammps-jump run {prepared.folder}`{there}")
 
 
 @app.command()

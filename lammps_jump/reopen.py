@@ -97,7 +97,9 @@ def reached_end(prepared: Prepared) -> bool:
 
     step = read_log(prepared.folder / "log.lammps").step
     try:
-        return (step or max((frame.step for frame in open_run_dump(prepared.folder)), default=0)) >= prepared.scene.steps
+        return (
+            step or max((frame.step for frame in open_run_dump(prepared.folder)), default=0)
+        ) >= prepared.scene.steps
     except DumpError:
         return False
 

@@ -189,7 +189,7 @@ def test_interrupted_run_keeps_its_frames(tmp_path):
     write_script(scene, tmp_path)
     seen = []
     result = run_lammps(scene, tmp_path, progress=seen.append, should_stop=lambda: len(seen) > 2)
-    assert result.status == "interrupted" and "--force" in result.message
+    assert result.status == "interrupted" and "starts anew" in result.message
     assert 0 < result.steps < scene.steps
     assert result.inserted == result.present == 16 and result.lost == 0
     frames = list(open_dump(tmp_path / "dump.lammpstrj"))

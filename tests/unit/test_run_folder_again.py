@@ -15,7 +15,7 @@ from made_up import INPUTS
 from lammps_jump import pipeline
 from lammps_jump.cli import main
 from lammps_jump.errors import RunInterrupted
-from lammps_jump.reopen import reanalyse
+from lammps_jump.reopen import reanalyse, reopen
 
 SHORT = ("run.duration=0.1", "run.output_interval=0.02", "engine.name=native", "analysis.jump=false")
 
@@ -99,6 +99,21 @@ def test_summary_that_is_none(monkeypatch, capsys, folder, text):
     assert (folder / "summary.json").read_text() == text
 
 
+def test_another_run_leaves_files_of_the_user(folder):
+    mine = [
+        "figures/mine.png", "figures/depth_profile_of_paper.png", "force_lab.csv", "jump_measured.csv", "discs_lab.vtp",
+        "discs10.vtp", "fields_lab.vti", "profiles_lab.csv", "checkpoint-of-mine.npz", "pictures.dat",
+    ]  # fmt: skip
+    for name in mine:
+        (folder / name).write_text("of the user")
+    assert {"force_sill.csv", "figures/depth_profile.png"} <= {
+        str(path.relative_to(folder)) for path in map(Path, files(folder))
+    }
+    pipeline.write_folder(reopen(folder))
+    left = {str(Path(path).relative_to(folder)) for path in files(folder)}
+    assert left == {"case.yaml", *mine}
+
+
 def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
     """SIGTERM in the analysis: a message, a folder that `--resume` sends to `analyze`, and that makes it whole."""
     whole = json.loads((folder / "summary.json").read_text())
@@ -110,7 +125,7 @@ def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
     (folder / "summary.json").unlink()
     with monkeypatch.context() as patch:
         patch.setattr("lammps_jump.analysis.analyze.analyze_run", ended)
-        with pytest.raises(RunInterrupted, match="analysis was ended.*lammps-jump analyze"):
+        with pytest.raises(RunInterrupted, match=r"analysis was ended.*lammps-jump analyze"):
             reanalyse(folder, [], quiet=True)
     status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")
     assert status == 2 and f"`lammps-jump analyze {folder}`" in message and "reached its end" in message
@@ -123,3 +138,14 @@ def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
 def test_finished_run_is_not_resumed(monkeypatch, capsys, folder):
     status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")
     assert status == 2 and "is finished" in message and "--force" not in message
+
+
+def test_build_of_a_native_case_names_no_script(monkeypatch, capsys, tmp_path):
+    for engine in ("native", "lammps"):
+        sets = ["--set", f"engine.name={engine}", "--set", "engine.kernel=auto"]
+        status, text, _ = call(
+            monkeypatch, capsys, "build", INPUTS / "quick_jump.yaml", "--out", tmp_path / engine, *sets
+        )
+        assert (
+            status == 0 and ("in.lammps" in text) == (engine == "lammps") == (tmp_path / engine / "in.lammps").exists()
+        )
