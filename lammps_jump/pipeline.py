@@ -282,11 +282,12 @@ def _run_engine(
     scene = prepared.scene
     line = ProgressLine(scene.time(scene.steps), quiet=quiet, first_step=resume.step if resume else 0)
     watch = _steady_watch(prepared)
-    shown: ProgressCallback = line
+    view = None
     if live:
         from .live import LiveView
 
-        shown = LiveView(scene, prepared.folder, line)
+        view = LiveView(scene, prepared.folder, line)
+    shown: ProgressCallback = view or line
     dump_format = prepared.loaded.case.run.dump_format
     if prepared.loaded.case.engine.name == "native":
         from .native import run_native
@@ -310,6 +311,8 @@ def _run_engine(
             resume=resume,
         )
     line.finish()
+    if view is not None:
+        view.finish()
     if watch is not None and watch.reason and result.status == "interrupted":
         return replace(result, status="complete", message=""), watch.reason
     return result, ""
