@@ -8,6 +8,7 @@ from pathlib import Path
 
 from . import contact, theory
 from .accuracy import load_with_accuracy
+from .case import LoadedCase
 from .case.models import Case, RowsInflow
 from .case.to_scene import build_scene
 from .scene import Scene
@@ -20,10 +21,20 @@ def check_case(path: Path, assignments: list[str], *, as_json: bool = False) -> 
     """Text (or JSON) of the table; raises as `load_case` and `build_scene` do."""
     loaded, chosen = load_with_accuracy(path, assignments)
     scene = build_scene(loaded)
+    refuse_wide_bins(loaded, scene)
     scene = replace(scene, warnings=(*scene.warnings, *chosen))
     if as_json:
         return json.dumps(as_data(loaded.case, scene), indent=2, allow_nan=False)
     return as_text(loaded.case, scene)
+
+
+def refuse_wide_bins(loaded: LoadedCase, scene: Scene) -> None:
+    """Raise a `CaseError` where a profile bin is wider than the domain."""
+    (low, high), width = scene.domain[0], loaded.case.analysis.bin_width
+    if width is not None and width > high - low:
+        raise loaded.source.error(
+            "analysis.bin_width", f"{width:g} m is wider than the domain, {high - low:g} m; allowed is that or less"
+        )
 
 
 def as_data(case: Case, scene: Scene) -> dict:

@@ -21,7 +21,7 @@ from .run_result import RunResult
 from .scene import Scene
 
 CHECKPOINT_FILE = "checkpoint.json"
-STATE_FILES = ("checkpoint-*.npz", "checkpoint-*.restart")
+STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
 NO_NUMBERS = ("name", "description", "skipped", "warnings")
 """Fields of a scene that change no trajectory."""

@@ -13,7 +13,7 @@ from . import summary as summaries
 from .accuracy import load_with_accuracy
 from .case import LoadedCase, case_hash, resolved_yaml
 from .case.to_scene import build_scene
-from .check import inflow_theory
+from .check import inflow_theory, refuse_wide_bins
 from .checkpoint import Checkpoint, remove_checkpoint
 from .errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
 from .interrupts import terminate_as_interrupt
@@ -52,12 +52,7 @@ def prepare(path: str | Path, assignments: list[str], out: Path | None) -> Prepa
     """
     loaded, chosen = load_with_accuracy(path, assignments)
     scene = build_scene(loaded)
-    low, high = scene.domain[0]
-    width = loaded.case.analysis.bin_width
-    if width is not None and width > high - low:
-        raise loaded.source.error(
-            "analysis.bin_width", f"{width:g} m is wider than the domain, {high - low:g} m; allowed is that or less"
-        )
+    refuse_wide_bins(loaded, scene)
     folder = out or Path("runs") / loaded.case.name
     kernel, plugin, ranks, notes = _engine_choice(loaded, scene)
     return Prepared(loaded, scene, folder, kernel, ranks, plugin, (*chosen, *notes))

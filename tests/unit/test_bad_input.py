@@ -219,6 +219,14 @@ def test_unknown_scene_names_the_nearest(monkeypatch, capsys, tmp_path):
     assert status == 2 and "dam_break" in message
 
 
+@pytest.mark.parametrize("command", ["build-and-run", "build", "check"])
+def test_bin_wider_than_the_domain(monkeypatch, capsys, tmp_path, command):
+    (tmp_path / "case.yaml").write_text(GOOD + "analysis: {bin_width: 22}\n")
+    status, message = attempt(monkeypatch, capsys, tmp_path, command, "case.yaml")
+    assert status == 2 and "analysis.bin_width" in message and "22 m" in message and "21 m" in message
+    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
+
+
 @pytest.mark.parametrize("command", ["build-and-run", "build", "bench", "cross-validate"])
 def test_out_without_a_name(monkeypatch, capsys, tmp_path, command):
     (tmp_path / "case.yaml").write_text(GOOD)
