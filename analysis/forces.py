@@ -278,11 +278,16 @@ def _settled(structures: dict, context: FlowContext, profiles: xr.Dataset, momen
             index = _station(profiles, *_face(force.wall)[::3], 2, context)
             depth = nan if index is None else float(profiles["mass_depth"].values[frames, index].mean())
             expected = theory.hydrostatic_force(depth, context.density, gravity)
-            result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": abs(mean_x) / expected}
+            result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": _ratio(mean_x, expected)}
         elif momentum is not None and abs(mean_y) > abs(mean_x):
             weight = context.mass * gravity * float(momentum.discs[frames].mean())
-            result[name] = {"force": mean_y, "weight": weight, "ratio": abs(mean_y) / weight}
+            result[name] = {"force": mean_y, "weight": weight, "ratio": _ratio(mean_y, weight)}
     return {"settled": result} if result else {}
+
+
+def _ratio(force: float, expected: float) -> float:
+    """Size of a force over what was expected; NaN where nothing was: a dry wall, no disc."""
+    return abs(force) / expected if expected > 0 else nan
 
 
 def _reflected(structures: dict, context: FlowContext, profiles: xr.Dataset) -> ReflectedWave | None:

@@ -15,7 +15,7 @@ def analyze_target(
     out: Path | None,
     case: Path | None,
     diameter: float | None,
-    density: float,
+    density: float | None,
     bin_width: float | None,
     assignments: list[str],
     quiet: bool,
@@ -26,11 +26,19 @@ def analyze_target(
     Raises
     ------
     CaseError, DumpError
+        Also where an option is given that has no meaning for the target.
     """
+    _positive("--bin-width", bin_width, "m")
     if target.is_dir() and (target / "case.yaml").exists():
         from .display import print_summary
         from .reopen import reanalyse
 
+        for option, value in {"--out": out, "--case": case, "--diameter": diameter, "--density": density}.items():
+            if value is not None:
+                raise CaseError(
+                    f"{option} {value}: {target} is a run folder, whose case says all that and whose results stay in "
+                    f"it; {option} goes with a bare dump: name the dump file itself to analyse it as one"
+                )
         sets = [*assignments, *([f"analysis.bin_width={bin_width}"] if bin_width else [])]
         summary = reanalyse(target, sets, quiet)
         if not quiet:
@@ -39,28 +47,41 @@ def analyze_target(
     return _bare_dump(target, out, case, diameter, density, bin_width, assignments, say)
 
 
+def _positive(option: str, value: float | None, unit: str) -> None:
+    if value is not None and not 0 < value < float("inf"):
+        raise CaseError(f"{option} {value}: allowed is > 0 {unit}")
+
+
 def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say) -> dict[str, Any]:
     from .analysis.analyze import AnalysisRequest, analyze_dump
     from .analysis.context import from_scene
     from .analysis.context_of_dump import from_dump
     from .analysis.dump import open_dump
     from .analysis.run_folder import find_dump
+    from .case.scene_checks import MOST_BINS
     from .summary import write_summary
 
     path = find_dump(target)
-    if diameter is not None and not diameter > 0:
-        raise CaseError(f"--diameter {diameter}: allowed is > 0 m")
-    if not density > 0:
-        raise CaseError(f"--density {density}: allowed is > 0 kg/m^3")
-    if bin_width is not None and not bin_width > 0:
-        raise CaseError(f"--bin-width {bin_width}: allowed is > 0 m")
+    _positive("--diameter", diameter, "m")
+    _positive("--density", density, "kg/m^3")
+    if case is None and assignments:
+        raise CaseError(f"--set {assignments[0]}: changes a case, and a bare dump has none; name it with --case")
+    for option, value in {"--diameter": diameter, "--density": density}.items():
+        if case is not None and value is not None:
+            raise CaseError(f"{option} {value}: {case} says it; leave out one of --case and {option}")
     if case is not None:
         from .case import load_case
         from .case.to_scene import build_scene
 
         context = from_scene(build_scene(load_case(case, assignments)))
     else:
-        context = from_dump(open_dump(path), diameter=diameter, density=density)
+        context = from_dump(open_dump(path), diameter=diameter, density=1000.0 if density is None else density)
+    low, high = context.x_range
+    if bin_width is not None and not (high - low) / MOST_BINS <= bin_width <= high - low:
+        raise CaseError(
+            f"--bin-width {bin_width}: allowed is {(high - low) / MOST_BINS:.2g} to {high - low:.4g} m, the length of "
+            f"the channel in {path}"
+        )
     folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
     parts = analyze_dump(path, context, AnalysisRequest(bin_width=bin_width, jump=True, front=True), folder)
     write_summary(folder, {"name": path.name, **parts})

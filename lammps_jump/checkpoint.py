@@ -21,7 +21,7 @@ from .run_result import RunResult
 from .scene import Scene
 
 CHECKPOINT_FILE = "checkpoint.json"
-STATE_FILES = ("checkpoint-*.npz", "checkpoint-*.restart")
+STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
 NO_NUMBERS = ("name", "description", "skipped", "warnings")
 """Fields of a scene that change no trajectory."""
@@ -95,13 +95,13 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
         result = RunResult(**{**earlier, "resumed": tuple(earlier["resumed"])})
         checkpoint = Checkpoint(**{**stored, "removed": tuple(stored["removed"]), "result": result})
     except (OSError, ValueError, TypeError, KeyError) as error:
-        raise ResumeError(f"{path}: cannot be read ({error}); --force starts the run anew") from None
+        raise ResumeError(f"{path}: cannot be read ({error}); the same command without --resume starts anew") from None
     for name, size in {checkpoint.state: 1, **checkpoint.sizes}.items():
         found = (folder / name).stat().st_size if (folder / name).exists() else 0
         if found < size:
             raise ResumeError(
                 f"{folder / name}: {found} bytes, {size} or more were there when the run was interrupted; without "
-                "them it cannot go on; --force starts it anew"
+                "them it cannot go on; the same command without --resume starts anew"
             )
     return checkpoint
 

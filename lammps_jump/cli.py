@@ -9,7 +9,8 @@ from typing import Annotated
 
 import typer
 
-from .errors import CaseError, JumpError
+from .errors import CaseError, JumpError, SetupError
+from .standard_streams import patient_output
 
 app = typer.Typer(
     name="lammps-jump",
@@ -36,6 +37,17 @@ def options(
     ] = False,
 ) -> None:
     """Free-surface flow with discs: one YAML case in; a LAMMPS script, a run, profiles, figures and a report out."""
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        raise SetupError("the current folder is no longer there; `cd` into one that is, and try again") from None
+
+
+def _folder(text: str) -> Path:
+    """A folder or file of ``--out``; an empty text (an unset variable of a shell) would be the current folder."""
+    if not text.strip():
+        raise typer.BadParameter("an empty text names no place; `--out .` is the current folder")
+    return Path(text)
 
 
 CaseFile = Annotated[
@@ -49,7 +61,12 @@ Sets = Annotated[
         metavar="PATH=VALUE",
     ),
 ]
-Out = Annotated[Path | None, typer.Option("--out", help="Folder for the results (default: runs/<name of the case>).")]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", parser=_folder, metavar="PATH", help="Folder for the results (default: runs/<name of the case>)."
+    ),
+]
 EngineName = Annotated[str | None, typer.Option("--engine", help="lammps or native.")]
 Kernel = Annotated[str | None, typer.Option("--kernel", help="auto, stock or compiled (LAMMPS only).")]
 Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks, or auto.")]
@@ -58,6 +75,7 @@ Accuracy = Annotated[
     typer.Option("--accuracy", help="Cheapest setting shown to meet it, such as 1% (see docs/benchmark.md)."),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; errors only.")]
+QuietStudy = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; only what was found.")]
 Resume = Annotated[
     bool,
     typer.Option("--resume", help="Go on with the interrupted run in the folder; frames and sums are of the whole."),
@@ -132,7 +150,9 @@ def build(
         from .lammps_engine.slurm import write_job
 
         print(f"job file: {write_job(prepared.scene, prepared.folder, prepared.ranks)}")
-    print(f"{prepared.folder}: run it with `lammps-jump run {prepared.folder}`, or there with `lmp -in in.lammps`")
+    script = (prepared.folder / "in.lammps").exists()
+    there = ", or there with `lmp -in in.lammps`" if script else ""
+    print(f"{prepared.folder}: run it with `lammps-jump run {prepared.folder}`{there}")
 
 
 @app.command()
@@ -161,11 +181,14 @@ def run(
 def analyze(
     target: Annotated[Path, typer.Argument(help="Run folder, or any LAMMPS custom dump with x y.", show_default=False)],
     out: Annotated[
-        Path | None, typer.Option("--out", help="Folder for the results (default: beside the dump).")
+        Path | None,
+        typer.Option(
+            "--out", parser=_folder, metavar="PATH", help="Folder for the results of a bare dump (default: beside it)."
+        ),
     ] = None,
     case: Annotated[Path | None, typer.Option("--case", help="Case file that belongs to a bare dump.")] = None,
-    diameter: Annotated[float | None, typer.Option(help="Disc diameter, m (guessed from a bare dump).")] = None,
-    density: Annotated[float, typer.Option(help="Density, kg/m^3.")] = 1000.0,
+    diameter: Annotated[float | None, typer.Option(help="Disc diameter, m (of a bare dump; default: guessed).")] = None,
+    density: Annotated[float | None, typer.Option(help="Density, kg/m^3 (of a bare dump; default 1000).")] = None,
     bin_width: Annotated[float | None, typer.Option(help="Width of a profile bin, m.")] = None,
     set_: Sets = None,
     quiet: Quiet = False,
@@ -233,7 +256,10 @@ def doctor() -> None:
 @app.command("cross-validate")
 def cross_validate(
     case: CaseFile,
-    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/<name>_cross_validation).")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", parser=_folder, metavar="PATH", help="Folder (default: runs/<name>_cross_validation)."),
+    ] = None,
     members: Annotated[int | None, typer.Option(help="Runs in each ensemble (default 6, quick 3).")] = None,
     kernel: Annotated[str, typer.Option(help="LAMMPS kernel of the ensembles: auto, stock or compiled.")] = "auto",
     quick: Annotated[bool, typer.Option("--quick", help="Fewer members, no comparison of laws.")] = False,
@@ -277,7 +303,10 @@ def kernels_status() -> None:
 def animate(
     folder: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
     out: Annotated[
-        Path | None, typer.Option("--out", help="File (.mp4 or .gif); default animation.mp4 in the folder.")
+        Path | None,
+        typer.Option(
+            "--out", parser=_folder, metavar="PATH", help="File (.mp4 or .gif); default animation.mp4 in the folder."
+        ),
     ] = None,
     fps: Annotated[int, typer.Option(help="Frames a second.")] = 20,
 ) -> None:
@@ -293,13 +322,15 @@ def bench(
         Path,
         typer.Argument(help="Case file, or `collision` for two discs against their closed forms.", show_default=False),
     ],
-    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/bench/<name>).")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", parser=_folder, metavar="PATH", help="Folder (default: runs/bench/<name>).")
+    ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Three steps, two starts.")] = False,
     axes: Annotated[
         str | None,
         typer.Option(help="Of f,n,touch,kernel,correction,skin,diameter,ranks; default all but the last two."),
     ] = None,
-    members: Annotated[int | None, typer.Option(help="Starts of each setting (default 5, quick 2).")] = None,
+    members: Annotated[int | None, typer.Option(min=1, help="Starts of each setting (default 5, quick 2).")] = None,
     cells: Annotated[
         bool, typer.Option("--cells", help="CPU time against the cell size of the thesis' search.")
     ] = False,
@@ -313,7 +344,7 @@ def bench(
     kernels: Annotated[str | None, typer.Option(help="Of stock,compiled,native; default all that run here.")] = None,
     set_: Sets = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
-    quiet: Quiet = False,
+    quiet: QuietStudy = False,
 ) -> None:
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
     from .studies.bench_command import run_bench
@@ -329,13 +360,15 @@ def bench(
 
 @app.command()
 def stress(
-    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/stress).")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", parser=_folder, metavar="PATH", help="Folder (default: runs/stress).")
+    ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Small packings, few scenes.")] = False,
     long: Annotated[bool, typer.Option("--long", help="10^7 steps of a bed, minutes of drowned inlet.")] = False,
-    random: Annotated[int | None, typer.Option(help="Number of random scenes (default 200, quick 10).")] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the first random scene.")] = 0,
+    random: Annotated[int | None, typer.Option(min=0, help="Number of random scenes (default 200, quick 10).")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first random scene.")] = 0,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
-    quiet: Quiet = False,
+    quiet: QuietStudy = False,
 ) -> None:
     """Numerical stability: limits of the step, hard and random scenes; exit status 1 where one ends badly."""
     from .studies.stress import stress as study
@@ -349,11 +382,13 @@ def stress(
 
 @app.command()
 def sensitivity(
-    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/sensitivity).")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", parser=_folder, metavar="PATH", help="Folder (default: runs/sensitivity).")
+    ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Short, coarse flows: seconds.")] = False,
     only: Annotated[str | None, typer.Option(help="Of diameter,restitution,friction,stiffness,froude,sill.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
-    quiet: Quiet = False,
+    quiet: QuietStudy = False,
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
     from .studies.sensitivity import run_sensitivity
@@ -363,10 +398,12 @@ def sensitivity(
 
 @app.command()
 def calibrate(
-    out: Annotated[Path | None, typer.Option("--out", help="Folder (default: runs/calibrate).")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", parser=_folder, metavar="PATH", help="Folder (default: runs/calibrate).")
+    ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Four candidates on coarse flows: seconds.")] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
-    quiet: Quiet = False,
+    quiet: QuietStudy = False,
 ) -> None:
     """Contact coefficients that make discs behave most like water; the distances are printed."""
     from .studies.calibration import run_calibration
@@ -378,19 +415,28 @@ def main() -> None:
     """Entry point: errors of ours become one paragraph and an exit status, never a traceback."""
     # imports leave a million objects that stay: looking through them again and again took a tenth of an analysis
     gc.set_threshold(50_000, 20, 50)
+    with patient_output() as output:
+        status = _status()
+        output.flush()
+        if output.trouble is not None:
+            print(f"error: standard output cannot be written ({output.trouble.strerror})", file=sys.stderr)
+            status = status or 1
+    gc.freeze()  # nor once more at the end: a third of a second
+    raise SystemExit(status)
+
+
+def _status() -> int:
+    """Run the command; its exit status."""
     try:
         app(standalone_mode=True)
+    except SystemExit as stop:
+        if stop.code == 130:  # what typer makes of Ctrl-C
+            print("\nended by the user; nothing more was written", file=sys.stderr)
+        return int(stop.code or 0)
     except JumpError as error:
         print(f"error: {error}", file=sys.stderr)
-        raise SystemExit(error.exit_status) from None
-    except KeyboardInterrupt:
-        print("\nended by the user; nothing more was written", file=sys.stderr)
-        raise SystemExit(130) from None
-    except BrokenPipeError:
-        sys.stderr.close()
-        raise SystemExit(0) from None
-    finally:
-        gc.freeze()  # nor once more at the end: a third of a second
+        return error.exit_status
+    return 0
 
 
 if __name__ == "__main__":

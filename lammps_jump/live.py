@@ -17,10 +17,10 @@ SECONDS = 1.5
 PICTURE = "live.png"
 
 
-def newest_frame_text(path: Path, guess: int = 2_000_000) -> bytes | None:
+def newest_frame_text(path: Path, guess: int = 2_000_000, ended: bool = False) -> bytes | None:
     """The last whole frame of a text dump that is still being written, None where there is none yet.
 
-    Reads from the end only: `guess` bytes, more where a frame is larger.
+    Reads from the end only: `guess` bytes, more where a frame is larger. Where the run has `ended` the last is whole.
     """
     try:
         size = path.stat().st_size
@@ -29,7 +29,7 @@ def newest_frame_text(path: Path, guess: int = 2_000_000) -> bytes | None:
                 start = max(0, size - guess)
                 file.seek(start)
                 tail = file.read(size - start)
-                first = tail.rfind(b"ITEM: TIME\n")
+                first = len(tail) if ended else tail.rfind(b"ITEM: TIME\n")
                 previous = tail.rfind(b"ITEM: TIME\n", 0, max(first, 0))
                 if previous >= 0:
                     return tail[previous:first]
@@ -75,6 +75,12 @@ class LiveView:
         if text is not None:
             self._draw(text)
         self.shown = time.perf_counter()
+
+    def finish(self) -> None:
+        """Draw the last frame of the run."""
+        text = newest_frame_text(self.dump, ended=True)
+        if text is not None:
+            self._draw(text)
 
     def _draw(self, text: bytes) -> None:
         from .analysis.animate import still

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from .case.to_scene import build_scene
 from .check import inflow_theory
 from .checkpoint import Checkpoint, remove_checkpoint
 from .errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
+from .interrupts import terminate_as_interrupt
 from .progress import ProgressLine
 from .run_files import OWN_FILES, RESULT_FILES, clear
 from .run_result import ProgressCallback, RunResult
@@ -125,7 +127,10 @@ def build_and_run(
 
 def stored_result(prepared: Prepared) -> dict[str, Any] | None:
     """The summary of a finished run of the same resolved case in the same folder, else None."""
-    stored = summaries.read_summary(prepared.folder)
+    try:
+        stored = summaries.read_summary(prepared.folder)
+    except DumpError:
+        return None
     if stored is None or stored.get("status") != "complete" or stored.get("case_hash") != prepared.hash:
         return None
     try:
@@ -217,7 +222,8 @@ def run_folder(
     parts: dict[str, Any] = {}
     trouble = ""
     try:
-        parts = analyse(prepared, result, quiet)
+        with analysis_of(prepared.folder):
+            parts = analyse(prepared, result, quiet)
     except DumpError as error:
         trouble = str(error)
     seconds = {"build": build_seconds, "run": result.seconds, "analysis": time.perf_counter() - begin}
@@ -270,11 +276,12 @@ def _run_engine(
     scene = prepared.scene
     line = ProgressLine(scene.time(scene.steps), quiet=quiet, first_step=resume.step if resume else 0)
     watch = _steady_watch(prepared)
-    shown: ProgressCallback = line
+    view = None
     if live:
         from .live import LiveView
 
-        shown = LiveView(scene, prepared.folder, line)
+        view = LiveView(scene, prepared.folder, line)
+    shown: ProgressCallback = view or line
     dump_format = prepared.loaded.case.run.dump_format
     if prepared.loaded.case.engine.name == "native":
         from .native import run_native
@@ -298,6 +305,8 @@ def _run_engine(
             resume=resume,
         )
     line.finish()
+    if view is not None:
+        view.finish()
     if watch is not None and watch.reason and result.status == "interrupted":
         return replace(result, status="complete", message=""), watch.reason
     return result, ""
@@ -346,6 +355,18 @@ def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any
     from .analysis.analyze import analyze_run
 
     return analyze_run(prepared.folder, prepared.scene, analysis_request(prepared), result=result, quiet=quiet)
+
+
+@contextmanager
+def analysis_of(folder: Path):
+    """Ctrl-C and SIGTERM during the analysis of a run folder become a `RunInterrupted` that says what is left to do."""
+    try:
+        with terminate_as_interrupt():
+            yield
+    except KeyboardInterrupt:
+        raise RunInterrupted(
+            f"the analysis was ended; what the run wrote is kept: `lammps-jump analyze {folder}` analyses it"
+        ) from None
 
 
 def report(prepared: Prepared, summary: dict[str, Any]) -> None:

@@ -9,8 +9,8 @@ from typing import Any
 
 from . import summary as summaries
 from .case import resolved_yaml
-from .errors import CaseError
-from .pipeline import Prepared, analyse, compose, prepare, report
+from .errors import CaseError, DumpError
+from .pipeline import Prepared, analyse, analysis_of, compose, prepare, report
 from .run_result import RunResult
 
 
@@ -33,16 +33,32 @@ def reopen(folder: Path, assignments: list[str] | None = None) -> Prepared:
 
 
 def reanalyse(folder: Path, assignments: list[str], quiet: bool) -> dict[str, Any]:
-    """Analyse a run folder again (``--set analysis.…`` may ask for other things) and rewrite summary and report."""
+    """Analyse a run folder again (``--set analysis.…`` may ask for other things) and rewrite summary and report.
+
+    Raises
+    ------
+    CaseError
+        No run folder, or an assignment that would change the run.
+    DumpError
+    RunInterrupted
+        Where the analysis is ended by Ctrl-C or SIGTERM.
+    """
+    for assignment in assignments:
+        if assignment.split("=")[0].split(".")[0].strip() != "analysis":
+            raise CaseError(
+                f"--set {assignment}: belongs to the run, which is done; allowed here is analysis.…: a run with other "
+                f"values is a new one: `lammps-jump build-and-run {folder / 'case.yaml'} --set {assignment} --out …`"
+            )
     prepared = reopen(folder, assignments)
     stored = summaries.read_summary(folder)
-    result = _cut_off(prepared) if stored is None else _as_stored(stored, prepared)
-    stored = stored or {}
     begin = time.perf_counter()
-    parts = analyse(prepared, result, quiet)
+    with analysis_of(folder):
+        result = _without_summary(prepared) if stored is None else _as_stored(stored, prepared)
+        stored = stored or {}
+        parts = analyse(prepared, result, quiet)
     seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
     seconds["analysis"] = time.perf_counter() - begin
-    if result.status == "interrupted" and result.message:
+    if result.status in ("interrupted", "complete") and result.message:
         parts.setdefault("warnings", []).append(result.message)
     summary = compose(prepared, result, seconds, parts)
     summary["case_hash"] = stored.get("case_hash", prepared.hash)
@@ -74,7 +90,21 @@ def _as_stored(stored: dict[str, Any], prepared: Prepared) -> RunResult:
     )
 
 
-def _cut_off(prepared: Prepared) -> RunResult:
+def reached_end(prepared: Prepared) -> bool:
+    """Whether the log, else the dump of a run folder tells of the run's last step."""
+    from .analysis.run_folder import open_run_dump
+    from .lammps_engine.log import read_log
+
+    step = read_log(prepared.folder / "log.lammps").step
+    try:
+        return (
+            step or max((frame.step for frame in open_run_dump(prepared.folder)), default=0)
+        ) >= prepared.scene.steps
+    except DumpError:
+        return False
+
+
+def _without_summary(prepared: Prepared) -> RunResult:
     """What can be said of a run that was killed before it wrote a summary: from its log, else from its dump."""
     from .analysis.run_folder import open_run_dump
     from .lammps_engine.log import read_log
@@ -93,15 +123,16 @@ def _cut_off(prepared: Prepared) -> RunResult:
             step, present = frame.step, frame.n
             highest = max(highest, int(frame.ids.max(initial=0)))
         inserted, removed = highest, highest - present
+    whole = step >= scene.steps
     message = (
-        f"the run was cut off after t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s and left "
-        "no summary; "
-        "discs are counted from what it wrote"
-    )
+        "the run reached its end, its analysis did not"
+        if whole
+        else f"the run was cut off after t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s"
+    ) + " and left no summary; discs are counted from what it wrote"
     return RunResult(
         engine=prepared.loaded.case.engine.name,
         kernel=prepared.kernel,
-        status="interrupted",
+        status="complete" if whole else "interrupted",
         message=message,
         steps=step,
         disc_steps=disc_steps,

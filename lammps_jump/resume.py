@@ -10,9 +10,10 @@ from typing import Any
 from . import pipeline
 from . import summary as summaries
 from .case import resolved_yaml
-from .checkpoint import Checkpoint, fingerprint, read_checkpoint
+from .checkpoint import CHECKPOINT_FILE, Checkpoint, fingerprint, read_checkpoint
 from .errors import CaseError, ResumeError
 from .pipeline import Prepared
+from .reopen import reached_end
 
 ANEW = "the same command without --resume starts anew"
 
@@ -84,9 +85,15 @@ def resumable(prepared: Prepared) -> Checkpoint:
             f"{folder / 'case.yaml'}: differs from the case that was asked for, so that its run is not this one's "
             f"beginning; `lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
         )
-    status = (summaries.read_summary(folder) or {}).get("status", "interrupted")
+    stored = summaries.read_summary(folder)
+    status = (stored or {}).get("status", "interrupted")
     if status == "complete":
-        raise ResumeError(f"{folder}: the run is finished, nothing is left to do; --force runs it again")
+        raise ResumeError(f"{folder}: the run is finished, nothing is left to do; {ANEW}")
+    if stored is None and not (folder / CHECKPOINT_FILE).exists() and reached_end(prepared):
+        raise ResumeError(
+            f"{folder}: the run reached its end, nothing of it is left to do; only its analysis is missing: "
+            f"`lammps-jump analyze {folder}` makes it"
+        )
     if status != "interrupted":
         raise ResumeError(f"{folder}: the run has {status}, and would again from there; mend the case and start anew")
     checkpoint = read_checkpoint(folder)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 
 RUN_FILES = (
@@ -17,8 +19,8 @@ RUN_FILES = (
     "job.slurm",
     "forces_*.raw",
     "checkpoint.json",
-    "checkpoint-*.npz",
-    "checkpoint-*.restart",
+    "checkpoint-[0-9]*.npz",
+    "checkpoint-[0-9]*.restart",
     "in.resume.lammps",
     "log.resume.lammps",
     "dump.resume.lammpsbin",
@@ -31,26 +33,53 @@ RESULT_FILES = (
     "animation.mp4",
     "report.html",
     "live.png",
-    "profiles*.csv",
+    "profiles.csv",
+    "profiles_mean.csv",
     "energy.csv",
     "front.csv",
-    "jump_*.csv",
-    "force_*.csv",
+    "jump_track.csv",
+    "jump_frame.csv",
     "reflected_wave.csv",
     "fields.nc",
-    "fields*.vti",
-    "discs*.vtp",
+    "fields.vti",
+    "discs[0-9].vtp",
     "discs.pvd",
-    "picture?.dat",
-    "figures/*.png",
+    "picture[0-9].dat",
+    "figures/depth_profile.png",
+    "figures/depth_map.png",
+    "figures/snapshots.png",
+    "figures/jump_track.png",
+    "figures/jump_frame.png",
+    "figures/jump_balance.png",
+    "figures/energy_head.png",
+    "figures/front.png",
+    "figures/martin_moyce.png",
+    "figures/energy.png",
+    "figures/forces.png",
+    "figures/impulse.png",
+    "figures/reflected_wave.png",
+    "figures/field_density.png",
+    "figures/field_pressure.png",
+    "figures/bed_pressure.png",
 )
-"""What is made of them."""
+"""What is made of them; ``force_<structure>.csv`` besides, where the summary says that it was written."""
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)
 """What a run folder may hold of an earlier run (names and patterns); nothing else in it is ever deleted."""
 
 
 def clear(folder: Path, patterns: tuple[str, ...]) -> None:
-    """Delete the files of a folder that the patterns name."""
+    """Delete the files of a folder that the patterns name; with the results those that its summary names as written."""
+    written = _force_tables(folder) if "summary.json" in patterns else []
+    for name in written:
+        (folder / name).unlink(missing_ok=True)
     for pattern in patterns:
         for old in folder.glob(pattern):
             old.unlink()
+
+
+def _force_tables(folder: Path) -> list[str]:
+    try:
+        names = json.loads((folder / "summary.json").read_text())["files"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return []
+    return [name for name in names if re.fullmatch(r"force_[^/\\]+\.csv", str(name))] if isinstance(names, list) else []

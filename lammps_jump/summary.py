@@ -12,10 +12,18 @@ from typing import Any
 
 import numpy as np
 
+from .errors import DumpError
 from .run_result import RunResult
 from .scene import Scene
 
 SUMMARY_FILE = "summary.json"
+FIELD_TYPES = {
+    "status": str, "message": str, "engine": str, "kernel": str, "case_hash": str, "steps": int,
+    "disc_steps": int | float, "discs": dict, "wall_seconds": dict, "versions": dict, "ledger": dict,
+    "breakdown_seconds": dict, "resumed_at": list,
+}  # fmt: skip
+"""What is read back of a summary; each may be null or missing."""
+NO_SUMMARY = "it is no summary of a run: delete it, and `lammps-jump analyze` makes it anew from what the run wrote"
 
 
 def plain(value: Any) -> Any:
@@ -108,8 +116,25 @@ def write_summary(folder: Path, summary: dict[str, Any]) -> Path:
 
 
 def read_summary(folder: Path) -> dict[str, Any] | None:
-    """The summary of a run folder, None where there is none that can be read."""
+    """The summary of a run folder, None where there is none that can be read.
+
+    Raises
+    ------
+    DumpError
+        Where the file is JSON and no summary of a run.
+    """
+    path = folder / SUMMARY_FILE
     try:
-        return json.loads((folder / SUMMARY_FILE).read_text())
+        found = json.loads(path.read_text())
     except (OSError, ValueError):
         return None
+    if not isinstance(found, dict):
+        raise DumpError(f"{path}: a {type(found).__name__} where a mapping was expected; {NO_SUMMARY}")
+    for name, kind in FIELD_TYPES.items():
+        if found.get(name) is not None and not isinstance(found[name], kind):
+            raise DumpError(f"{path}: {name} is {str(found[name])[:40]!r}; {NO_SUMMARY}")
+    for name in ("discs", "wall_seconds", "breakdown_seconds"):
+        for key, value in (found.get(name) or {}).items():
+            if value is not None and not isinstance(value, int | float):
+                raise DumpError(f"{path}: {name}.{key} is {str(value)[:40]!r}; {NO_SUMMARY}")
+    return found

@@ -44,10 +44,10 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
             f"a position is no longer a number {when}{_not_finite(state)}; the motion blew up: {SMALLER_STEP}. {kept}"
         )
     if "Lost atoms" in error:
+        (xlo, xhi), (ylo, yhi) = scene.domain
         return (
             f"discs were lost {when}{_missing(scene, folder, state)}; they left the domain x "
-            f"{scene.domain[0]}, y {scene.domain[1]} "
-            f"unseen: widen domain, or add an outflow before its edge. {kept}"
+            f"[{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] unseen: widen domain, or add an outflow before its edge. {kept}"
         )
     first = error.strip().splitlines()[0] if error.strip() else "no message"
     return f"LAMMPS stopped {when}: {first} (more in {folder}/log.lammps). {kept}"

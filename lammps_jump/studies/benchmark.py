@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..case import case_hash, load_case
-from ..errors import RunError
+from ..errors import CaseError, RunError
 from .bench_errors import EXACT, cheapest, names_of, pareto, setting_errors
 from .bench_runs import run_setting
 from .bench_settings import (
@@ -80,6 +80,8 @@ def bench_case(
     RunError
         No setting came to its end.
     """
+    if members is not None and members < 1:
+        raise CaseError(f"--members {members}: allowed is 1 or more")
     own = load_case(path, list(assignments)).case
     chosen = parse_axes(axes or ("f,touch,kernel" if quick else None))
     usable, notes = usable_kernels()
@@ -91,7 +93,7 @@ def bench_case(
     )  # fmt: skip
     reference = reference_setting(0.02 if quick else min(FRACTIONS), usable)
     settings = list(dict.fromkeys([reference, *settings]))
-    rounds = members or (2 if quick else 5)
+    rounds = members if members is not None else (2 if quick else 5)
     folder = Path(out) if out else Path("runs") / "bench" / own.name
     store = Store(folder / BENCH_FILE, fresh=fresh)
     for note in notes:

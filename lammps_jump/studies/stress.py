@@ -8,6 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ..errors import CaseError
 from .stress_limits import ARRANGEMENTS, ENGINES, Limit, measure_limit, periodic_hexagonal
 from .stress_scenes import ENGINE_TEXTS, GOOD, hard_scenes, judge, random_case
 from .timing import Store, machine, versions
@@ -56,6 +57,10 @@ def stress(
     """
     from .bench_settings import usable_kernels
 
+    if random is not None and random < 0:
+        raise CaseError(f"--random {random}: allowed is 0 or more")
+    if seed < 0:
+        raise CaseError(f"--seed {seed}: allowed is 0 or more")
     folder = Path(out) if out else Path("runs") / "stress"
     store = Store(folder / STRESS_FILE, fresh=fresh)
     kernels, notes = usable_kernels()

@@ -189,7 +189,7 @@ def test_interrupted_run_keeps_its_frames(tmp_path):
     write_script(scene, tmp_path)
     seen = []
     result = run_lammps(scene, tmp_path, progress=seen.append, should_stop=lambda: len(seen) > 2)
-    assert result.status == "interrupted" and "--force" in result.message
+    assert result.status == "interrupted" and "starts anew" in result.message
     assert 0 < result.steps < scene.steps
     assert result.inserted == result.present == 16 and result.lost == 0
     frames = list(open_dump(tmp_path / "dump.lammpstrj"))
@@ -335,7 +335,13 @@ def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
     whole = json.loads((tmp_path / "summary.json").read_text())
     (tmp_path / "summary.json").unlink()  # a killed run writes none
     found = reanalyse(tmp_path, [], quiet=True)
-    assert found["status"] == "interrupted" and found["discs"] == whole["discs"] and found["steps"] == whole["steps"]
+    assert found["status"] == "complete" and found["discs"] == whole["discs"] and found["steps"] == whole["steps"]
+    assert any("reached its end" in text for text in found["warnings"])
+    log = (tmp_path / "log.lammps").read_text()
+    (tmp_path / "log.lammps").write_text(log[: log.rindex("Loop time of")].rsplit("\n", 2)[0])
+    (tmp_path / "summary.json").unlink()
+    found = reanalyse(tmp_path, [], quiet=True)
+    assert found["status"] == "interrupted" and 0 < found["steps"] < whole["steps"]
     assert any("cut off" in text for text in found["warnings"])
 
 

@@ -74,7 +74,7 @@ def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
         "energy_box_16", tmp_path, plugin, 2, "run.duration=20000",
         progress=seen.append, should_stop=lambda: bool(seen) and seen[-1].step > 0,
     )  # fmt: skip
-    assert result.status == "interrupted" and "kept" in result.message and "--force" in result.message
+    assert result.status == "interrupted" and "kept" in result.message and "starts anew" in result.message
     assert 0 < result.steps < scene.steps
     assert result.present == 16 and result.lost == 0
     assert frames(tmp_path)

@@ -1,6 +1,7 @@
 """The whole analysis of made-up dumps: files, numbers that JSON can carry, dumps that are nearly nothing."""
 
 import json
+from fnmatch import fnmatch
 from functools import partial
 
 import numpy as np
@@ -14,6 +15,7 @@ from made_up import columns_of_discs, flow_context
 
 from lammps_jump.analyze_command import analyze_target
 from lammps_jump.errors import DumpError
+from lammps_jump.run_files import RESULT_FILES
 from lammps_jump.walls import Plane
 
 D = 0.2
@@ -24,6 +26,12 @@ context = partial(
     flow_context, domain=((-5.0, 45.0), (-5.0, 20.0)), x_range=(0.0, 40.0), walls=(Plane("floor", "y", 0.0, "above"),),
     stiffness=1e6, stiffness_wall=1e6, time_step=1e-3, window=(0.0, 9.0),
 )  # fmt: skip
+
+
+def assert_ours(names):
+    """The next run in the folder clears what this one wrote."""
+    unknown = [name for name in names if not any(fnmatch(name, pattern) for pattern in RESULT_FILES)]
+    assert all(name.startswith("force_") for name in unknown), unknown
 
 
 def dump_of(path, frames, columns=("id", "x", "y", "vx", "vy")):
@@ -61,6 +69,7 @@ def test_one_pass_leaves_all_files_and_numbers(analysed):
         f"figures/{name}.png" for name in ("depth_profile", "jump_frame", "jump_balance", "front", "energy", "forces")
     }
     assert figures <= set(parts["files"])
+    assert_ours(parts["files"])
     assert parts["jump"]["verdict"] == "jump"
     assert parts["jump"]["speed"] == pytest.approx(-2.0, abs=1e-6)  # the file's ten digits
     assert parts["jump"]["momentum_terms"]["pressure"] is not None
@@ -134,6 +143,7 @@ def test_exports_and_fields(tmp_path):
     wanted = AnalysisRequest(figures=False, fields=True, exports=("csv", "vtk", "pictures"))
     parts = analyze_dump(path, context(), wanted, tmp_path)
     assert {"fields.nc", "fields.vti", "profiles.csv", "picture0.dat", "discs.pvd"} <= set(parts["files"])
+    assert_ours(parts["files"])
     assert all((tmp_path / name).exists() for name in parts["files"])
 
 

@@ -351,6 +351,34 @@ def test_unknown_scene_names_the_nearest(monkeypatch, capsys, tmp_path):
     assert status == 2 and "dam_break" in message
 
 
+@pytest.mark.parametrize("command", ["build-and-run", "build", "check"])
+def test_bin_wider_than_the_domain(monkeypatch, capsys, tmp_path, command):
+    (tmp_path / "case.yaml").write_text(GOOD + "analysis: {bin_width: 22}\n")
+    status, message = attempt(monkeypatch, capsys, tmp_path, command, "case.yaml")
+    assert status == 2 and "analysis.bin_width" in message and "22 m" in message and "21 m" in message
+    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
+
+
+@pytest.mark.parametrize("command", ["build-and-run", "build", "bench", "cross-validate"])
+def test_out_without_a_name(monkeypatch, capsys, tmp_path, command):
+    (tmp_path / "case.yaml").write_text(GOOD)
+    status, message = attempt(monkeypatch, capsys, tmp_path, command, "case.yaml", "--out", "")
+    assert status == 2 and "--out" in message and "names no place" in message
+    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("bench", "case.yaml", "--members", "0"), ("bench", "case.yaml", "--members", "-3"), ("stress", "--random", "-1"),
+     ("stress", "--seed", "-1")],
+)  # fmt: skip
+def test_counts_of_studies(monkeypatch, capsys, tmp_path, arguments):
+    (tmp_path / "case.yaml").write_text(GOOD)
+    status, message = attempt(monkeypatch, capsys, tmp_path, *arguments)
+    assert status == 2 and arguments[-2] in message and "Traceback" not in message
+    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
+
+
 def test_unknown_option_is_a_usage_error(monkeypatch, capsys, tmp_path):
     status, message = attempt(monkeypatch, capsys, tmp_path, "check", "--bogus")
     assert status == 2 and "bogus" in message

@@ -187,6 +187,21 @@ def test_settled_column_against_hydrostatics():
     assert settled["floor"]["ratio"] == pytest.approx(1.0, rel=1e-12)
 
 
+def test_dry_wall_and_no_discs_have_no_ratio():
+    """A probed wall that no water reaches before the gate opens, and a floor with nothing on it."""
+    far = Plane("far", "x", 30.0, "below")
+    flow = context(walls=(BACK, far, FLOOR), probes=("far", "floor"))
+    dry = [make_frame(k * 100, 0.1 * k - 1.0, BOX, still_water()[0].columns) for k in range(11)]
+    time = (np.arange(100) + 1) * 0.01 - 1.0
+    still = np.zeros(100)
+    forces = {"far": ForceHistory(time, still, still, still), "floor": ForceHistory(time, still, still - 1.0, still)}
+    momentum = ledger(dry, flow)
+    momentum.discs[:] = 0
+    settled = analyse_forces(forces, flow, momentum, compute_profiles(dry, flow)).summary["settled"]
+    assert settled["far"]["depth"] == settled["far"]["hydrostatic"] == 0
+    assert np.isnan(settled["far"]["ratio"]) and np.isnan(settled["floor"]["ratio"])
+
+
 def reflection(speed=-3.0, incoming=6.0, arrive=1.0):
     """A stream 1 m deep meets a wall at x = 20 m; the stopped part, 3 m deep, grows upstream at a set speed."""
     time, x = np.arange(0, 4, 0.1), np.arange(0.25, 30, 0.5)

@@ -229,7 +229,7 @@ def resume(folder: Path, changes=CHANGES):
 def test_folder_afterwards_is_that_of_an_uninterrupted_run(tmp_path, interrupted):
     first = json.loads((interrupted / "summary.json").read_text())
     assert first["status"] == "interrupted" and first["steps"] < 5640
-    (interrupted / "jump_stale.csv").write_bytes(b"")  # of the analysis of the part
+    (interrupted / "fields.vti").write_bytes(b"")  # of the analysis of the part
     summary = resume(interrupted)
     whole = job(tmp_path / "whole")
     for key in ("status", "steps", "simulated_time", "disc_steps", "discs", "ledger", "message", "case_hash"):

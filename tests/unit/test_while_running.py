@@ -98,6 +98,21 @@ def test_newest_frame_is_the_last_whole_one(tmp_path):
     assert newest_frame_text(path, guess=100) == whole[1].encode()  # grows until a frame fits
 
 
+def test_last_frame_of_an_ended_run_is_shown(tmp_path, scene, monkeypatch):
+    """A run that is over before the first picture is due leaves one all the same."""
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    path = tmp_path / "dump.lammpstrj"
+    whole = [frame_text(t, t, step_flow(10)) for t in range(2)]
+    path.write_text("".join(whole))
+    assert newest_frame_text(path, ended=True) == newest_frame_text(path, guess=100, ended=True) == whole[1].encode()
+    view = LiveView(scene, tmp_path, lambda report: None)
+    view(Progress(step=1, steps=1, time=0.1, discs=10))
+    assert not view.picture.exists()
+    view.finish()
+    assert view.picture.exists()
+
+
 @pytest.fixture
 def screen(monkeypatch):
     """A screen that is none: windows of `window_stand_in`."""

@@ -1,0 +1,64 @@
+"""Standard output that may be closed, full or ASCII only: a run does not end for want of a place to print."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from contextlib import contextmanager
+
+
+class PatientStream:
+    """A text stream that falls silent once it cannot be written to; everything else is the stream's.
+
+    Attributes
+    ----------
+    trouble : OSError or None
+        What went wrong first; a reader that has gone away (``| head``) is none.
+    """
+
+    def __init__(self, stream):
+        self.stream = stream
+        self.trouble: OSError | None = None
+
+    def write(self, text: str) -> int:
+        """Write, or do as if."""
+        try:
+            return self.stream.write(text)
+        except OSError as error:
+            self._give_up(error)
+            return len(text)
+
+    def flush(self) -> None:
+        """Flush, or do as if."""
+        try:
+            self.stream.flush()
+        except OSError as error:
+            self._give_up(error)
+
+    def _give_up(self, error: OSError) -> None:
+        if error.errno != errno.EPIPE and self.trouble is None:
+            self.trouble = error
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self.stream.fileno())  # takes what is still in the buffer
+        os.close(nowhere)
+
+    def __getattr__(self, name: str):
+        return getattr(self.stream, name)
+
+
+@contextmanager
+def patient_output():
+    """Make stdout and stderr patient, with ``?`` for what their encoding lacks; yields stdout."""
+    before = sys.stdout, sys.stderr
+    streams = [stream or open(os.devnull, "w") for stream in before]  # None where the shell has closed it
+    for stream in streams:
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    sys.stdout, sys.stderr = map(PatientStream, streams)
+    try:
+        yield sys.stdout
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        sys.stdout, sys.stderr = before

@@ -1,0 +1,151 @@
+"""A finished run folder met again: analysed anew, asked to go on, used for another run; the command line's answers."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+from made_up import INPUTS
+
+from lammps_jump import pipeline
+from lammps_jump.cli import main
+from lammps_jump.errors import RunInterrupted
+from lammps_jump.reopen import reanalyse, reopen
+
+SHORT = ("run.duration=0.1", "run.output_interval=0.02", "engine.name=native", "analysis.jump=false")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("finished") / "run"
+    options = {"assignments": list(SHORT), "quiet": True, "say": lambda text: None}
+    pipeline.build_and_run(INPUTS / "quick_jump.yaml", out=folder, **options)
+    return folder
+
+
+@pytest.fixture
+def folder(finished, tmp_path):
+    """A copy of a finished run's folder."""
+    return Path(shutil.copytree(finished, tmp_path / "run"))
+
+
+def call(monkeypatch, capsys, *arguments) -> tuple[int, str, str]:
+    """Exit status, stdout and stderr of the command line."""
+    monkeypatch.setattr(sys, "argv", ["lammps-jump", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    captured = capsys.readouterr()
+    assert "Traceback" not in captured.err
+    return int(stop.value.code or 0), captured.out, captured.err
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("assignment", ["run.duration=50", "discs.diameter=0.3", "analysis_x=1", "name=other"])
+def test_analyze_changes_nothing_of_the_run(monkeypatch, capsys, folder, assignment):
+    before = files(folder)
+    status, _, message = call(monkeypatch, capsys, "analyze", folder, "--set", assignment)
+    assert status == 2 and assignment in message and "build-and-run" in message
+    assert files(folder) == before
+
+
+def test_analyze_takes_what_is_of_the_analysis(monkeypatch, capsys, folder):
+    assert call(monkeypatch, capsys, "analyze", folder, "-q", "--set", "analysis.bin_width=2")[0] == 0
+    assert json.loads((folder / "summary.json").read_text())["profiles"]["bin_width"] == 2
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--out", "x"), ("--diameter", "0.2"), ("--density", "900"), ("--case", "c.yaml"), ("--bin-width", "0"),
+        ("--bin-width", "-1"), ("--bin-width", "nan"), ("--bin-width", "1e9"),
+    ],
+)  # fmt: skip
+def test_options_without_meaning_for_a_run_folder(monkeypatch, capsys, folder, options):
+    before = files(folder)
+    status, _, message = call(monkeypatch, capsys, "analyze", folder, *options)
+    assert status == 2 and (options[0] in message or "analysis.bin_width=1000000000" in message)
+    assert files(folder) == before
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--bin-width", "0"), ("--bin-width", "1e9"), ("--bin-width", "1e-9"), ("--density", "0"),
+        ("--diameter", "-1"), ("--set", "analysis.bin_width=1"), ("--case", "CASE", "--diameter", "0.2"),
+    ],
+)  # fmt: skip
+def test_options_without_meaning_for_a_dump(monkeypatch, capsys, folder, options):
+    before = files(folder)
+    options = [str(INPUTS / "quick_jump.yaml") if word == "CASE" else word for word in options]
+    status, _, message = call(monkeypatch, capsys, "analyze", folder / "dump.lammpstrj", *options)
+    assert status == 2 and options[0] in message
+    assert files(folder) == before and not (folder / "dump_analysis").exists()
+
+
+@pytest.mark.parametrize("text", ["[]", "5", '{"status": 3, "discs": 5}', '{"discs": {"inserted": "x"}}'])
+def test_summary_that_is_none(monkeypatch, capsys, folder, text):
+    (folder / "summary.json").write_text(text)
+    for command in (["analyze", folder], ["run", folder, "--resume"]):
+        status, _, message = call(monkeypatch, capsys, *command)
+        assert status == 2 and "summary.json" in message and "delete it" in message
+    assert (folder / "summary.json").read_text() == text
+
+
+def test_another_run_leaves_files_of_the_user(folder):
+    mine = [
+        "figures/mine.png", "figures/depth_profile_of_paper.png", "force_lab.csv", "jump_measured.csv", "discs_lab.vtp",
+        "discs10.vtp", "fields_lab.vti", "profiles_lab.csv", "checkpoint-of-mine.npz", "pictures.dat",
+    ]  # fmt: skip
+    for name in mine:
+        (folder / name).write_text("of the user")
+    assert {"force_sill.csv", "figures/depth_profile.png"} <= {
+        str(path.relative_to(folder)) for path in map(Path, files(folder))
+    }
+    pipeline.write_folder(reopen(folder))
+    left = {str(Path(path).relative_to(folder)) for path in files(folder)}
+    assert left == {"case.yaml", *mine}
+
+
+def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
+    """SIGTERM in the analysis: a message, a folder that `--resume` sends to `analyze`, and that makes it whole."""
+    whole = json.loads((folder / "summary.json").read_text())
+
+    def ended(*arguments, **options):
+        os.kill(os.getpid(), signal.SIGTERM)
+        raise AssertionError("the signal was not heard")
+
+    (folder / "summary.json").unlink()
+    with monkeypatch.context() as patch:
+        patch.setattr("lammps_jump.analysis.analyze.analyze_run", ended)
+        with pytest.raises(RunInterrupted, match=r"analysis was ended.*lammps-jump analyze"):
+            reanalyse(folder, [], quiet=True)
+    status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")
+    assert status == 2 and f"`lammps-jump analyze {folder}`" in message and "reached its end" in message
+    found = reanalyse(folder, [], quiet=True)
+    assert found["status"] == "complete" and found["steps"] == whole["steps"]
+    assert found["discs"] == whole["discs"] and found["case_hash"] == whole["case_hash"]
+    assert not any("cut off" in text for text in found["warnings"])
+
+
+def test_finished_run_is_not_resumed(monkeypatch, capsys, folder):
+    status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")
+    assert status == 2 and "is finished" in message and "--force" not in message
+
+
+def test_build_of_a_native_case_names_no_script(monkeypatch, capsys, tmp_path):
+    for engine in ("native", "lammps"):
+        sets = ["--set", f"engine.name={engine}", "--set", "engine.kernel=auto"]
+        status, text, _ = call(
+            monkeypatch, capsys, "build", INPUTS / "quick_jump.yaml", "--out", tmp_path / engine, *sets
+        )
+        assert (
+            status == 0 and ("in.lammps" in text) == (engine == "lammps") == (tmp_path / engine / "in.lammps").exists()
+        )
