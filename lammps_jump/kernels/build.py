@@ -26,7 +26,14 @@ from pathlib import Path
 
 from ..errors import SetupError
 
-SOURCES = ("jump_plugin.cpp", "pair_jump_disc.cpp", "pair_jump_disc_list.cpp", "halo.cpp", "fix_jump_step.cpp")
+SOURCES = (
+    "jump_plugin.cpp",
+    "pair_jump_disc.cpp",
+    "pair_jump_disc_forces.cpp",
+    "pair_jump_disc_list.cpp",
+    "halo.cpp",
+    "fix_jump_step.cpp",
+)
 HEADERS = ("lanes.h", "contact_law.h", "halo.h", "pair_jump_disc.h", "fix_jump_step.h")
 
 FLAGS = (

@@ -1,0 +1,257 @@
+/* The forces of pair_style jump/disc, and what is summed over its pairs (what it is: pair_jump_disc.h). */
+
+#include "pair_jump_disc.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "force.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+using jump::ContactForce;
+using jump::Friction;
+using jump::Lanes;
+using jump::LANES;
+using jump::Touch;
+
+namespace {
+typedef double Vec4 __attribute__((vector_size(32), may_alias));
+typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
+constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
+}    // namespace
+
+double PairJumpDisc::largest_squared_speed() const
+{
+  const int nlocal = atom->nlocal;
+  double most = 0.0;
+  for (int i = 0; i < nlocal; i++) {
+    const double vsq = disc[i].vx * disc[i].vx + disc[i].vy * disc[i].vy;
+    most = vsq > most ? vsq : most;
+  }
+  return most;
+}
+
+void PairJumpDisc::find_largest_speed()
+{
+  double most = largest_squared_speed();
+  if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  largest_speed = std::sqrt(most);
+  law.eps = jump::SIGN_RAMP * largest_speed;
+}
+
+/** Forces of the pairs from one place in the list to another. */
+template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evaluate(size_t from, size_t to)
+{
+  const Disc *const __restrict at = disc.data();
+  const int *const __restrict one = first.data();
+  const int *const __restrict two = second.data();
+  const double reach_sq = law.reach * law.reach;
+  const jump::Law rule = law;
+  const int nlocal = atom->nlocal;
+  const bool newton = force->newton_pair;
+  const double radius = 0.5 * diameter;
+  const bool tally = vflag_atom || num_tally_compute > 0;
+  double *const __restrict f = atom->f ? atom->f[0] : nullptr;
+  double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
+
+  // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
+  alignas(64) double between[BATCH][4];
+  alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
+  alignas(64) double dashed[LEDGER ? BATCH : 1][2], rubbed[LEDGER ? BATCH : 1][2];
+  int touching[BATCH + 1];
+  for (size_t begin = from; begin < to; begin += BATCH) {
+    const size_t end = begin + BATCH < to ? begin + BATCH : to;
+    int n = 0;
+    for (size_t p = begin; p < end; p++) {
+      // written whether it touches or not, and counted only if it does: a branch here would be guessed wrong often
+      const double dx = at[one[p]].x - at[two[p]].x, dy = at[one[p]].y - at[two[p]].y;
+      touching[n] = (int) p;
+      n += dx * dx + dy * dy < reach_sq;
+    }
+    for (int c = 0; c < n; c++) {
+      const int i = one[touching[c]], j = two[touching[c]];
+      *reinterpret_cast<Vec4 *>(between[c]) =
+          *reinterpret_cast<const Vec4 *>(&at[i]) - *reinterpret_cast<const Vec4 *>(&at[j]);
+      if (jump::has_spin(FRICTION)) rims[c] = rim[i] + rim[j];
+    }
+    // whole vectors only: the rest of the last one is filled with a contact that nobody reads
+    const int whole = (n + LANES - 1) / LANES * LANES;
+    for (int c = n; c < whole; c++) {
+      between[c][0] = between[c][1] = 0.5 * rule.reach;
+      between[c][2] = between[c][3] = 0.0;
+      rims[c] = 0.0;
+    }
+    for (int c = 0; c < whole; c += LANES) {
+      Lanes part[4];
+      jump::columns(between + c, part);
+      const Lanes rim_speed = jump::has_spin(FRICTION) ? *reinterpret_cast<const Lanes *>(rims + c) : Lanes{};
+      const auto out = jump::contact_force<FRICTION, TOUCH>(rule, part[0], part[1], part[2], part[3], rim_speed);
+      jump::rows_of_two(out.fx, out.fy, force_on + c);
+      if (jump::has_spin(FRICTION)) *reinterpret_cast<Lanes *>(twist + c) = radius * out.twist;
+      if (LEDGER) {
+        jump::rows_of_two(out.dash_x, out.dash_y, dashed + c);
+        jump::rows_of_two(out.rub_x, out.rub_y, rubbed + c);
+      }
+    }
+    if (vflag_global && !tally) {    // with newton on it comes from forces and positions at the end
+      for (int c = 0; c < n; c++) {
+        const double share = newton || two[touching[c]] < nlocal ? 1.0 : 0.5;
+        virial[0] += share * between[c][0] * force_on[c][0];
+        virial[1] += share * between[c][1] * force_on[c][1];
+        virial[3] += share * between[c][0] * force_on[c][1];
+      }
+    }
+    for (int c = 0; c < n; c++) {
+      const int i = one[touching[c]], j = two[touching[c]];
+      const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
+      *reinterpret_cast<Vec2 *>(f + 3 * i) += push;
+      if (jump::has_spin(FRICTION)) torque[3 * i + 2] -= twist[c];
+      if (newton || j < nlocal) {
+        *reinterpret_cast<Vec2 *>(f + 3 * j) -= push;
+        if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= twist[c];
+      }
+      if (LEDGER) {
+        const Vec4 taken = {dashed[c][0], dashed[c][1], rubbed[c][0], rubbed[c][1]};
+        *reinterpret_cast<Vec4 *>(&loss[i]) += taken;
+        if (j < nlocal) *reinterpret_cast<Vec4 *>(&loss[j]) -= taken;
+      }
+      if (tally)
+        ev_tally_xyz(i, j, nlocal, newton, 0.0, 0.0, push[0], push[1], 0.0, between[c][0], between[c][1], 0.0);
+    }
+  }
+}
+
+void PairJumpDisc::compute(int eflag, int vflag)
+{
+  ev_init(eflag, vflag);
+  const int nlocal = atom->nlocal;
+  const bool reneighboured = neighbor->ago == 0;
+  reserve(nlocal + others());
+  // fix jump/step has packed the local discs; a reneighbouring may have moved them to other indices since
+  if (reneighboured || packed_step != update->ntimestep) pack(0, nlocal);
+  bool travelling = false;    // the discs of other ranks
+  if (!uses_halo()) {
+    pack(nlocal, nlocal + others());
+  } else {
+    if (num_tally_compute > 0) error->all(FLERR, "pair_style jump/disc: a tally compute needs halo no");
+    if (reneighboured) {
+      ring.rebuild(*this, halo_cut());
+    } else {
+      ring.start(*this);
+      travelling = true;
+    }
+  }
+  if (driven()) travel(moved_here);
+  if (travelling && (!driven() || worn(moved_here))) {
+    ring.finish(*this);
+    travelling = false;
+  }
+  if (!travelling) {
+    widen_range(nlocal, nlocal + others());
+    if (driven()) travel(moved);
+    update_list();
+  }
+  if (sign) find_largest_speed();
+  if (ledger) std::fill(loss.begin(), loss.begin() + nlocal, Loss{0.0, 0.0, 0.0, 0.0});
+
+  if (travelling) {
+    evaluate(0, interior);
+    ring.finish(*this);
+    widen_range(nlocal, nlocal + others());
+    travel(moved);
+    if (worn(moved)) build_list(skin);
+    evaluate(interior, candidates);
+  } else {
+    evaluate(0, candidates);
+  }
+  packed_step = update->ntimestep;
+
+  if (eflag_global) eng_vdwl += elastic_energy();
+  if (vflag_fdotr) virial_fdotr_compute();
+}
+
+/** Take the others' velocities into the range of this step. */
+void PairJumpDisc::widen_range(int from, int to)
+{
+  for (int i = from; i < to; i++) {
+    range_lo[0] = std::min(range_lo[0], disc[i].vx);
+    range_hi[0] = std::max(range_hi[0], disc[i].vx);
+    range_lo[1] = std::min(range_lo[1], disc[i].vy);
+    range_hi[1] = std::max(range_hi[1], disc[i].vy);
+  }
+}
+
+void PairJumpDisc::evaluate(size_t from, size_t to)
+{
+  auto run = [&](auto touch_tag, auto ledger_tag) {
+    constexpr Touch T = decltype(touch_tag)::value;
+    constexpr bool L = decltype(ledger_tag)::value;
+    switch (friction) {
+      case Friction::NONE: evaluate<Friction::NONE, T, L>(from, to); break;
+      case Friction::HOOKE: evaluate<Friction::HOOKE, T, L>(from, to); break;
+      case Friction::HOOKE_SPIN: evaluate<Friction::HOOKE_SPIN, T, L>(from, to); break;
+      case Friction::SIGN: evaluate<Friction::SIGN, T, L>(from, to); break;
+      case Friction::SIGN_SPIN: evaluate<Friction::SIGN_SPIN, T, L>(from, to); break;
+    }
+  };
+  auto run_touch = [&](auto touch_tag) {
+    ledger ? run(touch_tag, std::true_type{}) : run(touch_tag, std::false_type{});
+  };
+  switch (touch) {
+    case Touch::SHARP: run_touch(std::integral_constant<Touch, Touch::SHARP>{}); break;
+    case Touch::RAMP: run_touch(std::integral_constant<Touch, Touch::RAMP>{}); break;
+    case Touch::EVEN: run_touch(std::integral_constant<Touch, Touch::EVEN>{}); break;
+  }
+}
+
+/** Elastic energy of one overlap under the touch in use, J/m. */
+double PairJumpDisc::elastic_energy(const jump::Law &rule, double overlap) const
+{
+  return smooth ? jump::elastic_energy<Touch::RAMP>(rule, overlap) : jump::elastic_energy<Touch::SHARP>(rule, overlap);
+}
+
+/** Elastic energy in the pairs of this rank, from the positions of the last force evaluation, J/m. */
+double PairJumpDisc::elastic_energy() const
+{
+  double sum = 0.0;
+  const int nlocal = atom->nlocal;
+  for (size_t p = 0; p < candidates; p++) {
+    const double dx = disc[first[p]].x - disc[second[p]].x, dy = disc[first[p]].y - disc[second[p]].y;
+    const double rsq = dx * dx + dy * dy;
+    if (rsq >= law.reach * law.reach) continue;
+    const double share = force->newton_pair || second[p] < nlocal ? 1.0 : 0.5;
+    sum += share * elastic_energy(law, law.reach - std::sqrt(rsq));
+  }
+  return sum;
+}
+
+/** Largest overlap of the pairs of this rank at the last force evaluation, m; 0 where none touch. */
+double PairJumpDisc::largest_overlap() const
+{
+  double least = law.reach * law.reach;
+  for (size_t p = 0; p < candidates; p++) {
+    const double dx = disc[first[p]].x - disc[second[p]].x, dy = disc[first[p]].y - disc[second[p]].y;
+    const double rsq = dx * dx + dy * dy;
+    least = rsq < least ? rsq : least;
+  }
+  return law.reach - std::sqrt(least);
+}
+
+double PairJumpDisc::single(int i, int j, int, int, double rsq, double, double, double &fforce)
+{
+  fforce = 0.0;
+  if (rsq >= law.reach * law.reach) return 0.0;
+  const double dx = atom->x[i][0] - atom->x[j][0], dy = atom->x[i][1] - atom->x[j][1];
+  const double vx = atom->v[i][0] - atom->v[j][0], vy = atom->v[i][1] - atom->v[j][1];
+  const ContactForce<double> out = touch == Touch::SHARP
+      ? jump::contact_force<Friction::NONE, Touch::SHARP>(law, dx, dy, vx, vy, 0.0)
+      : touch == Touch::RAMP ? jump::contact_force<Friction::NONE, Touch::RAMP>(law, dx, dy, vx, vy, 0.0)
+                             : jump::contact_force<Friction::NONE, Touch::EVEN>(law, dx, dy, vx, vy, 0.0);
+  fforce = (out.fx * dx + out.fy * dy) / rsq;
+  const double overlap = law.reach - std::sqrt(rsq);
+  return elastic_energy(law, overlap);
+}
