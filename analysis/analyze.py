@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lammps_jump.dump.find import find_dump
+from lammps_jump.dump.read import Dump, Frame, make_frame, open_dump, require_finite
+from lammps_jump.engines.result import RunResult
 from lammps_jump.errors import DumpError
-from lammps_jump.run_result import RunResult
-from lammps_jump.scene import Scene
-from lammps_jump.summary import plain
+from lammps_jump.runs.summary import plain
+from lammps_jump.scene.scene import Scene
 
-from .context import FlowContext, from_scene
-from .dump import Dump, Frame, make_frame, open_dump, require_finite
-from .run_folder import find_dump
+from .flow import FlowContext, from_scene
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -149,7 +149,7 @@ def analyze_dump(path: Path, context: FlowContext, request: AnalysisRequest, out
     files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
     files += _write_tables(gathered, shown, out)
     if request.figures:
-        from .analysis_figures import draw_all
+        from .result_figures import draw_all
 
         files += draw_all(gathered, shown, out / "figures", path)
     if request.fields or request.animate or request.exports:
@@ -195,13 +195,13 @@ def gather(
         collectors["energy"] = EnergyLedger(context, collectors.get("contacts"))
         takers.append(collectors["energy"])
     if request.front:
-        from .dam_break import FrontTracker
+        from .front import FrontTracker
 
         collectors["front"] = FrontTracker(context)
         takers.append(collectors["front"])
     forces = _find_forces(places, warnings) if request.forces or context.probes else {}
     if forces:
-        from .impulse import MomentumLedger
+        from lammps_jump.analysis.forces.impulse import MomentumLedger
 
         collectors["momentum"] = MomentumLedger(context)
         takers.append(collectors["momentum"])
@@ -255,7 +255,7 @@ def with_velocities(dump: Dump, context: FlowContext, warnings: list[str]) -> It
 
 
 def _find_forces(places: tuple[Path, ...], warnings: list[str]) -> dict:
-    from .run_folder import read_forces
+    from lammps_jump.dump.find import read_forces
 
     for place in places:
         if (place / "forces.csv").is_file():
@@ -277,17 +277,17 @@ def summarise(gathered: Gathered, request: AnalysisRequest, warnings: list[str])
 
         parts["energy"] = summarise_energy(gathered.energy, context)
     if gathered.front is not None:
-        from .dam_break import summarise_front
+        from .front import summarise_front
 
         parts["front"] = summarise_front(gathered.front, context)
     if request.jump:
-        from .jump import analyse_jump
-        from .jump_summary import summarise_jump
+        from lammps_jump.analysis.jump.result import analyse_jump
+        from lammps_jump.analysis.jump.summary import summarise_jump
 
         shown["jump"] = analyse_jump(gathered.profiles, context, gathered.contacts)
         parts["jump"] = summarise_jump(shown["jump"])
     if gathered.forces:
-        from .forces import analyse_forces
+        from lammps_jump.analysis.forces.history import analyse_forces
 
         shown["force"] = analyse_forces(gathered.forces, context, gathered.momentum, gathered.profiles)
         parts["force"] = shown["force"].summary
@@ -296,7 +296,7 @@ def summarise(gathered: Gathered, request: AnalysisRequest, warnings: list[str])
 
 def _write_tables(gathered: Gathered, shown: dict, out: Path) -> list[str]:
     """The small tables as CSV (SI units); returns their names."""
-    from .exports import write_table
+    from lammps_jump.dump.exports import write_table
 
     tables: dict[str, dict[str, np.ndarray]] = {}
     if gathered.energy is not None:

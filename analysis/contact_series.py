@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lammps_jump.dump.read import Frame
+
 from .contact_sums import pair_sums, wall_sums
-from .context import FlowContext
-from .dump import Frame
+from .flow import FlowContext
 
 
 @dataclass(frozen=True)

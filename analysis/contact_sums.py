@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lammps_jump.walls import Wall
+from lammps_jump.dump.read import Frame
+from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
-from .contacts_found import dashpot_share, face_contacts, spring_force
-from .context import FlowContext
-from .dump import Frame
+from .contacts import dashpot_share, face_contacts, spring_force
+from .flow import FlowContext
 
 
 def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, width, low, bin_width, pressure):

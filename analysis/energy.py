@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lammps_jump.dump.read import Frame
+
 from .contact_series import ContactCollector
 from .contact_sums import pair_sums, wall_sums
-from .context import FlowContext
-from .dump import Frame
+from .flow import FlowContext
 
 
 @dataclass(frozen=True)

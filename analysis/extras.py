@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lammps_jump.dump.read import open_dump, ten_indices
 from lammps_jump.errors import DumpError, SetupError
-
-from .dump import open_dump, ten_indices
 
 if TYPE_CHECKING:
     from .analyze import AnalysisRequest, Gathered
@@ -47,11 +46,11 @@ def write_extras(
         raise DumpError(f"export '{unknown[0]}' is not known: use one of {', '.join(EXPORTS)}.")
     summary = _fields(gathered, request, path, out, files) if request.fields else None
     if "csv" in request.exports:
-        from .exports import write_profiles_csv
+        from lammps_jump.dump.exports import write_profiles_csv
 
         files += [written.name for written in write_profiles_csv(gathered.profiles, out)]
     if "pictures" in request.exports:
-        from .exports import write_pictures
+        from lammps_jump.dump.exports import write_pictures
 
         files += [written.name for written in write_pictures(open_dump(path), out)]
     if "vtk" in request.exports:
@@ -63,9 +62,10 @@ def write_extras(
 
 def _fields(gathered: Gathered, request: AnalysisRequest, path: Path, out: Path, files: list[str]) -> dict:
     """Mean fields of the window: fields.nc, maps, bed pressure; fields.vti with the export 'vtk'."""
-    from .field_figures import bed_pressure, bed_pressure_figure, field_map
+    from lammps_jump.analysis.draw.maps import bed_pressure, bed_pressure_figure, field_map
+    from lammps_jump.analysis.draw.style import save
+
     from .fields import mean_fields
-    from .figures import save
 
     context, profiles = gathered.context, gathered.profiles
     time = profiles["time"].values
@@ -85,7 +85,7 @@ def _fields(gathered: Gathered, request: AnalysisRequest, path: Path, out: Path,
         raise DumpError(f"{out / 'fields.nc'}: cannot be written ({error.strerror or error}).") from error
     files.append("fields.nc")
     if "vtk" in request.exports:
-        from .exports import write_vti
+        from lammps_jump.dump.exports import write_vti
 
         files.append(write_vti(fields, out / "fields.vti").name)
     stress = "contact_yy" in fields
@@ -109,7 +109,7 @@ def _fields(gathered: Gathered, request: AnalysisRequest, path: Path, out: Path,
 
 def _discs_for_paraview(gathered: Gathered, path: Path, out: Path) -> list[str]:
     """Ten frames of discs as .vtp with a .pvd that holds their times."""
-    from .exports import write_pvd, write_vtp
+    from lammps_jump.dump.exports import write_pvd, write_vtp
 
     context = gathered.context
     dump = open_dump(path)
@@ -123,7 +123,7 @@ def _discs_for_paraview(gathered: Gathered, path: Path, out: Path) -> list[str]:
 
 def _film(gathered: Gathered, path: Path, out: Path, warnings: list[str], quiet: bool) -> list[str]:
     """animation.mp4; a machine without ffmpeg gets a warning, not a failure."""
-    from .animate import animate
+    from lammps_jump.analysis.draw.film import animate
 
     def shown(done: int, total: int) -> None:
         print(f"\ranimation: {done} of {total} frames", end="\n" if done == total else "", flush=True)

@@ -20,12 +20,12 @@ import numpy as np
 import xarray as xr
 from numba import njit
 
+from lammps_jump.dump.read import Frame
 from lammps_jump.errors import DumpError
-from lammps_jump.walls import Interval
+from lammps_jump.scene.walls import Interval
 
-from .contacts_found import find_contacts
-from .context import FlowContext
-from .dump import Frame
+from .contacts import find_contacts
+from .flow import FlowContext
 
 KERNELS = {"lucy": 0, "gaussian": 1}
 GAUSS = np.polynomial.legendre.leggauss(4)

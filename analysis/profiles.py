@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from lammps_jump.dump.read import Frame
 from lammps_jump.errors import DumpError
-from lammps_jump.walls import Interval
+from lammps_jump.scene.walls import Interval
 
-from .context import FlowContext
-from .dump import Frame
+from .flow import FlowContext
 from .profile_kernels import LINES_PER_DIAMETER, bin_frame, surface_frame
 from .statistics import LEAST_SAMPLES, block_average
 

@@ -1,5 +1,5 @@
 """``python -m lammps_jump``."""
 
-from .cli import main
+from lammps_jump.cli.app import main
 
 main()

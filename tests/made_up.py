@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.context import FlowContext
-from lammps_jump.analysis.dump import Frame, make_frame
+from lammps_jump.analysis.flow import FlowContext
+
+from lammps_jump.dump.read import Frame, make_frame
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
@@ -41,8 +42,8 @@ def collected(collector, frames):
 
 def plugin_or_skip() -> Path:
     """The compiled plugin, built where needed; the test is skipped, with the reason, where it cannot be had."""
+    from lammps_jump.engines.plugin import plugin_path
     from lammps_jump.errors import SetupError
-    from lammps_jump.kernels import plugin_path
 
     try:
         return plugin_path()

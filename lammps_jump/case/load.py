@@ -12,9 +12,10 @@ from typing import Any, get_args
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from ..errors import CaseError
-from .models import Case, InflowField, InitialField, WallField
-from .source import CaseSource, PathKey, nearest, override, parse_source, read_source
+from lammps_jump.errors import CaseError
+
+from .fields import Case, InflowField, InitialField, WallField
+from .text import CaseSource, PathKey, nearest, override, parse_source, read_source
 
 
 @dataclass(frozen=True)

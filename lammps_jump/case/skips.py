@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ..walls import Box, Plane, Wall
-from .models import Case
+from lammps_jump.scene.walls import Box, Plane, Wall
+
+from .fields import Case
 
 
 def reachable(wall: Wall, domain, d: float) -> bool:

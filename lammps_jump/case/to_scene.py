@@ -6,15 +6,17 @@ import math
 
 import numpy as np
 
-from .. import contact, theory
-from ..scene import Gate, InletRow, Outlet, Pour, Scene
-from ..walls import Block, Box, Interval, Plane, Wall
-from .arrange import Packing, arrange
+from lammps_jump.physics import contact
+from lammps_jump.physics import jump as theory
+from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
+from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
+
+from .checks import MOST_STEPS, check_domain, check_names, check_places, check_pour, check_size, check_stability
+from .fields import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
 from .load import LoadedCase
-from .models import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
-from .scene_checks import MOST_STEPS, check_domain, check_names, check_places, check_pour, check_size, check_stability
+from .packing import Packing, arrange
 from .skips import reachable, skipped
-from .source import nearest
+from .text import nearest
 
 MAX_SPEED_MARGIN = 2.0
 """Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""

@@ -1,6 +1,6 @@
 """Scene to LAMMPS text."""
 
-from .blocks import DUMP_NAMES
-from .write import script_text, write_script
+from .assemble import script_text, write_script
+from .stock import DUMP_NAMES
 
 __all__ = ["DUMP_NAMES", "script_text", "write_script"]

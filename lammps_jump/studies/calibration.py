@@ -17,7 +17,8 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
-from .bench_runs import run_setting
+from lammps_jump.studies.bench.runs import run_setting
+
 from .sensitivity import QUICK_TEXTS, base_file, fast_setting
 from .timing import Store, machine, versions
 

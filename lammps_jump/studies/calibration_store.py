@@ -14,8 +14,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from .. import contact
-from ..errors import CaseError
+from lammps_jump.errors import CaseError
+from lammps_jump.physics import contact
 
 STORE = Path(__file__).with_name("calibration.json")
 KINDS = {
@@ -158,8 +158,8 @@ def _fits(row: dict[str, Any], case: Any, usable: set[str]) -> bool:
 
     The calibration is without friction: a step at which friction turns the slip round every time is not shown by it.
     """
-    from ..case.slip_check import slip_warnings
-    from ..case.to_scene import contact_coefficients
+    from lammps_jump.case.to_scene import contact_coefficients
+    from lammps_jump.physics.slip import slip_warnings
 
     kernel = row["kernel"]
     if kernel not in usable or (case.engine.name == "native") != (kernel == "native"):
@@ -222,7 +222,7 @@ def make_store(benchmarks: Iterable[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _assignments(setting: dict[str, Any]) -> list[str]:
-    from .bench_settings import Setting
+    from lammps_jump.studies.bench.settings import Setting
 
     return [text for text in Setting(**setting).assignments(1.0) if not text.startswith("engine.ranks")]
 

@@ -15,10 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import theory
-from ..errors import CaseError
-from .bench_runs import run_setting
-from .bench_settings import Setting, usable_kernels
+from lammps_jump.errors import CaseError
+from lammps_jump.physics import jump as theory
+from lammps_jump.studies.bench.runs import run_setting
+from lammps_jump.studies.bench.settings import Setting, usable_kernels
+
 from .timing import Store, in_turn, machine, versions
 
 DEPTH, GRAVITY = 0.6, 9.81
@@ -95,8 +96,8 @@ QUICK_TEXTS = ["discs.diameter=0.2", "run.duration=5", "analysis.window=[3.5, 5]
 
 def fast_setting(texts: list[str], path: Path) -> Setting:
     """The quickest kernel at f = 0.1, or less where that is not stable for these coefficients."""
-    from ..case import load_case
-    from .bench_settings import stable
+    from lammps_jump.case import load_case
+    from lammps_jump.studies.bench.settings import stable
 
     usable, _ = usable_kernels()
     kernel = "compiled" if "compiled" in usable else "native"
@@ -106,7 +107,7 @@ def fast_setting(texts: list[str], path: Path) -> Setting:
 
 def base_file(folder: Path, name: str = "quick_jump") -> Path:
     """A scene of the package as a file of the study's folder."""
-    from ..scenes import scene_text
+    from lammps_jump.case.templates import scene_text
 
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.yaml"

@@ -10,7 +10,7 @@ BLUE, GREY, RED = "#33508f", "#7d7c78", "#b03a2e"
 
 def draw_study(study, rows: list[dict[str, Any]], path: Path) -> Path:
     """Three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
-    from ..analysis.figures import new_figure, save, style
+    from lammps_jump.analysis.draw.style import new_figure, save, style
 
     with style():
         figure, axes = new_figure(8.6, 2.9, 1, 3)

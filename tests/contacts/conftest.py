@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from made_up import plugin_or_skip
 
-from lammps_jump import contact
-from lammps_jump.scene import Scene
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.physics import contact
+from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.walls import Block, Box, Plane
 
 WALL_KINDS = {"plane": Plane, "block": Block, "box": Box}
 ENGINES = {
@@ -37,7 +37,7 @@ class LammpsEngine:
     """The generated script up to its run, then stepped from here."""
 
     def __init__(self, scene: Scene, spins: list[float], folder: Path, *, compiled: bool):
-        from lammps_jump.lammps_engine.loader import load_lammps
+        from lammps_jump.engines.lammps.loader import load_lammps
         from lammps_jump.script import write_script
 
         chosen = {"kernel": "compiled", "plugin": plugin_or_skip()} if compiled else {}
@@ -80,7 +80,7 @@ class NativeEngine:
     """The native engine; spins are put in by hand, because no scene starts with any."""
 
     def __init__(self, scene: Scene, spins: list[float]):
-        from lammps_jump.native import NativeSimulation
+        from lammps_jump.engines.native import NativeSimulation
 
         self.simulation = NativeSimulation(scene)
         discs = self.simulation.discs

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
-from lammps_jump import contact
-from lammps_jump.walls import Box
+from lammps_jump.physics import contact
+from lammps_jump.scene.walls import Box
 
 TABLE = yaml.safe_load((Path(__file__).parent / "cases.yaml").read_text())
 CASES = {name: TABLE["defaults"] | case for name, case in TABLE["cases"].items()}

@@ -8,8 +8,9 @@ from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.studies import bench_skips, stress_limits
-from lammps_jump.studies.bench_command import run_bench
+from lammps_jump.studies.bench import skips as bench_skips
+from lammps_jump.studies.bench.command import run_bench
+from lammps_jump.studies.stress import limits as stress_limits
 
 pytestmark = pytest.mark.lammps
 
@@ -74,7 +75,7 @@ def test_periodic_crystal_brackets_the_limit():
 
 
 def test_stress_quick(tmp_path):
-    from lammps_jump.studies.stress import measure_limits, resting_bed, run_random
+    from lammps_jump.studies.stress.study import measure_limits, resting_bed, run_random
     from lammps_jump.studies.timing import Store
 
     store = Store(tmp_path / "stress.json")

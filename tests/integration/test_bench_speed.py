@@ -7,8 +7,8 @@ from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.studies.bench_speed import _row, bench_speed, make_variants, speed_table, started_from
-from lammps_jump.studies.cv_trajectories import developed_scene
+from lammps_jump.studies.bench.speed import _row, bench_speed, make_variants, speed_table, started_from
+from lammps_jump.studies.cross_validation.trajectories import developed_scene
 
 
 def test_variants_follow_the_case_and_the_machine():

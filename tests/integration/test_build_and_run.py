@@ -11,17 +11,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.dump import open_dump
 from made_up import INPUTS, plugin_or_skip
 
-from lammps_jump import pipeline
 from lammps_jump.case import load_case, parse_case
+from lammps_jump.case.templates import scene_names
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.lammps import run_lammps
+from lammps_jump.engines.lammps.loader import program
 from lammps_jump.errors import RunError, RunInterrupted
-from lammps_jump.lammps_engine import run_lammps
-from lammps_jump.lammps_engine.loader import program
-from lammps_jump.reopen import reopen
-from lammps_jump.scenes import scene_names
+from lammps_jump.runs import start as pipeline
+from lammps_jump.runs.reopen import reopen
 from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
@@ -329,7 +329,7 @@ def test_poured_discs_all_come_and_stay(tmp_path, engine):
 
 
 def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
-    from lammps_jump.reopen import reanalyse
+    from lammps_jump.runs.reopen import reanalyse
 
     job("quick_jump", tmp_path, "run.duration=1")
     whole = json.loads((tmp_path / "summary.json").read_text())
@@ -346,7 +346,7 @@ def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
 
 
 def test_film_of_a_run_with_forces(tmp_path):
-    from lammps_jump.analyze_command import animate_target
+    from lammps_jump.cli.analyze import animate_target
 
     job("dam_break", tmp_path, "run.duration=0.1", "run.output_interval=0.02")
     for name in ("film.gif", "film.mp4"):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from lammps_jump.errors import SetupError
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.scene import Gate, InletRow, Outlet
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import Gate, InletRow, Outlet
+from lammps_jump.scene.walls import Block, Box, Plane
 
 pytestmark = pytest.mark.lammps
 
@@ -24,7 +24,7 @@ EQUAL = 1e-9  # diameters after 1000 steps: the agreement that is promised
 
 @pytest.fixture(scope="module")
 def lammps():
-    from lammps_jump.lammps_engine.loader import load_lammps
+    from lammps_jump.engines.lammps.loader import load_lammps
 
     try:
         return load_lammps().lammps
@@ -269,7 +269,7 @@ NATIVE = {
 
 @pytest.mark.parametrize("name", NATIVE)
 def test_every_law_equals_the_native_engine(lammps, plugin, tmp_path, name):
-    from lammps_jump.native.engine import simulate
+    from lammps_jump.engines.native.engine import simulate
 
     walls = (*CORNERS[:2], Plane("left", "x", 0.1, "above"))
     case = scene(*CLOUD, walls, **NATIVE[name], probes=("ground", "sill"), probe_steps=250)
@@ -437,7 +437,7 @@ def test_bad_commands_are_refused_by_name(lammps, plugin, tmp_path, change, mess
 
 RANKS_PROGRAM = """
 import sys
-from lammps_jump.lammps_engine.loader import load_lammps
+from lammps_jump.engines.lammps.loader import load_lammps
 engine = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
 for line in open(sys.argv[1]):
     engine.command(line.strip())
@@ -450,7 +450,7 @@ engine.close()
 
 def run_on_ranks(folder, lines, ranks, steps=1000):
     """The lines and so many steps: the finished process, and the final dump as an array, None where there is none."""
-    from lammps_jump.lammps_engine.loader import program
+    from lammps_jump.engines.lammps.loader import program
 
     mpiexec = program("mpiexec")
     if mpiexec is None:

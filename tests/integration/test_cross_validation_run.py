@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from lammps_jump.cli import app
-from lammps_jump.studies import cross_validation
-from lammps_jump.studies.cv_scenes import friction_scene, micro_scenes
-from lammps_jump.studies.cv_trajectories import check_scene
+from lammps_jump.cli.app import app
+from lammps_jump.studies.cross_validation import study as cross_validation
+from lammps_jump.studies.cross_validation.scenes import friction_scene, micro_scenes
+from lammps_jump.studies.cross_validation.trajectories import check_scene
 
 pytestmark = pytest.mark.lammps
 
@@ -72,7 +72,7 @@ def test_study_leaves_report_json_and_figures(study):
 def numbers_only(monkeypatch):
     """Small scenes and figures have their tests above."""
     monkeypatch.setattr(cross_validation, "micro_scenes", tuple)
-    monkeypatch.setattr("lammps_jump.studies.cv_figures.draw_all", lambda study, folder: {})
+    monkeypatch.setattr("lammps_jump.studies.cross_validation.figures.draw_all", lambda study, folder: {})
 
 
 def test_study_goes_on_where_it_was_interrupted(study, numbers_only):
@@ -90,7 +90,7 @@ def test_exit_status_is_one_where_the_engines_differ(study, monkeypatch, numbers
     """The native engine is handed a floor that is 5 % softer: both parts must notice."""
     from dataclasses import replace
 
-    from lammps_jump.native import simulation
+    from lammps_jump.engines.native import simulation
 
     _, arguments, _ = study
     real = simulation.NativeSimulation.__init__

@@ -14,8 +14,8 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from lammps_jump import contact
-from lammps_jump.lammps_engine.loader import load_lammps, mpi_library
+from lammps_jump.engines.lammps.loader import load_lammps, mpi_library
+from lammps_jump.physics import contact
 
 pytestmark = pytest.mark.lammps
 

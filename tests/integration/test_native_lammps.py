@@ -7,10 +7,10 @@ import importlib.metadata
 import numpy as np
 import pytest
 
-from lammps_jump.native import NativeSimulation, simulate
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.scene import InletRow
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.engines.native import NativeSimulation, simulate
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import InletRow
+from lammps_jump.scene.walls import Block, Box, Plane
 
 pytestmark = pytest.mark.lammps
 

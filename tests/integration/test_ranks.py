@@ -10,13 +10,13 @@ import time
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.dump import open_dump
 from made_up import INPUTS
 
 from lammps_jump.case.load import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.lammps_engine import run_lammps
-from lammps_jump.lammps_engine.loader import program
+from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.lammps import run_lammps
+from lammps_jump.engines.lammps.loader import program
 from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps

@@ -10,24 +10,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.dump import open_dump
-from lammps_jump.analysis.run_folder import read_forces
 
-from lammps_jump import pipeline
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.checkpoint import read_checkpoint
+from lammps_jump.dump.find import read_forces
+from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.checkpoint import read_checkpoint
+from lammps_jump.engines.lammps import drive as engine_run
+from lammps_jump.engines.lammps import run_lammps
+from lammps_jump.engines.lammps.loader import program
+from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
-from lammps_jump.kernels import plugin_path
-from lammps_jump.lammps_engine import run as engine_run
-from lammps_jump.lammps_engine import run_lammps
-from lammps_jump.lammps_engine.loader import program
-from lammps_jump.lammps_engine.log import read_log
-from lammps_jump.resume import resume_case
-from lammps_jump.scene import Gate, Pour
+from lammps_jump.runs import start as pipeline
+from lammps_jump.runs.resume import resume_case
+from lammps_jump.scene.scene import Gate, Pour
+from lammps_jump.scene.walls import Plane
 from lammps_jump.script import write_script
-from lammps_jump.script.continuation import write_continuation
-from lammps_jump.walls import Plane
+from lammps_jump.script.resume import write_continuation
 
 INPUTS = Path(__file__).parents[2] / "inputs"
 pytestmark = pytest.mark.lammps

@@ -10,7 +10,7 @@ from made_up import INPUTS
 
 from lammps_jump.case.load import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.lammps_engine.slurm import write_job
+from lammps_jump.engines.lammps.job import write_job
 
 
 @pytest.fixture

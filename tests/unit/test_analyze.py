@@ -7,16 +7,16 @@ from functools import partial
 import numpy as np
 import pytest
 from lammps_jump.analysis.analyze import AnalysisRequest, analyze_dump, plain, with_velocities
-from lammps_jump.analysis.context_of_dump import from_dump
-from lammps_jump.analysis.dump import open_dump
-from lammps_jump.analysis.dump_write import DumpWriter
+from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.profiles import read_profiles
 from made_up import columns_of_discs, flow_context
 
-from lammps_jump.analyze_command import analyze_target
+from lammps_jump.cli.analyze import analyze_target
+from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.run_files import RESULT_FILES
-from lammps_jump.walls import Plane
+from lammps_jump.files import RESULT_FILES
+from lammps_jump.scene.walls import Plane
 
 D = 0.2
 EVERYTHING = AnalysisRequest(jump=True, energy=True, front=True, forces=True)

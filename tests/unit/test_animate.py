@@ -5,16 +5,16 @@ import subprocess
 
 import numpy as np
 import pytest
-from lammps_jump.analysis import painter
-from lammps_jump.analysis.animate import animate, still
-from lammps_jump.analysis.dump import open_dump
-from lammps_jump.analysis.dump_write import DumpWriter
-from lammps_jump.analysis.painter import View, blank, coloured, paint_arrow, paint_discs, paint_walls
-from lammps_jump.analysis.run_folder import ForceHistory
+from lammps_jump.analysis.draw import painter
+from lammps_jump.analysis.draw.film import animate, still
+from lammps_jump.analysis.draw.painter import View, blank, coloured, paint_arrow, paint_discs, paint_walls
 from made_up import flow_context
 
+from lammps_jump.dump.find import ForceHistory
+from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.scene.walls import Block, Box, Plane
 
 CONTEXT = flow_context(
     domain=((0.0, 8.0), (0.0, 4.0)),

@@ -10,7 +10,7 @@ import pytest
 
 from lammps_jump.case import parse_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.cli import main
+from lammps_jump.cli.app import main
 
 GOOD = """\
 name: good

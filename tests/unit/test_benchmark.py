@@ -9,10 +9,11 @@ import pytest
 
 from lammps_jump.case import load_case
 from lammps_jump.errors import CaseError
-from lammps_jump.studies import bench_errors, bench_table
-from lammps_jump.studies.bench_collision import SPEED, collision_scene
-from lammps_jump.studies.bench_runs import JITTER, jittered
-from lammps_jump.studies.bench_settings import Setting, make_settings, parse_axes, reference_setting, stable
+from lammps_jump.studies.bench import errors as bench_errors
+from lammps_jump.studies.bench import table as bench_table
+from lammps_jump.studies.bench.collision import SPEED, collision_scene
+from lammps_jump.studies.bench.runs import JITTER, jittered
+from lammps_jump.studies.bench.settings import Setting, make_settings, parse_axes, reference_setting, stable
 from lammps_jump.studies.timing import Store, in_turn, middle
 
 
@@ -144,7 +145,7 @@ def test_key_tells_settings_apart():
 
 def test_an_interrupted_run_ends_the_study_and_is_not_stored(tmp_path, monkeypatch):
     from lammps_jump.errors import RunInterrupted
-    from lammps_jump.studies import bench_runs
+    from lammps_jump.studies.bench import runs as bench_runs
     from lammps_jump.studies.timing import Stopwatch
 
     path = tmp_path / "case.yaml"

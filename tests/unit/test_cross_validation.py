@@ -11,10 +11,12 @@ from lammps_jump.case import load_case
 from lammps_jump.case.load import parse_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import SetupError
-from lammps_jump.studies import cross_validation, cv_statistics, ensembles
-from lammps_jump.studies.cv_quantities import Curve, Quantities, compare
-from lammps_jump.studies.cv_scenes import micro_scenes
-from lammps_jump.studies.cv_trajectories import (
+from lammps_jump.studies.cross_validation import ensembles
+from lammps_jump.studies.cross_validation import statistics as cv_statistics
+from lammps_jump.studies.cross_validation import study as cross_validation
+from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
+from lammps_jump.studies.cross_validation.scenes import micro_scenes
+from lammps_jump.studies.cross_validation.trajectories import (
     AGREEMENT,
     check_scene,
     crossing_step,
@@ -239,7 +241,8 @@ def test_a_wrong_stiffness_is_found_out(monkeypatch):
         return run_native_frames(replace(other, coefficients=replace(c, stiffness_wall=c.stiffness_wall * (1 + 1e-6))))
 
     monkeypatch.setattr(
-        "lammps_jump.studies.cv_trajectories.run_lammps_frames", lambda short, kernel, plugin: run_native_frames(short)
+        "lammps_jump.studies.cross_validation.trajectories.run_lammps_frames",
+        lambda short, kernel, plugin: run_native_frames(short),
     )
     same, other = check_scene(scene), check_scene(scene, native=softer)
     assert same.agrees and same.worst == 0.0

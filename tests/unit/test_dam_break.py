@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.dam_break import (
+from lammps_jump.analysis.front import (
     FrontHistory,
     FrontTracker,
     against_curve,
@@ -15,11 +15,12 @@ from lammps_jump.analysis.dam_break import (
     stack_top,
     summarise_front,
 )
-from lammps_jump.analysis.dump import make_frame
 from made_up import collected, disc_frame, flow_context
 
-from lammps_jump import reference_data, theory
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.dump.read import make_frame
+from lammps_jump.physics import jump as theory
+from lammps_jump.physics import measured as reference_data
+from lammps_jump.scene.walls import Block, Box, Plane
 
 D, G = 0.2, 9.81
 WALLS = (Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above"))

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lammps_jump.analysis.dump import make_frame, open_dump
-from lammps_jump.analysis.dump_write import DumpWriter
 
+from lammps_jump.dump.read import make_frame, open_dump
+from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 
 DATA = Path(__file__).parents[1] / "data"

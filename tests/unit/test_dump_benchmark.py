@@ -1,6 +1,6 @@
 """The benchmark of the readers runs; its rates are for people, the floor here only catches a collapse."""
 
-from lammps_jump.analysis.dump_benchmark import benchmark
+from dump_reader import benchmark
 
 
 def test_small_run():

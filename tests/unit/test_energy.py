@@ -12,7 +12,7 @@ from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
 from lammps_jump.analysis.energy import EnergyLedger, drift, summarise_energy
 from made_up import collected, disc_frame, flow_context
 
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.scene.walls import Block, Box, Plane
 
 D, K = 0.2, 1.0e6
 BOX = [[-10, 10], [-10, 10]]

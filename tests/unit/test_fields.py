@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lammps_jump.analysis import fields as module
-from lammps_jump.analysis.contacts_found import find_contacts, spring_force
+from lammps_jump.analysis.contacts import find_contacts, spring_force
 from lammps_jump.analysis.fields import compute_fields, mean_fields
 from made_up import disc_frame, flow_context
 
 from lammps_jump.errors import DumpError
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.scene.walls import Block, Box, Plane
 
 D, M, K, G = 0.2, 40.0, 2.56e7, 9.81
 BOX = [[0, 10], [0, 10]]
@@ -174,7 +174,8 @@ def test_mean_of_frames():
 
 
 def test_pressure_at_the_bed_and_its_figures(tmp_path):
-    from lammps_jump.analysis import field_figures, figures
+    from lammps_jump.analysis.draw import maps as field_figures
+    from lammps_jump.analysis.draw import style as figures
 
     x, y = columns()
     c = context(walls=(Plane("floor", "y", 0.0, "above"),))

@@ -3,14 +3,15 @@
 import matplotlib as mpl
 import numpy as np
 import pytest
-from lammps_jump.analysis import figures, painter, snapshots
-from lammps_jump.analysis.dump import make_frame
+from lammps_jump.analysis.draw import painter, snapshots
+from lammps_jump.analysis.draw import style as figures
 from lammps_jump.analysis.profiles import compute_profiles
 from made_up import flow_context
 from matplotlib._pylab_helpers import Gcf
 
+from lammps_jump.dump.read import make_frame
 from lammps_jump.errors import DumpError
-from lammps_jump.walls import Block
+from lammps_jump.scene.walls import Block
 
 CONTEXT = flow_context(
     domain=((0.0, 20.0), (0.0, 5.0)),

@@ -8,17 +8,17 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from lammps_jump.analysis.dump import make_frame
-from lammps_jump.analysis.forces import analyse_forces, moving_mean
-from lammps_jump.analysis.impulse import MomentumLedger, impulse_identity, window_lengths
+from lammps_jump.analysis.forces.history import analyse_forces, moving_mean
+from lammps_jump.analysis.forces.impulse import MomentumLedger, impulse_identity, window_lengths
+from lammps_jump.analysis.forces.reflection import track_reflection
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.reflected_wave import track_reflection
-from lammps_jump.analysis.run_folder import ForceHistory
 from made_up import collected, disc_frame, flow_context
 
-from lammps_jump import theory
-from lammps_jump.scene import Gate
-from lammps_jump.walls import Block, Plane
+from lammps_jump.dump.find import ForceHistory
+from lammps_jump.dump.read import make_frame
+from lammps_jump.physics import jump as theory
+from lammps_jump.scene.scene import Gate
+from lammps_jump.scene.walls import Block, Plane
 
 D, M, G, DT = 0.2, 40.0, 9.81, 1e-3
 BACK, FLOOR = Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lammps_jump.case.load import parse_case
-from lammps_jump.case.slip_check import SLIP_MODES
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.physics.slip import SLIP_MODES
 
 CASE = """\
 discs: {diameter: 0.2}

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from lammps_jump.engines.plugin import availability, build, plugin_path
 from lammps_jump.errors import SetupError
-from lammps_jump.kernels import availability, build, plugin_path
 
 COMPILER = """#!/bin/sh
 if [ "$1" = "--version" ]; then echo "make-believe c++ {version}"; exit 0; fi
@@ -110,7 +110,7 @@ def test_two_builds_at_once_compile_once(make_believe):
     found = []
     threads = [threading.Thread(target=lambda: found.append(plugin_path())) for _ in range(3)]
     # a process of its own must wait at the same lock
-    code = "from lammps_jump.kernels import plugin_path; print(plugin_path())"
+    code = "from lammps_jump.engines.plugin import plugin_path; print(plugin_path())"
     other = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=os.environ.copy())
     for thread in threads:
         thread.start()

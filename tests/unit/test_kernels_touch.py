@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_jump.contact import damping_ratio, lagged_restitution
-from lammps_jump.kernels.touch_study import (
+from lammps_jump.engines.plugin.touch_study import (
     dashpot_share,
     energy,
     fitted_factor,
@@ -16,6 +15,7 @@ from lammps_jump.kernels.touch_study import (
     spring,
     table,
 )
+from lammps_jump.physics.contact import damping_ratio, lagged_restitution
 
 widths = st.floats(1e-3, 1e3)
 
@@ -93,6 +93,6 @@ def open_documentation():
 
 
 def test_a_contact_that_never_ends_is_an_error(monkeypatch):
-    monkeypatch.setattr("lammps_jump.kernels.touch_study.LIMIT", 3)
+    monkeypatch.setattr("lammps_jump.engines.plugin.touch_study.LIMIT", 3)
     with pytest.raises(ArithmeticError, match="not ended"):
         restitution(0.3, 0.1, 0.2, 1.0, 0.3)

@@ -4,14 +4,16 @@ import pickle
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.dump import open_dump
-from lammps_jump.analysis.dump_write import DumpWriter
+
+from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.write import DumpWriter
 
 mda = pytest.importorskip("MDAnalysis")
 
-from lammps_jump.analysis import mda_reader  # noqa: E402
 from MDAnalysis import transformations  # noqa: E402
 from MDAnalysis.analysis.rdf import InterRDF  # noqa: E402
+
+from lammps_jump.dump import mdanalysis as mda_reader  # noqa: E402
 
 BOX = [[-1.0, 19.0], [-5.0, 15.0], [-0.1, 0.1]]
 

@@ -5,10 +5,10 @@ from math import atan2, cos, exp, log, pi, sin, sqrt
 import numpy as np
 import pytest
 
-from lammps_jump.contact import friction_impulse_factor, lagged_restitution
-from lammps_jump.native import NativeSimulation
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.walls import Block, Plane
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.physics.contact import friction_impulse_factor, lagged_restitution
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.walls import Block, Plane
 
 D = 0.2
 FLOOR = Plane("floor", "y", 0.0, "above")

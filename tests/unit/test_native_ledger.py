@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from lammps_jump.native import NativeSimulation
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.scene import Gate, InletRow, Outlet
-from lammps_jump.walls import Box, Plane
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import Gate, InletRow, Outlet
+from lammps_jump.scene.walls import Box, Plane
 
 D = 0.2
 

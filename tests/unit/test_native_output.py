@@ -9,11 +9,11 @@ import sys
 import numpy as np
 import pytest
 
+from lammps_jump.engines.native import NativeSimulation, run_native, simulate
 from lammps_jump.errors import CaseError
-from lammps_jump.native import NativeSimulation, run_native, simulate
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.scene import InletRow
-from lammps_jump.walls import Plane
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import InletRow
+from lammps_jump.scene.walls import Plane
 
 D = 0.2
 
@@ -140,9 +140,10 @@ def test_unknown_dump_format_is_refused(tmp_path):
 
 def test_loops_run_uncompiled_to_the_same_bits(monkeypatch):
     """The plain Python of every kernel, uncompiled, against the compiled code: spin, sign law, block, smooth touch."""
-    from lammps_jump.native import kernels, neighbours
-    from lammps_jump.native.cells import CellSimulation
-    from lammps_jump.walls import Block
+    from lammps_jump.engines.native import lists as neighbours
+    from lammps_jump.engines.native import loops as kernels
+    from lammps_jump.engines.native.cells import CellSimulation
+    from lammps_jump.scene.walls import Block
 
     rng = np.random.default_rng(7)
     grid = np.array([(0.2 * i, 0.3 + 0.2 * j) for j in range(3) for i in range(3)])
@@ -168,7 +169,7 @@ def test_loops_run_uncompiled_to_the_same_bits(monkeypatch):
 
 def test_native_engine_needs_neither_lammps_nor_mdanalysis():
     code = (
-        "import sys; sys.modules['lammps'] = sys.modules['MDAnalysis'] = None; import lammps_jump.native;"
+        "import sys; sys.modules['lammps'] = sys.modules['MDAnalysis'] = None; import lammps_jump.engines.native;"
         "assert not {'matplotlib', 'xarray'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from lammps_jump.contact import damping_ratio, stable_fraction
-from lammps_jump.native import NativeSimulation
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.walls import Box
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.physics.contact import damping_ratio, stable_fraction
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.walls import Box
 
 D = 0.2
 

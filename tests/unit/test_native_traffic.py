@@ -8,12 +8,12 @@ from math import floor
 import numpy as np
 import pytest
 
+from lammps_jump.engines.native import NativeSimulation, run_native, simulate
+from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.errors import CaseError, RunError
-from lammps_jump.native import NativeSimulation, run_native, simulate
-from lammps_jump.native.cells import CellSimulation
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.scene import Gate, InletRow, Outlet, Pour
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour
+from lammps_jump.scene.walls import Block, Box, Plane
 
 D = 0.2
 FLOOR = Plane("floor", "y", 0.0, "above")

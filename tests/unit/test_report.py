@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.report import LARGEST, table, text, write_report
+from lammps_jump.analysis.report.page import LARGEST, table, text, write_report
 
 from lammps_jump.errors import DumpError
 

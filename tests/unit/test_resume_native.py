@@ -14,24 +14,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.dump import open_dump
 
-from lammps_jump import cli, pipeline
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.checkpoint import CHECKPOINT_FILE, fingerprint, read_checkpoint
+from lammps_jump.cli import app as cli
+from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, fingerprint, read_checkpoint
+from lammps_jump.engines.interrupts import deferred_interrupt, terminate_as_interrupt
+from lammps_jump.engines.native import run_native
+from lammps_jump.engines.native.simulation import NativeSimulation
+from lammps_jump.engines.native.state import load_state, save_state
+from lammps_jump.engines.result import Progress, interruption
 from lammps_jump.errors import CaseError, ResumeError, RunInterrupted
-from lammps_jump.interrupts import deferred_interrupt, terminate_as_interrupt
-from lammps_jump.native import run_native
-from lammps_jump.native.handmade import handmade_scene
-from lammps_jump.native.simulation import NativeSimulation
-from lammps_jump.native.state import load_state, save_state
-from lammps_jump.progress import ProgressLine
-from lammps_jump.reopen import reopen
-from lammps_jump.resume import resume_case, resume_prepared
-from lammps_jump.run_result import Progress, interruption
-from lammps_jump.scene import Pour
-from lammps_jump.walls import Box
+from lammps_jump.runs import start as pipeline
+from lammps_jump.runs.progress import ProgressLine
+from lammps_jump.runs.reopen import reopen
+from lammps_jump.runs.resume import resume_case, resume_prepared
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import Pour
+from lammps_jump.scene.walls import Box
 
 INPUTS = Path(__file__).parents[2] / "inputs"
 JUMP = ("run.duration=1.2", "run.output_interval=0.05", 'outflow=[{"x_beyond": 7}]', "walls.sill.x=[6.5, 6.9]")
@@ -160,7 +161,7 @@ def test_a_full_disk_is_told(tmp_path, monkeypatch):
     def full(*arguments):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("lammps_jump.native.engine.save_state", full)
+    monkeypatch.setattr("lammps_jump.engines.native.engine.save_state", full)
     scene = SCENES["inlets and outlets"]()
     result = run_native(scene, tmp_path, should_stop=lambda: True, report_every=0.0)
     assert result.status == "interrupted" and "cannot go on: its state could not be saved" in result.message
@@ -208,7 +209,7 @@ def light(monkeypatch):
 def interrupted(tmp_path, monkeypatch, light):
     """A run folder of a run that was interrupted half way."""
     with monkeypatch.context() as patch:
-        patch.setattr("lammps_jump.native.simulation.WORK_PER_CALL", 100_000)
+        patch.setattr("lammps_jump.engines.native.simulation.WORK_PER_CALL", 100_000)
         patch.setattr(run_native, "__kwdefaults__", dict(run_native.__kwdefaults__, report_every=0.0))
         patch.setattr(pipeline, "_steady_watch", lambda prepared: StopAt(9))
         with pytest.raises(RunInterrupted, match=r"lammps-jump run .* --resume"):

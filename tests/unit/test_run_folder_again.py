@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from made_up import INPUTS
 
-from lammps_jump import pipeline
-from lammps_jump.cli import main
+from lammps_jump.cli.app import main
 from lammps_jump.errors import RunInterrupted
-from lammps_jump.reopen import reanalyse, reopen
+from lammps_jump.runs import start as pipeline
+from lammps_jump.runs.reopen import reanalyse, reopen
 
 SHORT = ("run.duration=0.1", "run.output_interval=0.02", "engine.name=native", "analysis.jump=false")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lammps_jump import contact
+from lammps_jump.physics import contact
 
 K, M = 1.0, 1.0
 CRITICAL = contact.critical_time_step(K, M)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lammps_jump.steady import SteadyDetector, Tolerances, drift_of, flow_state, t_quantile
+from lammps_jump.runs.steady import SteadyDetector, Tolerances, drift_of, flow_state, t_quantile
 
 STEP, WINDOW = 0.1, 10.0
 

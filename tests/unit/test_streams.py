@@ -9,7 +9,7 @@ import sys
 import pytest
 from made_up import INPUTS
 
-from lammps_jump.standard_streams import PatientStream, patient_output
+from lammps_jump.cli.streams import PatientStream, patient_output
 
 COMMAND = [sys.executable, "-m", "lammps_jump"]
 SHORT = ["--engine", "native", "--set", "run.duration=0.05", "--set", "analysis.jump=false"]
@@ -53,7 +53,7 @@ def test_folder_that_is_gone(tmp_path):
     gone = tmp_path / "gone"
     gone.mkdir()
     script = f"import os; os.rmdir({str(gone)!r}); import sys; sys.argv = ['lammps-jump', 'doctor']\n"
-    script += "from lammps_jump.cli import main; main()"
+    script += "from lammps_jump.cli.app import main; main()"
     done = subprocess.run([sys.executable, "-c", script], cwd=gone, capture_output=True, text=True, env=environment())
     assert done.returncode == 2 and done.stderr.startswith("error: the current folder is no longer there")
 

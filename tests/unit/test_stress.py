@@ -7,8 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from lammps_jump.studies import stress_limits, stress_scenes
-from lammps_jump.studies.stress_worker import Worker
+from lammps_jump.studies.stress import limits as stress_limits
+from lammps_jump.studies.stress import scenes as stress_scenes
+from lammps_jump.studies.stress.worker import Worker
 
 NATIVE = ("native velocity_verlet", "native leapfrog_extrapolated")
 

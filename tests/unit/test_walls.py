@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from lammps_jump.walls import Block, Box, Plane
+from lammps_jump.scene.walls import Block, Box, Plane
 
 COORDINATE = st.floats(-5.0, 5.0)
 WALLS = (

@@ -1,0 +1,1 @@
+"""Figures and film of discs, walls and fields."""

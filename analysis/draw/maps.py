@@ -1,0 +1,103 @@
+"""Figures of coarse-grained fields: a map, and the pressure at the bed against hydrostatic."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from lammps_jump.analysis.flow import FlowContext
+from matplotlib.figure import Figure
+
+from .style import BLUE, GOLD, _label, draw_walls, new_figure, style
+
+
+def field_map(
+    fields: xr.Dataset, context: FlowContext, variable: str = "pressure", *, title: str | None = None
+) -> Figure:
+    """Map of one field over the channel, walls in grey.
+
+    Parameters
+    ----------
+    fields : xarray.Dataset
+        Of `compute_fields` or `mean_fields`.
+    context : FlowContext
+    variable : str
+    """
+    quantity = fields[variable]
+    if quantity.attrs.get("units") == "Pa":
+        quantity = (quantity / 1e3).assign_attrs(quantity.attrs, units="kPa")
+    values = quantity.values
+    spacing = float(fields.attrs["spacing"])
+    x = np.append(fields.x.values - spacing / 2, fields.x.values[-1] + spacing / 2)
+    y = np.append(fields.y.values - spacing / 2, fields.y.values[-1] + spacing / 2)
+    # where the kernel has only the rim of a disc there is nothing to see
+    flow = fields["density"].values > 0.05 * context.density
+    finite = values[np.isfinite(values) & flow]
+    low, high = (float(np.quantile(finite, q)) for q in (0.005, 0.995)) if finite.size else (0.0, 1.0)
+    shown = np.where(flow, values, np.nan)
+    wide = (x[-1] - x[0]) / (y[-1] - y[0])
+    with style():
+        figure, axes = new_figure(8.4, float(np.clip((7.6 / wide + 1.7) if wide > 3 else 6.4 / wide + 0.8, 2.4, 9.0)))
+        axes.grid(False)
+        below = 0.08 * (y[-1] - y[0])
+        draw_walls(axes, context.walls, (x[0], x[-1]), (y[0] - below, y[-1]))
+        image = axes.pcolormesh(x, y, shown, vmin=min(low, 0.0), vmax=max(high, 1e-12), rasterized=True)
+        axes.set_aspect("equal")
+        bar = figure.colorbar(image, ax=axes, pad=0.02, orientation="horizontal" if wide > 3 else "vertical", aspect=40)
+        bar.set_label(_label(quantity).replace(", compression positive", ""))
+        bar.outline.set_visible(False)
+        axes.set_xlabel("Distance x [m]")
+        axes.set_ylabel("Height y [m]")
+        axes.set_title(title or _heading(fields, context, variable))
+    return figure
+
+
+def _heading(fields: xr.Dataset, context: FlowContext, what: str) -> str:
+    when = f"mean of {fields.attrs['frames']} frames" if "frames" in fields.attrs else f"t = {float(fields.time):.2f} s"
+    return f"{context.name}: {what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
+
+
+def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
+    """Vertical stress and weight above, at the lowest open cell of each column.
+
+    Parameters
+    ----------
+    fields : xarray.Dataset
+        With contact stress.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``stress`` (contact and kinetic yy) and ``hydrostatic``, dims (x), Pa; NaN where a column has no open cell.
+    """
+    open_ = np.isfinite(fields["density"].values)
+    lowest = np.argmax(open_, axis=0)
+    columns = np.arange(open_.shape[1])
+    some = open_.any(axis=0)
+
+    def there(values):
+        return np.where(some, values[lowest, columns], np.nan)
+
+    stress = fields["contact_yy"].values + fields["kinetic_yy"].values
+    attributes = {"units": "Pa"}
+    return xr.Dataset(
+        {
+            "stress": ("x", there(stress), {**attributes, "long_name": "vertical stress at the bed"}),
+            "hydrostatic": ("x", there(fields["hydrostatic"].values), {**attributes, "long_name": "weight above"}),
+        },
+        coords={"x": fields.x},
+    )
+
+
+def bed_pressure_figure(fields: xr.Dataset, context: FlowContext, *, title: str | None = None) -> Figure:
+    """Vertical stress at the bed along the channel beside the weight of what lies above."""
+    pressure = bed_pressure(fields)
+    with style():
+        figure, axes = new_figure(7.6, 3.2)
+        axes.plot(pressure.x, pressure.stress / 1e3, color=BLUE, lw=1.2, label="contact and kinetic stress at the bed")
+        axes.plot(pressure.x, pressure.hydrostatic / 1e3, color=GOLD, ls="--", label="hydrostatic: weight above")
+        axes.set_xlabel("Distance x [m]")
+        axes.set_ylabel("Vertical stress [kPa]")
+        axes.set_ylim(bottom=min(0.0, float(pressure.stress.min(skipna=True).fillna(0)) / 1e3))
+        axes.legend(loc="upper left")
+        axes.set_title(title or _heading(fields, context, "pressure at the bed"))
+    return figure

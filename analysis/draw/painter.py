@@ -1,0 +1,184 @@
+"""A small software painter: anti-aliased discs, straight lines and arrows on an RGB picture, fast.
+
+Pictures are arrays of shape (height, width, 3), uint8, first row on top. World coordinates are metres; a `View`
+maps them. Discs are painted as true circles: coverage falls linearly over one pixel at the rim.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, floor, hypot, sqrt
+
+import numpy as np
+from numba import njit
+
+from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
+
+PAPER = (255, 255, 255)
+SOLID = (196, 196, 196)
+EDGE = (70, 70, 70)
+
+
+@dataclass(frozen=True)
+class View:
+    """What part of the plane a picture shows: the same scale on both axes.
+
+    Parameters
+    ----------
+    x, y : (float, float)
+        Extent, m.
+    width, height : int
+        Pixels.
+    """
+
+    x: Interval
+    y: Interval
+    width: int
+    height: int
+
+    @property
+    def scale(self) -> float:
+        """Pixels a metre."""
+        return self.width / (self.x[1] - self.x[0])
+
+    def column(self, x):
+        """Pixel coordinate of x (pixel i covers i … i + 1)."""
+        return (np.asarray(x, float) - self.x[0]) * self.scale
+
+    def row(self, y):
+        """Pixel coordinate of y, downwards."""
+        return (self.y[1] - np.asarray(y, float)) * self.scale
+
+    @classmethod
+    def fitted(cls, x: Interval, y: Interval, width: int, even: bool = True) -> View:
+        """A view of these extents that is `width` pixels wide; its height follows (and y grows to whole pixels)."""
+        scale = width / (x[1] - x[0])
+        height = max(2, ceil((y[1] - y[0]) * scale))
+        if even:
+            width, height = width + width % 2, height + height % 2
+            scale = width / (x[1] - x[0])
+        return cls(x, (y[0], y[0] + height / scale), width, height)
+
+
+def blank(view: View) -> np.ndarray:
+    """A white picture, shape (height, width, 3), uint8."""
+    picture = np.empty((view.height, view.width, 3), np.uint8)
+    picture[:] = PAPER
+    return picture
+
+
+def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates: tuple[Wall, ...] = ()) -> None:
+    """Walls as grey solids: blocks filled, the far side of planes and boxes filled; gates without thickness as bars."""
+    height, width = picture.shape[:2]
+    x = view.x[0] + (np.arange(width) + 0.5) / view.scale
+    y = view.y[1] - (np.arange(height) + 0.5) / view.scale
+    solid = np.zeros((height, width), bool)
+    for wall in walls:
+        if isinstance(wall, Plane):
+            inside = wall.sign * ((x if wall.axis == "x" else y) - wall.at) < 0
+            solid |= inside[None, :] if wall.axis == "x" else inside[:, None]
+        elif isinstance(wall, Block):
+            solid |= ((y >= wall.y[0]) & (y <= wall.y[1]))[:, None] & ((x >= wall.x[0]) & (x <= wall.x[1]))[None, :]
+        elif isinstance(wall, Box):
+            solid |= ~(((y >= wall.y[0]) & (y <= wall.y[1]))[:, None] & ((x >= wall.x[0]) & (x <= wall.x[1]))[None, :])
+    bar = 5.0 / view.scale
+    for gate in gates:
+        if isinstance(gate, Block) and gate.x[0] == gate.x[1]:  # felt from both sides, without thickness
+            solid |= (np.abs(x - gate.x[0]) < 0.5 * bar)[None, :]
+        elif isinstance(gate, Plane):
+            behind = gate.sign * ((x if gate.axis == "x" else y) - gate.at)
+            inside = (behind < 0) & (behind > -bar)
+            solid |= inside[None, :] if gate.axis == "x" else inside[:, None]
+        else:
+            paint_walls(picture, view, (gate,))
+    picture[solid] = SOLID
+    # the face of a wall is the first solid pixel beside an open one
+    open_ = np.pad(~solid, 1, constant_values=False)
+    beside = open_[:-2, 1:-1] | open_[2:, 1:-1] | open_[1:-1, :-2] | open_[1:-1, 2:]
+    picture[solid & beside] = EDGE
+
+
+def paint_discs(picture: np.ndarray, view: View, x, y, radius: float, colours: np.ndarray) -> None:
+    """Discs as anti-aliased circles.
+
+    Parameters
+    ----------
+    picture : ndarray, shape (height, width, 3), uint8
+        Painted in place.
+    x, y : ndarray, shape (n,), m
+    radius : float, m
+    colours : ndarray, shape (n, 3), uint8
+    """
+    _paint_discs(picture, view.column(x), view.row(y), radius * view.scale, np.ascontiguousarray(colours, np.uint8))
+
+
+def paint_arrow(picture: np.ndarray, start, end, thickness: float, colour) -> None:
+    """An arrow from `start` to `end` (pixel column, row), its head four thicknesses wide."""
+    (x0, y0), (x1, y1) = start, end
+    length = hypot(x1 - x0, y1 - y0)
+    if not length > 0:
+        return
+    thickness = min(thickness, 0.2 * length)  # a short arrow is thin, not stubby
+    head = 4.0 * thickness
+    ux, uy = (x1 - x0) / length, (y1 - y0) / length
+    _paint_arrow(picture, x0, y0, ux, uy, length, head, thickness, np.array(colour, np.uint8))
+
+
+def colour_table(name: str = "cividis", entries: int = 256) -> np.ndarray:
+    """A matplotlib colour map as bytes, shape (entries, 3)."""
+    from matplotlib import colormaps
+
+    return (colormaps[name](np.linspace(0, 1, entries))[:, :3] * 255 + 0.5).astype(np.uint8)
+
+
+def coloured(values: np.ndarray, top: float, table: np.ndarray) -> np.ndarray:
+    """Colours of values from 0 to `top`, shape (n, 3), uint8; beyond it the last colour."""
+    scaled = np.nan_to_num(np.asarray(values, float) / (top if top > 0 else 1.0))
+    return table[np.clip((scaled * len(table)).astype(int), 0, len(table) - 1)]
+
+
+def _paint_discs_py(picture, column, row, radius, colours):
+    height, width = picture.shape[0], picture.shape[1]
+    # a disc below a pixel keeps its share of the pixel's ink
+    rim = max(radius, 0.5)
+    ink = min(1.0, (radius / rim) ** 2)
+    for i in range(len(column)):
+        c, r = column[i], row[i]
+        if not (-rim - 1.0 <= c <= width + rim + 1.0 and -rim - 1.0 <= r <= height + rim + 1.0):
+            continue
+        for py in range(max(floor(r - rim - 0.5), 0), min(ceil(r + rim + 0.5), height)):
+            dy = py + 0.5 - r
+            for px in range(max(floor(c - rim - 0.5), 0), min(ceil(c + rim + 0.5), width)):
+                dx = px + 0.5 - c
+                cover = rim + 0.5 - sqrt(dx * dx + dy * dy)
+                if cover <= 0.0:
+                    continue
+                cover = ink if cover >= 1.0 else cover * ink
+                for k in range(3):
+                    old = picture[py, px, k]
+                    picture[py, px, k] = np.uint8(old + cover * (float(colours[i, k]) - old) + 0.5)
+
+
+def _paint_arrow_py(picture, x0, y0, ux, uy, length, head, thickness, colour):
+    height, width = picture.shape[0], picture.shape[1]
+    half = 2.0 * thickness + 1.0
+    x1, y1 = x0 + ux * length, y0 + uy * length
+    for py in range(max(floor(min(y0, y1) - half), 0), min(ceil(max(y0, y1) + half), height)):
+        for px in range(max(floor(min(x0, x1) - half), 0), min(ceil(max(x0, x1) + half), width)):
+            along = (px + 0.5 - x0) * ux + (py + 0.5 - y0) * uy
+            across = abs((py + 0.5 - y0) * ux - (px + 0.5 - x0) * uy)
+            if along < length - head:
+                cover = min(0.5 * thickness + 0.5 - across, along + 0.5)
+            else:
+                cover = 2.0 * thickness * (length - along) / head + 0.5 - across
+                if along > length:
+                    cover = 0.0
+            if cover > 0.0:
+                cover = min(cover, 1.0)
+                for k in range(3):
+                    old = picture[py, px, k]
+                    picture[py, px, k] = np.uint8(old + cover * (float(colour[k]) - old) + 0.5)
+
+
+_paint_discs = njit(cache=True)(_paint_discs_py)
+_paint_arrow = njit(cache=True)(_paint_arrow_py)

@@ -1,0 +1,1 @@
+"""Force on structures, its impulse, the reflected wave."""

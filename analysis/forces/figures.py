@@ -1,0 +1,97 @@
+"""Figures of the forces: history, impulse, reflected wave, each with its estimate beside it."""
+
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from lammps_jump.analysis.draw.style import BLACK, BLUE, DASHES, GOLD, GREY, RED, new_figure, style, xt_map
+from matplotlib.figure import Figure
+
+from .history import LOW_PASS, ForceResult
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COLOURS = (BLUE, GOLD, BLACK, GREY, RED)
+
+
+def history_figure(result: ForceResult) -> Figure | None:
+    """Force components against time, one row a structure: windows of the record in grey, low-passed in colour."""
+    if not result.structures:
+        return None
+    with style():
+        figure, grid = new_figure(
+            7.6, 1.1 + 2.3 * len(result.structures), len(result.structures), 1, sharex=True, squeeze=False
+        )
+        for axes, (name, force) in zip(grid[:, 0], result.structures.items(), strict=True):
+            time, numbers = force.history.time, result.summary[name]
+            axes.plot(time, getattr(force.history, force.component) / 1e3, color="#c9c9c9", lw=0.6, label="as recorded")
+            for key, colour, dash in (("fx", BLUE, "-"), ("fy", GOLD, "--")):
+                if np.any(force.smooth[key]):
+                    axes.plot(time, force.smooth[key] / 1e3, color=colour, ls=dash, label=f"{key}, {LOW_PASS:g} s mean")
+            if force.component == "fx" and np.isfinite(force.hydrostatic).any():
+                sign = np.sign(numbers["peak"]) or 1.0
+                axes.plot(time, sign * force.hydrostatic / 1e3, color=BLACK, lw=1, ls=":", label="hydrostatic, ρgh²/2")
+                if force.wall.__class__.__name__ == "Block":
+                    axes.plot(
+                        time, sign * force.oncoming / 1e3, color=GREY, lw=1, ls="-.", label="oncoming, ρhu² + ρgh²/2"
+                    )
+            if numbers["peak"] is not None:
+                axes.plot(numbers["peak_time"], numbers["peak"] / 1e3, "o", mfc="white", mec=RED, ms=6)
+                label = f"{numbers['peak'] / 1e3:.0f} kN/m".replace("-", "−")
+                axes.annotate(label, (numbers["peak_time"], numbers["peak"] / 1e3), (8, 0), color=RED, fontsize=8,
+                              textcoords="offset points", va="center")  # fmt: skip
+            shown = np.concatenate([[0.0], *(force.smooth[key] / 1e3 for key in ("fx", "fy"))])
+            axes.set_ylim(1.2 * shown.min(), max(1.4 * shown.max(), 1e-9))
+            axes.axhline(0, color=GREY, lw=0.8)
+            axes.set_ylabel("Force [kN/m]")
+            axes.set_title(f"{name}: force of the discs")
+            axes.legend(ncols=2, fontsize=7)
+        grid[-1, 0].set_xlabel("Time t [s]")
+    return figure
+
+
+def impulse_figure(result: ForceResult) -> Figure | None:
+    """Running impulse and overturning moment of every structure."""
+    if not result.structures:
+        return None
+    with style():
+        figure, (left, right) = new_figure(8.4, 3.6, 1, 2)
+        for i, (name, force) in enumerate(result.structures.items()):
+            colour, dash = COLOURS[i % len(COLOURS)], DASHES[i % len(DASHES)]
+            column = 0 if force.component == "fx" else 1
+            label = f"{name}, {force.component}"
+            left.plot(force.history.time, force.impulse[:, column] / 1e3, color=colour, ls=dash, label=label)
+            if np.isfinite(force.smooth["moment"]).any() and force.component == "fx":
+                right.plot(force.history.time, force.smooth["moment"] / 1e3, color=colour, ls=dash, label=name)
+        left.set_ylabel("Running impulse [kN s/m]")
+        right.set_ylabel(f"Overturning moment, {LOW_PASS:g} s mean [kN m/m]")
+        for axes in (left, right):
+            axes.axhline(0, color=GREY, lw=0.8)
+            axes.set_xlabel("Time t [s]")
+            if axes.get_legend_handles_labels()[0]:
+                axes.legend()
+        left.set_title("Impulse")
+        right.set_title("Moment about the foot at the bed, anticlockwise")
+    return figure
+
+
+def reflected_figure(result: ForceResult, profiles: xr.Dataset) -> Figure | None:
+    """Map of the mass depth with the reflected front and its straight-line fit."""
+    wave = result.reflected
+    if wave is None or wave.motion.points < 3:
+        return None
+    good = np.isfinite(wave.position)
+    figure = xt_map(profiles, "mass_depth", title=f"{result.context.name}: wave thrown back by {wave.structure}")
+    axes = figure.axes[0]
+    with style():
+        axes.plot(wave.position[good], wave.time[good], "o", mfc="white", mec=BLACK, ms=3, label="reflected front")
+        ends = wave.time[good][[0, -1]]
+        line = wave.motion.start + wave.motion.speed * ends
+        label = f"fit {wave.motion.speed:+.2f} ± {wave.motion.error:.2f} m/s; bore theory {wave.bore_speed:+.2f} m/s"
+        axes.plot(line, ends, color=RED, lw=1.8, ls="--", label=label)
+        axes.set_xlim(right=float(result.structures[wave.structure].wall.x[1]) + 1)
+        axes.legend(loc="upper left", frameon=True, framealpha=0.9)
+    return figure

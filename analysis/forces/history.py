@@ -1,0 +1,291 @@
+"""Force on structures: history, impulse, peak behind a stated low-pass, estimates, and the impulse identity.
+
+Fx and fy are what the discs do to a structure, N per metre of width.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import nan
+from typing import TYPE_CHECKING
+
+import numpy as np
+from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.statistics import block_average
+
+from lammps_jump.dump.find import ForceHistory
+from lammps_jump.physics import jump as theory
+from lammps_jump.scene.walls import Block, Plane, Wall
+
+from .impulse import Identity, MomentumHistory, identity_numbers, identity_sentence, impulse_identity, window_lengths
+from .reflection import ReflectedWave, track_reflection
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LOW_PASS = 0.05
+"""Width of the centred moving mean behind which peaks are quoted, s."""
+
+
+def moving_mean(values: np.ndarray, samples: int) -> np.ndarray:
+    """Centred mean over an odd number of samples (made odd upwards); shorter, still centred, at the ends."""
+    half = max(int(samples), 1) // 2
+    if half == 0 or len(values) == 0:
+        return np.asarray(values, float).copy()
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    index = np.arange(len(values))
+    reach = np.minimum(half, np.minimum(index, len(values) - 1 - index))
+    return (total[index + reach + 1] - total[index - reach]) / (2 * reach + 1)
+
+
+@dataclass(frozen=True)
+class StructureForce:
+    """History of one structure.
+
+    Attributes
+    ----------
+    wall : Wall or None
+        None where the context does not know the name.
+    history : ForceHistory
+    smooth : dict of ndarray
+        fx, fy, moment behind the low-pass; the moment of upright faces is about their foot at the bed.
+    impulse : ndarray, shape (n, 2)
+        Running impulse of fx, fy, N s.
+    component : {'fx', 'fy'}
+        The one with the larger integral of its magnitude.
+    depth : ndarray, shape (n,)
+        Mass depth in front of the structure, m (NaN where no profile is).
+    hydrostatic : ndarray, shape (n,)
+        rho g h^2/2 on its face for that depth, N.
+    oncoming : ndarray, shape (n,)
+        Momentum of the flow two bins in front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
+    """
+
+    wall: Wall | None
+    history: ForceHistory
+    smooth: dict[str, np.ndarray]
+    impulse: np.ndarray
+    component: str
+    depth: np.ndarray
+    hydrostatic: np.ndarray
+    oncoming: np.ndarray
+
+
+@dataclass(frozen=True)
+class ForceResult:
+    """Everything about forces: see `analyse_forces`."""
+
+    context: FlowContext
+    structures: dict[str, StructureForce]
+    identities: tuple[Identity, ...]
+    reflected: ReflectedWave | None
+    summary: dict = field(default_factory=dict)
+
+    def tables(self) -> dict[str, dict[str, np.ndarray]]:
+        """CSV tables: one a structure, and the reflected wave."""
+        result = {}
+        for name, force in self.structures.items():
+            result[f"force_{name}.csv"] = {
+                "time": force.history.time,
+                "fx": force.history.fx,
+                "fy": force.history.fy,
+                "moment": force.history.moment,
+                **{f"{key}_smooth": values for key, values in force.smooth.items()},
+                "impulse_x": force.impulse[:, 0],
+                "impulse_y": force.impulse[:, 1],
+                "depth": force.depth,
+                "hydrostatic": force.hydrostatic,
+                "oncoming": force.oncoming,
+            }
+        if self.reflected is not None:
+            result["reflected_wave.csv"] = {"time": self.reflected.time, "position": self.reflected.position}
+        return result
+
+
+def analyse_forces(
+    forces: dict[str, ForceHistory],
+    context: FlowContext,
+    momentum: MomentumHistory | None,
+    profiles: xr.Dataset,
+) -> ForceResult:
+    """Histories, peaks, estimates, identities and the reflected wave of a run.
+
+    Parameters
+    ----------
+    forces : dict of str to ForceHistory
+        Of ``forces.csv``.
+    context : FlowContext
+    momentum : MomentumHistory, optional
+    profiles : xarray.Dataset
+
+    Returns
+    -------
+    ForceResult
+        ``summary`` holds a dict for every structure (peak, impulse …) and ``identity``, ``reflected_wave``, ``notes``.
+    """
+    structures = {name: _structure(name, history, context, profiles) for name, history in forces.items()}
+    identities = ()
+    if momentum is not None:
+        identities = tuple(impulse_identity(forces, momentum, context, axis) for axis in ("x", "y"))
+    reflected = _reflected(structures, context, profiles)
+    window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
+    summary: dict = {name: _numbers(force, window) for name, force in structures.items()}
+    summary |= _settled(structures, context, profiles, momentum)
+    notes = [identity_sentence(identity) for identity in identities]
+    if reflected is not None:
+        summary["reflected_wave"] = reflected.summary()
+        notes.append(reflected.sentence())
+    summary["identity"] = {identity.axis: identity_numbers(identity) for identity in identities}
+    summary["low_pass"] = LOW_PASS
+    summary["notes"] = notes
+    return ForceResult(context, structures, identities, reflected, summary)
+
+
+def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
+    """Position, foot and top of the face that a stream towards +x (or a fluid right of a back wall) meets; side."""
+    if isinstance(wall, Block):
+        return wall.x[0], wall.y[0], wall.y[1], -1
+    if isinstance(wall, Plane) and wall.axis == "x":
+        return wall.at, -np.inf, np.inf, 1 if wall.side == "above" else -1
+    return None
+
+
+def _structure(name: str, history: ForceHistory, context: FlowContext, profiles: xr.Dataset) -> StructureForce:
+    try:
+        wall = context.wall(name)
+    except KeyError:
+        wall = None
+    lengths = window_lengths(history.time)
+    samples = 1 if len(lengths) < 2 else round(LOW_PASS / max(float(np.median(lengths)), 1e-300))
+    samples = max(1, samples + (samples + 1) % 2)
+    moment = history.moment
+    impulse = np.cumsum(np.column_stack([history.fx, history.fy]) * lengths[:, None], axis=0)
+    weight_x, weight_y = np.sum(np.abs(history.fx) * lengths), np.sum(np.abs(history.fy) * lengths)
+    component = "fx" if weight_x >= weight_y else "fy"
+    nothing = np.full(len(history.time), nan)
+    depth, hydrostatic, oncoming = nothing, nothing, nothing
+    face = _face(wall)
+    gravity = -context.gravity[1]
+    if face is not None and gravity > 0:
+        at, foot, top, side = face
+        near = _station(profiles, at, side, 1, context)
+        far = _station(profiles, at, side, 2, context)
+        if near is not None:
+            bed = float(profiles["bed"].values[near])
+            # the record's point is the block's corner, or y = 0 of a plane: moved up to where the face leaves the bed
+            corner = foot if isinstance(wall, Block) else 0.0
+            moment = history.moment + (max(bed, foot) - corner) * history.fx
+            high = top - max(foot, bed)
+            depth = _at_times(history.time, profiles, profiles["mass_depth"].values[:, near])
+            wetted = np.clip(depth, 0, high)
+            hydrostatic = context.density * gravity * wetted * (depth - 0.5 * wetted)
+        if far is not None:
+            flux = profiles["momentum_flux"].values[:, far]
+            towards = side * profiles["discharge"].values[:, far] < 0
+            still = 0.5 * gravity * profiles["mass_depth"].values[:, far] ** 2
+            oncoming = _at_times(history.time, profiles, context.density * (np.where(towards, flux, 0.0) + still))
+    smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
+    smooth = {key: moving_mean(values, samples) for key, values in smooth.items()}
+    return StructureForce(wall, history, smooth, impulse, component, depth, hydrostatic, oncoming)
+
+
+def _station(profiles: xr.Dataset, at: float, side: int, bins: int, context: FlowContext) -> int | None:
+    """The bin that lies `bins` bins before a face, or None outside the profiles."""
+    width = profiles.attrs["bin_width"]
+    place = at + side * (bins - 0.5) * width
+    index = int(np.floor((place - profiles.attrs["x_low"]) / width))
+    inside = 0 <= index < profiles.sizes["x"] and np.isfinite(profiles["bed"].values[index])
+    return index if inside else None
+
+
+def _at_times(time: np.ndarray, profiles: xr.Dataset, values: np.ndarray) -> np.ndarray:
+    frames = profiles["time"].values
+    return np.interp(time, frames, values, left=nan, right=nan) if len(frames) > 1 else np.full(len(time), nan)
+
+
+def _window_mean(force: StructureForce, window: tuple[float, float]) -> dict:
+    """Mean force over the window of the profiles with its standard error, and the mean hydrostatic estimate."""
+    inside = (force.history.time > window[0]) & (force.history.time <= window[1] + 1e-9)
+    if not inside.any():
+        return {"mean_fx": None, "mean_fy": None}
+    numbers = {}
+    for key in ("fx", "fy"):
+        result = block_average(getattr(force.history, key)[inside])
+        error = float(result.standard_error)
+        numbers[f"mean_{key}"] = float(result.mean)
+        numbers[f"mean_{key}_error"] = error if np.isfinite(error) else float(result.lower_bound)
+    known = inside & np.isfinite(force.hydrostatic)
+    numbers["mean_hydrostatic"] = float(force.hydrostatic[known].mean()) if known.any() else None
+    return numbers
+
+
+def _numbers(force: StructureForce, window: tuple[float, float]) -> dict:
+    history = force.history
+    values = force.smooth[force.component]
+    live = history.time > 0 if (history.time > 0).any() else np.ones(len(history.time), bool)
+    if not live.any():
+        return {"peak": None, "impulse": None}
+
+    def biggest(series: np.ndarray) -> tuple[float, float]:
+        chosen = np.where(live & np.isfinite(series), np.abs(series), -1.0)
+        k = int(np.argmax(chosen))
+        return (float(series[k]), float(history.time[k])) if chosen[k] >= 0 else (nan, nan)
+
+    peak, peak_time = biggest(values)
+    before = force.impulse[np.flatnonzero(live)[0] - 1] if not live[0] else np.zeros(2)
+    after = force.impulse[np.flatnonzero(live)[-1]]
+    index = 0 if force.component == "fx" else 1
+    return {
+        "component": force.component,
+        "peak": peak,
+        "peak_time": peak_time,
+        "peak_unfiltered": biggest(getattr(history, force.component))[0],
+        "impulse": float(after[index] - before[index]),
+        "impulse_x": float(after[0] - before[0]),
+        "impulse_y": float(after[1] - before[1]),
+        "peak_fx": biggest(force.smooth["fx"])[0],
+        "peak_fy": biggest(force.smooth["fy"])[0],
+        "peak_moment": biggest(force.smooth["moment"])[0],
+        "hydrostatic": biggest(force.hydrostatic)[0],
+        "stagnation": biggest(force.oncoming)[0],
+        "largest_depth": biggest(force.depth)[0],
+        **_window_mean(force, window),
+    }
+
+
+def _settled(structures: dict, context: FlowContext, profiles: xr.Dataset, momentum: MomentumHistory | None) -> dict:
+    """Mean force over the last quarter of the time before the gate opens, against hydrostatics and the weight."""
+    times = profiles["time"].values
+    gravity = -context.gravity[1]
+    if gravity <= 0 or not (times < 0).any():
+        return {}
+    start = 0.25 * float(times[0])
+    result = {}
+    frames = (times >= start) & (times <= 0)
+    for name, force in structures.items():
+        chosen = (force.history.time > start) & (force.history.time <= 0)
+        if not chosen.any() or not frames.any():
+            continue
+        mean_x, mean_y = float(force.history.fx[chosen].mean()), float(force.history.fy[chosen].mean())
+        if isinstance(force.wall, Plane) and force.wall.axis == "x":
+            index = _station(profiles, *_face(force.wall)[::3], 2, context)
+            depth = nan if index is None else float(profiles["mass_depth"].values[frames, index].mean())
+            expected = theory.hydrostatic_force(depth, context.density, gravity)
+            result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": _ratio(mean_x, expected)}
+        elif momentum is not None and abs(mean_y) > abs(mean_x):
+            weight = context.mass * gravity * float(momentum.discs[frames].mean())
+            result[name] = {"force": mean_y, "weight": weight, "ratio": _ratio(mean_y, weight)}
+    return {"settled": result} if result else {}
+
+
+def _ratio(force: float, expected: float) -> float:
+    """Size of a force over what was expected; NaN where nothing was: a dry wall, no disc."""
+    return abs(force) / expected if expected > 0 else nan
+
+
+def _reflected(structures: dict, context: FlowContext, profiles: xr.Dataset) -> ReflectedWave | None:
+    """The wave thrown back by the first block that stands in a stream towards +x."""
+    blocks = [force.wall for force in structures.values() if isinstance(force.wall, Block) and force.component == "fx"]
+    if not blocks or -context.gravity[1] <= 0 or context.inlets:
+        return None
+    return track_reflection(profiles, min(blocks, key=lambda wall: wall.x[0]), context)

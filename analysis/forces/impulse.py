@@ -1,0 +1,248 @@
+"""The impulse identity: what walls and gravity gave the discs is what their momentum changed by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+from lammps_jump.analysis.contact_sums import wall_sums
+from lammps_jump.analysis.flow import FlowContext
+
+from lammps_jump.dump.find import ForceHistory
+from lammps_jump.dump.read import Frame
+
+
+@dataclass(frozen=True)
+class MomentumHistory:
+    """Momentum of all discs and the walls' forces at the frames, per metre of width.
+
+    Attributes
+    ----------
+    time : ndarray, shape (frames,), s
+    momentum : ndarray, shape (frames, 2), N s
+    discs : ndarray of int, shape (frames,)
+    same : ndarray of bool, shape (frames,)
+        The discs are those of the frame before.
+    forces : dict of ndarray, shape (frames, 2), N
+        Force on the discs by each probed wall at the frame itself, from positions and velocities.
+    unprobed : dict of ndarray of bool, shape (frames, 2)
+        Whether an unprobed wall or shut gate pushed along x, along y.
+    """
+
+    time: np.ndarray
+    momentum: np.ndarray
+    discs: np.ndarray
+    same: np.ndarray
+    forces: dict[str, np.ndarray]
+    unprobed: dict[str, np.ndarray]
+
+
+class MomentumLedger:
+    """Collects a `MomentumHistory`."""
+
+    def __init__(self, context: FlowContext):
+        self.context = context
+        self._rows: list[tuple] = []
+        self._ids: np.ndarray | None = None
+        self._forces: dict[str, dict[int, tuple]] = {}
+        self._unprobed: dict[str, dict[int, tuple]] = {}
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Add a frame."""
+        context, k = self.context, len(self._rows)
+        ids = np.sort(frame.ids)
+        same = self._ids is not None and np.array_equal(ids, self._ids)
+        self._ids = ids
+        mass = context.mass
+        self._rows.append((time, mass * float(frame.vx.sum()), mass * float(frame.vy.sum()), frame.n, same))
+        if context.stiffness_wall is None:
+            return
+        standing = context.walls_at(time)
+        # the last frame before a gate opens counts as with the gate, the first one after as without
+        for wall in standing:
+            sums = wall_sums(frame, wall, context)
+            if wall.name in context.probes:
+                self._forces.setdefault(wall.name, {})[k] = sums.force
+            elif sums.index.size:
+                pushes_x = sums.sideways or bool(context.friction)
+                self._unprobed.setdefault(wall.name, {})[k] = (pushes_x, bool(np.any(sums.fy != 0)))
+
+    def result(self) -> MomentumHistory:
+        """The history of all frames added."""
+        rows = np.array(self._rows, float).reshape(-1, 5)
+        n = len(rows)
+
+        def spread(sparse: dict[int, tuple], kind) -> np.ndarray:
+            dense = np.zeros((n, 2), kind)
+            for k, value in sparse.items():
+                dense[k] = value
+            return dense
+
+        return MomentumHistory(
+            rows[:, 0],
+            rows[:, 1:3],
+            rows[:, 3].astype(int),
+            rows[:, 4].astype(bool),
+            {name: spread(sparse, float) for name, sparse in self._forces.items()},
+            {name: spread(sparse, bool) for name, sparse in self._unprobed.items()},
+        )
+
+
+def window_lengths(time: np.ndarray) -> np.ndarray:
+    """Length of the averaging window that ends at each time, s; the first one is taken as long as the second."""
+    if len(time) < 2:
+        return np.zeros(len(time))
+    steps = np.diff(time)
+    return np.concatenate([[np.median(steps)], steps])
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Impulse of all walls and of gravity against the change of the discs' momentum along one axis, N s.
+
+    Attributes
+    ----------
+    axis : {'x', 'y'}
+    start, end : float
+        The longest time between frames with the same discs, probes aligned, gates open, s.
+    change : float
+        Momentum change of the discs.
+    walls, gravity : float
+        Impulses on the discs; half a step's force at both ends is taken off, as velocity Verlet's kicks ask.
+    scale : float
+        Sum over walls of the integral of the force's magnitude.
+    reason : str
+        Empty where the identity could be formed and is complete; else what is missing.
+    """
+
+    axis: str
+    start: float = nan
+    end: float = nan
+    change: float = nan
+    walls: float = nan
+    gravity: float = nan
+    scale: float = nan
+    reason: str = ""
+
+    @property
+    def difference(self) -> float:
+        """Change of momentum that no impulse explains."""
+        return self.change - self.walls - self.gravity
+
+    @property
+    def relative(self) -> float:
+        """The difference over the scale."""
+        return abs(self.difference) / self.scale if self.scale else nan
+
+
+def impulse_identity(
+    forces: dict[str, ForceHistory], momentum: MomentumHistory, context: FlowContext, axis: str
+) -> Identity:
+    """Hold the walls' impulse and gravity's against the change of the discs' momentum.
+
+    Over the longest run of frames with the same discs, whose ends fall on ends of force windows, after all gates have
+    opened. Forces are sums over every step, so the two agree to the digits of the files where all walls that push
+    along the axis are probed.
+
+    Parameters
+    ----------
+    forces : dict of str to ForceHistory
+    momentum : MomentumHistory
+    context : FlowContext
+    axis : {'x', 'y'}
+    """
+    column = 0 if axis == "x" else 1
+    if not forces:
+        return Identity(axis, reason="no wall was probed")
+    first = next(iter(forces.values()))
+    span = _common_span(first.time, momentum, context)
+    if not momentum.same.any():
+        return Identity(axis, reason="discs enter or leave between all frames")
+    if span is None:
+        return Identity(axis, reason="no two frames hold the same discs and fall on ends of the force windows")
+    a, b = span
+    start, end = momentum.time[a], momentum.time[b]
+    reasons = []
+    for name, pushed in momentum.unprobed.items():
+        if pushed[a : b + 1, column].any():
+            reasons.append(f"wall '{name}' pushes along {axis} and is not probed")
+    if context.stiffness_wall is None:
+        reasons.append("without stiffnesses nothing tells whether other walls push")
+    reasons += [
+        f"wall '{wall.name}' has no force record" for wall in context.walls
+        if wall.name in context.probes and wall.name not in forces
+    ]  # fmt: skip
+    slack = 0.25 * (context.time_step or 0.0) or 1e-9
+    walls = scale = 0.0
+    for name, history in forces.items():
+        lengths = window_lengths(history.time)
+        inside = (history.time > start + slack) & (history.time <= end + slack)
+        covered = float(lengths[inside].sum())
+        if abs(covered - (end - start)) > 1e-6 * (end - start) + slack:
+            reasons.append(f"the record of '{name}' covers {covered:.4g} s of {end - start:.4g} s")
+        values = (history.fx, history.fy)[column]
+        walls -= float(np.dot(values[inside], lengths[inside]))
+        scale += float(np.dot(np.abs(values[inside]), lengths[inside]))
+        if name in momentum.forces and context.time_step:
+            ends = momentum.forces[name][:, column]
+            walls += 0.5 * context.time_step * float(ends[a] - ends[b])
+    gravity = context.gravity[column] * context.mass * float(momentum.discs[a]) * (end - start)
+    change = float(momentum.momentum[b, column] - momentum.momentum[a, column])
+    return Identity(axis, float(start), float(end), change, walls, gravity, scale, "; ".join(dict.fromkeys(reasons)))
+
+
+def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, context: FlowContext) -> tuple[int, int] | None:
+    """First and last frame of the longest stretch the identity may use."""
+    step = context.time_step or 0.0
+    opened = max(((gate.release_step - context.settle_steps) * step for gate in context.gates), default=-np.inf)
+    slack = 0.25 * step or 1e-9
+    gap = np.abs(momentum.time[:, None] - window_ends[None, :]).min(axis=1) if len(window_ends) else np.full(1, np.inf)
+    lengths = window_lengths(window_ends)
+    begin = window_ends[0] - lengths[0] if len(window_ends) else np.inf
+    # the record may start at the first frame, with the window that ends later
+    aligned = (gap <= slack) | (np.abs(momentum.time - begin) <= slack)
+    usable = aligned & (momentum.time >= opened - slack)
+    best: tuple[int, int] | None = None
+    start: int | None = None
+    for k in range(len(momentum.time)):
+        if start is not None and not momentum.same[k]:
+            start = None
+        if start is None and usable[k]:
+            start = k
+        if start is not None and usable[k] and k > start:
+            longer = (
+                best is None
+                or momentum.time[k] - momentum.time[start] > momentum.time[best[1]] - momentum.time[best[0]]
+            )
+            best = (start, k) if longer else best
+    return best
+
+
+def identity_numbers(identity: Identity) -> dict:
+    """Plain numbers for the summary."""
+    return {
+        "start": identity.start,
+        "end": identity.end,
+        "momentum_change": identity.change,
+        "wall_impulse": identity.walls,
+        "gravity_impulse": identity.gravity,
+        "difference": identity.difference,
+        "relative": identity.relative,
+        "complete": not identity.reason,
+        "reason": identity.reason or None,
+    }
+
+
+def identity_sentence(identity: Identity) -> str:
+    """One sentence for the report."""
+    if not np.isfinite(identity.change):
+        return f"Impulse identity along {identity.axis}: not formed, {identity.reason}."
+    if identity.reason:
+        return f"Impulse identity along {identity.axis}: incomplete, {identity.reason}."
+    return (
+        f"Impulse identity along {identity.axis}, t = {identity.start:.3f} to {identity.end:.3f} s: the discs' "
+        f"momentum changes by {identity.change:.8g} N s/m, walls and gravity give "
+        f"{identity.walls + identity.gravity:.8g} N s/m; they differ by {identity.relative:.1e} of the walls' total "
+        "impulse."
+    )

@@ -1,0 +1,146 @@
+"""The context of anybody's dump: what is not given is guessed, and said."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, radians, sin
+
+import numpy as np
+
+from lammps_jump.dump.read import Dump, Frame, require_finite
+from lammps_jump.errors import DumpError
+from lammps_jump.scene.walls import Interval, Plane, Wall
+
+from .flow import FlowContext
+
+DIAMETER_COLUMNS = (("diameter", 1.0), ("radius", 2.0))
+"""Columns that tell the diameter, and the factor."""
+
+
+def from_dump(
+    dump: Dump,
+    *,
+    name: str | None = None,
+    diameter: float | None = None,
+    density: float | None = None,
+    mass: float | None = None,
+    gravity: float | tuple[float, float] | None = None,
+    slope: float = 0.0,
+    floor: float | None = None,
+    walls: Sequence[Wall] | None = None,
+    x_range: Interval | None = None,
+    bin_width: float | None = None,
+    window: tuple[float, float] | None = None,
+    stiffness: float | None = None,
+    stiffness_wall: float | None = None,
+    time_step: float | None = None,
+) -> FlowContext:
+    """The context of anybody's dump; what is not given is guessed, and said so in ``notes``.
+
+    Parameters
+    ----------
+    dump : Dump
+    diameter : float, optional
+        m; default from a ``diameter`` or ``radius`` column, else the 1 % quantile of the nearest-neighbour
+        distances of the frame with the most discs (a lower bound where discs overlap, too large in a dilute gas).
+    density, mass : float, optional
+        kg/m^3 (default 1000) and kg per metre of width (default a ``mass`` column, else density diameter^2).
+    gravity : float or (float, float), optional
+        Default 9.81 m/s^2 downwards, tilted by `slope` degrees (the flow runs down towards larger x).
+    floor : float, optional
+        Height of a level floor, m; default the lowest disc's lower edge in any frame looked at. Not used with `walls`.
+    walls : sequence of Wall, optional
+    stiffness, stiffness_wall : float, optional
+        N/m; without them no elastic energy and no contact stress.
+    time_step : float, optional
+        s, for dumps without ``ITEM: TIME``.
+
+    Raises
+    ------
+    DumpError
+        A dump without any disc, or a value that is not positive.
+    """
+    given = (("diameter", diameter), ("density", density), ("mass", mass), ("time_step", time_step))
+    for what, value in (*given, ("stiffness", stiffness), ("bin_width", bin_width)):
+        if value is not None and not (np.isfinite(value) and value > 0):
+            raise DumpError(f"{what} = {value}: it must be a number above 0.")
+    notes: list[str] = []
+    headers = dump.headers()
+    if not any(header.n for header in headers):
+        raise DumpError(f"{dump.path}: no frame holds a disc; there is nothing to analyse.")
+    fullest = max(range(len(headers)), key=lambda i: headers[i].n)
+    frames = list(dump.select({0, fullest, len(headers) - 1}))
+    for looked_at in frames:
+        require_finite(looked_at, dump.path)
+    frame = max(frames, key=lambda f: f.n)
+    if diameter is None:
+        diameter = _guess_diameter(frame, notes)
+    if density is None:
+        density = 1000.0
+        notes.append("Density taken as 1000 kg/m3.")
+    if mass is None and "mass" in frame.columns:
+        mass = float(np.median(frame.columns["mass"]))
+        notes.append(f"Mass {mass:.6g} kg from the dump's mass column (median).")
+    elif mass is None:
+        mass = density * diameter**2
+        notes.append(f"Mass taken as density x diameter^2 = {mass:.6g} kg per metre of width.")
+    if gravity is None:
+        gravity = 9.81
+        notes.append("Gravity taken as 9.81 m/s2.")
+    if np.isscalar(gravity):
+        gravity = (gravity * sin(radians(slope)), -gravity * cos(radians(slope)))
+    occupied = [f for f in frames if f.n]
+    if walls is None:
+        if floor is None:
+            floor = float(min(f.y.min() for f in occupied)) - 0.5 * diameter
+            notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
+        walls = (Plane("floor", "y", floor, "above"),)
+    if x_range is None:
+        x_range = tuple(
+            float(v)
+            for v in (
+                min(f.x.min() for f in occupied) - 0.5 * diameter,
+                max(f.x.max() for f in occupied) + 0.5 * diameter,
+            )
+        )
+        notes.append(f"Profiles from x = {x_range[0]:.6g} to {x_range[1]:.6g} m: as far as discs were seen.")
+    if all(header.time is None for header in headers) and time_step is None:
+        notes.append("The dump carries no times and no time step was given: times are step numbers.")
+    box = frame.box
+    return FlowContext(
+        name=name or dump.path.name.split(".")[0],
+        diameter=float(diameter),
+        mass=float(mass),
+        density=float(density),
+        gravity=(float(gravity[0]), float(gravity[1])),
+        domain=((float(box[0, 0]), float(box[0, 1])), (float(box[1, 0]), float(box[1, 1]))),
+        x_range=x_range,
+        walls=tuple(walls),
+        time_step=time_step,
+        stiffness=stiffness,
+        stiffness_wall=stiffness_wall if stiffness_wall is not None else stiffness,
+        bin_width=bin_width or 5 * float(diameter),
+        window=window,
+        notes=tuple(notes),
+    )
+
+
+def _guess_diameter(frame: Frame, notes: list[str]) -> float:
+    for column, factor in DIAMETER_COLUMNS:
+        if column in frame.columns:
+            sizes = factor * frame.columns[column]
+            if np.ptp(sizes) > 1e-6 * np.max(sizes):
+                notes.append(f"Discs differ in size ({sizes.min():.6g} to {sizes.max():.6g} m): the mean is used.")
+            notes.append(f"Diameter from the dump's {column} column.")
+            return float(np.mean(sizes))
+    if frame.n < 2:
+        raise DumpError("one disc and no diameter or radius column: give the diameter.")
+    from scipy.spatial import cKDTree
+
+    points = np.column_stack([frame.x, frame.y])
+    nearest = cKDTree(points).query(points, k=2)[0][:, 1]
+    diameter = float(np.quantile(nearest, 0.01))
+    if not diameter > 0:
+        raise DumpError("discs lie on top of each other: the diameter cannot be guessed; give it.")
+    notes.append(f"Diameter guessed as {diameter:.6g} m: 1 % quantile of nearest-neighbour distances.")
+    return diameter

@@ -1,0 +1,1 @@
+"""The hydraulic jump."""

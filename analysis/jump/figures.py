@@ -1,0 +1,165 @@
+"""Figures of the hydraulic jump: its track, its mean shape, its momentum account, the energy head."""
+
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, new_figure, style
+from matplotlib.figure import Figure
+
+from lammps_jump.physics import jump as theory
+
+from .result import JumpResult
+from .summary import summarise_jump
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def track_figure(result: JumpResult) -> Figure | None:
+    """Toe, end and equal-mass front against time with the fitted straight motion; None where nothing was tracked."""
+    track = result.track
+    if track is None or not track.found.any():
+        return None
+    sign = result.direction
+    with style():
+        figure, axes = new_figure(7.2, 3.8)
+        axes.plot(track.time, sign * track.toe, color=BLUE, lw=1.1, label="toe")
+        axes.plot(track.time, sign * track.end, color=GOLD, lw=1.1, ls="--", label="end")
+        axes.plot(track.time, sign * track.position, color=BLACK, lw=1.4, ls=":", label="front of equal mass")
+        if result.motion is not None:
+            ends = np.array(result.window)
+            line = sign * (result.motion.start + result.motion.speed * ends)
+            label = f"c = {result.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
+            axes.plot(ends, line, color=RED, lw=2.2, alpha=0.8, label=label)
+        axes.axvspan(*result.window, color="#eeeeee", zorder=0)
+        axes.set_xlabel("Time t [s]")
+        axes.set_ylabel("Distance x [m]")
+        axes.set_title(f"{result.context.name}: {result.verdict}")
+        axes.legend(fontsize=8)
+    return figure
+
+
+def frame_figure(result: JumpResult) -> Figure | None:
+    """Mean depth, velocity and packing in the frame of the front, with Bélanger's depth beside them."""
+    if result.moving is None:
+        return None
+    moving, found = result.moving, summarise_jump(result)
+    depth = moving.mean("mass_depth")
+    covered = np.flatnonzero(np.isfinite(depth))
+    near = (result.upstream.zone[0] - 2, result.downstream.zone[1] + 2)
+    limits = max(near[0], moving.xi[covered[0]]), min(near[1], moving.xi[covered[-1]])
+    with style():
+        figure, (upper, lower) = new_figure(7.2, 5.4, 2, 1, sharex=True, height_ratios=[1.8, 1])
+        upper.plot(moving.xi, moving.mean("surface_depth"), color=BLUE, label="free surface h")
+        upper.plot(moving.xi, depth, color=GOLD, ls="--", label="mass depth s")
+        for label, key, dash in (
+            ("Bélanger, front's frame", "belanger_y2", "-"),
+            ("with the measured density change", "density_relation_ratio", (0, (5, 2, 1, 2))),
+        ):
+            value = found[key] * (found["y1"] if key.endswith("ratio") else 1.0) if found[key] else None
+            if value:
+                upper.axhline(value, color=BLACK, lw=1, ls=dash, label=f"{label}: {value:.2f} m")
+        for state, name in ((result.upstream, "1"), (result.downstream, "2")):
+            upper.plot(state.zone, [state.mass_depth.value] * 2, color=RED, lw=4, alpha=0.5, solid_capstyle="butt")
+            text = f"s{'₁' if name == '1' else '₂'} = {state.mass_depth.value:.2f} m, Fr = {state.froude_relative:.2f}"
+            place = np.mean(state.zone), state.mass_depth.value
+            offset = (0, 8 if name == "1" else -32)
+            upper.annotate(text, place, offset, ha="center", color=RED, textcoords="offset points", fontsize=8)
+        for axes in (upper, lower):
+            for place, dash in ((result.surface_toe, ":"), (result.surface_end, "-.")):
+                axes.axvline(place, color=GREY, lw=1, ls=dash)
+        theory_length = "" if found["length_theory"] is None else f"; thesis (4.27) {found['length_theory']:.1f} m"
+        upper.set_title(f"{result.context.name}, front's frame: length {found['length']:.1f} m{theory_length}")
+        upper.set_ylim(bottom=0, top=1.1 * max(np.nanmax(depth), found["belanger_y2"] or 0))
+        upper.set_ylabel("Depth [m]")
+        upper.legend(loc="lower right", frameon=True, framealpha=0.95, edgecolor="none")
+        with np.errstate(invalid="ignore", divide="ignore"):
+            lower.plot(moving.xi, moving.mean("discharge") / depth, color=BLUE, label="mean velocity u")
+        lower.plot(moving.xi, moving.mean("surface_velocity"), color=GOLD, ls="--", label="at the surface")
+        lower.axhline(0, color=GREY, lw=0.8)
+        lower.set_ylabel("Velocity [m/s]")
+        lower.set_xlabel("Distance from the front [m]")
+        lower.set_xlim(*limits)
+        lower.legend(loc="upper right")
+    return figure
+
+
+def balance_figure(result: JumpResult) -> Figure | None:
+    """Terms of the momentum account across the jump, in per cent of the downstream momentum function."""
+    if result.balance is None:
+        return None
+    terms = result.balance
+    rows = {
+        "Bélanger's balance, 1 − 2": terms.classical,
+        "uneven velocities (β)": terms.profile,
+        "packing (surface for mass depth)": terms.packing,
+        "contact minus hydrostatic pressure": terms.pressure,
+        "force of the bed": terms.bed,
+        "slope": terms.slope,
+        "unsteadiness": terms.unsteady,
+        "left unexplained": terms.unexplained,
+    }
+    rows = {name: 100 * value / terms.downstream for name, value in rows.items() if np.isfinite(value)}
+    with style():
+        figure, axes = new_figure(7.2, 3.4)
+        places = np.arange(len(rows))[::-1]
+        values = np.array(list(rows.values()))
+        colours = [GOLD, *[BLUE] * (len(rows) - 2), BLACK]
+        axes.barh(places, values, color=colours, height=0.62)
+        axes.axvline(0, color=BLACK, lw=0.8)
+        span = max(np.abs(values).max(), 1.0)
+        axes.set_xlim(-1.35 * span, 1.35 * span)
+        for place, value in zip(places, values, strict=True):
+            label, side = f"{value:+.1f} %".replace("-", "−"), 1 if value >= 0 else -1
+            axes.annotate(label, (value, place), (4 * side, 0), textcoords="offset points", fontsize=8, va="center",
+                          ha="left" if side > 0 else "right")  # fmt: skip
+        axes.set_yticks(places, rows)
+        axes.grid(axis="y", visible=False)
+        axes.set_xlabel("Share of the downstream momentum function [%]")
+        axes.set_title("Momentum across the jump, front's frame: all parts and their sum")
+    return figure
+
+
+def head_figure(profiles: xr.Dataset, result: JumpResult) -> Figure | None:
+    """Energy head along the channel, averaged over the window, and its loss against theory."""
+    context = result.context
+    gravity = -context.gravity[1]
+    if gravity <= 0:
+        return None
+    x, depth, bed = profiles["x"].values, profiles["mass_depth_mean"].values, profiles["bed"].values
+    with np.errstate(invalid="ignore", divide="ignore"):
+        discharge = profiles["discharge_mean"].values
+        flowing = (depth > 0.5 * context.diameter) & (np.abs(discharge) > 1e-3 * np.nanmax(np.abs(discharge)))
+        kinetic = np.where(flowing, profiles["energy_flux_mean"].values / discharge / gravity, np.nan)
+        uniform = np.where(flowing, (discharge / depth) ** 2 / (2 * gravity), np.nan)
+    if not flowing.any():
+        return None
+    with style():
+        figure, axes = new_figure(7.2, 3.8)
+        axes.plot(x, bed + depth + kinetic, color=BLUE, label="head H = z + s + ∫ρu|v|²/2 / (ρ g q)")
+        axes.plot(x, bed + depth + uniform, color=GOLD, ls="--", label="with the mean velocity, z + s + u²/2g")
+        axes.plot(x, bed + depth, color=GREY, ls=":", label="z + s (mass depth)")
+        found = summarise_jump(result)
+        if result.upstream is not None:
+            text = (
+                f"front's frame: {found['head_upstream']:.2f} m → {found['head_downstream']:.2f} m,\n"
+                f"lost {found['energy_loss']:.2f} m; Bélanger {found['energy_loss_theory']:.2f} m"
+            )
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+            axes.annotate(text, (0.99, 0.98), xycoords="axes fraction", ha="right", va="top", fontsize=8, color=RED,
+                          bbox=box)  # fmt: skip
+            for place in (found["toe"], found["end"]):
+                axes.axvline(place, color=RED, lw=1, ls=":")
+        elif found["inflow"]:
+            inflow = found["inflow"]
+            head = theory.specific_energy(inflow["depth"], inflow["velocity"], gravity)
+            axes.axhline(head, color=BLACK, lw=1, ls="-.", label=f"inflow {head:.2f} m")
+        axes.set_ylim(bottom=min(0.0, np.nanmin(bed)))
+        axes.set_xlabel("Distance x [m]")
+        axes.set_ylabel("Energy head [m]")
+        axes.set_title(f"{context.name}: energy head, mean of the window (laboratory frame)")
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.12), frameon=True, framealpha=0.95, edgecolor="none")
+    return figure

@@ -1,0 +1,306 @@
+"""The hydraulic jump of a run: found, followed, measured in its own frame, and held against theory.
+
+Definitions stand in docs/analysis.md.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from dataclasses import dataclass, replace
+from math import isfinite, nan, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+from lammps_jump.analysis.flow import FlowContext
+
+from .state import (
+    END_SHARE,
+    TOE_SHARE,
+    Balance,
+    MovingProfile,
+    State,
+    account_of_mass,
+    balance,
+    crossing,
+    measure_state,
+    move_along,
+    roller,
+    zones,
+)
+from .track import JumpTrack, Motion, straight_motion, track_jump
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from lammps_jump.analysis.contact_series import ContactSeries
+
+FIELDS = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity")
+STILL = 0.02
+"""Below this share of sqrt(g s) the discs of a bin count as standing."""
+HEAP_SLOPE = 0.02
+"""A standing surface steeper than this is a heap: water at rest is level."""
+INLET_REACH = 2.0
+"""The inlet is drowned when the toe is closer than this many inflow depths (or bins) to it."""
+
+
+@dataclass(frozen=True)
+class JumpResult:
+    """All that is known of a jump; `verdict` says whether it is one.
+
+    Attributes
+    ----------
+    verdict : {'jump', 'no jump found', 'drowned inlet', 'locked heap'}
+    reason : str
+        One sentence behind the verdict.
+    direction : int
+        +1 for a stream towards larger x, -1 towards smaller; positions below are along the stream from `origin`, and
+        ``x = direction * position``.
+    track : JumpTrack or None
+    in_window : ndarray of bool, shape (frames,)
+    toe_motion, end_motion, motion : Motion or None
+        Of the toe, the end and the front of equal mass.
+    moving : MovingProfile or None
+    toe, end : float
+        In the moving frame, from the mean mass depth, m from the front; `surface_toe`, `surface_end` from the surface.
+    upstream, downstream : State or None
+    developed : bool
+        A level stretch behind the end was there to be measured.
+    balance : Balance or None
+    mass, roller, heap, theory : dict
+    """
+
+    verdict: str
+    reason: str
+    context: FlowContext
+    direction: int
+    track: JumpTrack | None = None
+    in_window: np.ndarray | None = None
+    toe_motion: Motion | None = None
+    end_motion: Motion | None = None
+    motion: Motion | None = None
+    moving: MovingProfile | None = None
+    toe: float = nan
+    end: float = nan
+    surface_toe: float = nan
+    surface_end: float = nan
+    upstream: State | None = None
+    downstream: State | None = None
+    developed: bool = False
+    balance: Balance | None = None
+    mass: dict | None = None
+    roller: dict | None = None
+    heap: dict | None = None
+    window: tuple[float, float] = (nan, nan)
+    bin_width: float = nan
+
+    @property
+    def speed(self) -> float:
+        """Velocity of the front in the laboratory, m/s along x."""
+        return self.direction * self.motion.speed if self.motion else nan
+
+    def tables(self) -> dict[str, dict[str, np.ndarray]]:
+        """CSV tables: the track, and the mean profile in the moving frame."""
+        result = {}
+        if self.track is not None:
+            track, sign = self.track, self.direction
+            result["jump_track.csv"] = {
+                "time": track.time,
+                "toe": sign * track.toe,
+                "end": sign * track.end,
+                "position": sign * track.position,
+                "mass_depth_1": track.depth_1,
+                "mass_depth_2": track.depth_2,
+                "velocity_1": sign * track.velocity_1,
+                "velocity_2": sign * track.velocity_2,
+                "found": track.found.astype(int),
+            }
+        if self.moving is not None:
+            means = {name: self.moving.mean(name) for name in self.moving.fields}
+            result["jump_frame.csv"] = {"distance": self.moving.xi, **means}
+        return result
+
+
+def level_reach(profiles: xr.Dataset, context: FlowContext, direction: int) -> slice:
+    """Bins, in the stream's order, of the longest stretch of level bed: up to a sill or a fall."""
+    bed = profiles["bed"].values[::direction]
+    with np.errstate(invalid="ignore"):
+        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * context.diameter)) + 1
+    ends = np.concatenate([[0], breaks, [len(bed)]])
+    runs = [(stop - start, -start) for start, stop in itertools.pairwise(ends) if np.isfinite(bed[start])]
+    length, start = max(runs, default=(0, 0))
+    return slice(int(-start), int(-start + length))
+
+
+def analyse_jump(profiles: xr.Dataset, context: FlowContext, contacts: ContactSeries | None = None) -> JumpResult:
+    """Find the jump in depth profiles, follow it, measure it in its own frame.
+
+    Parameters
+    ----------
+    profiles : xarray.Dataset
+        Of `profiles.compute_profiles`; its window is used.
+    context : FlowContext
+    contacts : ContactSeries, optional
+        On the same bins; adds contact pressure and the force of the bed to the momentum account.
+
+    Returns
+    -------
+    JumpResult
+        With verdict 'no jump found' and the reason where there is none.
+    """
+    time = profiles["time"].values
+    window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
+    width = profiles.attrs["bin_width"]
+    in_window = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
+    total = float(np.nansum(profiles["discharge"].values[in_window]))
+    direction = -1 if total < 0 else 1
+    common = {"context": context, "direction": direction, "window": window, "bin_width": width, "in_window": in_window}
+    gravity = -context.gravity[1]
+    if gravity <= 0:
+        return JumpResult("no jump found", "there is no gravity towards the bed", **common)
+    reach = level_reach(profiles, context, direction)
+    if reach.stop - reach.start < 8:
+        return JumpResult("no jump found", "fewer than eight bins of level bed to look at", **common)
+    x = direction * profiles["x"].values[::direction][reach]
+    data = {name: profiles[name].values[:, ::direction][:, reach] for name in FIELDS}
+    for name in ("discharge", "energy_flux", "surface_velocity"):
+        data[name] = direction * data[name]
+    if contacts is not None:
+        scale = 1.0 / context.density
+        data["thrust"] = scale * contacts.thrust[:, ::direction][:, reach]
+        data["bed"] = direction * scale / width * contacts.wall_fx[:, ::direction][:, reach]
+    edges = np.concatenate([x - 0.5 * width, [x[-1] + 0.5 * width]])
+    track = track_jump(edges, time, data["mass_depth"], data["discharge"], gravity, context.diameter, in_window)
+    used = track.found & in_window
+    if used.sum() < max(2, 0.5 * in_window.sum()):
+        return replace(_none_found(track, in_window, data, edges, gravity, context, common), track=track)
+    motions = {
+        "toe_motion": straight_motion(time[used], track.toe[used]),
+        "end_motion": straight_motion(time[used], track.end[used]),
+        "motion": straight_motion(time[used], track.position[used]),
+    }
+    result = JumpResult("jump", "", track=track, **motions, **common)
+    result = _measure(result, x, data, used, gravity)
+    return _judge(result, edges, data, used, gravity)
+
+
+def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
+    """Average in the moving frame; toe, end, states, balances."""
+    track, speed = result.track, result.motion.speed
+    shifted = {name: values[used] for name, values in data.items()}
+    # the fitted straight motion carries the frame: a control volume at a steady speed has an exact account
+    front = result.motion.start + speed * track.time[used]
+    moving = move_along(x, track.time[used], shifted, front, track.reach_end[used])
+    toe = float(np.median(track.toe[used] - front))
+    end = float(np.median(track.end[used] - front))
+    levels = float(np.median(track.depth_1[used])), float(np.median(track.depth_2[used]))
+    depth, surface = moving.mean("mass_depth"), moving.mean("surface_depth")
+    # twice: the states need the ends, the ends need the levels
+    for _ in range(2):
+        before, behind, enough = zones(moving, toe, end, *levels)
+        one = measure_state(moving, before, speed, gravity)
+        two = measure_state(moving, behind, speed, gravity)
+        toe, end = _ends(moving.xi, depth, one.mass_depth.value, two.mass_depth.value, toe, end)
+    ends = _ends(moving.xi, surface, one.surface_depth.value, two.surface_depth.value, toe, end)
+    context = result.context
+    along = result.direction * context.gravity[0]
+    return replace(
+        result,
+        moving=moving,
+        toe=toe,
+        end=end,
+        surface_toe=ends[0],
+        surface_end=ends[1],
+        upstream=one,
+        downstream=two,
+        developed=enough,
+        balance=balance(moving, one, two, speed, gravity, along),
+        mass=account_of_mass(moving, one, two, speed),
+        roller=roller(moving, speed, toe, end),
+    )
+
+
+def _ends(xi, values, level_1, level_2, toe, end) -> tuple[float, float]:
+    """Where the mean profile has made 5 % and 95 % of its rise; the given places where it does not cross."""
+    rise = level_2 - level_1
+    new_toe = crossing(xi, values, level_1 + TOE_SHARE * rise, toe)
+    new_end = crossing(xi, values, level_1 + END_SHARE * rise, end)
+    new_toe = new_toe if isfinite(new_toe) else toe
+    return new_toe, max(new_end if isfinite(new_end) else end, new_toe)
+
+
+def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, gravity: float) -> dict:
+    """How much of the discs behind the jump stands still, and how steep their surface is."""
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    depth, discharge = data["mass_depth"][chosen].mean(axis=0), data["discharge"][chosen].mean(axis=0)
+    behind = (middle > float(np.mean(start))) & (depth > 0)
+    if behind.sum() < 3:
+        return {"standing_share": None, "surface_slope": None}
+    s, q = depth[behind], discharge[behind]
+    standing = np.abs(q / s) < STILL * np.sqrt(gravity * s)
+    share = float(s[standing].sum() / s.sum())
+    crest = int(np.argmax(s))
+    slope = nan
+    if len(s) - crest >= 3:
+        slope = float(np.polyfit(middle[behind][crest:], s[crest:], 1)[0])
+    return {"standing_share": share, "surface_slope": slope}
+
+
+def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
+    """Jump, locked heap or drowned inlet."""
+    track, context = result.track, result.context
+    late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
+    heap = _heap(edges, data, used, track.end[used], gravity)
+    result = replace(result, heap=heap)
+    inflow = context.inflow_depth or 0.0
+    distance = float(np.median(track.toe[late])) - edges[0]
+    drowned = distance < INLET_REACH * max(inflow, result.bin_width)
+    if _locked(heap):
+        also = " It has reached the inlet." if drowned else ""
+        return replace(
+            result,
+            verdict="locked heap",
+            reason=f"behind the toe {100 * heap['standing_share']:.0f} % of the discs stand still under a surface that "
+            f"slopes by {heap['surface_slope']:+.3f}: friction has locked them, this is no hydraulic jump.{also}",
+        )
+    if drowned:
+        return replace(
+            result,
+            verdict="drowned inlet",
+            reason=f"the toe stands {distance:.2f} m from the inlet: the inflow is no longer free.",
+        )
+    words = "moves upstream" if result.motion.speed < 0 else "moves downstream"
+    uncertain = 2 * result.motion.error if isfinite(result.motion.error) else 0.0
+    if abs(result.motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * track.depth_2[used].mean())):
+        words = "stands still within the error"
+    tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
+    return replace(result, reason=f"the front {words} at {result.speed:+.2f} m/s.{tail}")
+
+
+def _locked(heap: dict) -> bool:
+    slope = heap["surface_slope"]
+    return (heap["standing_share"] or 0.0) > 0.5 and slope is not None and isfinite(slope) and abs(slope) > HEAP_SLOPE
+
+
+def _none_found(track, in_window, data, edges, gravity, context, common) -> JumpResult:
+    """Say why: the commonest reason of the window, and whether the inlet is drowned or the flow locked."""
+    reasons = Counter(reason.split(" (")[0] for reason, inside in zip(track.why, in_window, strict=True) if inside)
+    reasons.pop("", None)
+    counted = ", ".join(f"{reason} ({n} of {int(in_window.sum())} frames)" for reason, n in reasons.most_common(2))
+    depth, discharge = data["mass_depth"][in_window].mean(axis=0), data["discharge"][in_window].mean(axis=0)
+    first = slice(0, 3)
+    start = np.full(int(in_window.sum()), edges[0])
+    heap = _heap(edges, data, in_window, start, gravity) if in_window.any() else None
+    inflow = context.inflow_depth
+    if heap and _locked(heap):
+        share, slope = heap["standing_share"], heap["surface_slope"]
+        reason = f"{100 * share:.0f} % of the discs stand still under a surface that slopes by {slope:+.3f}; {counted}"
+        return JumpResult("locked heap", reason, heap=heap, **common)
+    if inflow and depth[first].mean() > 0:
+        froude = discharge[first].sum() / depth[first].sum() / sqrt(gravity * depth[first].mean())
+        if depth[first].mean() > 1.5 * inflow and froude < 1:
+            reason = (
+                f"the flow at the inlet is {depth[first].mean():.2f} m deep (inflow {inflow:.2f} m) and subcritical "
+                f"(Fr = {froude:.2f}): what jump there was has run over the inlet"
+            )
+            return JumpResult("drowned inlet", reason, heap=heap, **common)
+    return JumpResult("no jump found", counted or "no frame in the window", heap=heap, **common)

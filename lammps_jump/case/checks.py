@@ -1,0 +1,239 @@
+"""Checks of a scene that fields alone do not show: a step that is stable, discs and inlets in free places, a sane size.
+
+Each raises `CaseError` with the place in the file and the remedy.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from lammps_jump.physics import contact
+from lammps_jump.physics.slip import slip_warnings
+from lammps_jump.scene.scene import Gate, InletRow
+from lammps_jump.scene.walls import Block, Interval, Wall
+
+from .fields import BoxWall, Column, PourInflow
+from .load import LoadedCase
+from .packing import closest_pair, disc_count
+
+MOST_STEPS = 2_000_000_000
+"""LAMMPS counts steps of one run and insertions in 32 bits."""
+MOST_DISCS = 20_000_000
+MOST_FRAMES = 1_000_000
+MOST_CELLS = 500_000_000
+"""LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
+MOST_BINS = 100_000
+BOX_FACES = ("x", "y", "left", "right", "bottom", "top")
+"""What is put behind the name of a box for its pairs of faces (script) and its faces (native engine)."""
+
+
+def check_size(loaded: LoadedCase, settle_steps: int, steps: int, output_steps: int) -> None:
+    """Refuse what no run could finish, before arrays are made."""
+    case, source = loaded.case, loaded.source
+    if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
+        index, settle = max(
+            ((i, item.settle) for i, item in enumerate(case.initial) if isinstance(item, Column) and item.gate),
+            key=lambda pair: pair[1],
+        )
+        raise source.error(
+            ("initial", index, "settle"),
+            f"{settle:g} s behind the gate are {settle_steps:.3g} steps, with those of run.duration "
+            f"{settle_steps + steps:.3g}; allowed are {MOST_STEPS:.0e}: shorten it",
+        )
+    if steps > MOST_STEPS:
+        raise source.error(
+            "run.duration",
+            f"{case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, raise "
+            "run.time_step_fraction or lower the stiffness",
+        )
+    frames = (settle_steps + steps) // output_steps
+    if frames > MOST_FRAMES:
+        raise source.error(
+            "run.output_interval",
+            f"{case.run.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
+        )
+    discs = sum(disc_count(item, case.discs.diameter) for item in case.initial)
+    if discs > MOST_DISCS:
+        raise source.error(
+            "initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer"
+        )
+
+
+def check_domain(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+    """Refuse a domain too large for neighbour lists, and bins that do not suit it."""
+    case, source = loaded.case, loaded.source
+    (xlo, xhi), (ylo, yhi) = domain
+    cells = (xhi - xlo) * (yhi - ylo) / case.discs.diameter**2
+    if cells > MOST_CELLS:
+        raise source.error(
+            "domain",
+            f"x [{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] has room for {cells:.3g} discs of {case.discs.diameter:g} m; "
+            f"allowed is room for {MOST_CELLS:.0e}: give a smaller domain or take larger discs",
+        )
+    width = case.analysis.bin_width
+    length = xhi - xlo
+    if width is not None and length / width > MOST_BINS:
+        raise source.error(
+            "analysis.bin_width",
+            f"{width:g} m would make {length / width:.0f} bins over {length:g} m; allowed are {MOST_BINS}: widen it",
+        )
+    if width is not None and width > length:
+        raise source.error(
+            "analysis.bin_width",
+            f"{width:g} m is wider than the domain; allowed is up to its {length:g} m: make the bins narrower",
+        )
+
+
+def check_names(loaded: LoadedCase, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
+    """Refuse walls called as one of ours (behind an inlet, before a column) or as the faces of a box."""
+    own = {wall.name: "of the wall behind the inlet" for wall in walls[len(loaded.case.walls) :]}
+    own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
+    own |= {f"{gate.wall.name}_far_side": "of the far face of a gate" for gate in gates if isinstance(gate.wall, Block)}
+    for item in loaded.case.walls:
+        if isinstance(item, BoxWall):
+            own |= {f"{item.name}_{face}": f"of a face of box '{item.name}'" for face in BOX_FACES}
+    for index, item in enumerate(loaded.case.walls):
+        if item.name in own:
+            raise loaded.source.error(
+                ("walls", index, "name"), f"'{item.name}' is the name {own[item.name]}; give this wall another one"
+            )
+
+
+def check_pour(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+    """Refuse a pour that cannot fall, or whose region holds no disc or reaches out of the domain."""
+    case, source, pour = loaded.case, loaded.source, loaded.case.inflow
+    if not isinstance(pour, PourInflow):
+        return
+    if case.gravity == 0:
+        raise source.error("gravity", "is 0, so that poured discs do not fall; allowed is > 0 with inflow kind: pour")
+    if case.slope != 0:
+        raise source.error(
+            "slope", f"is {case.slope:g} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
+        )
+    d = case.discs.diameter
+    for axis, (low, high), limits in zip("xy", (pour.x, pour.y), domain, strict=True):
+        if high - low < d * (1 - 1e-9):
+            raise source.error(
+                ("inflow", axis),
+                f"[{low:g}, {high:g}] is {high - low:g} m wide; allowed is a disc's {d:g} m or more: widen it",
+            )
+        if low < limits[0] or high > limits[1]:
+            raise source.error(
+                ("inflow", axis),
+                f"[{low:g}, {high:g}] reaches out of the domain; allowed is within [{limits[0]:g}, {limits[1]:g}]: "
+                f"move the pour or widen domain.{axis}",
+            )
+    held = pour.volume_fraction * (pour.x[1] - pour.x[0]) * (pour.y[1] - pour.y[0]) / (pi * d * d / 4)
+    if held < 1:
+        raise source.error(
+            "inflow.volume_fraction",
+            f"{pour.volume_fraction:g} of the region is {held:.3g} discs; allowed is one disc or more: raise it or "
+            "widen inflow.x or inflow.y",
+        )
+
+
+def check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, integrator: str) -> list[str]:
+    """Refuse an unstable step (unless ``run.allow_unstable``); warnings about one that is stable and yet too long."""
+    fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
+    if fraction > limit and not loaded.case.run.allow_unstable:
+        # the correction softens the dashpot with f: what is allowed for sure is the limit without it
+        limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
+        raise loaded.source.error(
+            "run.time_step_fraction",
+            f"{fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of 2/omega for {integrator} at "
+            f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set "
+            "run.allow_unstable: true",
+        )
+    given = loaded.case.contact
+    found = slip_warnings(coefficients, given.friction_law, given.rotation)
+    if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
+        found.append(
+            f"time_step_fraction {fraction:g} is stable, but at restitution {coefficients.restitution:g} the kink at "
+            "first touch heats the discs from 0.2 on; use 0.1 or less, or contact.touch: smooth"
+        )
+    if fraction > 0.8 * limit:
+        found.insert(
+            0,
+            f"time_step_fraction {fraction:g} is close to the limit of stability {limit:.3f} (hexagonal packing, "
+            f"{integrator}); energies near it are not to be trusted",
+        )
+    return found
+
+
+def check_places(
+    loaded: LoadedCase,
+    positions: np.ndarray,
+    walls: tuple[Wall, ...],
+    inlets: tuple[InletRow, ...],
+    domain: tuple[Interval, Interval],
+    allowed: float,
+    gates: tuple[Wall, ...] = (),
+) -> None:
+    """Refuse discs and inlets outside the domain or in a wall, and discs that overlap too deeply.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, 2), m
+    allowed : float
+        Largest overlap at the start, with discs, walls and gates, m.
+    """
+    d = loaded.case.discs.diameter
+    _check_in_domain(loaded, positions, inlets, domain)
+    close = closest_pair(positions, d)
+    if close is not None and d - close[0] > allowed * (1 + 1e-9):
+        distance, i, j = close
+        raise loaded.source.error(
+            "initial",
+            f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
+            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {d - distance:.3g} m at the start; "
+            f"allowed is d/n = {allowed:.3g} m; move them apart",
+        )
+    for index, wall in enumerate(walls):
+        _check_free_of(wall, ("walls", index), loaded, positions, inlets, allowed)
+    for gate in gates:
+        _check_free_of(gate, "initial", loaded, positions, (), allowed)
+
+
+def _check_in_domain(loaded: LoadedCase, positions, inlets, domain) -> None:
+    for axis, label in enumerate("xy"):
+        low, high = domain[axis]
+        outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
+        if outside.size:
+            value = positions[outside[0], axis]
+            raise loaded.source.error(
+                "domain" if loaded.case.domain else "initial",
+                f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, "
+                f"{high:g}]; widen domain.{label}",
+            )
+        for row in inlets:
+            if not low < (row.x, row.y)[axis] < high:
+                raise loaded.source.error(
+                    "inflow",
+                    f"the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} [{low:g}, {high:g}]",
+                )
+
+
+def _check_free_of(
+    wall: Wall, field: str | tuple[str, int], loaded: LoadedCase, positions, inlets, allowed: float
+) -> None:
+    radius = loaded.case.discs.diameter / 2
+    if len(positions):
+        distance = wall.signed_distance(positions[:, 0], positions[:, 1])
+        worst = int(np.argmin(distance))
+        if radius - distance[worst] > allowed * (1 + 1e-9):
+            raise loaded.source.error(
+                field,
+                f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
+                f"{radius - distance[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; "
+                "move the wall or the discs",
+            )
+    for number, row in enumerate(inlets):
+        distance = float(wall.signed_distance(np.array([row.x]), np.array([row.y]))[0])
+        if distance < radius * (1 - 1e-6):
+            raise loaded.source.error(
+                "inflow",
+                f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {radius - distance:.3g} m deep in wall "
+                f"'{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall",
+            )

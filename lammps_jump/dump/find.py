@@ -1,0 +1,112 @@
+"""What lies in a run folder, and how its small tables are read."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.errors import DumpError
+
+from .read import Dump, open_dump
+
+DUMP_NAMES = (
+    "dump.lammpstrj",
+    "dump.lammpstrj.gz",
+    "dump.lammpsbin",
+    "dump.bin",
+    "dump.lammpsbin.gz",
+)
+FORCE_COLUMNS = ("time", "structure", "fx", "fy", "moment")
+
+
+@dataclass(frozen=True)
+class ForceHistory:
+    """Force on one structure: means over the windows that end at `time`.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,), s
+    fx, fy : ndarray, shape (n,), N per metre of width
+        Force of the discs on the structure.
+    moment : ndarray, shape (n,), N m per metre of width
+        About the lower-left corner (a block) or the point nearest the origin (a plane), counter-clockwise positive.
+    """
+
+    time: np.ndarray
+    fx: np.ndarray
+    fy: np.ndarray
+    moment: np.ndarray
+
+
+def find_dump(place: str | Path) -> Path:
+    """The dump of a folder, or the file itself.
+
+    A folder's dump is the first of `DUMP_NAMES` in it, else its only file ``dump.*``: in a folder of ours the run's
+    own dump whatever else lies there, in anybody's the one that can be meant.
+
+    Raises
+    ------
+    DumpError
+        Nothing there, a folder without a dump, or one with several of other names.
+    """
+    place = Path(place)
+    if not place.exists():
+        raise DumpError(f"{place}: there is no such file or folder.")
+    if not place.is_dir():
+        return place
+    for name in DUMP_NAMES:
+        if (place / name).is_file():
+            return place / name
+    others = sorted(path for path in place.glob("dump.*") if path.is_file())
+    if not others:
+        raise DumpError(f"{place}: no dump in this folder (looked for dump.*). Did the run finish?")
+    if len(others) > 1:
+        raise DumpError(
+            f"{place}: {len(others)} dumps in this folder ({others[0].name} … {others[-1].name}); name one of them."
+        )
+    return others[0]
+
+
+def open_run_dump(place: str | Path) -> Dump:
+    """`open_dump` of `find_dump`."""
+    return open_dump(find_dump(place))
+
+
+def read_forces(path: str | Path) -> dict[str, ForceHistory]:
+    """``forces.csv`` by structure; an empty dict where the file has only its header.
+
+    Raises
+    ------
+    DumpError
+        Not there, a wrong header, or a line that is no row of it (a cut-off last line is left out).
+    """
+    path = Path(path)
+    rows: dict[str, list[tuple[float, ...]]] = {}
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DumpError(f"{path}: the forces cannot be read ({error}).") from error
+    lines = text.splitlines()
+    header = tuple(name.strip() for name in lines[0].split(",")) if lines else ()
+    missing = [name for name in FORCE_COLUMNS[:4] if name not in header]
+    if missing:
+        raise DumpError(f"{path}, line 1: no column '{missing[0]}'; expected {','.join(FORCE_COLUMNS)}.")
+    where = {name: header.index(name) for name in FORCE_COLUMNS if name in header}
+    for number, row in enumerate(csv.reader(lines[1:]), start=2):
+        if not row:
+            continue
+        try:
+            if len(row) != len(header):
+                raise ValueError
+            values = tuple(
+                float(row[where[name]]) if name in where else np.nan for name in ("time", "fx", "fy", "moment")
+            )
+        except ValueError:
+            if number == len(lines) and not text.endswith("\n"):
+                break
+            raise DumpError(f"{path}, line {number}: {','.join(row)[:60]!r} is no row of {','.join(header)}.") from None
+        rows.setdefault(row[where["structure"]].strip(), []).append(values)
+    return {name: ForceHistory(*np.array(values).T) for name, values in rows.items()}

@@ -1,0 +1,329 @@
+"""How the two file formats of a dump are walked through, frame by frame, in bounded memory."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from lammps_jump.errors import DumpError
+
+from .read import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, Dump, Frame, FrameHeader, _frozen
+
+Walked = Iterator[tuple[FrameHeader, Frame | None]]
+
+
+class _Truncated(Exception):
+    """The file ends inside a frame; the message says where."""
+
+
+class _Buffer:
+    """A window on a stream that slides forward and grows when a line or a frame does not fit."""
+
+    def __init__(self, stream):
+        self.stream = stream
+        self.bytes = bytearray(BUFFER)
+        self.data = np.frombuffer(self.bytes, np.uint8)
+        self.begin = self.end = 0
+        self.line_number = 0
+        self.damaged = ""
+
+    def more(self) -> bool:
+        """Read on, keeping what is not yet used; False at the end of the file."""
+        left = self.end - self.begin
+        if left > len(self.bytes) // 2:
+            larger = bytearray(2 * len(self.bytes))
+            larger[:left] = self.bytes[self.begin : self.end]
+            self.bytes, self.data = larger, np.frombuffer(larger, np.uint8)
+        else:
+            self.bytes[:left] = self.bytes[self.begin : self.end]
+        self.begin, self.end = 0, left
+        try:
+            got = self.stream.readinto(memoryview(self.bytes)[left:])
+        except (EOFError, zlib.error) as error:
+            self.damaged = f" (the gzip stream is damaged or cut short: {error})"
+            got = 0
+        self.end += got
+        return got > 0
+
+    def line(self) -> str | None:
+        """The next line without its end; None at the end of the file; _Truncated where it lacks its newline."""
+        searched = self.begin
+        while (stop := self.bytes.find(b"\n", searched, self.end)) < 0:
+            searched = self.end - self.begin
+            if not self.more():
+                if self.begin == self.end:
+                    return None
+                raise _Truncated("inside a line")
+        text = self.bytes[self.begin : stop].decode("latin-1").rstrip("\r")
+        self.begin = stop + 1
+        self.line_number += 1
+        return text
+
+
+def walk_text(dump: Dump, stream, parse: Callable[[int], bool]) -> Walked:
+    """Headers, and the frames for whose index `parse` is true, of a text dump."""
+    buffer = _Buffer(stream)
+    index = 0
+    while True:
+        start = buffer.line_number + 1
+        try:
+            head = _text_header(dump, buffer)
+            if head is None:
+                if buffer.damaged:
+                    raise _Truncated("at the end of a frame")
+                return
+            frame = _text_rows(dump, buffer, *head, parse(index))
+        except _Truncated as where:
+            dump.warn(
+                f"{dump.path}: the last frame (number {index + 1}, from line {start}) is cut off {where}"
+                f"{buffer.damaged}; it was skipped."
+            )
+            if index == 0:
+                raise DumpError(
+                    f"{dump.path}: the file ends at line {buffer.line_number + 1}, inside its first frame "
+                    f"({where}){buffer.damaged}: no complete frame in it."
+                ) from None
+            return
+        yield head[0], frame
+        index += 1
+
+
+def _wrong(dump: Dump, line: int, found: str, expected: str) -> DumpError:
+    return DumpError(f"{dump.path}, line {line}: expected {expected}, found {found[:60]!r}.")
+
+
+def _text_header(dump: Dump, buffer: _Buffer):
+    """(header, box, names, tilt) of the next frame, or None at the end of the file."""
+    step = time = n = box = None
+    tilt = 0.0
+    begun = False
+    while True:
+        line = buffer.line()
+        if line is None:
+            if begun:
+                raise _Truncated("inside its header")
+            return None
+        if not line.strip():
+            continue
+        if not line.startswith("ITEM:"):
+            expected = "'ITEM: …'" if begun or n is None else "the next frame"
+            raise _wrong(dump, buffer.line_number, line, f"{expected} (does the count of discs fit the rows above?)")
+        begun = True
+        item, _, rest = line[5:].strip().partition(" ")
+        if item == "UNITS":
+            dump.units = _value(buffer).strip()
+        elif item == "TIME":
+            time = _number(dump, buffer, float, "a time")
+        elif item == "TIMESTEP":
+            step = _number(dump, buffer, int, "a step number")
+        elif item == "NUMBER" and rest == "OF ATOMS":
+            n = _number(dump, buffer, int, "a number of discs")
+            if not 0 <= n <= LARGEST_FRAME:
+                raise _wrong(dump, buffer.line_number, str(n), "a number of discs, zero or more")
+        elif item == "BOX":
+            box, tilt = _box(dump, buffer)
+        elif item == "ATOMS":
+            missing = [
+                name
+                for name, value in (("TIMESTEP", step), ("NUMBER OF ATOMS", n), ("BOX BOUNDS", box))
+                if value is None
+            ]
+            if missing:
+                raise _wrong(dump, buffer.line_number, line, f"'ITEM: {missing[0]}' first")
+            names = tuple(rest.split())
+            _check_names(dump, names, tilt, f"line {buffer.line_number}")
+            return FrameHeader(step, time, n), box, names
+        else:
+            raise _wrong(dump, buffer.line_number, line, "ITEM: TIMESTEP, TIME, UNITS, NUMBER OF ATOMS, BOX or ATOMS")
+
+
+def _value(buffer: _Buffer) -> str:
+    line = buffer.line()
+    if line is None:
+        raise _Truncated("inside its header")
+    return line
+
+
+def _number(dump: Dump, buffer: _Buffer, kind, what: str):
+    text = _value(buffer)
+    try:
+        return kind(text)
+    except ValueError:
+        raise _wrong(dump, buffer.line_number, text, what) from None
+
+
+def _box(dump: Dump, buffer: _Buffer) -> tuple[np.ndarray, float]:
+    bounds, tilt = np.empty((3, 2)), 0.0
+    for axis in range(3):
+        text = _value(buffer)
+        try:
+            values = [float(token) for token in text.split()]
+        except ValueError:
+            values = []
+        if len(values) not in (2, 3):
+            raise _wrong(dump, buffer.line_number, text, "two bounds of the box")
+        bounds[axis] = values[:2]
+        tilt += abs(values[2]) if len(values) == 3 else 0.0
+    return bounds, tilt
+
+
+def _check_names(dump: Dump, names: tuple[str, ...], tilt: float, where: str) -> None:
+    if len(set(names)) < len(names):
+        raise DumpError(f"{dump.path}, {where}: a column name stands twice in {' '.join(names)!r}.")
+    if not names:
+        raise DumpError(f"{dump.path}, {where}: no column names after 'ITEM: ATOMS'.")
+    if tilt and any(name in names for name in ("xs", "ys", "xsu", "ysu")):
+        raise DumpError(f"{dump.path}, {where}: scaled positions in a tilted box are not supported; dump x y.")
+    if not dump.columns:
+        dump.columns = names
+    words = sorted(TEXT_COLUMNS.intersection(names))
+    if words:
+        dump.warn(f"{dump.path}: column {', '.join(words)} holds words and was left out.")
+
+
+def _text_rows(dump: Dump, buffer: _Buffer, header: FrameHeader, box, names, wanted: bool) -> Frame | None:
+    from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
+
+    first_line = buffer.line_number + 1
+    if 2 * len(names) * header.n > dump.most_bytes:
+        raise _Truncated(f": the file is too short for {header.n} discs")
+    out = np.empty((len(names), header.n if wanted else 0))
+    is_text = np.array([name in TEXT_COLUMNS for name in names])
+    row = 0
+    while True:
+        if wanted:
+            row, buffer.begin, status = parse_rows(
+                buffer.data, buffer.begin, buffer.end, out, row, header.n, is_text, POWER_HIGH, POWER_LOW
+            )
+        else:
+            row, buffer.begin, status = skip_rows(buffer.data, buffer.begin, buffer.end, row, header.n)
+        buffer.line_number = first_line - 1 + row
+        if status == ROWS_DONE:
+            break
+        if status == NEED_MORE:
+            if not buffer.more():
+                raise _Truncated(f"after {row} of {header.n} rows")
+        elif status == NEW_ITEM:
+            raise _wrong(dump, first_line + row, "ITEM:", f"disc {row + 1} of {header.n}")
+        else:
+            line = buffer.line()  # may read on; a row cut off here is a truncated file, not a malformed one
+            out[:, row] = _slow_row(dump, line, names, first_line + row)
+            row += 1
+    if not wanted:
+        return None
+    columns = {name: out[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
+    return Frame(header.step, header.time, box, _frozen(columns))
+
+
+def _slow_row(dump: Dump, line: str, names: tuple[str, ...], number: int) -> list[float]:
+    """A row that the fast loop would not take: nan, many digits, or something wrong."""
+    tokens = line.split()
+    if len(tokens) != len(names):
+        raise _wrong(dump, number, line, f"{len(names)} values ({' '.join(names)})")
+    values = []
+    for name, token in zip(names, tokens, strict=True):
+        try:
+            values.append(float("nan") if name in TEXT_COLUMNS else float(token.replace("_", "?")))
+        except ValueError:
+            raise _wrong(dump, number, token, f"a number for {name}") from None
+    return values
+
+
+def walk_binary(dump: Dump, stream, parse: Callable[[int], bool]) -> Walked:
+    """Headers, and the frames for whose index `parse` is true, of a binary dump (signature, revision 2)."""
+    position = 0
+    index = 0
+
+    def take(size: int) -> bytes:
+        nonlocal position
+        if size < 0 or size > 8 * LARGEST_FRAME:
+            raise DumpError(f"{dump.path}, byte {position}: a length of {size} bytes: the file is damaged.")
+        parts, left = [], size
+        while left:
+            try:
+                part = stream.read(left)
+            except (EOFError, zlib.error):
+                part = b""
+            if not part:
+                raise _Truncated(f"at byte {position}")
+            parts.append(part)
+            left -= len(part)
+            position += len(part)
+        return parts[0] if len(parts) == 1 else b"".join(parts)
+
+    def number(code: str):
+        return struct.unpack("<" + code, take(struct.calcsize("<" + code)))[0]
+
+    while True:
+        start = position
+        try:
+            try:
+                first = number("q")
+            except _Truncated:
+                if position == start:
+                    return
+                raise
+            if not -64 <= first < 0:
+                raise DumpError(f"{dump.path}, byte {start}: no frame begins here (found {first}).")
+            signature = take(-first)
+            endian, revision = number("i"), number("i")
+            if not signature.startswith(b"DUMP") or endian != 1:
+                raise DumpError(f"{dump.path}, byte {start}: signature {signature!r}, byte order {endian}: not read.")
+            if revision < 2:
+                raise DumpError(
+                    f"{dump.path}: binary revision {revision} carries no column names; turn it into text with "
+                    "LAMMPS' binary2txt and add them to 'ITEM: ATOMS'."
+                )
+            step, n, triclinic = number("q"), number("q"), number("i")
+            take(24)
+            box = np.frombuffer(take(48)).reshape(3, 2).copy()
+            tilt = float(np.abs(np.frombuffer(take(24))).sum()) if triclinic else 0.0
+            width = number("i")
+            units = take(number("i"))
+            if units:
+                dump.units = units.decode("latin-1")
+            time = number("d") if number("b") else None
+            names = tuple(take(number("i")).decode("latin-1").split())
+            if len(names) != width or not 0 <= n <= LARGEST_FRAME:
+                raise DumpError(
+                    f"{dump.path}, byte {start}: damaged: {n} discs with {width} values each, but {len(names)} names."
+                )
+            _check_names(dump, names, tilt, f"byte {start}")
+            header = FrameHeader(step, time, n)
+            if 8 * width * n > dump.most_bytes:
+                raise _Truncated(f": the file is too short for {n} discs")
+            frame = _binary_rows(dump, header, box, names, number("i"), number, take, parse(index), start)
+        except _Truncated as where:
+            dump.warn(
+                f"{dump.path}: the last frame (number {index + 1}, from byte {start}) is cut off {where}; skipped."
+            )
+            if index == 0:
+                raise DumpError(f"{dump.path}: the file ends {where}, inside its first frame.") from None
+            return
+        yield header, frame
+        index += 1
+
+
+def _binary_rows(dump, header, box, names, chunks, number, take, wanted, start) -> Frame | None:
+    width, rows, done = len(names), header.n, 0
+    out = np.empty((width, rows if wanted else 0))
+    for _ in range(chunks):
+        values = number("i")
+        count, odd = divmod(values, width)
+        if odd or count < 0 or done + count > rows:
+            raise DumpError(
+                f"{dump.path}, frame at byte {start}: a block of {values} values does not fit {rows} discs."
+            )
+        block = take(8 * values)
+        if wanted:
+            out[:, done : done + count] = np.frombuffer(block).reshape(count, width).T
+        done += count
+    if done != rows:
+        raise DumpError(f"{dump.path}, frame at byte {start}: {done} discs found, {rows} announced.")
+    if not wanted:
+        return None
+    columns = {name: out[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
+    return Frame(header.step, header.time, box, _frozen(columns))

@@ -1,0 +1,1 @@
+"""The engines: LAMMPS with stock styles or the plugin, and the native one."""

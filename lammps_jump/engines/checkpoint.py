@@ -1,0 +1,126 @@
+"""What an interrupted run leaves so that it can go on: ``checkpoint.json`` beside the engine's own file of its state.
+
+The engine's file is LAMMPS' binary restart file or an npz file of the native engine; its name holds the step, and
+``checkpoint.json``, which names it, is put in its place last and in one move: whenever a run is killed there is a whole
+checkpoint, the old or the new one. It also holds the lengths of the files that the next part appends to, so that what
+a killed part has appended is cut off before the next one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.errors import ResumeError
+from lammps_jump.scene.scene import Scene
+
+from .result import RunResult
+
+CHECKPOINT_FILE = "checkpoint.json"
+STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
+"""Patterns of the engines' own files."""
+NO_NUMBERS = ("name", "description", "skipped", "warnings")
+"""Fields of a scene that change no trajectory."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Where a run stopped, and what it had done by then.
+
+    Attributes
+    ----------
+    scene : str
+        `fingerprint` of the scene that ran.
+    step, time : int, float
+        Step of the state, and its simulated time (s).
+    state : str
+        The engine's file.
+    sizes : dict of int
+        Bytes of the files (dump, log) that the next part appends to.
+    removed : tuple of int
+        Discs that each outlet has taken.
+    result : RunResult
+        Everything up to here, earlier parts included.
+    """
+
+    scene: str
+    step: int
+    time: float
+    state: str
+    sizes: dict[str, int]
+    removed: tuple[int, ...]
+    result: RunResult
+
+
+def fingerprint(scene: Scene) -> str:
+    """A hash of every number of a scene: a newer version of the program may make another scene of the same case."""
+    found = hashlib.sha256()
+    for field in fields(scene):
+        value = getattr(scene, field.name)
+        if field.name not in NO_NUMBERS:
+            found.update(field.name.encode())
+            found.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
+    return found.hexdigest()
+
+
+def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
+    """Put ``checkpoint.json`` into its place, then delete the states of earlier ones."""
+    new = folder / f"{CHECKPOINT_FILE}.new"
+    new.write_text(json.dumps(asdict(checkpoint), indent=1) + "\n")
+    os.replace(new, folder / CHECKPOINT_FILE)
+    for pattern in STATE_FILES:
+        for path in folder.glob(pattern):
+            if path.name != checkpoint.state:
+                path.unlink()
+
+
+def read_checkpoint(folder: Path) -> Checkpoint | None:
+    """The checkpoint of a run folder, None where there is none.
+
+    Raises
+    ------
+    ResumeError
+        Where it cannot be read, or what it names is gone or shorter than it was.
+    """
+    path = folder / CHECKPOINT_FILE
+    if not path.exists():
+        return None
+    try:
+        stored = json.loads(path.read_text())
+        earlier = stored["result"]
+        result = RunResult(**{**earlier, "resumed": tuple(earlier["resumed"])})
+        checkpoint = Checkpoint(**{**stored, "removed": tuple(stored["removed"]), "result": result})
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise ResumeError(f"{path}: cannot be read ({error}); the same command without --resume starts anew") from None
+    for name, size in {checkpoint.state: 1, **checkpoint.sizes}.items():
+        found = (folder / name).stat().st_size if (folder / name).exists() else 0
+        if found < size:
+            raise ResumeError(
+                f"{folder / name}: {found} bytes, {size} or more were there when the run was interrupted; without "
+                "them it cannot go on; the same command without --resume starts anew"
+            )
+    return checkpoint
+
+
+def remove_checkpoint(folder: Path) -> None:
+    """Delete a checkpoint, the file that makes it one first."""
+    (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
+    for pattern in STATE_FILES:
+        for path in folder.glob(pattern):
+            path.unlink()
+
+
+def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
+    """Cut off what a part that was killed has appended since the checkpoint."""
+    for name, size in checkpoint.sizes.items():
+        os.truncate(folder / name, size)
+
+
+def file_sizes(folder: Path, *names: str) -> dict[str, int]:
+    """Bytes of those of the files that exist."""
+    return {name: (folder / name).stat().st_size for name in names if (folder / name).exists()}

@@ -1,0 +1,116 @@
+"""LAMMPS errors in a user's words: when, which disc, and what to change."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.case.packing import closest_pair
+from lammps_jump.scene.scene import Scene
+
+from .log import read_log
+
+SMALLER_STEP = "lower run.time_step_fraction or raise contact.penetration_fraction"
+
+
+def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
+    """One paragraph about a failed run.
+
+    Parameters
+    ----------
+    error : str
+        LAMMPS' own message.
+    scene : Scene
+    folder : Path
+        For the log (time of the last line) and the last frame.
+    state : (ids, positions) or None
+        What the engine still held.
+    """
+    log = read_log(folder / "log.lammps")
+    when = f"after t = {log.time:.4g} s (step {log.step})"
+    if match := re.search(r"met on step (\d+)", error):
+        step = int(match[1])
+        when = f"at t = {scene.time(step):.4g} s (step {step})"
+    kept = f"What was written up to there is kept in {folder}."
+    if "guard_overlap" in error:
+        where = _closest(scene, state)
+        return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {SMALLER_STEP}. {kept}"
+    if "guard_plane" in error:
+        where = _out_of_plane(state)
+        return f"a disc has left the plane z = 0 {when}{where}; look at what pushes it there in in.lammps. {kept}"
+    if re.search(r"guard_finite|[Nn]on-numeric|not numeric|nan", error):
+        return (
+            f"a position is no longer a number {when}{_not_finite(state)}; the motion blew up: {SMALLER_STEP}. {kept}"
+        )
+    if "Lost atoms" in error:
+        (xlo, xhi), (ylo, yhi) = scene.domain
+        return (
+            f"discs were lost {when}{_missing(scene, folder, state)}; they left the domain x "
+            f"[{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] unseen: widen domain, or add an outflow before its edge. {kept}"
+        )
+    first = error.strip().splitlines()[0] if error.strip() else "no message"
+    return f"LAMMPS stopped {when}: {first} (more in {folder}/log.lammps). {kept}"
+
+
+def _closest(scene: Scene, state: tuple | None) -> str:
+    if state is None:
+        return ""
+    ids, places = state
+    finite = np.isfinite(places).all(axis=1)
+    pair = closest_pair(places[finite, :2], scene.diameter) if finite.sum() > 1 else None
+    if pair is None:
+        return ""
+    distance, i, j = pair
+    x, y = places[finite][i, :2]
+    names = ids[finite]
+    depth, allowed = scene.diameter - distance, scene.overlap_limit
+    return (
+        f": discs {names[i]} and {names[j]} near ({x:.4g}, {y:.4g}) by {depth:.3g} m, "
+        f"allowed is 2 d/n = {allowed:.3g} m"
+    )
+
+
+def _out_of_plane(state: tuple | None) -> str:
+    if state is None:
+        return ""
+    ids, places = state
+    worst = int(np.argmax(np.abs(places[:, 2])))
+    return f": disc {ids[worst]} at z = {places[worst, 2]:.3g} m"
+
+
+def _not_finite(state: tuple | None) -> str:
+    if state is None:
+        return ""
+    ids, places = state
+    bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
+    return f": disc {ids[bad[0]]}" if bad.size else ""
+
+
+def _missing(scene: Scene, folder: Path, state: tuple | None) -> str:
+    """The disc of the last frame that is gone and was nearest to the edge of the domain."""
+    from lammps_jump.dump.read import open_dump
+    from lammps_jump.errors import DumpError
+
+    if state is None:
+        return ""
+    path = next(iter(folder.glob("dump.lammps*")), None)
+    if path is None:
+        return ""
+    last = None
+    try:
+        for frame in open_dump(path):
+            last = frame
+    except DumpError:
+        pass
+    if last is None or not last.n:
+        return ""
+    gone = ~np.isin(last.ids, state[0])
+    if not gone.any():
+        return ""
+    x, y, ids = last.x[gone], last.y[gone], last.ids[gone]
+    (xlo, xhi), (ylo, yhi) = scene.domain
+    edge = np.minimum.reduce([x - xlo, xhi - x, y - ylo, yhi - y])
+    worst = int(np.argmin(edge))
+    return f": disc {int(ids[worst])}, last seen at ({x[worst]:.4g}, {y[worst]:.4g})"

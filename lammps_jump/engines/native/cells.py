@@ -1,0 +1,84 @@
+"""The thesis' own contact search, for its plot of CPU time against cell size (section 6.4, recommendation 2)."""
+
+from __future__ import annotations
+
+from math import ceil
+from time import perf_counter
+
+import numpy as np
+
+from lammps_jump.errors import CaseError
+from lammps_jump.scene.scene import Scene
+
+from . import lists as neighbours
+from . import loops as kernels
+from .simulation import NativeSimulation
+
+
+class CellSimulation(NativeSimulation):
+    """A scene stepped with cell lists made anew every step, and every disc tried against every wall.
+
+    Same forces as `NativeSimulation`; only the order in which they are summed differs.
+
+    Parameters
+    ----------
+    scene : Scene
+    cell_size : float, optional
+        Width of the square cells, m; 2 d by default, as the thesis has it.
+    ledger : bool
+    """
+
+    def __init__(self, scene: Scene, *, cell_size: float | None = None, ledger: bool = True):
+        self.cell_size = 2.0 * scene.diameter if cell_size is None else float(cell_size)
+        if not (0.1 * scene.diameter <= self.cell_size < float("inf")):
+            raise CaseError(
+                f"cell size {self.cell_size:g} m: use at least a tenth of the disc diameter "
+                f"({0.1 * scene.diameter:g} m); the thesis used two diameters"
+            )
+        (x_low, x_high), (y_low, y_high) = scene.domain
+        inverse = 1.0 / self.cell_size
+        columns = int((x_high - x_low) * inverse) + 1
+        rows = int((y_high - y_low) * inverse) + 1
+        first = np.zeros(columns * rows + 2, np.int64)
+        self._grid = kernels.Grid(x_low, y_low, inverse, columns, rows, first, np.zeros(1, np.int64))
+        self._slots = (ceil(scene.diameter * inverse) + 1) ** 2
+        self._owner = np.empty(0, np.int32)
+        self._pairs = np.empty(256, np.int32)
+        super().__init__(scene, ledger=ledger)
+        self._motion = self._motion._replace(reach2=float("inf"))
+
+    def _list(self) -> tuple:
+        return self._start, self._pairs, self._owner, self._grid
+
+    def _rows(self) -> tuple:
+        return int(self._grid.used[0]), self._owner
+
+    def _rebuild(self) -> None:
+        started = perf_counter()
+        d = self.discs
+        (a, b), (c, e) = self.scene.domain
+        lost = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4]
+        if lost >= 0:
+            self._fail_lost(lost)
+        if self._owner.size < self._slots * d.room:
+            self._owner = np.empty(self._slots * d.room, np.int32)
+            self._start = np.zeros(self._slots * d.room + 1, np.int64)
+        while (
+            kernels.cell_pairs(d.n, d.x, d.y, self.scene.diameter, self._grid, self._owner, self._start, self._pairs)
+            < 0
+        ):
+            self._pairs = np.empty(2 * self._pairs.size, np.int32)
+        self._list_walls()
+        self.rebuilds += 1
+        self.rebuild_seconds += perf_counter() - started
+
+    def _exchange(self, old: bool) -> None:
+        before = self.discs.n
+        super()._exchange(True)
+        if self.discs.n != before:
+            self._rebuild()
+
+    def _list_walls(self) -> None:
+        faces, n = self._face_kind.size, self.discs.n
+        self._near = np.tile(np.arange(n, dtype=np.int32), faces)
+        self._face_start = n * np.arange(faces + 1, dtype=np.int64)

@@ -1,0 +1,148 @@
+"""The discs in play as a structure of arrays with room to grow, and the neighbour list that belongs to them."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from . import lists as neighbours
+
+CELLS_A_DISC = 16
+"""Cells of the search grid at most, over the number of discs."""
+
+
+class Discs:
+    """Arrays of the discs, sorted in memory by cell; only the first `n` entries count.
+
+    Attributes
+    ----------
+    x, y, vx, vy, fx, fy : ndarray, shape (room,)
+        Position (m), velocity v_(n-1/2) (m/s) and force F_n (N per m of width).
+    x0, y0 : ndarray
+        Where each disc was when the list was made.
+    ux, uy, uomega : ndarray or None
+        Extrapolated velocities of the thesis' leap-frog.
+    omega, torque : ndarray or None
+        Spin (rad/s) and torque where discs spin.
+    dash_x … slide_y : ndarray or None
+        Dashpot and friction force on each disc, for the energy ledger.
+    """
+
+    ALWAYS = ("x", "y", "vx", "vy", "fx", "fy", "x0", "y0")
+    CARRIED = ("x", "y", "vx", "vy", "ux", "uy", "omega", "uomega")  # what must survive a sort
+
+    def __init__(self, n: int, *, extrapolated: bool, spin: bool, ledger: bool, friction: bool):
+        self.n = n
+        self.room = max(64, int(1.25 * n))
+        names = list(self.ALWAYS)
+        names += ["ux", "uy"] if extrapolated else []
+        names += ["omega", "torque"] if spin else []
+        names += ["uomega"] if spin and extrapolated else []
+        names += ["dash_x", "dash_y"] if ledger else []
+        names += ["slide_x", "slide_y"] if ledger and friction else []
+        self.names = tuple(names)
+        for name in ("ux", "uy", "omega", "torque", "uomega", "dash_x", "dash_y", "slide_x", "slide_y"):
+            setattr(self, name, None)
+        for name in self.names:
+            setattr(self, name, np.zeros(self.room))
+        self.ids = np.zeros(self.room, np.int64)
+        self._make_work_arrays()
+
+    def _make_work_arrays(self) -> None:
+        self.scratch = np.empty(self.room)
+        self.scratch_ids = np.empty(self.room, np.int64)
+        self.order = np.empty(self.room, np.int64)
+        self.cell = np.empty(self.room, np.int64)
+        start = np.zeros(self.room + 1, np.int64)
+        old = getattr(self, "start", None)
+        if old is None:
+            self.neighbours = np.empty(6 * self.room + 256, np.int32)
+            self.cell_start = np.zeros(16, np.int64)
+        else:
+            start[: old.size] = old
+        self.start = start
+
+    def grow(self) -> None:
+        """Half as much room again."""
+        self.room = self.room + self.room // 2
+        for name in (*self.names, "ids"):
+            old = getattr(self, name)
+            new = np.zeros(self.room, old.dtype)
+            new[: old.size] = old
+            setattr(self, name, new)
+        self._make_work_arrays()
+
+    def sort_and_list(self, reach: float, domain) -> int:
+        """Sort by cell and list all pairs closer than `reach` (m); index of a disc outside the domain, or -1.
+
+        Where a disc is outside (or its position is NaN), nothing else is done.
+        """
+        n = self.n
+        (x_low, x_high), (y_low, y_high) = domain
+        a, b, c, d, lost = neighbours.extent(n, self.x, self.y, x_low, x_high, y_low, y_high)
+        if lost >= 0:
+            return lost
+        if n == 0:
+            self.start[0] = 0
+            return -1
+        # a few discs far apart get wider cells, so that cells never outnumber discs by much
+        width = max(reach, sqrt((b - a) * (d - c) / max(CELLS_A_DISC * n, 4096)), (b - a) / 1e6, (d - c) / 1e6)
+        inverse = 1.0 / width
+        columns, rows = int((b - a) * inverse) + 1, int((d - c) * inverse) + 1
+        transpose = rows > columns
+        if transpose:
+            columns, rows = rows, columns
+        cells = (columns + 2) * (rows + 2)
+        if self.cell_start.size < cells + 2:
+            self.cell_start = np.zeros(cells + cells // 4 + 2, np.int64)
+        cell_start = self.cell_start[: cells + 2]
+        neighbours.sort(n, self.x, self.y, a, c, inverse, columns, rows, transpose, cell_start, self.cell, self.order)
+        for name in self.CARRIED:
+            if name in self.names:
+                neighbours.permute(n, getattr(self, name), self.order, self.scratch)
+        neighbours.permute(n, self.ids, self.order, self.scratch_ids)
+        self.x0[:n] = self.x[:n]
+        self.y0[:n] = self.y[:n]
+        while True:
+            count = neighbours.pair_list(
+                n, self.x, self.y, reach * reach, rows, cell_start, self.cell, self.start, self.neighbours
+            )
+            if count >= 0:
+                return -1
+            self.neighbours = np.empty(2 * self.neighbours.size, np.int32)
+
+    def append(self, identity: int, x: float, y: float, vx: float, vy: float, weight, reach: float) -> None:
+        """Add one disc behind the others, with its own row of the list; `weight` (N) starts its force."""
+        if self.n == self.room:
+            self.grow()
+        i = self.n
+        for name in self.names:
+            getattr(self, name)[i] = 0.0
+        self.ids[i] = identity
+        self.x[i] = self.x0[i] = x
+        self.y[i] = self.y0[i] = y
+        self.vx[i], self.vy[i] = vx, vy
+        self.fx[i], self.fy[i] = weight
+        if self.ux is not None:
+            self.ux[i], self.uy[i] = vx, vy
+        while not neighbours.append_row(i, self.x, self.y, reach * reach, self.start, self.neighbours):
+            longer = np.empty(2 * self.neighbours.size, np.int32)
+            longer[: self.neighbours.size] = self.neighbours
+            self.neighbours = longer
+        self.n = i + 1
+
+    def keep(self, mask: np.ndarray) -> None:
+        """Drop the discs where mask, shape (n,), is False; the list is then out of date."""
+        left = int(mask.sum())
+        for name in (*self.names, "ids"):
+            array = getattr(self, name)
+            array[:left] = array[: self.n][mask]
+        self.n = left
+
+    @property
+    def bytes(self) -> int:
+        """Memory of all arrays."""
+        arrays = [getattr(self, name) for name in (*self.names, "ids")]
+        arrays += [self.scratch, self.scratch_ids, self.order, self.cell, self.start, self.neighbours, self.cell_start]
+        return sum(a.nbytes for a in arrays)

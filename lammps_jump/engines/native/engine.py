@@ -1,0 +1,259 @@
+"""A whole run of the native engine: stepping, frames, progress, guards, result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+from lammps_jump.engines.checkpoint import (
+    Checkpoint,
+    cut_back,
+    file_sizes,
+    fingerprint,
+    remove_checkpoint,
+    write_checkpoint,
+)
+from lammps_jump.engines.interrupts import deferred_interrupt, terminate_as_interrupt
+from lammps_jump.engines.result import DUMP_NAMES, Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.errors import CaseError, RunError
+from lammps_jump.scene.scene import Scene
+
+from .cells import CellSimulation
+from .output import DumpWriter, Frame, write_forces
+from .simulation import NativeSimulation
+from .state import load_state, save_state
+
+
+@dataclass(frozen=True)
+class NativeRun:
+    """A run held in memory.
+
+    Attributes
+    ----------
+    result : RunResult
+    frames : tuple of Frame
+        Empty unless asked for.
+    forces : tuple of (step, wall, fx, fy, moment)
+        One a window and probed wall.
+    """
+
+    result: RunResult
+    frames: tuple[Frame, ...]
+    forces: tuple[tuple[int, str, float, float, float], ...]
+
+
+def take_frame(simulation) -> Frame:
+    """The discs of a simulation now."""
+    positions, velocities = simulation.positions, simulation.velocities
+    spin = simulation.spin if simulation.scene.rotation else None
+    time = simulation.scene.time(simulation.step)
+    return Frame(simulation.step, time, simulation.ids, *positions.T, *velocities.T, spin)
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import PackageNotFoundError, version
+    from platform import python_version
+
+    found = {"python": python_version()}
+    for name in ("lammps-jump", "numba", "numpy"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+def simulate(
+    scene: Scene,
+    folder: Path | None = None,
+    *,
+    progress: ProgressCallback | None = None,
+    should_stop: Callable[[], bool] | None = None,
+    dump_format: str = "text",
+    report_every: float = 0.5,
+    keep_frames: bool = False,
+    search: str = "verlet",
+    cell_size: float | None = None,
+    ledger: bool = True,
+    resume: Checkpoint | None = None,
+) -> NativeRun:
+    """Run a scene to its last step; see `run_native` for the parameters."""
+    if resume is not None:
+        cut_back(folder, resume)
+        simulation = load_state(scene, Path(folder) / resume.state, ledger=ledger)
+    else:
+        simulation = _make(scene, search, cell_size, ledger)
+    if folder is not None:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        if resume is None:
+            remove_checkpoint(Path(folder))  # of an earlier run: not this one's beginning
+    writer = DumpWriter(folder, scene, dump_format, append=resume is not None) if folder is not None else None
+    frames: list[Frame] = []
+
+    def output() -> None:
+        if writer is None and not keep_frames:
+            return
+        frame = take_frame(simulation)
+        if keep_frames:
+            frames.append(frame)
+        if writer is not None:
+            writer.write(frame)
+
+    def report() -> None:
+        if progress is not None:
+            progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
+
+    status, message = "complete", ""
+    seconds = writing = 0.0
+    between_steps = False  # an interruption that did not wait may leave arrays half sorted, or half a frame
+    try:
+        with terminate_as_interrupt(), deferred_interrupt() as pressed:
+            if resume is None:
+                output()
+            reported = perf_counter()
+            while simulation.step < scene.steps:
+                target = min(scene.steps, (simulation.step // scene.output_steps + 1) * scene.output_steps)
+                started = perf_counter()
+                between_steps = False
+                simulation.run_some(target)
+                now = perf_counter()
+                seconds += now - started
+                if simulation.step == target:
+                    simulation.check()
+                    if target % scene.output_steps == 0:
+                        output()
+                        writing += perf_counter() - now
+                between_steps = True
+                due = now - reported >= report_every
+                if due:
+                    reported = now
+                    report()
+                if simulation.step < scene.steps and (pressed() or (due and should_stop is not None and should_stop())):
+                    raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        status = "interrupted"
+    except RunError as error:
+        status, message = "failed", str(error)
+    finally:
+        if writer is not None:
+            writer.close()
+            if scene.probes:
+                write_forces(folder, scene, simulation.forces)
+    report()
+    result = _result(scene, simulation, status, message, seconds, writing, resume.result if resume else None)
+    if status == "interrupted":
+        result = _interrupted(scene, simulation, folder, dump_format, result, search == "verlet", between_steps)
+    return NativeRun(result, tuple(frames), tuple(simulation.forces))
+
+
+def _result(scene, simulation, status, message, seconds, writing, earlier: RunResult | None) -> RunResult:
+    """The result of all parts of a run; a simulation that was read back counts on by itself, but for the clock."""
+    traffic = simulation.traffic
+    if earlier is not None:
+        seconds += earlier.seconds
+        writing += earlier.breakdown.get("output", 0.0)
+    return RunResult(
+        engine="native",
+        kernel="numba",
+        status=status,
+        message=message,
+        steps=simulation.step,
+        disc_steps=float(simulation.disc_steps),
+        inserted=traffic.inserted,
+        present=simulation.discs.n,
+        removed=traffic.removed,
+        lost=traffic.inserted - traffic.removed - simulation.discs.n,
+        seconds=seconds,
+        versions=_versions(),
+        ledger=simulation.ledger if status != "failed" else None,
+        breakdown={
+            "forces and motion": seconds - simulation.rebuild_seconds,
+            "neighbour": simulation.rebuild_seconds,
+            "output": writing,
+        },
+        resumed=(*earlier.resumed, scene.time(earlier.steps)) if earlier else (),
+    )
+
+
+def _interrupted(scene, simulation, folder, dump_format, result, saved, between_steps) -> RunResult:
+    """Leave a checkpoint of an interrupted run where there can be one; its result, with what to tell the user."""
+    now, end = scene.time(simulation.step), scene.time(scene.steps)
+    reason = "" if between_steps else "a second interruption came before the step was done"
+    if folder is not None and saved and between_steps:
+        folder = Path(folder)
+        result = replace(result, message=interruption(now, end, folder, again=now))
+        state = f"checkpoint-{simulation.step}.npz"
+        try:
+            save_state(simulation, folder / state)
+            sizes = file_sizes(folder, DUMP_NAMES[dump_format])
+            write_checkpoint(folder, Checkpoint(fingerprint(scene), simulation.step, now, state, sizes, (), result))
+            return result
+        except OSError as error:
+            reason = f"its state could not be saved ({error})"
+    return replace(result, message=interruption(now, end, folder or "memory", reason=reason))
+
+
+def _make(scene: Scene, search: str, cell_size: float | None, ledger: bool) -> NativeSimulation:
+    if search == "verlet":
+        return NativeSimulation(scene, ledger=ledger)
+    if search == "cells":
+        return CellSimulation(scene, cell_size=cell_size, ledger=ledger)
+    raise CaseError(f"contact search {search!r} is not known: use 'verlet' or 'cells'")
+
+
+def run_native(
+    scene: Scene,
+    folder: Path | None,
+    *,
+    progress: ProgressCallback | None = None,
+    should_stop: Callable[[], bool] | None = None,
+    dump_format: str = "text",
+    report_every: float = 0.5,
+    keep_frames: bool = False,
+    search: str = "verlet",
+    cell_size: float | None = None,
+    ledger: bool = True,
+    resume: Checkpoint | None = None,
+) -> RunResult:
+    """Run a scene on the native engine and leave dump and forces.csv in `folder`.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path or None
+        Folder for the files, made where it is missing; None writes none.
+    progress : callable, optional
+        Called with a `Progress` every `report_every` seconds of wall time, and once at the end.
+    should_stop : callable, optional
+        Asked at the same times; True ends the run as 'interrupted'.
+    dump_format : {'text', 'gz', 'binary'}
+    keep_frames : bool
+        Here without effect on the result; see `simulate`, which returns the frames.
+    search : {'verlet', 'cells'}
+        Neighbour list, or the thesis' own contact search in cells of `cell_size` (m, default 2 d).
+    ledger : bool
+        Keep the books of dissipated energy; a quarter of the stepping time.
+    resume : Checkpoint, optional
+        Go on with the interrupted run that left it in `folder` (see `lammps_jump.engines.checkpoint`), with the same
+        scene, `dump_format` and `ledger`. Its frames are those of an uninterrupted run, bit for bit.
+
+    Returns
+    -------
+    RunResult
+        Status 'failed' with a message where a guard ended the run; what there was is kept.
+    """
+    return simulate(
+        scene,
+        folder,
+        progress=progress,
+        should_stop=should_stop,
+        dump_format=dump_format,
+        report_every=report_every,
+        keep_frames=keep_frames,
+        search=search,
+        cell_size=cell_size,
+        ledger=ledger,
+        resume=resume,
+    ).result

@@ -1,0 +1,140 @@
+"""Discs that come and go: rows of inflow, pouring, outlets; all between the drift and the forces of a step."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+import numpy as np
+
+from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene
+
+from . import lists as neighbours
+
+
+class RowState:
+    """How far a row of inflow has got."""
+
+    def __init__(self, row: InletRow):
+        self.row = row
+        self.entered = 0
+
+    def due(self, step: int) -> bool:
+        """Whether the row tries at this step."""
+        row = self.row
+        if row.limit is not None and self.entered >= row.limit:
+            return False
+        return step >= row.first_step and (step - row.first_step) % row.every_steps == 0
+
+    def next_after(self, step: int) -> int | None:
+        """First step after `step` at which it tries; None where it has delivered all."""
+        row = self.row
+        if row.limit is not None and self.entered >= row.limit:
+            return None
+        if step < row.first_step:
+            return row.first_step
+        return row.first_step + ((step - row.first_step) // row.every_steps + 1) * row.every_steps
+
+
+class PourState:
+    """A pour in batches: as many discs as the region holds at its volume fraction, again when they have fallen clear.
+
+    Follows LAMMPS' ``fix pour``: at step 1 and then every time the region has emptied itself, t = (sqrt(v^2 + 2 g H) -
+    v) / g for its height H; a disc at height y of the region enters as if it had fallen from its top at `speed_down`,
+    v_y = -sqrt(v^2 + 2 g (y_top - y)). Places are drawn uniformly; one that another disc (closer than d) or a wall
+    (closer than R) occupies is drawn again, 50 times the batch at most.
+    """
+
+    def __init__(self, pour: Pour, scene: Scene, rng: np.random.Generator):
+        self.pour = pour
+        self.rng = rng
+        self.entered = 0
+        self.gravity = max(0.0, -scene.gravity[1])
+        height = pour.y[1] - pour.y[0]
+        area = height * (pour.x[1] - pour.x[0])
+        self.batch = max(1, int(pour.volume_fraction * area / (pi * scene.radius**2)))
+        v, g = pour.speed_down, self.gravity
+        clear = (sqrt(v * v + 2 * g * height) - v) / g if g > 0 else height / v
+        self.every = max(1, round(clear / scene.time_step))
+
+    def due(self, step: int) -> bool:
+        """Whether a batch falls at this step."""
+        return self.entered < self.pour.count and step >= 1 and (step - 1) % self.every == 0
+
+    def next_after(self, step: int) -> int | None:
+        """First step after `step` with a batch; None where all have been poured."""
+        if self.entered >= self.pour.count:
+            return None
+        return 1 if step < 1 else 1 + ((step - 1) // self.every + 1) * self.every
+
+    def places(self):
+        """Candidate places and velocities of one batch: yields (x, y, vy) up to 50 times the batch."""
+        (x_low, x_high), (y_low, y_high) = self.pour.x, self.pour.y
+        for _ in range(50 * self.batch):
+            x = x_low + (x_high - x_low) * self.rng.random()
+            y = y_low + (y_high - y_low) * self.rng.random()
+            yield x, y, -sqrt(self.pour.speed_down**2 + 2 * self.gravity * (y_high - y))
+
+
+class Traffic:
+    """Everything that adds or removes discs in a scene, and its books."""
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.rows = [RowState(row) for row in scene.inlets]
+        self.rng = np.random.default_rng(scene.seed)
+        self.pours = [PourState(pour, scene, self.rng) for pour in scene.pours]
+        self.outlets: tuple[Outlet, ...] = scene.outlets
+        self.removed = 0
+        self.inserted = len(scene.positions)
+        self.last_id = len(scene.positions)
+
+    def next_after(self, step: int) -> int | None:
+        """Next step at which something may come or go; None for never."""
+        steps = [state.next_after(step) for state in (*self.rows, *self.pours)]
+        steps += [(step // outlet.every_steps + 1) * outlet.every_steps for outlet in self.outlets]
+        steps = [s for s in steps if s is not None]
+        return min(steps) if steps else None
+
+    def leaving(self, step: int, discs) -> np.ndarray | None:
+        """Mask, shape (n,), of discs that an outlet takes at this step; None where none leaves."""
+        mask = None
+        for outlet in self.outlets:
+            if step % outlet.every_steps:
+                continue
+            coordinate = (discs.x if outlet.axis == "x" else discs.y)[: discs.n]
+            gone = coordinate > outlet.at if outlet.side == "above" else coordinate < outlet.at
+            mask = gone if mask is None else mask | gone
+        return mask if mask is not None and mask.any() else None
+
+    def arrivals(self, step: int, discs):
+        """Discs that enter at this step: yields (id, x, y, vx, vy); the caller adds each before asking for the next."""
+        for state in self.rows:
+            row = state.row
+            if state.due(step) and self._free(discs, row.x, row.y, row.clearance):
+                state.entered += 1
+                yield self._new_id(), row.x, row.y, row.vx, row.vy
+        for state in self.pours:
+            if not state.due(step):
+                continue
+            wanted = min(state.batch, state.pour.count - state.entered)
+            for x, y, vy in state.places():
+                if not self._free(discs, x, y, self.scene.diameter) or self._in_wall(step, x, y):
+                    continue
+                state.entered += 1
+                wanted -= 1
+                yield self._new_id(), x, y, 0.0, vy
+                if wanted == 0:
+                    break
+
+    def _free(self, discs, x: float, y: float, clearance: float) -> bool:
+        return neighbours.closest(discs.n, discs.x, discs.y, x, y) >= clearance * clearance
+
+    def _in_wall(self, step: int, x: float, y: float) -> bool:
+        gates = (gate.wall for gate in self.scene.gates if step < gate.release_step)
+        radius = self.scene.radius
+        return any(float(wall.signed_distance(x, y)) < radius for wall in (*self.scene.walls, *gates))
+
+    def _new_id(self) -> int:
+        self.last_id += 1
+        self.inserted += 1
+        return self.last_id

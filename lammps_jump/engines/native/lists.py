@@ -1,0 +1,150 @@
+"""Contact search of the native engine: sort discs by cell, build the half neighbour list, list discs near walls.
+
+Cells as wide as the list's reach, counted along the shorter side of the flow first, so that neighbours in space are
+neighbours in memory. Because the discs are sorted by cell, the candidates of a disc are two stretches of memory:
+the rest of its own cell with the next cell of the column, and three cells of the next column.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from .loops import PLANE_X, PLANE_Y
+
+
+def _extent_py(n, x, y, x_low, x_high, y_low, y_high):
+    """Smallest box around the discs (xlo, xhi, ylo, yhi) and the index of a disc outside the domain, or -1.
+
+    A NaN is outside.
+    """
+    a, b, c, d = x_high, x_low, y_high, y_low
+    lost = -1
+    for i in range(n):
+        px, py = x[i], y[i]
+        if not (px >= x_low and px <= x_high and py >= y_low and py <= y_high):
+            lost = i
+        a = min(a, px)
+        b = max(b, px)
+        c = min(c, py)
+        d = max(d, py)
+    return a, b, c, d, lost
+
+
+def _sort_py(n, x, y, x_low, y_low, inverse, columns, rows, transpose, cell_start, cell, order):
+    """Counting sort by cell: fills ``cell_start`` (first disc of each cell), ``cell`` (sorted) and ``order``.
+
+    A frame of empty cells surrounds the grid: (columns + 2) x (rows + 2) cells, rows counted fastest;
+    `transpose` puts x along the rows.
+    """
+    height = rows + 2
+    for c in range(cell_start.size):
+        cell_start[c] = 0
+    for i in range(n):
+        cx = int((x[i] - x_low) * inverse)
+        cy = int((y[i] - y_low) * inverse)
+        if transpose:
+            cx, cy = cy, cx
+        c = (min(cx, columns - 1) + 1) * height + min(cy, rows - 1) + 1
+        order[i] = c
+        cell_start[c + 2] += 1
+    for c in range(2, cell_start.size):
+        cell_start[c] += cell_start[c - 1]
+    for i in range(n):  # cell_start[c + 1] runs from the first disc of cell c to the first of the next one
+        c = order[i]
+        place = cell_start[c + 1]
+        cell_start[c + 1] = place + 1
+        cell[place] = c
+        order[i] = place
+
+
+def _permute_py(n, source, place, scratch):
+    """``source[place[i]] = source[i]`` for i < n, through `scratch`."""
+    for i in range(n):
+        scratch[place[i]] = source[i]
+    for i in range(n):
+        source[i] = scratch[i]
+
+
+def _pair_list_py(n, x, y, reach2, rows, cell_start, cell, start, neighbours):
+    """Half neighbour list of all pairs closer than the reach; returns its length, or -1 where `neighbours` is short."""
+    height = rows + 2
+    count = 0
+    room = neighbours.size
+    start[0] = 0
+    for i in range(n):
+        c = cell[i]
+        xi, yi = x[i], y[i]
+        low = cell_start[c + height - 1]
+        high = cell_start[c + height + 2]
+        last = cell_start[c + 2]
+        if count + (last - i) + (high - low) > room:
+            return -1
+        for j in range(i + 1, last):
+            dx = xi - x[j]
+            dy = yi - y[j]
+            neighbours[count] = j
+            count += dx * dx + dy * dy < reach2
+        for j in range(low, high):
+            dx = xi - x[j]
+            dy = yi - y[j]
+            neighbours[count] = j
+            count += dx * dx + dy * dy < reach2
+        start[i + 1] = count
+    return count
+
+
+def _near_walls_py(n, x, y, reach, face_kind, face_data, face_start, near):
+    """Discs within `reach` of each face, a face at a time; returns the length, or -1 where `near` is short."""
+    count = 0
+    face_start[0] = 0
+    for face in range(face_kind.size):
+        if count + n > near.size:
+            return -1
+        kind = face_kind[face]
+        a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
+        if kind == PLANE_X or kind == PLANE_Y:
+            coordinate = x if kind == PLANE_X else y
+            for i in range(n):
+                near[count] = i
+                count += abs(coordinate[i] - a) < reach
+        else:
+            for i in range(n):
+                near[count] = i
+                count += x[i] > a - reach and x[i] < b + reach and y[i] > c - reach and y[i] < d + reach
+        face_start[face + 1] = count
+    return count
+
+
+def _closest_py(n, x, y, px, py):
+    """Square of the distance from (px, py) to the closest disc; inf where there is none."""
+    least = np.inf
+    for i in range(n):
+        dx = px - x[i]
+        dy = py - y[i]
+        least = min(least, dx * dx + dy * dy)
+    return least
+
+
+def _append_row_py(i, x, y, reach2, start, neighbours):
+    """List row of disc i, the newest: every older disc within the reach; False where `neighbours` is short."""
+    count = start[i]
+    for j in range(i):
+        dx = x[i] - x[j]
+        dy = y[i] - y[j]
+        if dx * dx + dy * dy < reach2:
+            if count == neighbours.size:
+                return False
+            neighbours[count] = j
+            count += 1
+    start[i + 1] = count
+    return True
+
+
+extent = njit(cache=True)(_extent_py)
+sort = njit(cache=True)(_sort_py)
+permute = njit(cache=True)(_permute_py)
+pair_list = njit(cache=True)(_pair_list_py)
+near_walls = njit(cache=True)(_near_walls_py)
+closest = njit(cache=True)(_closest_py)
+append_row = njit(cache=True)(_append_row_py)

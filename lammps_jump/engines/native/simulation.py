@@ -1,0 +1,399 @@
+"""One scene, step by step, on the native engine: what the run, the tests and the cross-validation drive.
+
+Order of operations of a step, LAMMPS' own: half kick, drift, [outlets, arrivals, gates, neighbour list], forces with
+the velocities of the half step, half kick. The last half kick of one step and the first of the next are done as one,
+so that between steps the arrays hold v_(n-1/2) (see `kernels`); what this class hands out is v_n.
+
+Start: forces at step 0 see v_0, and v_(-1/2) = v_0 - dt F_0 / (2 m), so that the thesis' extrapolation
+1.5 v_(n-1/2) - 0.5 v_(n-3/2) has its older value from the first step on. A disc that enters at step n has
+v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and gets its last half kick.
+"""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+
+from lammps_jump.errors import CaseError, RunError
+from lammps_jump.scene.scene import Scene
+
+from . import ledger as books
+from . import lists as neighbours
+from . import loops as kernels
+from .discs import Discs
+from .faces import faces_of
+from .inlets import Traffic
+from .ledger import Energy
+
+DEFAULT_SKIN = 0.3
+"""Skin of the neighbour list over the diameter where the scene gives none."""
+
+SLIP_FRACTION = 0.01
+"""eps over v_max, thesis (4.20)."""
+
+KNOWN = {
+    "integrator": ("velocity_verlet", "leapfrog_extrapolated"),
+    "friction_law": ("hooke", "sign"),
+    "touch": ("sharp", "smooth"),
+}
+"""Choices of a scene that this engine obeys."""
+
+WORK_PER_CALL = 4_000_000
+"""Disc-steps after which the kernel comes back to look for an interruption: about a tenth of a second."""
+
+
+class NativeSimulation:
+    """A scene on the native engine.
+
+    Parameters
+    ----------
+    scene : Scene
+    ledger : bool
+        Keep the books of dissipated energy.
+
+    Attributes
+    ----------
+    step : int
+        Steps done.
+    disc_steps : int
+        Sum over steps of the discs in play.
+    forces : list of (step, wall name, fx, fy, moment)
+        Window means of the force on each probed wall (N per m of width), moment (N) about its reference point.
+    rebuilds : int
+        Neighbour lists made, in `rebuild_seconds` of wall time.
+
+    Raises
+    ------
+    CaseError
+        Integrator, friction law or touch that this engine does not know.
+    RunError
+        While running: a position is NaN or outside the domain, or an overlap is beyond ``scene.overlap_limit``.
+    """
+
+    def __init__(self, scene: Scene, *, ledger: bool = True):
+        for name, known in KNOWN.items():
+            if getattr(scene, name) not in known:
+                raise CaseError(f"{name} {getattr(scene, name)!r}: the native engine knows {' and '.join(known)}")
+        self.scene = scene
+        self.step = 0
+        self.disc_steps = 0
+        self.rebuilds = 0
+        self.rebuild_seconds = 0.0
+        self.forces: list[tuple[int, str, float, float, float]] = []
+        coefficients = scene.coefficients
+        mass = scene.mass
+        self._friction = coefficients.friction if coefficients.friction > 0 else None
+        self._sign = SLIP_FRACTION if self._friction is not None and scene.friction_law == "sign" else None
+        self._touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
+        self._law = kernels.Law(
+            scene.diameter,
+            coefficients.stiffness,
+            0.5 * mass * coefficients.gamma_normal,
+            coefficients.stiffness_wall,
+            mass * coefficients.gamma_normal_wall,
+            0.5 * mass * coefficients.gamma_tangential,
+            mass * coefficients.gamma_tangential_wall,
+        )
+        self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
+        self._inertia = books.inertia(scene)
+        self._weight = (mass * scene.gravity[0], mass * scene.gravity[1])
+        self._motion = kernels.Motion(scene.time_step, mass, self._inertia, *self._weight, (0.5 * self.skin) ** 2)
+        self._ledger_on = ledger
+        self._work = np.zeros(2)
+        self._books = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
+        self.traffic = Traffic(scene)
+        self._window_start = 0
+        self._carried: dict[str, np.ndarray] = {}
+        self._load_discs()
+        self._load_walls()
+        self._rebuild()
+        self._check_overlap()
+        self._compute_forces()
+        self._start_half_step_back()
+        self._wall_sum[:] = 0.0
+        self._start_work = self._half_work()
+        self._start_energy = self.energy()
+
+    # --- set-up -------------------------------------------------------------------------------------------------
+
+    def _load_discs(self) -> None:
+        scene = self.scene
+        n = len(scene.positions)
+        extrapolated = scene.integrator == "leapfrog_extrapolated"
+        self.discs = discs = Discs(
+            n, extrapolated=extrapolated, spin=scene.rotation, ledger=self._ledger_on, friction=bool(self._friction)
+        )
+        discs.n = n
+        discs.ids[:n] = np.arange(1, n + 1)
+        if n:
+            discs.x[:n], discs.y[:n] = scene.positions.T
+            discs.vx[:n], discs.vy[:n] = scene.velocities.T
+        if extrapolated:
+            discs.ux[:n], discs.uy[:n] = discs.vx[:n], discs.vy[:n]
+
+    def _load_walls(self) -> None:
+        """Faces that are there now; sums of the window go on, also those of a gate that has just been taken away."""
+        if hasattr(self, "_wall_sum"):
+            self._carry_window_over()
+        gates = tuple(gate.wall for gate in self.scene.gates if self.step < gate.release_step)
+        self._face_kind, self._face_data, self._face_names = faces_of((*self.scene.walls, *gates))
+        faces = self._face_kind.size
+        self._face_start = np.zeros(faces + 1, np.int64)
+        self._near = np.empty(0, np.int32)
+        self._wall_sum = np.zeros((faces, 3))
+
+    def _carry_window_over(self) -> None:
+        for name, row in zip(self._face_names, self._wall_sum, strict=True):
+            self._carried[name] = self._carried.get(name, 0.0) + row
+
+    def _start_half_step_back(self) -> None:
+        discs, n = self.discs, self.discs.n
+        half = 0.5 * self.scene.time_step / self.scene.mass
+        discs.vx[:n] -= half * discs.fx[:n]
+        discs.vy[:n] -= half * discs.fy[:n]
+        if discs.omega is not None:
+            discs.omega[:n] -= 0.5 * self.scene.time_step / self._inertia * discs.torque[:n]
+
+    # --- stepping -----------------------------------------------------------------------------------------------
+
+    def run(self, steps: int) -> None:
+        """Do `steps` steps."""
+        target = self.step + steps
+        while self.step < target:
+            self.run_some(target)
+
+    def run_some(self, target: int) -> None:
+        """Go on towards step `target` for at most about a tenth of a second of work."""
+        limit = self.step + max(1, WORK_PER_CALL // max(32, self.discs.n))
+        stop = min(target, limit, self._next_window())
+        event = self._next_event()
+        hold = event is not None and event <= stop
+        self._advance(event if hold else stop, hold)
+        if self.scene.probes and self.step == self._window_start + self.scene.probe_steps:
+            self._close_window()
+
+    def _next_window(self) -> int:
+        return self._window_start + self.scene.probe_steps if self.scene.probes else self.scene.steps + 10**15
+
+    def _next_event(self) -> int | None:
+        steps = [gate.release_step for gate in self.scene.gates if gate.release_step > self.step]
+        traffic = self.traffic.next_after(self.step)
+        if traffic is not None:
+            steps.append(traffic)
+        return min(steps) if steps else None
+
+    def _advance(self, stop: int, hold: bool) -> None:
+        """To step `stop`; where `hold`, with what happens between its drift and its forces."""
+        pending = False
+        while self.step < stop or pending:
+            done, state = self._kernel(stop - self.step, pending, hold)
+            self.step += done
+            self.disc_steps += done * self.discs.n
+            pending = state != kernels.DONE
+            old = state == kernels.OLD
+            if hold and pending and self.step == stop:
+                hold = False
+                self._exchange(old)
+            elif old:
+                self._rebuild()
+
+    def _kernel(self, steps: int, pending: bool, hold: bool) -> tuple[int, int]:
+        d = self.discs
+        return kernels.advance(
+            steps, pending, hold, d.n, d.x, d.y, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
+            d.uomega, *self._list(), self._face_kind, self._face_data, self._face_start, self._near, self._law,
+            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+            self._work, self._wall_sum,
+        )  # fmt: skip
+
+    def _list(self) -> tuple:
+        """What `kernels.advance` takes as start, neighbours, owner, grid."""
+        return self.discs.start, self.discs.neighbours, None, None
+
+    def _rows(self) -> tuple:
+        """Rows of the list that stands, and their owners."""
+        return self.discs.n, None
+
+    def _compute_forces(self) -> None:
+        """Forces at the start, weight included."""
+        self.discs.fx[: self.discs.n] = self._weight[0]
+        self.discs.fy[: self.discs.n] = self._weight[1]
+        self._kernel(0, True, False)
+
+    def _exchange(self, old: bool) -> None:
+        """What comes and goes at this step, between drift and forces."""
+        discs = self.discs
+        leaving = self.traffic.leaving(self.step, discs)
+        if leaving is not None:
+            self._remove(leaving, old)
+        elif old:
+            self._rebuild()
+        before = discs.n
+        reach = self.scene.diameter + 1.5 * self.skin  # the others may have moved half a skin since the list was made
+        for identity, x, y, vx, vy in self.traffic.arrivals(self.step, discs):
+            discs.append(identity, x, y, vx, vy, self._weight, reach)
+            self._books["brought_in"] += books.free_energy(self.scene, x, y, vx, vy)
+        if discs.n > before:
+            self._list_walls()
+            if self._ledger_on:
+                self._books["brought_in"] += kernels.newcomers(
+                    before, discs.n, discs.x, discs.y, self._face_kind, self._face_data, self._law, self._touch
+                )
+        if any(gate.release_step == self.step for gate in self.scene.gates):
+            elastic = self._elastic()
+            self._load_walls()
+            self._list_walls()
+            self._books["released_by_gates"] += elastic - self._elastic()
+
+    def _remove(self, leaving: np.ndarray, old: bool) -> None:
+        discs = self.discs
+        elastic = 0.0
+        if self._ledger_on:
+            if old:
+                # the mask follows the discs through the sort by their ids
+                ids = discs.ids[: discs.n][leaving]
+                self._rebuild()
+                leaving = np.isin(discs.ids[: discs.n], ids)
+            elastic = self._elastic()
+            gone = np.flatnonzero(leaving)
+            self._books["carried_out"] += books.free_energy(
+                self.scene, discs.x[gone], discs.y[gone], discs.vx[gone], discs.vy[gone]
+            )
+            if discs.omega is not None:
+                self._books["carried_out"] += 0.5 * books.inertia(self.scene) * float((discs.omega[gone] ** 2).sum())
+        self.traffic.removed += int(leaving.sum())
+        discs.keep(leaving ^ True)
+        self._rebuild()
+        if self._ledger_on:
+            self._books["carried_out"] += elastic - self._elastic()
+
+    # --- neighbour lists and guards -----------------------------------------------------------------------------
+
+    def _rebuild(self) -> None:
+        started = perf_counter()
+        lost = self.discs.sort_and_list(self.scene.diameter + self.skin, self.scene.domain)
+        if lost >= 0:
+            self._fail_lost(lost)
+        self._list_walls()
+        self.rebuilds += 1
+        self.rebuild_seconds += perf_counter() - started
+        if self.rebuilds % 16 == 0:
+            self._check_overlap()
+
+    def _list_walls(self) -> None:
+        """Discs near each face: within R + skin, enough even for half a skin moved before and half after."""
+        faces = self._face_kind.size
+        if self._near.size < faces * self.discs.room:
+            self._near = np.empty(faces * self.discs.room, np.int32)
+        neighbours.near_walls(
+            self.discs.n, self.discs.x, self.discs.y, self.scene.radius + self.skin, self._face_kind, self._face_data,
+            self._face_start, self._near,
+        )  # fmt: skip
+
+    def _elastic_and_worst(self) -> tuple[float, float, float, int]:
+        d = self.discs
+        start, listed, _, _ = self._list()
+        return kernels.elastic(
+            *self._rows(), d.x, d.y, start, listed, self._face_kind, self._face_data, self._face_start, self._near,
+            self._law, self._touch,
+        )  # fmt: skip
+
+    def _elastic(self) -> float:
+        pairs, walls, _, _ = self._elastic_and_worst()
+        return pairs + walls
+
+    def check(self) -> None:
+        """Look for NaN, lost discs and overlaps beyond the limit now; RunError where there are any."""
+        d = self.discs
+        (a, b), (c, e) = self.scene.domain
+        lost = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4]
+        if lost >= 0:
+            self._fail_lost(lost)
+        self._check_overlap()
+
+    def _check_overlap(self) -> None:
+        limit = self.scene.overlap_limit
+        if limit <= 0:
+            return
+        _, _, worst, i = self._elastic_and_worst()
+        if worst > limit:
+            raise RunError(
+                f"overlap {worst:.4g} m of disc {self._place(i)} is beyond the limit of {limit:.4g} m. "
+                "The contact is too soft for this flow or the step too long: raise contact.impact_speed or "
+                "contact.penetration_fraction, or lower run.time_step_fraction; look for discs that overlap at "
+                "the start."
+            )
+
+    def _fail_lost(self, i: int) -> None:
+        d = self.discs
+        (a, b), (c, e) = self.scene.domain
+        if not (np.isfinite(d.x[i]) and np.isfinite(d.y[i])):
+            raise RunError(
+                f"the position of disc {self._place(i)} is not a number: the run has blown up. Lower "
+                "run.time_step_fraction and look for discs that overlap at the start."
+            )
+        raise RunError(
+            f"disc {self._place(i)} has left the domain x {a:g} … {b:g} m, y {c:g} … {e:g} m. Put an outflow "
+            "where discs leave, close the gap between the walls, or enlarge the domain; where nothing should leave, "
+            "lower run.time_step_fraction."
+        )
+
+    def _place(self, i: int) -> str:
+        d = self.discs
+        return (
+            f"{d.ids[i]} at ({d.x[i]:.6g}, {d.y[i]:.6g}) m, time {self.scene.time(self.step):.6g} s (step {self.step}),"
+        )
+
+    # --- what it hands out --------------------------------------------------------------------------------------
+
+    def _close_window(self) -> None:
+        steps = self.step - self._window_start
+        self._carry_window_over()
+        for name in self.scene.probes:
+            mean = self._carried.get(name, np.zeros(3)) / steps
+            self.forces.append((self.step, name, *(float(v) for v in mean)))
+        self._wall_sum[:] = 0.0
+        self._carried = {}
+        self._window_start = self.step
+
+    def _by_id(self, values: np.ndarray) -> np.ndarray:
+        return values[np.argsort(self.discs.ids[: self.discs.n], kind="stable")]
+
+    @property
+    def ids(self) -> np.ndarray:
+        """Ids of the discs in play, ascending, shape (n,)."""
+        return np.sort(self.discs.ids[: self.discs.n])
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Positions x_n (m), sorted by id, shape (n, 2)."""
+        d = self.discs
+        return self._by_id(np.column_stack([d.x[: d.n], d.y[: d.n]]))
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """Velocities at the step, v_n (m/s), sorted by id, shape (n, 2)."""
+        return self._by_id(np.column_stack(books.velocities(self.scene, self.discs)))
+
+    @property
+    def spin(self) -> np.ndarray:
+        """Angular velocities at the step (rad/s), sorted by id, shape (n,); zeros where discs do not spin."""
+        if self.discs.omega is None:
+            return np.zeros(self.discs.n)
+        return self._by_id(books.spin(self.scene, self.discs))
+
+    def energy(self) -> Energy:
+        """Kinetic (spin included), gravitational (-m g . x) and elastic energy now."""
+        return books.energy_of(self.scene, self.discs, self._elastic())
+
+    def _half_work(self) -> np.ndarray:
+        return books.half_work(self.scene, self.discs) if self._ledger_on else np.zeros(2)
+
+    @property
+    def ledger(self) -> dict[str, float] | None:
+        """Energy books since the start, J per m of width (see `books.close`); None where they are not kept."""
+        if not self._ledger_on:
+            return None
+        work = self._work + self._half_work() - self._start_work
+        return books.close(self._start_energy, self.energy(), self._books, work)

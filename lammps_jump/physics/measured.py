@@ -1,0 +1,108 @@
+"""Measured tables that runs are compared with; each record carries its citation and its units.
+
+Numbers here are other people's measurements, digitised or tabulated; equations live in `lammps_jump.physics.jump`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A measured curve.
+
+    Attributes
+    ----------
+    name : str
+    x, y : tuple of float
+        Abscissa and ordinate, same length, without dimension.
+    x_label, y_label : str
+        What they are, in the symbols of the source.
+    source : str
+        Citation.
+    """
+
+    name: str
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    x_label: str
+    y_label: str
+    source: str
+
+
+USBR_JUMP_LENGTH = Curve(
+    name="USBR jump length",
+    x=(1.6, 2, 2.25, 2.5, 2.75, 3, 3.25, 3.5, 3.75, 4, 4.5, 5, 5.5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 19.2),
+    y=(
+        *(3.77, 4.35, 4.56, 4.77, 4.96, 5.13, 5.28, 5.43, 5.5, 5.6, 5.75, 5.87),
+        *(5.95, 6.02, 6.09, 6.13, 6.14, 6.13, 6.03, 5.91, 5.75, 5.57, 5.47),
+    ),
+    x_label="Fr1",
+    y_label="L / y2",
+    source="U.S. Bureau of Reclamation, Engineering Monograph 25, free jump on a horizontal floor; digitised curve",
+)
+"""Length of the free jump over the sequent depth against the upstream Froude number."""
+
+USBR_JUMP_CLASSES = (
+    (1.0, "none"),
+    (1.7, "undular"),
+    (2.5, "weak"),
+    (4.5, "oscillating"),
+    (9.0, "steady"),
+    (float("inf"), "strong"),
+)
+"""(upper bound of Fr1, name) of the kinds of jump, USBR Engineering Monograph 25; bounds belong to the lower kind."""
+
+_MARTIN_MOYCE = (
+    "Martin & Moyce 1952, Phil. Trans. R. Soc. A 244, 312-324: collapse of a water column of base a and height "
+    "n^2 a; Z = front / a"
+)
+
+MARTIN_MOYCE_FRONT = Curve(
+    name="Martin & Moyce front, n^2 = 2, a = 2.25 in",
+    x=(0.41, 0.84, 1.19, 1.43, 1.63, 1.83, 1.98, 2.20, 2.32, 2.51, 2.65, 2.83, 2.98, 3.11, 3.33),
+    y=(1.11, 1.22, 1.44, 1.67, 1.89, 2.11, 2.33, 2.56, 2.78, 3.00, 3.22, 3.44, 3.67, 3.89, 4.11),
+    x_label="T = n t sqrt(g/a)",
+    y_label="Z",
+    source=f"{_MARTIN_MOYCE}; table 2",
+)
+
+MARTIN_MOYCE_HEIGHT = Curve(
+    name="Martin & Moyce column height, n^2 = 2, a = 2.25 in",
+    x=(0.56, 0.77, 0.93, 1.08, 1.28, 1.46, 1.66, 1.84, 2.00, 2.21, 2.45, 2.70, 3.06, 3.44, 4.20, 5.25),
+    y=(0.94, 0.89, 0.83, 0.78, 0.72, 0.67, 0.61, 0.56, 0.50, 0.44, 0.39, 0.33, 0.28, 0.22, 0.17, 0.11),
+    x_label="tau = t sqrt(g/a)",
+    y_label="h / H",
+    source=f"{_MARTIN_MOYCE}; table 6",
+)
+
+MARTIN_MOYCE_FRONT_LONG = Curve(
+    name="Martin & Moyce front, n^2 = 2, a = 2.25 in, long record",
+    x=(
+        *(0.832, 1.219, 1.997, 2.547, 3.345, 4.034, 4.418, 5.091),
+        *(5.685, 6.306, 6.822, 7.439, 8.031, 8.633, 9.237),
+    ),
+    y=(
+        *(1.217, 1.474, 2.292, 2.995, 4.134, 4.944, 5.881, 6.980),
+        *(7.945, 8.966, 9.986, 10.963, 11.977, 13.005, 13.970),
+    ),
+    x_label="T = n t sqrt(g/a)",
+    y_label="Z",
+    source=f"{_MARTIN_MOYCE}; as tabulated with the PySPH examples (examples/db_exp_data.py)",
+)
+
+MARTIN_MOYCE_FRONT_SMALL = Curve(
+    name="Martin & Moyce front, n^2 = 2, a = 1.125 in, long record",
+    x=(0.849, 1.212, 1.602, 2.283, 2.950, 3.598, 3.905, 4.592, 4.961, 5.316),
+    y=(1.245, 1.443, 1.884, 2.689, 3.728, 4.528, 4.999, 5.841, 6.271, 6.717),
+    x_label="T = n t sqrt(g/a)",
+    y_label="Z",
+    source=f"{_MARTIN_MOYCE}; as tabulated with the PySPH examples (examples/db_exp_data.py)",
+)
+
+MARTIN_MOYCE = (MARTIN_MOYCE_FRONT, MARTIN_MOYCE_HEIGHT, MARTIN_MOYCE_FRONT_LONG, MARTIN_MOYCE_FRONT_SMALL)
+"""All Martin & Moyce records; the front ones in T, the height one in tau = T / n."""
+
+MARTIN_MOYCE_FRONT_SLOPE = {1: 1.40, 2: 1.319}
+"""dZ/dT of the front over T in [1.43, 3.33] for n^2 = 1 and 2 (straight-line fit of their tables)."""

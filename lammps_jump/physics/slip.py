@@ -1,0 +1,43 @@
+"""Friction laws that are too steep below sliding for the step that a case asks for."""
+
+from __future__ import annotations
+
+from .contact import Coefficients, peak_force
+
+SLIP_MODES = {False: 3.0, True: 12.0}
+"""Fastest decay of slip in a hexagonal packing over gamma_t, without and with spin (a pair: 1 and 3; derived)."""
+SIGN_RAMP = 0.01
+"""eps / v_max of the sign law (thesis 4.20)."""
+
+
+def slip_warnings(c: Coefficients, law: str, spin: bool) -> list[str]:
+    """A warning where friction turns the slip round every step: rate x step > 2, explicit in time.
+
+    `sign`: rate = ks F / (m_eff eps), with F the peak force of a collision at v_max and eps = v_max/100, three times
+    that with spin; at e = 1 this is 200 f ks a step. `hooke`: gamma_t in the densest packing. Coulomb's bound holds
+    the slip: it chatters, and round-off grows; it does not blow up.
+
+    Parameters
+    ----------
+    c : Coefficients
+    law : {'sign', 'hooke'}
+    spin : bool
+    """
+    if not c.friction:
+        return []
+    if law == "sign":
+        load = peak_force(1.0, c.damping_ratio, max(c.omega, c.omega_wall), 1.0)
+        rate, where = c.friction * load / SIGN_RAMP * (3.0 if spin else 1.0), "the hardest collisions"
+    else:
+        rate, where = max(c.gamma_tangential, c.gamma_tangential_wall) * SLIP_MODES[spin], "dense packings"
+    size = rate * c.time_step
+    if size <= 2.0:
+        return []
+    fraction = f"{c.time_step_fraction * 2.0 / size:.2g}"
+    advice = f"lower run.time_step_fraction to {fraction}"
+    if law == "hooke":
+        advice += f", or contact.tangential_damping to {c.gamma_tangential * 2.0 / size:.3g} 1/s"
+    return [
+        f"friction_law {law}: below sliding, friction damps by {size:.2g} a step in {where}; above 2 the slip turns "
+        f"round every step (noisy, though bounded by ks F_n): {advice}"
+    ]

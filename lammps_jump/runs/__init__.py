@@ -1,0 +1,1 @@
+"""One run of a case: start, resume, analyse again."""

@@ -1,0 +1,152 @@
+"""Watch a run as it goes: a picture of the newest frame, in a window where there is a screen, always as a file."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from lammps_jump.errors import DumpError
+from lammps_jump.engines.result import Progress, ProgressCallback
+from lammps_jump.scene.scene import Scene
+
+SECONDS = 1.5
+"""Time between pictures; one costs some hundredths of a second."""
+PICTURE = "live.png"
+
+
+def newest_frame_text(path: Path, guess: int = 2_000_000, ended: bool = False) -> bytes | None:
+    """The last whole frame of a text dump that is still being written, None where there is none yet.
+
+    Reads from the end only: `guess` bytes, more where a frame is larger. Where the run has `ended` the last is whole.
+    """
+    try:
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            while True:
+                start = max(0, size - guess)
+                file.seek(start)
+                tail = file.read(size - start)
+                first = len(tail) if ended else tail.rfind(b"ITEM: TIME\n")
+                previous = tail.rfind(b"ITEM: TIME\n", 0, max(first, 0))
+                if previous >= 0:
+                    return tail[previous:first]
+                if start == 0:
+                    return None
+                guess *= 4
+    except OSError:
+        return None
+
+
+class LiveView:
+    """A progress callback that also draws; hands every report on to `then`.
+
+    Without a screen, or once the window is closed, the picture file goes on alone; nothing of it ends a run.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        The run folder; the dump must be text.
+    then : callable
+        The progress line.
+    """
+
+    def __init__(self, scene: Scene, folder: Path, then: ProgressCallback):
+        from lammps_jump.analysis.flow import from_scene
+
+        self.context = from_scene(scene)
+        self.dump = folder / "dump.lammpstrj"
+        self.picture = folder / PICTURE
+        self.then = then
+        self.shown = time.perf_counter()
+        self.window, reason = _open_window(scene.name)
+        if reason and not getattr(then, "quiet", False):
+            print(f"note: {reason}: look at {self.picture}, which is drawn anew as the run goes", file=sys.stderr)
+
+    def __call__(self, report: Progress) -> None:
+        """Draw when it is time to."""
+        self.then(report)
+        if time.perf_counter() - self.shown < SECONDS:
+            return
+        text = newest_frame_text(self.dump)
+        if text is not None:
+            self._draw(text)
+        self.shown = time.perf_counter()
+
+    def finish(self) -> None:
+        """Draw the last frame of the run."""
+        text = newest_frame_text(self.dump, ended=True)
+        if text is not None:
+            self._draw(text)
+
+    def _draw(self, text: bytes) -> None:
+        from lammps_jump.analysis.draw.film import still
+        from lammps_jump.dump.read import open_dump
+
+        with tempfile.NamedTemporaryFile(suffix=".lammpstrj") as copy:
+            copy.write(text)
+            copy.flush()
+            try:
+                frames = list(open_dump(copy.name))
+                if frames and frames[-1].n:
+                    still(frames[-1], self.context, self.picture)
+            except DumpError:
+                return  # a frame in the making: the next one will do
+        if self.window is not None and self.picture.exists():
+            self._show()
+
+    def _show(self) -> None:
+        """Show the picture; without a window from then on where the user has closed it or its toolkit fails."""
+        try:
+            if not self.window.closed:
+                self.window.show(self.picture)
+            if self.window.closed:
+                self.window = None
+        except Exception:  # whatever becomes of the window, the run goes on
+            self.window = None
+
+
+class _Window:
+    """A matplotlib window that shows one picture after the other."""
+
+    def __init__(self, title: str):
+        import matplotlib.pyplot as plt
+
+        self.plt = plt
+        plt.ion()
+        self.figure, self.axes = plt.subplots(figsize=(12, 5), num=title)
+        self.figure.subplots_adjust(0, 0, 1, 1)
+        self.axes.axis("off")
+        self.image = None
+
+    @property
+    def closed(self) -> bool:
+        return not self.plt.fignum_exists(self.figure.number)
+
+    def show(self, picture: Path) -> None:
+        pixels = self.plt.imread(picture)
+        if self.image is None:
+            self.image = self.axes.imshow(pixels)
+        else:
+            self.image.set_data(pixels)
+        self.figure.canvas.draw_idle()
+        self.figure.canvas.flush_events()
+
+
+def _open_window(title: str) -> tuple[_Window | None, str]:
+    """A window, or None and the reason: no screen, no toolkit for one."""
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return None, "there is no screen"
+    try:
+        import matplotlib
+        from matplotlib.backends import BackendFilter, backend_registry
+
+        backend = matplotlib.get_backend()  # the user's choice, else the first that works here
+        if backend.lower() in backend_registry.list_builtin(BackendFilter.NON_INTERACTIVE):
+            return None, f"matplotlib has no toolkit for windows here (backend {backend})"
+        return _Window(title), ""
+    except Exception as error:  # toolkits fail in their own ways; the file is written all the same
+        return None, f"no window can be opened ({error})"

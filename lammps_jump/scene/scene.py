@@ -1,0 +1,140 @@
+"""The engine-neutral form of a case: numbers that both engines obey and the analysis reads, nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lammps_jump.physics.contact import Coefficients
+
+from .walls import Interval, Wall
+
+
+@dataclass(frozen=True, slots=True)
+class InletRow:
+    """One row of inflow: a disc enters at (x, y) with velocity (vx, vy).
+
+    Attempts are made at the steps ``first_step + i every_steps`` (i = 0, 1, …). An attempt succeeds unless a
+    centre lies closer than `clearance` to (x, y) or `limit` discs have entered; a refused one waits for the
+    next turn. A disc enters after the drift of that step and before its forces (LAMMPS' ``pre_exchange``).
+    """
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    first_step: int
+    every_steps: int
+    clearance: float
+    limit: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Pour:
+    """Discs dropped at random places of a region, for filling a container (LAMMPS ``fix pour``)."""
+
+    x: Interval
+    y: Interval
+    count: int
+    volume_fraction: float
+    speed_down: float
+
+
+@dataclass(frozen=True, slots=True)
+class Outlet:
+    """A half-plane where discs are taken out, every `every_steps` steps; never inside the studied flow.
+
+    Discs with ``coordinate > at`` (side 'above') or ``< at`` (side 'below') leave, before the forces of the step.
+    """
+
+    axis: str
+    at: float
+    side: str
+    every_steps: int
+
+
+@dataclass(frozen=True, slots=True)
+class Gate:
+    """A wall that is there until `release_step` (that step no longer feels it)."""
+
+    wall: Wall
+    release_step: int
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A case in engine-neutral numbers (SI).
+
+    Step numbers count from the first step of the run; simulated time is ``(step - settle_steps) * dt``, so that
+    gates open at t = 0.
+
+    Attributes
+    ----------
+    gravity : (float, float)
+        Acceleration (gx, gy), m/s^2; (0, 0) means that no engine spends time on it.
+    positions, velocities : ndarray, shape (n, 2)
+        Discs at the start, read-only; their ids are 1 … n in this order.
+    walls, gates : tuple
+        Permanent walls; walls that are taken away.
+    probes : tuple of str
+        Names of walls whose force is recorded every step and averaged over `probe_steps`.
+    steps : int
+        All steps of the run, `settle_steps` included; output every `output_steps`.
+    """
+
+    name: str
+    description: str
+    diameter: float
+    density: float
+    gravity: tuple[float, float]
+    coefficients: Coefficients
+    friction_law: str
+    rotation: bool
+    integrator: str
+    domain: tuple[Interval, Interval]
+    positions: np.ndarray
+    velocities: np.ndarray
+    walls: tuple[Wall, ...]
+    gates: tuple[Gate, ...] = ()
+    inlets: tuple[InletRow, ...] = ()
+    pours: tuple[Pour, ...] = ()
+    outlets: tuple[Outlet, ...] = ()
+    probes: tuple[str, ...] = ()
+    steps: int = 0
+    settle_steps: int = 0
+    output_steps: int = 1
+    probe_steps: int = 1
+    seed: int = 1
+    skin: float = 0.0
+    overlap_limit: float = 0.0
+    touch: str = "sharp"
+    touch_width: float = 0.0
+    skipped: tuple[str, ...] = field(default=())
+    warnings: tuple[str, ...] = field(default=())
+
+    @property
+    def radius(self) -> float:
+        """Disc radius, m."""
+        return 0.5 * self.diameter
+
+    @property
+    def mass(self) -> float:
+        """Disc mass per metre of width, kg."""
+        return self.coefficients.mass
+
+    @property
+    def time_step(self) -> float:
+        """Time step, s."""
+        return self.coefficients.time_step
+
+    def time(self, step: int) -> float:
+        """Simulated time of a step, s."""
+        return (step - self.settle_steps) * self.time_step
+
+    def wall(self, name: str) -> Wall:
+        """The wall or gate of that name; KeyError where there is none."""
+        for wall in (*self.walls, *(gate.wall for gate in self.gates)):
+            if wall.name == name:
+                return wall
+        raise KeyError(name)

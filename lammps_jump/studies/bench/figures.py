@@ -1,0 +1,94 @@
+"""Figures of a benchmark: run time against error with the Pareto front, one a quantity."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+MARKS = {
+    "stock": ("o", "#33508f"),
+    "compiled": ("s", "#7d7c78"),
+    "compiled smooth": ("D", "#b5a05a"),
+    "native": ("^", "#111111"),
+    "native smooth": ("v", "#d9c55b"),
+}
+
+
+def draw_all(data: dict[str, Any], folder: Path) -> list[Path]:
+    """One figure a quantity, ``bench_<quantity>.png``."""
+    return [draw_quantity(data, name, folder) for name in data["quantities"]]
+
+
+def draw_quantity(data: dict[str, Any], name: str, folder: Path) -> Path:
+    """Run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band."""
+    from matplotlib.ticker import LogLocator
+
+    from lammps_jump.analysis.draw.style import new_figure, save, style
+
+    summary = data["quantities"][name]
+    rows = [row for row in data["rows"] if row["seconds"] and (row["errors"].get(name) or {}).get("error")]
+    with style():
+        figure, axes = new_figure(7.2, 4.4)
+        axes = _single(axes)
+        for family, (mark, colour) in MARKS.items():
+            group = [row for row in rows if row["family"] == family]
+            for plain in (True, False):
+                some = [row for row in group if row["plain"] is plain]
+                if some:
+                    axes.plot(
+                        [row["seconds"] for row in some],
+                        [100 * row["errors"][name]["error"] for row in some],
+                        mark,
+                        color=colour,
+                        markerfacecolor=colour if plain else "white",
+                        markersize=6,
+                        label=family if plain else f"{family}, other axes",
+                    )
+        front = [row for label in summary["pareto"] for row in rows if row["label"] == label]
+        if front:
+            axes.step(
+                [row["seconds"] for row in front], [100 * row["errors"][name]["error"] for row in front],
+                where="post", color="#b03a2e", linewidth=1.0, label="Pareto front",
+            )  # fmt: skip
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        if summary["floor"]:
+            low = min(axes.get_ylim()[0], 50 * summary["floor"])
+            axes.set_ylim(bottom=low)
+            axes.axhspan(low, 100 * summary["floor"], color="#eeeeee", zorder=0)
+            axes.annotate(
+                "scatter of the ensembles: nothing can be told apart below", (0.02, 100 * summary["floor"]),
+                xycoords=("axes fraction", "data"), fontsize=7, va="top", color="#666666",
+            )  # fmt: skip
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter("")
+        _name_choices(axes, summary, rows, name)
+        axes.set_xlabel("processor time of the run (s)")
+        axes.set_ylabel("error (%)")
+        axes.set_title(f"{data['case']}: {name}")
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+        return save(figure, folder / f"bench_{name.replace(' ', '_')}.png")
+
+
+def _single(axes):
+    return axes.flat[0] if hasattr(axes, "flat") else axes
+
+
+def _name_choices(axes, summary, rows, name: str) -> None:
+    """Ring and name the cheapest settings; where one serves both targets it is named once."""
+    named: dict[str, list[str]] = {}
+    for target, label in summary["cheapest"].items():
+        if label:
+            named.setdefault(label, []).append(f"{100 * float(target):g} %")
+    for index, (label, targets) in enumerate(named.items()):
+        row = next(row for row in rows if row["label"] == label)
+        point = row["seconds"], 100 * row["errors"][name]["error"]
+        axes.plot(*point, "o", markersize=12, markerfacecolor="none", color="#b03a2e", linewidth=1.2)
+        axes.annotate(
+            f"{' and '.join(targets)}: {label}", point, xytext=(1.02, 0.95 - 0.07 * index),
+            textcoords="axes fraction", fontsize=8, color="#b03a2e",
+            arrowprops={"arrowstyle": "-", "color": "#b03a2e", "linewidth": 0.6},
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},
+        )  # fmt: skip

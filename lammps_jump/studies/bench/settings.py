@@ -1,0 +1,190 @@
+"""What a benchmark varies: settings, the axes they come from, and which of them are stable."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+
+from lammps_jump.errors import CaseError
+from lammps_jump.physics import contact
+
+AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
+FRACTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
+QUICK_FRACTIONS = (0.05, 0.1, 0.2)
+PENETRATIONS = (5.0, 10.0, 20.0, 40.0)
+SKINS = (0.1, 0.2, 0.3, 0.5, 0.7)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to compute a case; None leaves a value as the case has it.
+
+    Attributes
+    ----------
+    kernel : {'stock', 'compiled', 'native'}
+    touch : {'sharp', 'smooth'}
+    fraction : float
+        Time step over 2/omega.
+    penetration : float or None
+        n of thesis (3.20).
+    correction : bool
+        Restitution corrected for the integrator's bias.
+    skin : float or None
+        Over the disc diameter.
+    diameter : float or None
+        m.
+    ranks : int
+    """
+
+    kernel: str
+    fraction: float
+    touch: str = "sharp"
+    penetration: float | None = None
+    correction: bool = True
+    skin: float | None = None
+    diameter: float | None = None
+    ranks: int = 1
+
+    @property
+    def label(self) -> str:
+        """Short and unique among the settings of a case."""
+        words = [self.kernel + (" smooth" if self.touch == "smooth" else ""), f"f={self.fraction:g}"]
+        words += [f"n={self.penetration:g}"] if self.penetration is not None else []
+        words += [] if self.correction else ["uncorrected"]
+        words += [f"skin={self.skin:g}d"] if self.skin is not None else []
+        words += [f"d={self.diameter:g}"] if self.diameter is not None else []
+        words += [f"{self.ranks} ranks"] if self.ranks > 1 else []
+        return " ".join(words)
+
+    @property
+    def family(self) -> str:
+        """Kernel and touch: what a figure gives one mark."""
+        return self.kernel + (" smooth" if self.touch == "smooth" else "")
+
+    @property
+    def plain(self) -> bool:
+        """Nothing varied but kernel, touch and step."""
+        return self == Setting(self.kernel, self.fraction, self.touch)
+
+    def assignments(self, diameter: float) -> list[str]:
+        """The ``--set`` texts of this setting; `diameter` (m) is the case's own."""
+        native = self.kernel == "native"
+        texts = [
+            f"engine.name={'native' if native else 'lammps'}",
+            f"engine.kernel={'auto' if native else self.kernel}",
+            f"engine.ranks={self.ranks}",
+            f"run.time_step_fraction={self.fraction!r}",
+            f"contact.touch={self.touch}",
+            f"contact.correct_restitution={str(self.correction).lower()}",
+        ]
+        texts += [f"contact.penetration_fraction={self.penetration!r}"] if self.penetration is not None else []
+        texts += [f"discs.diameter={self.diameter!r}"] if self.diameter is not None else []
+        texts += [f"engine.skin={self.skin * (self.diameter or diameter)!r}"] if self.skin is not None else []
+        return texts
+
+    def key(self, *more: object) -> str:
+        """Sixteen hex digits of the setting and whatever else decides the result."""
+        text = json.dumps([asdict(self), *more], sort_keys=True, default=str)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def parse_axes(text: str | None) -> tuple[str, ...]:
+    """Names of axes from ``f,n,touch``.
+
+    Raises
+    ------
+    CaseError
+        An unknown axis.
+    """
+    if not text:
+        return ("f", "touch", "kernel", "correction", "n", "skin")
+    names = tuple(dict.fromkeys(word.strip() for word in text.split(",") if word.strip()))
+    for name in names:
+        if name not in AXES:
+            raise CaseError(f"--axes: '{name}' is no axis of a benchmark; allowed are {', '.join(AXES)}")
+    return names
+
+
+def stable(setting: Setting, restitution: float) -> bool:
+    """Whether the step is below the limit of a dense packing (`contact.stable_fraction`)."""
+    integrator = "leapfrog_extrapolated" if setting.kernel == "native" else "velocity_verlet"
+    xi = contact.damping_ratio(restitution)
+    return setting.fraction <= contact.stable_fraction(xi, integrator)
+
+
+def make_settings(
+    axes: Iterable[str],
+    *,
+    restitution: float,
+    kernels: Iterable[str] = ("stock", "compiled", "native"),
+    base: float = 0.05,
+    fractions: Iterable[float] = FRACTIONS,
+    penetrations: Iterable[float] = PENETRATIONS,
+    diameters: Iterable[float] = (),
+) -> list[Setting]:
+    """Settings along the axes: step, kernel and touch crossed with each other, the others one at a time from a base.
+
+    Parameters
+    ----------
+    axes : iterable of str
+        Of `AXES`.
+    restitution : float
+        Decides which steps are stable.
+    kernels : iterable of str
+        Those that are usable here.
+    base : float
+        Time-step fraction of the settings that vary something else.
+    """
+    axes, kernels = set(axes), list(kernels)
+    first = kernels[0]
+    families = [(kernel, "sharp") for kernel in (kernels if "kernel" in axes else [first])]
+    fast = next((kernel for kernel in ("compiled", "native") if kernel in kernels), None)
+    if "touch" in axes and fast:
+        families.append((fast, "smooth"))
+    steps = list(fractions) if "f" in axes else [base]
+    found = [Setting(kernel, step, touch) for kernel, touch in families for step in steps]
+    if "correction" in axes and restitution < 1:
+        found += [Setting(first, step, correction=False) for step in steps]
+    quickest = fast or first
+    if "n" in axes:
+        found += [
+            Setting(quickest, step, penetration=n) for n in penetrations for step in sorted({base, min(0.1, 2 * base)})
+        ]
+    if "skin" in axes:
+        found += [Setting(kernel, base, skin=skin) for kernel in kernels[:2] for skin in SKINS]
+    if "diameter" in axes:
+        found += [Setting(quickest, base, diameter=d) for d in diameters]
+    if "ranks" in axes:
+        found += [Setting(first, base), Setting(first, base, ranks=2)]
+    return list(dict.fromkeys(setting for setting in found if stable(setting, restitution)))
+
+
+def reference_setting(fraction: float, kernels: Iterable[str]) -> Setting:
+    """The finest step, sharp touch, on the fastest kernel there is: what the others are measured against."""
+    kernels = list(kernels)
+    kernel = "compiled" if "compiled" in kernels else ("native" if "native" in kernels else kernels[0])
+    return Setting(kernel, fraction)
+
+
+def usable_kernels(rotation: bool = False) -> tuple[list[str], list[str]]:
+    """Kernels that run here, and a note for each that does not."""
+    kernels, notes = [], []
+    from lammps_jump.errors import SetupError
+
+    try:
+        from lammps_jump.engines.lammps.loader import load_lammps
+
+        load_lammps()
+        kernels.append("stock")
+        from lammps_jump.engines.plugin.build import availability
+
+        status = availability()
+        if status.available:
+            kernels.append("compiled")
+        else:
+            notes.append(f"compiled kernel left out: {status.reason}")
+    except SetupError as error:
+        notes.append(f"LAMMPS left out: {error}")
+    return [*kernels, "native"], notes

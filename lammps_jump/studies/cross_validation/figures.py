@@ -1,0 +1,183 @@
+"""Figures of a cross-validation: divergence, profiles with bands, histories, what the laws change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, new_figure, save, style
+
+from .quantities import Comparison, relative_size
+from .trajectories import AGREEMENT, CONTACT_STEPS, Growth
+
+if TYPE_CHECKING:
+    from .study import Study
+
+SHOWN = {"lammps_stock": "LAMMPS (stock)", "lammps_compiled": "LAMMPS (compiled kernel)", "native": "native engine"}
+LABELS = {
+    "mass_depth profile": "depth by mass [m]",
+    "surface_depth profile": "depth of the surface [m]",
+    "velocity profile": "mean velocity [m/s]",
+    "discharge profile": "discharge [m²/s]",
+    "discs history": "discs in play",
+    "kinetic history": "kinetic energy [kJ/m]",
+    "gravitational history": "gravitational energy [kJ/m]",
+    "front history": "bulk front [m]",
+    "99 % front history": "99 % front [m]",
+    "jump toe history": "toe of the jump [m]",
+}
+KILO = ("kinetic history", "gravitational history")
+
+
+def draw_all(study: Study, folder: Path) -> dict[str, Path]:
+    """Draw what the study has; returns file by title, in the order of the report."""
+    folder.mkdir(parents=True, exist_ok=True)
+    figures: dict[str, Path] = {}
+    with style():
+        if study.divergence is not None:
+            figures["How the engines part, disc by disc"] = save(divergence(study), folder / "divergence.png")
+        found = study.comparison
+        if found is not None:
+            profiles = [name for name in found.bands if name.endswith("profile")]
+            figures["Profiles along the channel, mean over the window"] = save(
+                curves(found, profiles), folder / "profiles.png"
+            )
+            times = [name for name in found.bands if found.bands[name][0].axis == "t"]
+            leading = [name for name in times if "front" in name or "toe" in name]
+            if leading:
+                title = "Toe of the jump against time" if "jump toe history" in leading else "Front against time"
+                figures[title] = save(curves(found, leading), folder / "front.png")
+            rest = [name for name in times if name not in leading]
+            figures["Histories"] = save(curves(found, rest), folder / "histories.png")
+            figures["Differences of all numbers"] = save(forest({"": found}), folder / "differences.png")
+        if study.laws:
+            laws = {label: comparison for label, (_, comparison) in study.laws.items()}
+            figures["What the choice of law, integrator and correction changes"] = save(
+                forest(laws), folder / "laws.png"
+            )
+            figures["Depth profiles of the laws"] = save(law_profiles(study), folder / "law_profiles.png")
+    return figures
+
+
+def divergence(study: Study):
+    """Separation against time on a logarithmic axis, with its twin and the fitted growth."""
+    part, scene = study.divergence, study.scene
+    figure, axes = new_figure(7.2, 4.0)
+    rows = (
+        (part.engines, part.growth, BLUE, "-", f"LAMMPS ({part.kernel}) from native"),
+        (part.twin, part.twin_growth, GOLD, "--", "native from native, start off by the last digits"),
+    )
+    top = 1.0
+    for run, growth, colour, dash, label in rows:
+        t = scene.time(0) + run.steps * scene.time_step
+        good = run.largest > 0
+        axes.semilogy(t[good], run.largest[good], dash, color=colour, lw=1.1, label=f"{label}{_rate(growth)}")
+        top = max(top, float(run.largest.max(initial=0.0)))
+    axes.axhline(AGREEMENT, color=RED, lw=0.9, ls=":")
+    place = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "bottom", "fontsize": 8}
+    axes.annotate("must agree to 1e-9 d", (0.995, AGREEMENT), color=RED, **place)
+    own = next((check for check in study.checks if check.name == scene.name), None)
+    if own is not None and own.first_contact is not None:
+        end = scene.time(own.first_contact + CONTACT_STEPS)
+        axes.axvspan(scene.time(own.first_contact), end, color="#e9edf4", zorder=0)
+        axes.annotate(f"first {CONTACT_STEPS} steps\nwith contacts", (end, 0.97), xycoords=("data", "axes fraction"),
+                      va="top", fontsize=8, color=GREY)  # fmt: skip
+    axes.set_ylim(1e-17, 10 * top)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("largest distance between\nthe two places of a disc [d]")
+    axes.legend(loc="lower right")
+    return figure
+
+
+def _rate(growth: Growth) -> str:
+    return f" (e-fold in {1.0 / growth.rate:.3g} s)" if growth.rate > 0 else ""
+
+
+def curves(found: Comparison, names: list[str]):
+    """Mean of each ensemble, banded by one standard deviation among members, and the difference with its interval."""
+    count = max(1, len(names))
+    figure, axes = new_figure(9.6, 2.1 * count + 0.5, rows=count, columns=2, squeeze=False, width_ratios=(3, 2))
+    for row, name in zip(axes, names, strict=False):
+        curve, band = found.bands[name]
+        scale = 1e-3 if name in KILO or curve.unit == "N/m" else 1.0
+        kilo = {"J/m": "kJ/m", "N/m": "kN/m"} if scale != 1.0 else {}
+        unit = {**kilo, "m2/s": "m²/s", "1": "discs"}.get(curve.unit, curve.unit)
+        sides = (
+            (found.name_1, band.mean_1, band.deviation_1, BLUE, "-", 0.20),
+            (found.name_2, band.mean_2, band.deviation_2, GOLD, "--", 0.30),
+        )
+        for label, mean, spread, colour, dash, alpha in sides:
+            row[0].fill_between(
+                curve.at, scale * (mean - spread), scale * (mean + spread), color=colour, alpha=alpha, lw=0
+            )
+            row[0].plot(curve.at, scale * mean, dash, color=colour, marker=".", ms=3, label=SHOWN.get(label, label))
+        row[0].set_ylabel(LABELS.get(name, f"{name} [{unit}]"))
+        row[1].axhline(0.0, color=GREY, lw=0.8)
+        low, high = band.difference - band.half_width, band.difference + band.half_width
+        row[1].fill_between(curve.at, scale * low, scale * high, color=GREY, alpha=0.35, lw=0)
+        row[1].plot(curve.at, scale * band.difference, color="#1a1a1a", lw=1.1, marker=".", ms=3)
+        row[1].set_ylabel(f"difference [{unit}]")
+        for part in row:
+            part.set_xlabel("x [m]" if curve.axis == "x" else "time [s]")
+    axes[0, 0].legend(loc="best")
+    axes[0, 0].set_title("mean of the members, band: ± 1 s.d.")
+    axes[0, 1].set_title("native minus LAMMPS, 95 % for all at once")
+    return figure
+
+
+def forest(comparisons: dict[str, Comparison]):
+    """Relative difference of every number with its confidence interval."""
+    names = list(dict.fromkeys(v.name for found in comparisons.values() for v in found.verdicts if v.kind == "scalar"))
+    figure, axes = new_figure(7.6, 0.26 * len(names) * max(1, 0.6 * len(comparisons)) + 1.2)
+    styles = ((BLUE, "o"), (GOLD, "s"), (GREY, "^"), (RED, "D"))
+    height, shift = len(names), 0.8 / max(1, len(comparisons))
+    widest = 1.0
+    for index, (label, found) in enumerate(comparisons.items()):
+        colour, mark = styles[index % len(styles)]
+        rows = []
+        for place, name in enumerate(names):
+            verdict = found.find(name)
+            if verdict is None or not np.isfinite(verdict.difference.half_width):
+                continue
+            d = verdict.difference
+            size = relative_size(d)
+            if size:
+                y = height - place - index * shift
+                rows.append((y, 100 * d.difference / size, 100 * d.half_width / size, verdict.word == "differ"))
+        if rows:
+            y, x, half, differs = np.array(rows, float).T
+            axes.errorbar(x, y, xerr=half, fmt=mark, color=colour, ms=4, lw=1.1, capsize=2, label=label or None)
+            out = differs > 0
+            axes.plot(x[out], y[out], mark, ms=9, mfc="none", mec=RED)
+            widest = max(widest, float(np.max(np.abs(x) + np.minimum(half, 3 * np.abs(x) + 5))))
+    axes.axvline(0.0, color=GREY, lw=0.8)
+    axes.set_yticks([height - k - 0.4 * (1 - shift / 0.8) for k in range(len(names))], names)
+    axes.set_xlim(-1.1 * widest, 1.1 * widest)
+    axes.set_xlabel("difference, % of the quantity, with its 95 % interval (red ring: differs)")
+    if any(comparisons):
+        axes.legend(loc="best")
+    return figure
+
+
+def law_profiles(study: Study):
+    """Depth profiles of the laws beside the one they are compared with."""
+    figure, axes = new_figure(7.2, 3.4)
+    dashes = ("--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
+    colours = (GOLD, GREY, RED, "#4c78a8")
+    base = next(iter(study.laws.values()))[1].bands.get("mass_depth profile")
+    if base is not None:
+        curve, band = base
+        axes.fill_between(
+            curve.at, band.mean_1 - band.deviation_1, band.mean_1 + band.deviation_1, color=BLUE, alpha=0.2, lw=0
+        )
+        axes.plot(curve.at, band.mean_1, "-", color=BLUE, label="hooke, velocity Verlet, corrected")
+    for (label, (_, found)), dash, colour in zip(study.laws.items(), dashes, colours, strict=False):
+        if "mass_depth profile" in found.bands:
+            curve, band = found.bands["mass_depth profile"]
+            axes.plot(curve.at, band.mean_2, ls=dash, color=colour, label=label)
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("depth by mass [m]")
+    axes.legend(loc="best")
+    return figure

@@ -1,0 +1,135 @@
+"""Small scenes that put one piece of the model at a time in front of both engines."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import Gate, InletRow, Outlet, Scene
+from lammps_jump.scene.walls import Block, Box, Plane
+
+DIAMETER = 0.2
+DOMAIN = ((-5.0, 10.0), (-5.0, 10.0))
+
+
+def _scene(name: str, description: str, positions, velocities, walls=(), **others) -> Scene:
+    settings = {
+        "name": name,
+        "description": description,
+        "diameter": DIAMETER,
+        "restitution": 0.5,
+        "impact_speed": 6.0,
+        "domain": DOMAIN,
+        "skin": 0.3 * DIAMETER,
+        "steps": 3_000,
+        "correct_restitution": True,
+        **others,
+    }
+    return handmade_scene(positions, velocities, walls, **settings)
+
+
+def _heap(rng: np.random.Generator, columns: int, rows: int, x0: float = 0.4, y0: float = 0.11) -> np.ndarray:
+    i, j = np.meshgrid(np.arange(columns), np.arange(rows))
+    grid = np.column_stack([x0 + 0.21 * i.ravel(), y0 + 0.21 * j.ravel()])
+    return grid + rng.uniform(-0.004, 0.004, grid.shape)
+
+
+def pair_scene() -> Scene:
+    """Discs only: a ring of twelve thrown at one in the middle, oblique hits, no wall, no weight."""
+    angle = 2 * np.pi * np.arange(12) / 12 + 0.05 * np.sin(np.arange(12) * 2.3)
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    along = np.column_stack([-out[:, 1], out[:, 0]])
+    positions = np.vstack([[0.0, 0.0], 0.62 * out])
+    velocities = np.vstack([[0.3, -0.2], -2.5 * out + 0.4 * along])
+    return _scene(
+        "pair",
+        "ring of discs thrown at one in the middle: pair contacts only",
+        positions,
+        velocities,
+        gravity=(0.0, 0.0),
+    )
+
+
+def wall_scene() -> Scene:
+    """Discs far from each other in a box with a plane under it: bounces, rest under weight, no pairs."""
+    walls = (Plane("floor", "y", 0.0, "above"), Box("box", (-0.3, 3.3), (-1.0, 1.2)))
+    positions = [[0.0, 0.115], [1.0, 0.2], [2.0, 0.6], [3.19, 1.0]]
+    velocities = [[-1.0, 0.0], [0.0, -2.0], [0.3, 3.0], [1.0, 2.5]]
+    return _scene("wall", "discs that bounce and rest on planes and box faces", positions, velocities, walls)
+
+
+def corner_scene() -> Scene:
+    """Discs that hit the corners of a block and roll off without spin: normals that turn."""
+    walls = (Block("step", (0.0, 1.0), (-1.0, 0.5)), Plane("floor", "y", 0.0, "above"))
+    positions = [[-0.03, 0.61], [1.05, 0.62], [0.5, 0.61], [-0.8, 0.55], [1.9, 0.52]]
+    velocities = [[0.0, -1.0], [-0.4, -1.5], [3.0, 0.0], [4.0, 0.4], [-5.0, 0.6]]
+    return _scene("corner", "discs against the corners of a block", positions, velocities, walls)
+
+
+def friction_scene(law: str = "hooke") -> Scene:
+    """A heap that slides and topples with friction, no spin."""
+    rng = np.random.default_rng(7)
+    positions = _heap(rng, 4, 5)
+    velocities = np.column_stack([1.5 + 0.3 * np.arange(20) / 20, np.zeros(20)])
+    walls = (Plane("floor", "y", 0.0, "above"), Block("step", (2.0, 2.5), (-1.0, 0.3)))
+    name = "friction" if law == "hooke" else f"friction ({law} law)"
+    text = "a heap that slides and topples against a step, ks = 0.3"
+    return _scene(name, text, positions, velocities, walls, friction=0.3, friction_law=law)
+
+
+def spin_scene() -> Scene:
+    """The same heap with spin, higher friction."""
+    rng = np.random.default_rng(8)
+    positions = _heap(rng, 4, 5)
+    velocities = np.column_stack([1.2 + 0.6 * np.arange(20) / 20, np.zeros(20)])
+    walls = (Plane("floor", "y", 0.0, "above"), Block("step", (2.0, 2.5), (-1.0, 0.3)))
+    text = "the heap with turning discs, ks = 0.5"
+    return _scene("spin", text, positions, velocities, walls, friction=0.5, rotation=True)
+
+
+def gate_scene() -> Scene:
+    """A column that settles behind a gate and is let go."""
+    rng = np.random.default_rng(9)
+    walls = (Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above"))
+    gates = (Gate(Plane("gate", "x", 0.86, "below"), 600),)
+    positions = _heap(rng, 4, 6, x0=0.11)
+    return _scene(
+        "gate", "a column behind a gate that opens after 600 steps", positions, np.zeros((24, 2)), walls,
+        gates=gates, settle_steps=600,
+    )  # fmt: skip
+
+
+def traffic_scene() -> Scene:
+    """Two rows of inflow over a floor into an outlet that takes discs out while others come in."""
+    rows = tuple(InletRow(0.0, 0.1 + 0.2 * i, 4.0 + 0.7 * i, 0.0, 1, 260 - 35 * i, 0.999 * DIAMETER) for i in range(2))
+    walls = (Block("floor", (-4.0, 3.0), (-4.0, 0.0)), Block("sill", (1.2, 1.4), (-4.0, 0.15)))
+    outlets = (Outlet("x", 1.9, "above", 40), Outlet("y", -1.0, "below", 40))
+    return _scene(
+        "inlet and outlet", "two rows of inflow over a sill into an outlet", np.empty((0, 2)), np.empty((0, 2)), walls,
+        inlets=rows, outlets=outlets,
+    )  # fmt: skip
+
+
+def elastic_scene() -> Scene:
+    """Restitution 1 in a closed box: nothing is damped away, so errors grow fastest."""
+    positions = [[0.3, 0.3], [0.7, 0.35], [0.4, 0.75], [0.8, 0.8], [0.55, 0.5]]
+    velocities = [[4.0, -3.0], [0.0, 0.0], [0.0, 0.0], [-2.0, 1.0], [0.0, 0.0]]
+    walls = (Box("box", (0.0, 1.0), (0.0, 1.0)),)
+    return _scene(
+        "elastic box", "five discs, restitution 1, closed box", positions, velocities, walls,
+        restitution=1.0, gravity=(0.0, 0.0),
+    )  # fmt: skip
+
+
+def micro_scenes() -> tuple[Scene, ...]:
+    """The scenes of the deterministic part that both LAMMPS kernels can run, in the order of the report."""
+    return (
+        pair_scene(),
+        wall_scene(),
+        corner_scene(),
+        friction_scene(),
+        spin_scene(),
+        elastic_scene(),
+        gate_scene(),
+        traffic_scene(),
+    )

@@ -1,0 +1,1 @@
+"""Limits of stability, hard scenes and random cases."""

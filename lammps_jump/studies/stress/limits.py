@@ -1,0 +1,331 @@
+"""Where the step blows up: bisection on both engines for a pair, a wall, packings and a deep column.
+
+Contacts are kept closed by a small compression, and a perturbation far smaller than it is given as velocities: while it
+stays small the motion is linear, and the step is stable exactly where the perturbation does not grow. Boxes are not
+periodic; their walls are as stiff as the discs, and what the ends change falls with the square of the discs along a
+side (0.3 % at 20). A hexagonal crystal with periodic boundaries is tried too, in a LAMMPS script of its own.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import inf, isfinite, sqrt
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.errors import RunError, SetupError
+from lammps_jump.physics import contact
+from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.walls import Box, Plane
+
+DIAMETER, DENSITY, STIFFNESS = 0.2, 1000.0, 2.56e7
+MASS = contact.disc_mass(DENSITY, DIAMETER)
+GROWTH = 1e3
+"""Energy of the perturbation over its first value that counts as growth; rounding and beating stay below 10."""
+BLOW_UP = 1e8
+"""The same for scenes that are not linear from the start (a column still settling, friction, which chatters within
+Coulomb's bound): the perturbation of 1e-7 d omega has reached 1e-3 d omega, 0.2 m/s."""
+LOOKS = 10
+ENGINES = ("native velocity_verlet", "native leapfrog_extrapolated", "stock", "compiled")
+ARRANGEMENTS = ("pair", "wall", "square", "hexagonal", "column")
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A measured limit of the time-step fraction.
+
+    Attributes
+    ----------
+    arrangement, engine : str
+    restitution, friction : float
+    rotation : bool
+    predicted : float
+        Closed form, docs/theory.md (for the column: that of a hexagonal packing, a lower bound).
+    stable, unstable : float
+        Largest fraction seen stable, smallest seen unstable.
+    """
+
+    arrangement: str
+    engine: str
+    restitution: float
+    friction: float
+    rotation: bool
+    predicted: float
+    stable: float
+    unstable: float
+
+    @property
+    def measured(self) -> float:
+        """Middle of the bracket."""
+        return 0.5 * (self.stable + self.unstable)
+
+    @property
+    def deviation(self) -> float:
+        """Measured over predicted, minus 1."""
+        return self.measured / self.predicted - 1.0
+
+
+def integrator_of(engine: str) -> str:
+    """Integrator of an engine of `ENGINES`; LAMMPS has velocity Verlet."""
+    return engine.split()[1] if engine.startswith("native") else "velocity_verlet"
+
+
+def predicted_limit(arrangement: str, restitution: float, integrator: str) -> float:
+    """Closed form: packings by `contact.stable_fraction`; at a wall omega is that of a pair over sqrt 2."""
+    xi = contact.damping_ratio(restitution)
+    if arrangement == "wall":
+        return contact.stable_fraction(xi, integrator, "pair") * sqrt(2.0)
+    packing = "hexagonal" if arrangement == "column" else arrangement
+    return contact.stable_fraction(xi, integrator, packing)
+
+
+def coefficients(
+    fraction: float, restitution: float, integrator: str, *, friction=0.0, rotation=False, wall=STIFFNESS
+) -> contact.Coefficients:
+    """Coefficients without the correction of restitution, so that the damping ratio is the nominal one."""
+    return contact.derive(
+        density=DENSITY,
+        diameter=DIAMETER,
+        restitution=restitution,
+        friction=friction,
+        stiffness=STIFFNESS,
+        stiffness_wall=wall,
+        impact_speed=16.0,
+        time_step_fraction=fraction,
+        integrator=integrator,
+        correct_restitution=False,
+        rotation=rotation,
+    )
+
+
+def _scene(positions, velocities, walls, coefficient, integrator, *, gravity=(0.0, 0.0), rotation=False) -> Scene:
+    positions = np.asarray(positions, float)
+    low, high = positions.min(axis=0) - 5 * DIAMETER, positions.max(axis=0) + 5 * DIAMETER
+    return Scene(
+        name="stability",
+        description="closed contacts, slightly perturbed",
+        diameter=DIAMETER,
+        density=DENSITY,
+        gravity=gravity,
+        coefficients=coefficient,
+        friction_law="hooke",
+        rotation=rotation,
+        integrator=integrator,
+        domain=((low[0], high[0]), (low[1], high[1])),
+        positions=positions,
+        velocities=np.asarray(velocities, float),
+        walls=tuple(walls),
+        skin=0.3 * DIAMETER,
+        overlap_limit=0.5 * DIAMETER,
+    )
+
+
+def arrangement_scene(
+    arrangement: str, fraction: float, restitution: float, integrator: str, *, side=16, friction=0.0, rotation=False
+) -> Scene:
+    """A perturbed scene with closed contacts.
+
+    Parameters
+    ----------
+    arrangement : {'pair', 'wall', 'square', 'hexagonal', 'column'}
+    fraction, restitution : float
+    integrator : str
+    side : int
+        Discs along a side.
+    """
+    wall = 1e-3 * STIFFNESS if arrangement == "pair" else STIFFNESS
+    coefficient = coefficients(fraction, restitution, integrator, friction=friction, rotation=rotation, wall=wall)
+    omega, radius = coefficient.omega, 0.5 * DIAMETER
+    if arrangement == "pair":
+        overlap, soft = 4e-4 * DIAMETER, 0.4 * DIAMETER  # a soft wall presses them together and hardly stiffens them
+        x = 0.5 * (DIAMETER - overlap)
+        ends = (-x - radius + soft, x + radius - soft)
+        walls = [Plane("left", "x", ends[0], "above"), Plane("right", "x", ends[1], "below")]
+        speed = 1e-7 * DIAMETER * omega
+        return _scene([[-x, 0], [x, 0]], [[speed, 0], [-speed, 0]], walls, coefficient, integrator)
+    if arrangement == "wall":
+        overlap = 0.05 * DIAMETER
+        gravity = (0.0, -STIFFNESS * overlap / MASS)
+        start = [[0.0, radius - overlap]], [[0.0, 1e-6 * DIAMETER * omega]]
+        return _scene(*start, [Plane("floor", "y", 0.0, "above")], coefficient, integrator, gravity=gravity)
+    if arrangement == "square":
+        positions, velocities, walls = _square(side, omega)
+        return _scene(positions, velocities, walls, coefficient, integrator, rotation=rotation)
+    positions, walls, gravity = _settled(arrangement, side)
+    random = np.random.default_rng(7)
+    velocities = 1e-7 * DIAMETER * omega * random.standard_normal(positions.shape)
+    return _scene(positions, velocities, walls, coefficient, integrator, gravity=gravity, rotation=rotation)
+
+
+def _square(side: int, omega: float):
+    """Square lattice in a box; perturbed by whole columns and rows, which leaves its weak shear modes alone."""
+    overlap = 1e-6 * DIAMETER
+    spacing = DIAMETER - overlap
+    i, j = np.meshgrid(np.arange(side), np.arange(side))
+    positions = np.column_stack([i.ravel(), j.ravel()]) * spacing
+    low, high = overlap - 0.5 * DIAMETER, (side - 1) * spacing + 0.5 * DIAMETER - overlap
+    random = np.random.default_rng(7)
+    columns, rows = random.standard_normal((2, side))
+    velocities = 1e-10 * DIAMETER * omega * np.column_stack([columns[i.ravel()], rows[j.ravel()]])
+    return positions, velocities, [Box("box", (low, high), (low, high))]
+
+
+@lru_cache(maxsize=8)
+def _settled(arrangement: str, side: int):
+    """Hexagonal crystal in a tight box, or a deep hexagonal column under its weight, come to rest."""
+    from lammps_jump.engines.native import NativeSimulation
+
+    radius = 0.5 * DIAMETER
+    if arrangement == "hexagonal":
+        overlap, gravity, rows = 1e-3 * DIAMETER, (0.0, 0.0), side + 1 - side % 2
+        spacing = DIAMETER - overlap
+        wall_x, wall_y = 2 * overlap, sqrt(3.0) * overlap
+    else:
+        gravity, rows, side = (0.0, -9.81), 4 * side, 10
+        spacing, wall_x, wall_y = DIAMETER, 0.0, 0.0
+    positions = [
+        (spacing * (i + 0.5 * (j % 2)), spacing * sqrt(3.0) / 2 * j) for j in range(rows) for i in range(side - j % 2)
+    ]
+    positions = np.array(positions)
+    right, top = positions.max(axis=0)
+    high = top + radius - wall_y if arrangement == "hexagonal" else top + 5 * DIAMETER
+    box = Box("box", (wall_x - radius, right + radius - wall_x), (wall_y - radius, high))
+    coefficient = coefficients(0.1, 0.2, "velocity_verlet")
+    scene = _scene(positions, np.zeros_like(positions), [box], coefficient, "velocity_verlet", gravity=gravity)
+    simulation = NativeSimulation(scene, ledger=False)
+    simulation.run(4000 if arrangement == "hexagonal" else 40000)
+    return simulation.positions, [box], gravity
+
+
+def growth(scene: Scene, engine: str, steps: int) -> float:
+    """Largest kinetic energy seen (at `LOOKS` times) over that at the start; infinite where the run fails.
+
+    The largest, not the last: discs that have blown up fly apart, and their dashpots may calm them again.
+    """
+    start = float((scene.velocities**2).sum())
+    every = max(1, steps // LOOKS)
+    scene = replace(scene, steps=LOOKS * every, output_steps=every)
+    try:
+        squares = _native(scene) if engine.startswith("native") else _lammps(scene, engine)
+    except RunError:
+        return inf
+    end = max(squares)
+    return end / start if all(isfinite(value) for value in squares) else inf
+
+
+def _square_sum(*velocities: np.ndarray) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(sum((part**2).sum() for part in velocities))
+
+
+def _native(scene: Scene) -> list[float]:
+    from lammps_jump.engines.native import NativeSimulation
+
+    simulation = NativeSimulation(scene, ledger=False)
+    squares = []
+    for _ in range(LOOKS):
+        with np.errstate(over="ignore", invalid="ignore"):
+            simulation.run(scene.output_steps)
+            squares.append(_square_sum(simulation.velocities))
+    return squares
+
+
+def _lammps(scene: Scene, kernel: str) -> list[float]:
+    from lammps_jump.dump.read import open_dump
+    from lammps_jump.studies.bench.runs import execute
+
+    with tempfile.TemporaryDirectory() as folder:
+        result, _ = execute(scene, Path(folder), kernel)
+        if result.status != "complete":
+            raise RunError(result.message)
+        frames = list(open_dump(Path(folder) / "dump.lammpstrj"))[1:]
+        return [_square_sum(frame.vx, frame.vy) for frame in frames]
+
+
+def bisect(stable: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
+    """(largest stable, smallest unstable) fraction, `tolerance` of their middle apart; the bracket widens by itself."""
+    for _ in range(12):
+        if stable(low):
+            break
+        low, high = 0.8 * low, low
+    for _ in range(12):
+        if not stable(high):
+            break
+        low, high = high, 1.25 * high
+    while (high - low) > tolerance * 0.5 * (high + low):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stable(middle) else (low, middle)
+    return low, high
+
+
+def measure_limit(
+    arrangement: str,
+    engine: str,
+    restitution: float,
+    *,
+    friction: float = 0.0,
+    rotation: bool = False,
+    steps: int = 4000,
+    side: int = 16,
+    tolerance: float = 0.005,
+) -> Limit:
+    """Bisection of the stable step of one arrangement on one engine."""
+    integrator = integrator_of(engine)
+    predicted = predicted_limit(arrangement, restitution, integrator)
+
+    def stable(fraction: float) -> bool:
+        scene = arrangement_scene(
+            arrangement, fraction, restitution, integrator, side=side, friction=friction, rotation=rotation
+        )
+        return growth(scene, engine, steps) < (BLOW_UP if friction or arrangement == "column" else GROWTH)
+
+    low, high = bisect(stable, 0.96 * predicted, 1.04 * predicted, tolerance)
+    return Limit(arrangement, engine, restitution, friction, rotation, predicted, low, high)
+
+
+def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> float:
+    """Growth of a 2 % compressed hexagonal crystal with periodic boundaries on stock LAMMPS (script of its own).
+
+    Raises
+    ------
+    SetupError
+        Where LAMMPS cannot be loaded.
+    """
+    from lammps_jump.engines.lammps.loader import load_lammps
+    from lammps_jump.script import stock as blocks
+    from lammps_jump.script.stock import number
+
+    c = coefficients(fraction, restitution, "velocity_verlet")
+    spacing = 0.98 * DIAMETER
+    height = spacing * sqrt(3.0) / 2
+    points = [(spacing * (i + 0.5 * (j % 2)), height * j) for j in range(side) for i in range(side)]
+    scene = _scene(points, np.zeros((len(points), 2)), [], c, "velocity_verlet")
+    random = np.random.default_rng(7)
+    speeds = 1e-7 * DIAMETER * c.omega * random.standard_normal((len(points), 2))
+    module = load_lammps()
+    engine = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    try:
+        text = [
+            "units si", "dimension 2", "atom_style sphere", "boundary p p p", "newton off", "comm_modify vel yes",
+            f"region all block 0 {number(side * spacing)} 0 {number(side * height)} -0.1 0.1", "create_box 1 all",
+            *[f"create_atoms 1 single {number(x + 1e-3)} {number(y + 1e-3)} 0" for x, y in points],
+            f"set group all diameter {number(DIAMETER)}", f"set group all mass {number(MASS)}",
+            *[f"set atom {i} vx {number(vx)} vy {number(vy)}" for i, (vx, vy) in enumerate(speeds, 1)],
+            *blocks.contact_law(scene), f"neighbor {number(scene.skin)} bin", f"timestep {number(c.time_step)}",
+            "fix motion all nve", "thermo_style custom step ke", "run 0",
+        ]  # fmt: skip
+        engine.commands_string("\n".join(text))
+        start = engine.get_thermo("ke")
+        engine.command(f"run {steps}")
+        end = engine.get_thermo("ke")
+    except Exception as error:  # the module raises bare Exception; a blow-up loses atoms
+        if "Lost atoms" in str(error) or "numeric" in str(error):
+            return inf
+        raise SetupError(f"the periodic crystal could not be run: {error}") from None
+    finally:
+        engine.close()
+    return end / start if isfinite(end) and start > 0 else inf

@@ -1,0 +1,256 @@
+"""Hard scenes, by hand and at random, and what may become of them.
+
+Each ends in one of three good ways: *stable* (ran to its end, every number finite, every disc accounted for), *refused*
+before the run, or *stopped* with a message that says what went wrong. Anything else is bad: a run that hangs or
+crashes, a number that is none in an output, a disc lost without a word, an error without a reason.
+"""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lammps_jump.errors import JumpError, SetupError
+
+GOOD = ("stable", "refused", "stopped")
+HEATED = 0.1
+"""Energy out of nothing beyond this share ends as 'heated': an elastic collision errs by 1 % at f = 0.2,
+an elastic box by a few per cent a minute."""
+REASONS = re.compile(r"overlap|number|lost|left the domain|left the plane|balance|unstable|blew up|blown up|deep", re.I)
+ENGINE_TEXTS = {
+    "native": ["engine.name=native", "run.integrator=leapfrog_extrapolated"],
+    "native verlet": ["engine.name=native", "run.integrator=velocity_verlet"],
+    "stock": ["engine.name=lammps", "engine.kernel=stock"],
+    "compiled": ["engine.name=lammps", "engine.kernel=compiled"],
+}
+
+
+def base_case(**changes: Any) -> dict[str, Any]:
+    """A small box of discs under gravity, as data of a case file."""
+    case = {
+        "name": "stress",
+        "gravity": 9.81,
+        "discs": {"diameter": 0.2, "density": 1000},
+        "contact": {"restitution": 0.2, "friction": 0, "penetration_fraction": 10, "impact_speed": 16},
+        "domain": {"x": [-3, 5], "y": [-3, 8]},
+        "walls": [{"name": "box", "kind": "box", "x": [0, 2], "y": [0, 5]}],
+        "initial": [{"kind": "lattice", "nx": 4, "ny": 4, "spacing": 0.3, "origin": [0.3, 0.3], "jitter": 0.01}],
+        "run": {"duration": 0.3, "time_step_fraction": 0.05, "output_interval": 0.05, "seed": 1},
+    }
+    for key, value in changes.items():
+        case[key] = {**case[key], **value} if isinstance(value, dict) and isinstance(case.get(key), dict) else value
+    return case
+
+
+def _list(positions, velocities=None, **changes: Any) -> dict[str, Any]:
+    item = {"kind": "list", "positions": positions}
+    if velocities is not None:
+        item["velocities"] = velocities
+    return base_case(initial=[item], **changes)
+
+
+def hard_scenes(long: bool = False) -> dict[str, tuple[dict[str, Any], tuple[str, ...]]]:
+    """Name to (case data, outcomes that are right for it)."""
+    block = [{"name": "block", "kind": "block", "x": [0, 1], "y": [0, 1]}]
+    head_on = [[0.5, 2.0], [1.5, 2.0]]
+    drowned = {
+        "walls": [
+            {"name": "floor", "kind": "block", "x": [-2, 4], "y": [-2, 0]},
+            {"name": "dam", "kind": "block", "x": [2, 2.6], "y": [-2, 9]},
+            {"name": "back", "kind": "plane", "axis": "x", "at": -0.5, "side": "above"},
+        ],
+        "domain": {"x": [-2, 12], "y": [-6, 40]},
+        "inflow": {"kind": "rows", "x": 0, "depth": 0.6, "mean_speed": 6},
+        "outflow": [{"x_beyond": 8}, {"y_below": -4}],
+        "initial": [],
+        "run": {"duration": 120 if long else 5, "output_interval": 1.0, "time_step_fraction": 0.1},
+    }
+    scenes = {
+        "ten times the design speed": (_list(head_on, [[80, 0], [-80, 0]]), ("stable", "stopped")),
+        "ten times the design speed at a wall": (_list([[1.0, 1.0]], [[0, -160]]), ("stable", "stopped")),
+        "discs overlapping by half": (_list([[0.5, 2.0], [0.6, 2.0]]), ("refused",)),
+        "a disc exactly on another": (_list([[0.5, 2.0], [0.5, 2.0]]), ("refused",)),
+        "a disc touching a wall exactly": (_list([[1.0, 0.1]]), ("stable",)),
+        "a disc in a corner": (_list([[0.1, 0.1]]), ("stable",)),
+        "a disc with its centre on a wall": (_list([[1.0, 0.0]]), ("refused",)),
+        "a disc falling on an edge": (_list([[1.0, 1.5]], [[0, -5]], walls=block), ("stable", "stopped")),
+        "a disc resting on an edge": (_list([[1.0, 1.1]], walls=block), ("stable", "stopped")),
+        "a disc inside a block": (_list([[0.5, 0.5]], walls=block), ("refused",)),
+        "a position that is no number": (_list([[float("nan"), 0.5]]), ("refused",)),
+        "a disc thrown out of the domain": (
+            _list(
+                [[0.5, 0.5]],
+                [[40, 0]],
+                walls=[{"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"}],
+            ),
+            ("stopped",),
+        ),
+        "a step beyond the limit": (base_case(run={"time_step_fraction": 0.5}), ("refused",)),
+        "a step beyond the limit, allowed": (
+            base_case(run={"time_step_fraction": 0.9, "allow_unstable": True, "duration": 3}),
+            ("stable", "heated", "stopped"),
+        ),
+        "a soft contact under a heavy load": (
+            base_case(contact={"impact_speed": 0.3}, run={"duration": 2}, gravity=100.0),
+            ("stable", "stopped"),
+        ),
+        "inlet drowned": (base_case(**drowned), ("stable", "stopped")),
+        "one disc alone": (_list([[1.0, 2.0]], gravity=0), ("stable",)),
+    }
+    for friction in (0.0, 0.1, 0.5, 1.0, 2.0):
+        for restitution in (0.01, 0.1, 0.5, 1.0):
+            for rotation in (False, True) if friction else (False,):
+                name = f"ks {friction:g}, e {restitution:g}" + (", spin" if rotation else "")
+                contact = {"friction": friction, "restitution": restitution, "rotation": rotation}
+                scenes[name] = (base_case(contact=contact), ("stable",))
+    return scenes
+
+
+def random_case(seed: int) -> dict[str, Any]:
+    """A small scene drawn from a seed: contact, walls, discs, inflow, step; a good part of them unreasonable."""
+    random = np.random.default_rng([20261121, seed])
+    d = float(random.choice([0.05, 0.2, 1.0]))
+    speed = float(random.choice([1.0, 5.0, 20.0]))
+    contact = {
+        "restitution": float(np.clip(random.uniform(-0.1, 1.2), 0.01, 1.0)),
+        "friction": float(random.choice([0.0, 0.1, 0.6, 2.0])),
+        "penetration_fraction": float(random.choice([5, 10, 20, 40])),
+        "impact_speed": speed,
+        "rotation": bool(random.random() < 0.4),
+    }
+    width = d * float(random.uniform(6, 25))
+    kind = random.choice(["box", "planes", "channel"])
+    if kind == "box":
+        walls = [{"name": "box", "kind": "box", "x": [0, width], "y": [0, width]}]
+    else:
+        walls = [{"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"}]
+        if kind == "planes":
+            walls += [{"name": "left", "kind": "plane", "axis": "x", "at": 0, "side": "above"}]
+        step = [width * float(random.uniform(0.5, 0.8)), width * float(random.uniform(0.85, 1.0))]
+        walls += [{"name": "step", "kind": "block", "x": step, "y": [-d, d * float(random.uniform(0.5, 6))]}]
+    initial = []
+    if kind != "channel" or random.random() < 0.5:
+        nx, ny = (int(n) for n in random.integers(1, 7, 2))
+        spacing = d * float(random.choice([0.9, 1.0, 1.05, 1.5], p=[0.1, 0.3, 0.3, 0.3]))
+        fast = {int(i): [float(v) for v in random.normal(0, speed * random.choice([0.5, 3]), 2)] for i in range(1, 3)}
+        initial = [
+            {"kind": "lattice", "nx": nx, "ny": ny, "spacing": spacing, "origin": [0.6 * d, 0.6 * d],
+             "jitter": float(random.choice([0, 0.02])), "velocities": {i: v for i, v in fast.items() if i <= nx * ny}}
+        ]  # fmt: skip
+    case: dict[str, Any] = {
+        "name": f"random_{seed}",
+        "gravity": float(random.choice([0.0, 9.81, 50.0])),
+        "discs": {"diameter": d, "density": float(random.choice([1.0, 1000.0]))},
+        "contact": contact,
+        "domain": {"x": [-4 * d, width + 40 * d], "y": [-8 * d, width + 30 * d]},
+        "walls": walls,
+        "initial": initial,
+    }
+    if kind == "channel":
+        case["inflow"] = {"kind": "rows", "x": 0, "y": 0, "depth": d * float(random.uniform(0.8, 4.5)),
+                          "mean_speed": speed * float(random.uniform(0.2, 1.5))}  # fmt: skip
+        case["outflow"] = [{"x_beyond": width + 20 * d}]
+    fraction = float(random.choice([0.02, 0.05, 0.1, 0.2, 0.4], p=[0.1, 0.4, 0.3, 0.1, 0.1]))
+    omega = 2.0**0.5 * contact["penetration_fraction"] * speed / d
+    duration = float(random.integers(300, 1500)) * fraction * 2 / omega
+    case["run"] = {"duration": duration, "output_interval": duration / 5, "time_step_fraction": fraction,
+                   "seed": int(random.integers(1, 10**6)), "allow_unstable": bool(random.random() < 0.1)}  # fmt: skip
+    return case
+
+
+def judge(case: dict[str, Any], engine: str) -> dict[str, Any]:
+    """Build, run and look at everything that came out.
+
+    Returns
+    -------
+    dict
+        outcome ('stable', 'refused', 'stopped', or a bad one: 'nan', 'lost', 'heated', 'wordless'), message, and for
+        runs steps, seconds and gain (energy out of nothing, over what moved; closed scenes only).
+    """
+    import yaml
+
+    from lammps_jump.case import parse_case
+    from lammps_jump.case.to_scene import build_scene
+
+    try:
+        scene = build_scene(parse_case(yaml.safe_dump(case), "stress.yaml", ENGINE_TEXTS[engine]))
+    except JumpError as error:
+        if isinstance(error, SetupError):
+            return {"outcome": "absent", "message": str(error)}
+        return {"outcome": "refused" if str(error).strip() else "wordless", "message": str(error)}
+    return judge_scene(scene, engine)
+
+
+def judge_scene(scene, engine: str) -> dict[str, Any]:
+    """As `judge`, from a Scene: what slips past the checks of a case must be caught by the engines."""
+    from lammps_jump.studies.bench.runs import execute
+
+    kernel = "native" if engine.startswith("native") else engine
+    scene = replace(scene, probe_steps=max(1, scene.probe_steps))
+    with tempfile.TemporaryDirectory() as folder, np.errstate(all="ignore"):
+        try:
+            result, watch = execute(scene, Path(folder), kernel)
+        except SetupError as error:
+            return {"outcome": "absent", "message": str(error)}
+        except JumpError as error:
+            return {"outcome": "stopped" if REASONS.search(str(error)) else "wordless", "message": str(error)}
+        message = result.message.replace(folder, "the run folder")
+        report = {"message": message, "steps": result.steps, "seconds": watch.wall}
+        trouble = look_for_trouble(Path(folder), result)
+        if trouble:
+            return {**report, "outcome": trouble[0], "message": trouble[1] + (f" ({message})" if message else "")}
+        if result.status == "complete":
+            gain = energy_gain(Path(folder), scene)
+            report["gain"] = gain
+            if gain is not None and gain > HEATED:
+                return {**report, "outcome": "heated", "message": f"the energy rose by {100 * gain:.1f} %"}
+            return {**report, "outcome": "stable"}
+        return {**report, "outcome": "stopped" if REASONS.search(message) else "wordless"}
+
+
+def energy_gain(folder: Path, scene) -> float | None:
+    """Largest energy above that of the start in any frame, over the energy that moved; None where discs come or go.
+
+    What moved: kinetic and elastic energy at the start, and the largest fall of the gravitational energy.
+    """
+    from lammps_jump.analysis.energy import EnergyLedger
+    from lammps_jump.analysis.flow import from_scene
+    from lammps_jump.dump.find import open_run_dump
+
+    if scene.inlets or scene.outlets or scene.pours or not len(scene.positions):
+        return None
+    context = from_scene(scene)
+    ledger = EnergyLedger(context)
+    for frame in open_run_dump(folder):
+        ledger.add(frame, context.time(frame))
+    history = ledger.result()
+    elastic = 0.0 if history.elastic is None else history.elastic[0]
+    moved = history.kinetic[0] + elastic + float(np.ptp(history.potential))
+    return float((history.total - history.total[0]).max() / moved) if moved > 0 else 0.0
+
+
+def look_for_trouble(folder: Path, result) -> tuple[str, str] | None:
+    """('nan' | 'lost', text) where an output holds what is no number, or a complete run does not account for all."""
+    from lammps_jump.dump.read import open_dump
+    from lammps_jump.errors import DumpError
+
+    if result.status == "complete" and (result.lost or result.inserted != result.present + result.removed):
+        return "lost", f"{result.inserted} inserted, {result.present} present, {result.removed} removed"
+    for path in folder.glob("dump.*"):
+        try:
+            for frame in open_dump(path):
+                for name, values in frame.columns.items():
+                    if not np.isfinite(values).all():
+                        return "nan", f"column {name} of the dump at step {frame.step}"
+        except DumpError as error:
+            if result.status == "complete":
+                return "nan", f"the dump cannot be read: {error}"
+    forces = folder / "forces.csv"
+    if forces.is_file() and re.search(r"nan|inf", forces.read_text(), re.I):
+        return "nan", "forces.csv"
+    return None
