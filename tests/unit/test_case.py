@@ -267,7 +267,7 @@ def test_random_cases_survive_the_round_trip(diameter, restitution, friction, du
 def test_check_is_quick_to_import():
     """`check` and ``--help`` need neither engine nor plotting: what is not imported cannot slow the start."""
     code = (
-        "import sys; from lammps_jump.case.derived import check_case; "
+        "import sys; from lammps_jump.cli.check import check_case; "
         "import lammps_jump.cli.app; from pathlib import Path; "
         f"check_case(Path({str(INPUTS / 'hydraulic_jump.yaml')!r}), []); "
         "print([m for m in ('lammps', 'numba', 'matplotlib', 'xarray', 'scipy', 'MDAnalysis', 'pint') if m "

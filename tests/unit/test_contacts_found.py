@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import disc_frame, flow_context
+
 from lammps_jump.analysis import cell_grid
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
 from lammps_jump.analysis.contacts import face_contacts, find_contacts
 from lammps_jump.analysis.flow import from_scene
-from made_up import disc_frame, flow_context
-
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.walls import Block, Plane

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import collected, disc_frame, flow_context
+
 from lammps_jump.analysis import contact_sums
 from lammps_jump.analysis.contact_series import ContactCollector
 from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
 from lammps_jump.analysis.energy import EnergyLedger, drift, summarise_energy
-from made_up import collected, disc_frame, flow_context
-
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D, K = 0.2, 1.0e6

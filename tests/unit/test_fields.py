@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import disc_frame, flow_context
+
 from lammps_jump.analysis import fields as module
 from lammps_jump.analysis.contacts import find_contacts, spring_force
 from lammps_jump.analysis.fields import compute_fields, mean_fields
-from made_up import disc_frame, flow_context
-
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block, Box, Plane
 

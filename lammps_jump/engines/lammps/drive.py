@@ -15,8 +15,9 @@ from pathlib import Path
 
 from lammps_jump.engines.checkpoint import Checkpoint, cut_back, remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
-from lammps_jump.engines.result import FORCES_HEADER, Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.errors import SetupError
+from lammps_jump.files import FORCES_HEADER
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import resume as continuation
 from lammps_jump.script.assemble import STOP_FILE, first_step

@@ -16,8 +16,9 @@ from lammps_jump.engines.checkpoint import (
     write_checkpoint,
 )
 from lammps_jump.engines.interrupts import deferred_interrupt, terminate_as_interrupt
-from lammps_jump.engines.result import DUMP_NAMES, Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 
 from .cells import CellSimulation
