@@ -1,7 +1,7 @@
 """What tests do at a step of an engine, set by the environment.
 
-Python runs this file when it starts with this folder on its path, as the children of `children.run_child` do. `conftest`
-runs it for the tests' own processes. The program itself reads neither variable.
+Python runs this file when it starts with this folder on its path, as the children of `children.run_child` do.
+`conftest` runs it for the processes of the tests themselves. The program itself reads neither variable.
 
 JUMP_TEST_SIGNAL : ``NUMBER@STEP``; the process sends itself this signal at the first step from STEP on.
 JUMP_TEST_SLEEP : seconds to sleep at every step.
