@@ -241,7 +241,7 @@ def test_near_the_limit_is_a_warning_beyond_it_an_error():
     )
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     diameter=st.floats(0.01, 1.0),
     restitution=st.floats(0.05, 1.0),

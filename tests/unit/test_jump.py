@@ -195,7 +195,7 @@ def test_reach_is_the_longest_level_stretch():
     assert level_reach(profiles, there, -1) == slice(10, 60)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     toe=st.floats(5, 25),
     length=st.floats(0, 20),
