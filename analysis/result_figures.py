@@ -30,7 +30,7 @@ def draw_all(gathered: Gathered, shown: dict, folder: Path, dump: Path) -> list[
     except OSError as error:
         raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
     written = []
-    for name, draw in _wanted(gathered, shown, dump).items():
+    for name, draw in wanted(gathered, shown, dump).items():
         figure = draw()
         if figure is None:
             continue
@@ -38,7 +38,7 @@ def draw_all(gathered: Gathered, shown: dict, folder: Path, dump: Path) -> list[
     return written
 
 
-def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[], Figure | None]]:
+def wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[], Figure | None]]:
     profiles, context = gathered.profiles, gathered.context
     # a picture has a thousand rows of pixels at most: long records are thinned for the maps
     thinned = profiles.isel(time=slice(None, None, max(1, profiles.sizes["time"] // 600)))
@@ -58,7 +58,7 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
         if jump.track is not None and jump.track.found.any():
             good = jump.track.found
             track = (jump.direction * jump.track.toe[good], jump.track.time[good])
-    wanted: dict[str, Callable[[], Figure | None]] = {
+    figures: dict[str, Callable[[], Figure | None]] = {
         "depth_profile.png": lambda: depth_profile(profiles, context, lines=lines, marks=marks),
         "depth_map.png": lambda: xt_map(thinned, toe=track),
         "snapshots.png": lambda: snapshots(open_dump(dump), context),
@@ -66,22 +66,22 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
     if jump is not None:
         from .jump import figures as jump_figures
 
-        wanted["jump_track.png"] = lambda: jump_figures.track_figure(jump)
-        wanted["jump_frame.png"] = lambda: jump_figures.frame_figure(jump)
-        wanted["jump_balance.png"] = lambda: jump_figures.balance_figure(jump)
-        wanted["energy_head.png"] = lambda: jump_figures.head_figure(profiles, jump)
+        figures["jump_track.png"] = lambda: jump_figures.track_figure(jump)
+        figures["jump_frame.png"] = lambda: jump_figures.frame_figure(jump)
+        figures["jump_balance.png"] = lambda: jump_figures.balance_figure(jump)
+        figures["energy_head.png"] = lambda: jump_figures.head_figure(profiles, jump)
     if gathered.front is not None:
-        wanted["front.png"] = lambda: front_figure(gathered.front, context)
-        wanted["martin_moyce.png"] = lambda: martin_moyce_figure(gathered.front, context)
+        figures["front.png"] = lambda: front_figure(gathered.front, context)
+        figures["martin_moyce.png"] = lambda: martin_moyce_figure(gathered.front, context)
     if gathered.energy is not None:
-        wanted["energy.png"] = lambda: energy_figure(gathered.energy, context)
+        figures["energy.png"] = lambda: energy_figure(gathered.energy, context)
     if "force" in shown:
         from .forces import figures as force_figures
 
-        wanted["forces.png"] = lambda: force_figures.history_figure(shown["force"])
-        wanted["impulse.png"] = lambda: force_figures.impulse_figure(shown["force"])
-        wanted["reflected_wave.png"] = lambda: force_figures.reflected_figure(shown["force"], thinned)
-    return wanted
+        figures["forces.png"] = lambda: force_figures.history_figure(shown["force"])
+        figures["impulse.png"] = lambda: force_figures.impulse_figure(shown["force"])
+        figures["reflected_wave.png"] = lambda: force_figures.reflected_figure(shown["force"], thinned)
+    return figures
 
 
 def front_figure(history: FrontHistory, context: FlowContext) -> Figure | None:

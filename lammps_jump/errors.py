@@ -1,5 +1,12 @@
 """The errors a user can meet. Each says the value, what is allowed, where, and what to do."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lammps_jump.runs.run import Run
+
 
 class JumpError(Exception):
     """Base of every error that lammps-jump raises on purpose; the command line prints it without a traceback.
@@ -38,7 +45,17 @@ class ResumeError(JumpError, ValueError):
 
 
 class RunError(JumpError, RuntimeError):
-    """A run that started and failed; what it had is kept (exit status 1)."""
+    """A run that started and failed; what it had is kept (exit status 1).
+
+    Attributes
+    ----------
+    run : Run or None
+        The run as far as it came; None where it did not start.
+    """
+
+    def __init__(self, message: str = "", run: Run | None = None):
+        super().__init__(message)
+        self.run = run
 
 
 class RunInterrupted(RunError):

@@ -1,10 +1,14 @@
-"""What a run folder may hold of ours, and how it is cleared: nothing else in it is ever deleted."""
+"""The files of a run folder: their names, how they are cleared, written whole, and marked while they are written."""
 
 from __future__ import annotations
 
+import fcntl
 import json
 import math
+import os
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -108,3 +112,45 @@ def plain(value: Any) -> Any:
     if isinstance(value, Path):
         return value.name
     return value
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a file whole or not at all: a second file, in the same folder, takes its place in one move."""
+    new = path.with_name(path.name + ".new")
+    new.write_text(text, encoding="utf-8")
+    os.replace(new, path)
+    return path
+
+
+def write_json(path: Path, data: object, indent: int = 1) -> Path:
+    """Write plain data as JSON, NaN and infinities as null; see `plain` and `write_text`."""
+    return write_text(path, json.dumps(plain(data), indent=indent, allow_nan=False) + "\n")
+
+
+@contextmanager
+def writing(folder: Path) -> Iterator[None]:
+    """Mark a folder as being written to while the block runs, by a lock that ends with the process; see `is_written`.
+
+    Nothing is put into the folder. Where the file system has no locks the folder is not marked.
+    """
+    place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        with suppress(OSError):
+            fcntl.flock(place, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        yield
+    finally:
+        os.close(place)
+
+
+def is_written(folder: Path) -> bool:
+    """Whether some process is in a `writing` block of a folder."""
+    place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    finally:
+        os.close(place)
+    return False

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import lammps_jump as lj
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.dump.frame import Frame, make_frame
 
 INPUTS = Path(__file__).parents[1] / "inputs"
+
+
+def run_case(path: Path, folder: Path, changes: Iterable[str] = (), **options) -> dict:
+    """Summary of a case run in a folder; `changes` are ``--set`` texts."""
+    return dict(lj.load_case(path, changes).run(folder, **options).summary)
 
 
 def flow_context(**fields) -> FlowContext:

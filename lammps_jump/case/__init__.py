@@ -1,6 +1,5 @@
 """Case files: YAML to a validated, frozen `Case`, and on to a `Scene`."""
 
-from .fields import Case
-from .load import LoadedCase, case_hash, load_case, parse_case, resolved_yaml
+import lazy_loader
 
-__all__ = ["Case", "LoadedCase", "case_hash", "load_case", "parse_case", "resolved_yaml"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

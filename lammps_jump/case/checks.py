@@ -6,6 +6,7 @@ Each raises `CaseError` with the place in the file and the remedy.
 from __future__ import annotations
 
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,8 +16,10 @@ from lammps_jump.scene.scene import Gate, InletRow
 from lammps_jump.scene.walls import Block, Interval, Wall
 
 from .fields import BoxWall, Column, PourInflow
-from .load import LoadedCase
 from .packing import closest_pair, disc_count
+
+if TYPE_CHECKING:
+    from .load import Case
 
 MOST_STEPS = 2_000_000_000
 """LAMMPS counts steps of one run and insertions in 32 bits."""
@@ -29,9 +32,9 @@ BOX_FACES = ("x", "y", "left", "right", "bottom", "top")
 """What is put behind the name of a box for its pairs of faces (script) and its faces (native engine)."""
 
 
-def check_size(loaded: LoadedCase, settle_steps: int, steps: int, output_steps: int) -> None:
+def check_size(loaded: Case, settle_steps: int, steps: int, output_steps: int) -> None:
     """Refuse what no run could finish, before arrays are made."""
-    case, source = loaded.case, loaded.source
+    case, source = loaded.fields, loaded.source
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
         index, settle = max(
             ((i, item.settle) for i, item in enumerate(case.initial) if isinstance(item, Column) and item.gate),
@@ -61,9 +64,9 @@ def check_size(loaded: LoadedCase, settle_steps: int, steps: int, output_steps: 
         )
 
 
-def check_domain(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+def check_domain(loaded: Case, domain: tuple[Interval, Interval]) -> None:
     """Refuse a domain too large for neighbour lists, and bins that do not suit it."""
-    case, source = loaded.case, loaded.source
+    case, source = loaded.fields, loaded.source
     (xlo, xhi), (ylo, yhi) = domain
     cells = (xhi - xlo) * (yhi - ylo) / case.discs.diameter**2
     if cells > MOST_CELLS:
@@ -86,24 +89,24 @@ def check_domain(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
         )
 
 
-def check_names(loaded: LoadedCase, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
+def check_names(loaded: Case, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
     """Refuse walls called as one of ours (behind an inlet, before a column) or as the faces of a box."""
-    own = {wall.name: "of the wall behind the inlet" for wall in walls[len(loaded.case.walls) :]}
+    own = {wall.name: "of the wall behind the inlet" for wall in walls[len(loaded.fields.walls) :]}
     own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
     own |= {f"{gate.wall.name}_far_side": "of the far face of a gate" for gate in gates if isinstance(gate.wall, Block)}
-    for item in loaded.case.walls:
+    for item in loaded.fields.walls:
         if isinstance(item, BoxWall):
             own |= {f"{item.name}_{face}": f"of a face of box '{item.name}'" for face in BOX_FACES}
-    for index, item in enumerate(loaded.case.walls):
+    for index, item in enumerate(loaded.fields.walls):
         if item.name in own:
             raise loaded.source.error(
                 ("walls", index, "name"), f"'{item.name}' is the name {own[item.name]}; give this wall another one"
             )
 
 
-def check_pour(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+def check_pour(loaded: Case, domain: tuple[Interval, Interval]) -> None:
     """Refuse a pour that cannot fall, or whose region holds no disc or reaches out of the domain."""
-    case, source, pour = loaded.case, loaded.source, loaded.case.inflow
+    case, source, pour = loaded.fields, loaded.source, loaded.fields.inflow
     if not isinstance(pour, PourInflow):
         return
     if case.gravity == 0:
@@ -134,10 +137,10 @@ def check_pour(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
         )
 
 
-def check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, integrator: str) -> list[str]:
+def check_stability(loaded: Case, coefficients: contact.Coefficients, integrator: str) -> list[str]:
     """Refuse an unstable step (unless ``run.allow_unstable``); warnings about one that is stable and yet too long."""
     fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
-    if fraction > limit and not loaded.case.run.allow_unstable:
+    if fraction > limit and not loaded.fields.run.allow_unstable:
         # the correction softens the dashpot with f: what is allowed for sure is the limit without it
         limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
         raise loaded.source.error(
@@ -146,7 +149,7 @@ def check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, inte
             f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set "
             "run.allow_unstable: true",
         )
-    given = loaded.case.contact
+    given = loaded.fields.contact
     found = slip_warnings(coefficients, given.friction_law, given.rotation)
     if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
         found.append(
@@ -163,7 +166,7 @@ def check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, inte
 
 
 def check_places(
-    loaded: LoadedCase,
+    loaded: Case,
     positions: np.ndarray,
     walls: tuple[Wall, ...],
     inlets: tuple[InletRow, ...],
@@ -179,7 +182,7 @@ def check_places(
     allowed : float
         Largest overlap at the start, with discs, walls and gates, m.
     """
-    d = loaded.case.discs.diameter
+    d = loaded.fields.discs.diameter
     _check_in_domain(loaded, positions, inlets, domain)
     close = closest_pair(positions, d)
     if close is not None and d - close[0] > allowed * (1 + 1e-9):
@@ -196,14 +199,14 @@ def check_places(
         _check_free_of(gate, "initial", loaded, positions, (), allowed)
 
 
-def _check_in_domain(loaded: LoadedCase, positions, inlets, domain) -> None:
+def _check_in_domain(loaded: Case, positions, inlets, domain) -> None:
     for axis, label in enumerate("xy"):
         low, high = domain[axis]
         outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
         if outside.size:
             value = positions[outside[0], axis]
             raise loaded.source.error(
-                "domain" if loaded.case.domain else "initial",
+                "domain" if loaded.fields.domain else "initial",
                 f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, "
                 f"{high:g}]; widen domain.{label}",
             )
@@ -216,9 +219,9 @@ def _check_in_domain(loaded: LoadedCase, positions, inlets, domain) -> None:
 
 
 def _check_free_of(
-    wall: Wall, field: str | tuple[str, int], loaded: LoadedCase, positions, inlets, allowed: float
+    wall: Wall, field: str | tuple[str, int], loaded: Case, positions, inlets, allowed: float
 ) -> None:
-    radius = loaded.case.discs.diameter / 2
+    radius = loaded.fields.discs.diameter / 2
     if len(positions):
         distance = wall.signed_distance(positions[:, 0], positions[:, 1])
         worst = int(np.argmin(distance))

@@ -2,19 +2,55 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Scene
 
-from .fields import Case, RowsInflow
+from .fields import CaseFields, RowsInflow
 
 Row = tuple[str, str, float | int | str | None, str]
 
 
-def as_data(case: Case, scene: Scene) -> dict:
+@dataclass(frozen=True)
+class Derived:
+    """What `Case.check` finds.
+
+    Attributes
+    ----------
+    fields : CaseFields
+    scene : Scene
+    """
+
+    fields: CaseFields
+    scene: Scene
+
+    @property
+    def numbers(self) -> dict[str, float | int | str | None]:
+        """Coefficients, times and theory of the inflow by key, SI."""
+        return {key: value for _, rows in tables(self.fields, self.scene) for key, _, value, _ in rows}
+
+    @property
+    def skipped(self) -> tuple[str, ...]:
+        """What the scene does not need and the run leaves out, in sentences."""
+        return self.scene.skipped
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What to beware of, in sentences."""
+        return self.scene.warnings
+
+    def as_data(self) -> dict:
+        """Plain data, as ``check --json`` prints it."""
+        return as_data(self.fields, self.scene)
+
+    def __str__(self) -> str:
+        return as_text(self.fields, self.scene)
+
+
+def as_data(case: CaseFields, scene: Scene) -> dict:
     """Machine-readable form."""
     groups = {title: {key: value for key, _, value, _ in rows} for title, rows in tables(case, scene)}
     rows = [
@@ -33,7 +69,7 @@ def as_data(case: Case, scene: Scene) -> dict:
     )
 
 
-def as_text(case: Case, scene: Scene) -> str:
+def as_text(case: CaseFields, scene: Scene) -> str:
     """Readable form: aligned tables, units, then what is skipped and what to beware of."""
     lines = [f"{case.name}: {case.description}".rstrip(": ")]
     for title, rows in tables(case, scene):
@@ -64,7 +100,7 @@ def _show(value) -> str:
     return f"{value:.6g}"
 
 
-def tables(case: Case, scene: Scene) -> list[tuple[str, list[Row]]]:
+def tables(case: CaseFields, scene: Scene) -> list[tuple[str, list[Row]]]:
     """Groups of (key, label, value, unit)."""
     return [("contact", _contact_rows(scene)), ("time", _time_rows(case, scene)), ("flow", _flow_rows(case, scene))]
 
@@ -97,7 +133,7 @@ def _contact_rows(scene: Scene) -> list[Row]:
     return rows
 
 
-def _time_rows(case: Case, scene: Scene) -> list[Row]:
+def _time_rows(case: CaseFields, scene: Scene) -> list[Row]:
     c = scene.coefficients
     rows: list[Row] = [
         ("integrator", "integrator", scene.integrator, ""),
@@ -119,12 +155,12 @@ def _time_rows(case: Case, scene: Scene) -> list[Row]:
     return rows
 
 
-def inflow_theory(case: Case, scene: Scene) -> dict | None:
+def inflow_theory(case: CaseFields, scene: Scene) -> dict | None:
     """What hydraulics says of the inflow (Froude number, sequent depth, jump length …), None without inflow rows."""
     return {key: value for key, _, value, _ in _flow_rows(case, scene)} or None
 
 
-def _flow_rows(case: Case, scene: Scene) -> list[Row]:
+def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []

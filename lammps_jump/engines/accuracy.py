@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from lammps_jump.case import LoadedCase, load_case
+from lammps_jump.case.load import Case
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 
@@ -171,18 +171,18 @@ def _reason(row, rows, entry, case, accuracy: float, quantity: str, words: str) 
     return text
 
 
-def load_with_accuracy(path: str | Path, assignments: list[str]) -> tuple[LoadedCase, tuple[str, ...]]:
-    """Load a case; where it asks for an accuracy, with the cheapest setting that is shown to meet it, and why.
+def with_accuracy(case: Case) -> tuple[Case, tuple[str, ...]]:
+    """The case; where it asks for an accuracy, with the cheapest setting that is shown to meet it, and why.
 
     Raises
     ------
     CaseError
+        No stored setting is shown to be that accurate.
     """
-    loaded = load_case(path, assignments)
-    if loaded.case.run.accuracy is None:
-        return loaded, ()
+    if case.fields.run.accuracy is None:
+        return case, ()
     from lammps_jump.engines.plugin.build import availability
 
     usable = ["stock", "native", *(["compiled"] if availability().available else [])]
-    choice = choose_setting(loaded.case, loaded.case.run.accuracy, usable=usable)
-    return load_case(path, [*assignments, *choice.assignments]), (choice.reason,)
+    choice = choose_setting(case.fields, case.fields.run.accuracy, usable=usable)
+    return case.replace(choice.assignments), (choice.reason,)

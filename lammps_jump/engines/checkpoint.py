@@ -8,24 +8,19 @@ a killed part has appended is cut off before the next one.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import numpy as np
-
 from lammps_jump.errors import ResumeError
-from lammps_jump.scene.scene import Scene
+from lammps_jump.files import write_json
 
 from .result import RunResult
 
 CHECKPOINT_FILE = "checkpoint.json"
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
-NO_NUMBERS = ("name", "description", "skipped", "warnings")
-"""Fields of a scene that change no trajectory."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +30,7 @@ class Checkpoint:
     Attributes
     ----------
     scene : str
-        `fingerprint` of the scene that ran.
+        `lammps_jump.provenance.fingerprint` of the scene that ran.
     step, time : int, float
         Step of the state, and its simulated time (s).
     state : str
@@ -57,22 +52,9 @@ class Checkpoint:
     result: RunResult
 
 
-def fingerprint(scene: Scene) -> str:
-    """A hash of every number of a scene: a newer version of the program may make another scene of the same case."""
-    found = hashlib.sha256()
-    for field in fields(scene):
-        value = getattr(scene, field.name)
-        if field.name not in NO_NUMBERS:
-            found.update(field.name.encode())
-            found.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
-    return found.hexdigest()
-
-
 def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
     """Put ``checkpoint.json`` into its place, then delete the states of earlier ones."""
-    new = folder / f"{CHECKPOINT_FILE}.new"
-    new.write_text(json.dumps(asdict(checkpoint), indent=1) + "\n")
-    os.replace(new, folder / CHECKPOINT_FILE)
+    write_json(folder / CHECKPOINT_FILE, asdict(checkpoint))
     for pattern in STATE_FILES:
         for path in folder.glob(pattern):
             if path.name != checkpoint.state:

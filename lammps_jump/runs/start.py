@@ -1,380 +1,304 @@
-"""From a case to a finished run folder: load, build, run, analyse, summarise, report."""
+"""Run a case: choose the setting, write the folder, run the engine, analyse, summarise, report."""
 
 from __future__ import annotations
 
+import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from lammps_jump.case import LoadedCase, case_hash, resolved_yaml
-from lammps_jump.case.derived import inflow_theory
-from lammps_jump.case.to_scene import build_scene
-from lammps_jump.engines.accuracy import load_with_accuracy
+import lammps_jump.runs as runs
+from lammps_jump.case.load import Case, load_case
+from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.result import ProgressCallback, RunResult
-from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
-from lammps_jump.files import OWN_FILES, RESULT_FILES, clear
-from lammps_jump.provenance import versions
-from lammps_jump.scene.scene import Scene
+from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
+from lammps_jump.files import RESULT_FILES, clear, writing
 
-from . import summary as summaries
-from .progress import ProgressLine
+from .engine import Setting, choose, run_engine
+from .folder import default_folder, require_case, result_of_files, result_of_summary, stored_result, write_folder
+from .resume import resumable
+from .run import Run
+from .summary import compose, read_summary, write_summary
 
-Say = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """A case made ready: everything decided, nothing written yet."""
-
-    loaded: LoadedCase
-    scene: Scene
-    folder: Path
-    kernel: str
-    ranks: int
-    plugin: Path | None
-    notes: tuple[str, ...]
-
-    @property
-    def hash(self) -> str:
-        """Hash of the resolved case with the engine's choices."""
-        return f"{case_hash(self.loaded.case)}-{self.kernel}"
+log = logging.getLogger(__name__)
+"""Says what is done, and notes; the command line prints it."""
+StopCallback = Callable[[], bool]
 
 
-def prepare(path: str | Path, assignments: list[str], out: Path | None) -> Prepared:
-    """Validate a case and decide folder, kernel and ranks; writes nothing.
-
-    Raises
-    ------
-    CaseError, SetupError
-    """
-    loaded, chosen = load_with_accuracy(path, assignments)
-    scene = build_scene(loaded)
-    folder = out or Path("runs") / loaded.case.name
-    kernel, plugin, ranks, notes = _engine_choice(loaded, scene)
-    return Prepared(loaded, scene, folder, kernel, ranks, plugin, (*chosen, *notes))
-
-
-def _engine_choice(loaded: LoadedCase, scene: Scene) -> tuple[str, Path | None, int, list[str]]:
-    engine = loaded.case.engine
-    if engine.name == "native":
-        if engine.ranks not in (1, "auto"):
-            raise loaded.source.error("engine.ranks", f"{engine.ranks} ranks; the native engine runs on one core")
-        return "numba", None, 1, []
-    from lammps_jump.engines.lammps.loader import load_lammps
-    from lammps_jump.engines.ranks import choose_ranks
-
-    load_lammps()
-    ranks, notes = choose_ranks(engine.ranks, scene)
-    if engine.kernel == "stock":
-        return "stock", None, ranks, notes
-    from lammps_jump.engines.plugin.build import availability, plugin_path
-
-    needed = engine.kernel == "compiled" or scene.touch == "smooth"
-    needed = needed or (scene.friction_law == "sign" and scene.coefficients.friction > 0)
-    try:
-        status = availability()
-        if not status.available:
-            raise SetupError(status.reason)
-        return "compiled", plugin_path(), ranks, notes
-    except SetupError as error:
-        if needed:
-            raise SetupError(f"the compiled kernel is needed here and cannot be used: {error}") from None
-        return "stock", None, ranks, [*notes, f"stock LAMMPS styles are used: {error}"]
-
-
-def build_and_run(
-    path: str | Path,
+def run(
+    case: Case,
+    folder: str | Path | None = None,
     *,
-    out: Path | None = None,
-    assignments: list[str] | None = None,
+    engine: str | None = None,
+    kernel: str | None = None,
+    ranks: int | str | None = None,
     force: bool = False,
-    quiet: bool = False,
-    live: bool = False,
-    say: Say = print,
-) -> dict[str, Any]:
-    """The whole job; returns the summary.
+    resume: bool = False,
+    progress: ProgressCallback | None = None,
+    should_stop: StopCallback | None = None,
+) -> Run:
+    """Run a case and analyse it; returns at once where the folder already holds the result.
+
+    Parameters
+    ----------
+    case : Case
+    folder : str or Path, optional
+        Run folder, made where it is missing; default ``runs/<name of the case>``.
+    engine : {'lammps', 'native'}, optional
+    kernel : {'auto', 'stock', 'compiled'}, optional
+    ranks : int or 'auto', optional
+        In place of the case's own.
+    force : bool
+        Run also where the folder holds the result.
+    resume : bool
+        Go on with the interrupted run in the folder; the result is of the whole run.
+    progress : callable, optional
+        Called with a `Progress` about twice a second.
+    should_stop : callable, optional
+        Asked as often; True ends the run as an interruption does.
 
     Raises
     ------
-    CaseError, SetupError
+    CaseError, SetupError, ResumeError
         Before anything is written.
     RunError, RunInterrupted
-        After a run that failed or was ended; its folder is kept, with what it had.
+        A run that failed or was ended; its folder is kept, and ``error.run`` is the run as far as it came.
     """
     begin = time.perf_counter()
-    prepared = prepare(path, assignments or [], out)
-    if not force:
-        stored = stored_result(prepared)
-        if stored is not None:
-            say(
-                f"{prepared.folder} already holds this run ({stored['steps']} steps, "
-                f"{stored['wall_seconds']['run']:.1f} s "
-                "of computing): nothing to do. --force runs it again."
-            )
-            return stored
-    if live and prepared.loaded.case.run.dump_format != "text":
-        raise CaseError(f"--live reads text dumps; run.dump_format is {prepared.loaded.case.run.dump_format}")
-    for note in (*prepared.scene.warnings, *prepared.notes):
-        say(f"note: {note}")
-    _announce(prepared, say)
-    write_folder(prepared)
-    built = time.perf_counter() - begin
-    return run_folder(prepared, build_seconds=built, quiet=quiet, live=live, say=say)
+    if resume and force:
+        raise CaseError("--resume goes on with a run, --force starts it anew: use one of the two")
+    given = {"engine.name": engine, "engine.kernel": kernel, "engine.ranks": ranks}
+    case, chosen = with_accuracy(case.replace({path: value for path, value in given.items() if value is not None}))
+    setting, notes = choose(case)
+    notes, folder = (*chosen, *notes), Path(folder or default_folder(case))
+    if resume:
+        return _go_on(case, folder, setting, notes, progress, should_stop)
+    stored = None if force else stored_result(case, folder, setting)
+    if stored is not None:
+        log.info(
+            f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
+            "of computing): nothing to do. --force runs it again."
+        )
+        return Run(folder)
+    _announce(case, folder, setting, notes)
+    write_folder(case, folder, setting)
+    seconds = {"build": time.perf_counter() - begin, "analysis": 0.0}
+    return _execute(case, folder, setting, notes, seconds, progress, should_stop)
 
 
-def stored_result(prepared: Prepared) -> dict[str, Any] | None:
-    """The summary of a finished run of the same resolved case in the same folder, else None."""
-    try:
-        stored = summaries.read_summary(prepared.folder)
-    except DumpError:
-        return None
-    if stored is None or stored.get("status") != "complete" or stored.get("case_hash") != prepared.hash:
-        return None
-    try:
-        same = (prepared.folder / "case.yaml").read_text() == resolved_yaml(prepared.loaded.case)
-    except OSError:
-        return None
-    finished = all((prepared.folder / name).exists() for name in ("profiles.nc", "report.html"))
-    return stored if same and finished and any(prepared.folder.glob("dump.lammps*")) else None
-
-
-def write_folder(prepared: Prepared) -> None:
-    """Make the run folder with ``case.yaml`` and, for LAMMPS, the script; earlier results of ours are removed.
+def build(
+    case: Case, folder: str | Path | None = None, *, kernel: str | None = None, ranks: int | str | None = None
+) -> tuple[Run, Setting]:
+    """Write the run folder of a case (case and script) and stop there; the run, and the setting that was chosen.
 
     Raises
     ------
-    SetupError
-        Where the folder cannot be made or written.
+    CaseError, SetupError
     """
-    folder = prepared.folder
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        clear(folder, OWN_FILES)
-        (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
-        if prepared.loaded.case.engine.name == "lammps":
-            from lammps_jump.script import write_script
+    given = {"engine.kernel": kernel, "engine.ranks": ranks}
+    case, _ = with_accuracy(case.replace({path: value for path, value in given.items() if value is not None}))
+    setting, _ = choose(case)
+    folder = Path(folder or default_folder(case))
+    write_folder(case, folder, setting)
+    return Run(folder), setting
 
-            write_script(
-                prepared.scene,
-                folder,
-                kernel=prepared.kernel,
-                ranks=prepared.ranks,
-                dump_format=prepared.loaded.case.run.dump_format,
-                header=_header(prepared),
-                plugin=prepared.plugin,
+
+def run_folder(folder: Path, *, resume: bool = False, progress: ProgressCallback | None = None) -> Run:
+    """Run what `build` has written, or go on with the interrupted run there; see `run`."""
+    case, setting, notes = reopen(folder)
+    if resume:
+        return _go_on(case, folder, setting, notes, progress, None)
+    write_folder(case, folder, setting)
+    return _execute(case, folder, setting, notes, {"build": 0.0, "analysis": 0.0}, progress, None)
+
+
+def reopen(folder: Path, changes: Sequence[str] = ()) -> tuple[Case, Setting, tuple[str, ...]]:
+    """The case of a run folder, the setting of its run, and notes on it.
+
+    Raises
+    ------
+    CaseError
+        The folder holds no ``case.yaml``.
+    """
+    case, chosen = with_accuracy(load_case(require_case(folder), changes))
+    setting, notes = choose(case)
+    stored = read_summary(folder)
+    if stored and stored.get("kernel") in ("stock", "compiled") and setting.kernel != "numba":
+        setting = replace(setting, kernel=stored["kernel"])
+    return case, setting, (*chosen, *notes)
+
+
+def reanalyse(folder: Path, changes: Sequence[str] = ()) -> Run:
+    """Analyse a run folder again and rewrite its summary and report.
+
+    Parameters
+    ----------
+    changes : sequence of str
+        ``analysis.…=value``: what else is asked of the run.
+
+    Raises
+    ------
+    CaseError
+        No run folder, or a change of the run itself.
+    DumpError
+        No dump that can be read.
+    RunInterrupted
+        The analysis was ended by Ctrl-C or SIGTERM.
+    """
+    for change in changes:
+        if change.split("=")[0].split(".")[0].strip() != "analysis":
+            raise CaseError(
+                f"--set {change}: belongs to the run, which is done; allowed here is analysis.…: a run with other "
+                f"values is a new one: `lammps-jump build-and-run {folder / 'case.yaml'} --set {change} --out …`"
             )
-    except OSError as error:
-        raise SetupError(
-            f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
-            "mend its permissions"
-        ) from None
-
-
-def _header(prepared: Prepared) -> tuple[str, ...]:
-    c = prepared.scene.coefficients
-    version = versions().get("lammps_jump", "?")
-    return (
-        f"written by lammps-jump {version} from case {prepared.hash}; run it with: lmp -in in.lammps",
-        f"d = {prepared.scene.diameter:g} m, m = {c.mass:g} kg/m, k = {c.stiffness:g} N/m, e = "
-        f"{c.restitution:g}, ks = {c.friction:g}",
-        f"dt = {c.time_step:.6g} s = {c.time_step_fraction:g} of 2/omega; stable up to "
-        f"{c.stable_fraction:.3f} in the densest packing",
-    )
-
-
-def _announce(prepared: Prepared, say: Say) -> None:
-    scene, c = prepared.scene, prepared.scene.coefficients
-    engine = prepared.loaded.case.engine.name
-    say(
-        f"{scene.name}: {engine} ({prepared.kernel}{f', {prepared.ranks} ranks' if prepared.ranks > 1 else ''}), "
-        f"{scene.steps} steps of {c.time_step:.4g} s, e = {c.restitution:g}, ks = {c.friction:g}, k = "
-        f"{c.stiffness:.4g} N/m "
-        f"-> {prepared.folder}"
-    )
-
-
-def run_folder(
-    prepared: Prepared,
-    *,
-    build_seconds: float,
-    quiet: bool,
-    say: Say,
-    live: bool = False,
-    resume: Checkpoint | None = None,
-    analysis_seconds: float = 0.0,
-) -> dict[str, Any]:
-    """Run the engine in a folder that `write_folder` made, analyse and report; see `build_and_run`.
-
-    With `resume` go on there with an interrupted run; `build_seconds`, `analysis_seconds`: spent in earlier parts.
-    """
-    result, steady = _run_engine(prepared, quiet, live, resume)
-    if resume is not None and result.status == "failed" and result.steps <= resume.step:
-        raise RunError(f"{result.message} Nothing was added to the run, and its checkpoint is kept.")
-    if result.status != "interrupted":
-        remove_checkpoint(prepared.folder)
-        (prepared.folder / "in.resume.lammps").unlink(missing_ok=True)
-    begin = time.perf_counter() - analysis_seconds
-    if resume is not None:
-        clear(prepared.folder, RESULT_FILES)  # those of the part before
-    parts: dict[str, Any] = {}
-    trouble = ""
-    try:
-        with analysis_of(prepared.folder):
-            parts = analyse(prepared, result, quiet)
-    except DumpError as error:
-        trouble = str(error)
-    seconds = {"build": build_seconds, "run": result.seconds, "analysis": time.perf_counter() - begin}
-    if result.status != "complete" and trouble:
-        parts.setdefault("warnings", []).append(f"not analysed: {trouble}")
-    if steady:
-        parts["stopped_when_steady"] = steady
-        say(f"note: {steady}")
-    summary = compose(prepared, result, seconds, parts)
-    summaries.write_summary(prepared.folder, summary)
-    report(prepared, summary)
+    case, setting, notes = reopen(folder, changes)
+    stored = read_summary(folder)
+    engine = case.fields.engine.name
+    begin = time.perf_counter()
+    with _analysis_of(folder), writing(folder):
+        if stored is None:
+            result = result_of_files(case.scene(), folder, engine, setting.kernel)
+        else:
+            result = result_of_summary(stored, engine, setting.kernel)
+        parts = runs.results.analyse(case, folder, result.engine)
+    seconds = {"build": 0.0, "run": result.seconds, **((stored or {}).get("wall_seconds") or {})}
     seconds["analysis"] = time.perf_counter() - begin
-    summaries.write_summary(prepared.folder, {**summary, "wall_seconds": seconds})
-    if result.status == "interrupted":
-        raise RunInterrupted(result.message)
-    if result.status == "failed":
-        raise RunError(result.message)
-    if trouble:
-        raise RunError(f"the run is complete, its dump could not be analysed: {trouble}")
-    return {**summary, "wall_seconds": seconds}
+    if result.status in ("interrupted", "complete") and result.message:
+        parts.setdefault("warnings", []).append(result.message)
+    summary = compose(case, setting, result, seconds=seconds, parts=parts, notes=notes)
+    summary["case_hash"] = (stored or {}).get("case_hash", summary["case_hash"])
+    (folder / "case.yaml").write_text(case.to_yaml())
+    write_summary(folder, summary)
+    runs.results.write_report(folder, summary, case)
+    return Run(folder)
 
 
-def compose(prepared: Prepared, result: RunResult, seconds: dict[str, float], parts: dict[str, Any]) -> dict[str, Any]:
-    """The summary of a run of a prepared case."""
-    found = dict(parts)
-    warnings = [*prepared.scene.warnings, *prepared.notes, *found.pop("warnings", [])]
-    summary = summaries.compose(
-        prepared.scene, result, case_hash=prepared.hash, seconds=seconds, parts={**found, "warnings": warnings}
+def _announce(case: Case, folder: Path, setting: Setting, notes: Sequence[str]) -> None:
+    scene, c = case.scene(), case.scene().coefficients
+    for note in (*scene.warnings, *notes):
+        log.info(f"note: {note}")
+    ranks = f", {setting.ranks} ranks" if setting.ranks > 1 else ""
+    log.info(
+        f"{scene.name}: {setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
+        f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m -> {folder}"
     )
-    summary["ranks"] = prepared.ranks
-    summary["theory"] = inflow_theory(prepared.loaded.case, prepared.scene)
-    return summary
 
 
-def _steady_watch(prepared: Prepared):
-    """The watch of a case with ``run.stop_when_steady``, else None."""
-    run = prepared.loaded.case.run
-    if not run.stop_when_steady or not prepared.scene.inlets:
-        return None
-    from lammps_jump.analysis.flow import from_scene
+def _go_on(
+    case: Case,
+    folder: Path,
+    setting: Setting,
+    notes: Sequence[str],
+    progress: ProgressCallback | None,
+    should_stop: StopCallback | None,
+) -> Run:
+    """Go on with the interrupted run of a case."""
+    checkpoint = resumable(case, folder, setting)
+    scene = case.scene()
+    for note in (*scene.warnings, *notes):
+        log.info(f"note: {note}")
+    log.info(
+        f"{scene.name}: goes on at t = {checkpoint.time:.4g} s of {scene.time(scene.steps):.4g} s "
+        f"(step {checkpoint.step} of {scene.steps}) -> {folder}"
+    )
+    before = (read_summary(folder) or {}).get("wall_seconds") or {}
+    seconds = {name: before.get(name) or 0.0 for name in ("build", "analysis")}
+    setting = replace(setting, kernel=checkpoint.result.kernel)
+    return _execute(case, folder, setting, notes, seconds, progress, should_stop, checkpoint)
 
-    from .steady_watch import SteadyWatch, studied_reach
 
-    return SteadyWatch(prepared.scene, prepared.folder, studied_reach(from_scene(prepared.scene)))
+def _execute(
+    case: Case,
+    folder: Path,
+    setting: Setting,
+    notes: Sequence[str],
+    seconds: dict[str, float],
+    progress: ProgressCallback | None,
+    should_stop: StopCallback | None,
+    checkpoint: Checkpoint | None = None,
+) -> Run:
+    """Run the engine in a folder that is written, analyse and report; `seconds` were spent before."""
+    with writing(folder):
+        result, steady = _run_engine(case, folder, setting, progress, should_stop, checkpoint)
+        if checkpoint is not None and result.status == "failed" and result.steps <= checkpoint.step:
+            raise RunError(f"{result.message} Nothing was added to the run, and its checkpoint is kept.", Run(folder))
+        if result.status != "interrupted":
+            remove_checkpoint(folder)
+            (folder / "in.resume.lammps").unlink(missing_ok=True)
+        begin = time.perf_counter() - seconds["analysis"]
+        if checkpoint is not None:
+            clear(folder, RESULT_FILES)  # those of the part before
+        parts: dict = {}
+        trouble = ""
+        try:
+            with _analysis_of(folder):
+                parts = runs.results.analyse(case, folder, result.engine)
+        except DumpError as error:
+            trouble = str(error)
+        if result.status != "complete" and trouble:
+            parts.setdefault("warnings", []).append(f"not analysed: {trouble}")
+        if steady:
+            parts["stopped_when_steady"] = steady
+            log.info(f"note: {steady}")
+        spent = {"build": seconds["build"], "run": result.seconds, "analysis": time.perf_counter() - begin}
+        summary = compose(case, setting, result, seconds=spent, parts=parts, notes=notes)
+        write_summary(folder, summary)
+        runs.results.write_report(folder, summary, case)
+        spent["analysis"] = time.perf_counter() - begin
+        write_summary(folder, {**summary, "wall_seconds": spent})
+    if result.status == "interrupted":
+        raise RunInterrupted(result.message, Run(folder))
+    if result.status == "failed":
+        raise RunError(result.message, Run(folder))
+    if trouble:
+        raise RunError(f"the run is complete, its dump could not be analysed: {trouble}", Run(folder))
+    return Run(folder)
 
 
 def _run_engine(
-    prepared: Prepared, quiet: bool, live: bool = False, resume: Checkpoint | None = None
+    case: Case,
+    folder: Path,
+    setting: Setting,
+    progress: ProgressCallback | None,
+    should_stop: StopCallback | None,
+    checkpoint: Checkpoint | None,
 ) -> tuple[RunResult, str]:
     """Run; the text says why it was stopped as steady, and is empty where it was not."""
-    scene = prepared.scene
-    line = ProgressLine(scene.time(scene.steps), quiet=quiet, first_step=resume.step if resume else 0)
-    watch = _steady_watch(prepared)
-    view = None
-    if live:
-        from .live import LiveView
-
-        view = LiveView(scene, prepared.folder, line)
-    shown: ProgressCallback = view or line
-    dump_format = prepared.loaded.case.run.dump_format
-    if prepared.loaded.case.engine.name == "native":
-        from lammps_jump.engines.native import run_native
-
-        result = run_native(
-            scene, prepared.folder, progress=shown, should_stop=watch, dump_format=dump_format, resume=resume
-        )
-    else:
-        from lammps_jump.engines.lammps import run_lammps
-
-        if resume is not None:
-            _write_continuation(prepared, resume)
-        result = run_lammps(
-            scene,
-            prepared.folder,
-            kernel=prepared.kernel,
-            ranks=prepared.ranks,
-            plugin=prepared.plugin,
-            progress=shown,
-            should_stop=watch,
-            resume=resume,
-        )
-    line.finish()
-    if view is not None:
-        view.finish()
+    watch = steady_watch(case, folder)
+    asked = [ask for ask in (watch, should_stop) if ask is not None]
+    result = run_engine(
+        case,
+        folder,
+        setting,
+        progress=progress,
+        should_stop=(lambda: any([ask() for ask in asked])) if asked else None,
+        resume=checkpoint,
+    )
     if watch is not None and watch.reason and result.status == "interrupted":
         return replace(result, status="complete", message=""), watch.reason
     return result, ""
 
 
-def _write_continuation(prepared: Prepared, checkpoint: Checkpoint) -> None:
-    from lammps_jump.script.resume import write_continuation
-
-    write_continuation(
-        prepared.scene,
-        prepared.folder,
-        state=checkpoint.state,
-        step=checkpoint.step,
-        removed=checkpoint.removed,
-        kernel=prepared.kernel,
-        ranks=prepared.ranks,
-        dump_format=prepared.loaded.case.run.dump_format,
-        header=tuple(line.replace("in.lammps", "in.resume.lammps") for line in _header(prepared)),
-        plugin=prepared.plugin,
-    )
-
-
-def analysis_request(prepared: Prepared):
-    """What the case asks of the analysis."""
-    from lammps_jump.analysis.passes import AnalysisRequest
-
-    case = prepared.loaded.case
-    asked = case.analysis
-    inflow = case.inflow if case.inflow is not None and case.inflow.kind == "rows" else None
-    return AnalysisRequest(
-        bin_width=asked.bin_width,
-        window=asked.window,
-        jump=asked.jump,
-        energy=asked.energy,
-        front=asked.front,
-        fields=asked.fields,
-        animate=asked.animation,
-        forces=bool(prepared.scene.probes),
-        inflow_depth=inflow.depth if inflow else None,
-        inflow_speed=inflow.mean_speed if inflow else None,
-    )
-
-
-def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
-    """Analyse the dump of a run folder as its case asks; the parts of the summary that came of it."""
-    from lammps_jump.analysis.analyze import analyze_run
-
-    wanted = analysis_request(prepared)
-    return analyze_run(prepared.folder, prepared.scene, wanted, engine=result.engine, quiet=quiet)
+def steady_watch(case: Case, folder: Path) -> runs.steady.SteadyWatch | None:
+    """The watch of a case with ``run.stop_when_steady``, else None."""
+    scene = case.scene()
+    if not case.fields.run.stop_when_steady or not scene.inlets:
+        return None
+    return runs.steady.SteadyWatch(scene, folder, runs.results.level_range(scene))
 
 
 @contextmanager
-def analysis_of(folder: Path):
+def _analysis_of(folder: Path) -> Iterator[None]:
     """Ctrl-C and SIGTERM during the analysis of a run folder become a `RunInterrupted` that says what is left to do."""
     try:
         with terminate_as_interrupt():
             yield
     except KeyboardInterrupt:
         raise RunInterrupted(
-            f"the analysis was ended; what the run wrote is kept: `lammps-jump analyze {folder}` analyses it"
+            f"the analysis was ended; what the run wrote is kept: `lammps-jump analyze {folder}` analyses it",
+            Run(folder),
         ) from None
-
-
-def report(prepared: Prepared, summary: dict[str, Any]) -> None:
-    """Write ``report.html``."""
-    from lammps_jump.analysis.report.page import write_report
-
-    write_report(prepared.folder, summary, resolved_yaml(prepared.loaded.case))

@@ -17,9 +17,18 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 from math import inf, sqrt
+from pathlib import Path
 
 import numpy as np
+from scipy.special import stdtrit
 
+from lammps_jump.scene.scene import Scene
+
+PASSAGES = 1.5
+"""Length of the tested record in times that the inflow needs for the studied reach."""
+FEWEST_FRAMES = 48
+"""The detector wants sixteen batches of several frames each."""
+MARKER = b"ITEM: TIME\n"
 BATCHES = 16
 QUANTITIES = ("depth", "discharge", "toe")
 
@@ -63,21 +72,6 @@ class Drift:
         return abs(self.drift) + self.margin <= tolerance
 
 
-def t_quantile(confidence: float, freedom: int) -> float:
-    """One-sided quantile of Student's t (Cornish-Fisher from the normal; 0.5 % high or low for 10 degrees and more).
-
-    Series of Abramowitz & Stegun 26.7.5; the normal quantile from the standard library.
-    """
-    from statistics import NormalDist
-
-    z = NormalDist().inv_cdf(confidence)
-    n = freedom
-    g1 = (z**3 + z) / 4
-    g2 = (5 * z**5 + 16 * z**3 + 3 * z) / 96
-    g3 = (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 384
-    return z + g1 / n + g2 / n**2 + g3 / n**3
-
-
 def drift_of(values: np.ndarray, confidence: float = 0.95, batches: int = BATCHES) -> Drift:
     """Drift of an equally spaced series over its length.
 
@@ -110,7 +104,7 @@ def drift_of(values: np.ndarray, confidence: float = 0.95, batches: int = BATCHE
     correlation = min(max(correlation, 0.0), 0.9)
     error = sqrt(variance / spread * (1 + correlation) / (1 - correlation))
     whole = len(values) / (batches * size)  # the batches leave out the few samples that do not fill one
-    return Drift(float(means.mean()), whole * slope, whole * t_quantile(confidence, batches - 2) * error)
+    return Drift(float(means.mean()), whole * slope, whole * float(stdtrit(batches - 2, confidence)) * error)
 
 
 class SteadyDetector:
@@ -234,3 +228,77 @@ def flow_state(
     before = smooth[first - 1] if first else smooth[0]
     share = (level - before) / (smooth[first] - before) if smooth[first] > before else 0.0
     return mean_depth, discharge, low + width * (first + 0.5 + share)
+
+
+def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
+    """Length of record for the test, s; None for a scene without inflow, whose flow does not become steady."""
+    speeds = [row.vx for row in scene.inlets if row.vx]
+    if not speeds:
+        return None
+    passage = (reach[1] - reach[0]) / abs(float(np.mean(speeds)))
+    return max(PASSAGES * passage, FEWEST_FRAMES * scene.output_steps * scene.time_step)
+
+
+def studied_reach(context) -> tuple[float, float]:
+    """The part of the studied range that has one and the same floor from its upstream end on (up to a sill), m."""
+    low, high = context.x_range
+    x = np.linspace(low, high, 2001)[1:-1]
+    bed = context.bed_height(x)
+    other = np.flatnonzero(~(np.abs(bed - bed[0]) < 1e-9))
+    return (low, float(x[other[0]])) if other.size and np.isfinite(bed[0]) else (low, high)
+
+
+class SteadyWatch:
+    """A ``should_stop`` callback for the engines.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        Run folder; the dump must be text (columns id x y vx vy …).
+    reach : (float, float)
+        Studied part of the channel, m.
+
+    Attributes
+    ----------
+    reason : str
+        Empty until the flow is steady; then the sentence for the summary.
+    """
+
+    def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float]):
+        self.scene, self.reach = scene, reach
+        self.path = folder / "dump.lammpstrj"
+        window = steady_window(scene, reach)
+        self.detector = SteadyDetector(window) if window else None
+        self.read = 0
+
+    @property
+    def reason(self) -> str:
+        """Why the run may stop, empty while it may not."""
+        return self.detector.reason if self.detector else ""
+
+    def __call__(self) -> bool:
+        """Take in the frames that are new; True once the flow is steady."""
+        if self.detector is None or not self.path.exists():
+            return False
+        with self.path.open("rb") as file:
+            file.seek(self.read)
+            text = file.read()
+        last = text.rfind(MARKER)
+        if last <= 0:
+            return self.detector.steady
+        for chunk in text[:last].split(MARKER)[1:]:
+            self._feed(chunk)
+        self.read += last
+        return self.detector.steady
+
+    def _feed(self, chunk: bytes) -> None:
+        """One whole frame as text, from the line after its first header."""
+        lines = chunk.split(b"\n", 10)
+        time, columns = float(lines[0]), lines[9].split()[2:]
+        values = np.array(lines[10].split() if len(lines) > 10 else [], dtype=float).reshape(-1, len(columns))
+        if not len(values):
+            return
+        x, vx = values[:, columns.index(b"x")], values[:, columns.index(b"vx")]
+        state = flow_state(x, vx, self.scene.mass, self.scene.density, self.reach)
+        self.detector.feed(time, *state)

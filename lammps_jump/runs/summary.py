@@ -3,41 +3,56 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from lammps_jump.case.derived import coefficients
+from lammps_jump.case.derived import coefficients, inflow_theory
+from lammps_jump.case.load import Case
 from lammps_jump.engines.result import RunResult
 from lammps_jump.errors import DumpError
-from lammps_jump.files import plain
+from lammps_jump.files import plain, write_json
 from lammps_jump.provenance import versions
-from lammps_jump.scene.scene import Scene
+
+from .engine import Setting, run_key
 
 SUMMARY_FILE = "summary.json"
 FIELD_TYPES = {
-    "status": str, "message": str, "engine": str, "kernel": str, "case_hash": str, "steps": int,
-    "disc_steps": int | float, "discs": dict, "wall_seconds": dict, "versions": dict, "ledger": dict,
-    "breakdown_seconds": dict, "resumed_at": list,
-}  # fmt: skip
+    **dict.fromkeys(("status", "message", "engine", "kernel", "case_hash"), str),
+    **dict.fromkeys(("discs", "wall_seconds", "versions", "ledger", "breakdown_seconds"), dict),
+    "steps": int,
+    "disc_steps": int | float,
+    "resumed_at": list,
+}
 """What is read back of a summary; each may be null or missing."""
 NO_SUMMARY = "it is no summary of a run: delete it, and `lammps-jump analyze` makes it anew from what the run wrote"
 
 
 def compose(
-    scene: Scene, result: RunResult, *, case_hash: str, seconds: dict[str, float], parts: dict[str, Any]
+    case: Case,
+    setting: Setting,
+    result: RunResult,
+    *,
+    seconds: Mapping[str, float],
+    parts: Mapping[str, object],
+    notes: Sequence[str] = (),
 ) -> dict[str, Any]:
     """All of ``summary.json``.
 
     Parameters
     ----------
-    scene : Scene
+    case : Case
+    setting : Setting
     result : RunResult
-    case_hash : str
-    seconds : dict
+    seconds : mapping
         Wall seconds of build, run, analysis.
-    parts : dict
+    parts : mapping
         What the analyses found: jump, front, energy, force, profiles, warnings.
+    notes : sequence of str
+        Why this setting was chosen; they stand among the warnings.
     """
+    scene, found = case.scene(), dict(parts)
+    discs = {name: getattr(result, name) for name in ("inserted", "present", "removed", "lost")}
     return plain(
         {
             "name": scene.name,
@@ -48,7 +63,7 @@ def compose(
             "kernel": result.kernel,
             "integrator": scene.integrator,
             "friction_law": scene.friction_law if scene.coefficients.friction else None,
-            "case_hash": case_hash,
+            "case_hash": run_key(case, setting),
             "versions": {**versions(), **result.versions},
             "coefficients": coefficients(scene),
             "steps": result.steps,
@@ -58,25 +73,20 @@ def compose(
             "disc_steps": result.disc_steps,
             "disc_steps_per_second": result.disc_steps / result.seconds if result.seconds > 0 else None,
             "breakdown_seconds": result.breakdown or None,
-            "discs": {
-                "inserted": result.inserted,
-                "present": result.present,
-                "removed": result.removed,
-                "lost": result.lost,
-            },
+            "discs": discs,
             "ledger": result.ledger,
             "skipped": list(scene.skipped),
-            "warnings": list(scene.warnings),
-            **parts,
+            "warnings": [*scene.warnings, *notes, *found.pop("warnings", ())],
+            **found,
+            "ranks": setting.ranks,
+            "theory": inflow_theory(case.fields, scene),
         }
     )
 
 
-def write_summary(folder: Path, summary: dict[str, Any]) -> Path:
+def write_summary(folder: Path, summary: Mapping[str, object]) -> Path:
     """Write the summary; NaN would be an error, not a file that others cannot read."""
-    path = folder / SUMMARY_FILE
-    path.write_text(json.dumps(plain(summary), indent=2, allow_nan=False) + "\n")
-    return path
+    return write_json(folder / SUMMARY_FILE, summary, indent=2)
 
 
 def read_summary(folder: Path) -> dict[str, Any] | None:

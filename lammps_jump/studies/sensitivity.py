@@ -101,7 +101,7 @@ def fast_setting(texts: list[str], path: Path) -> Setting:
 
     usable, _ = usable_kernels()
     kernel = "compiled" if "compiled" in usable else "native"
-    restitution = load_case(path, texts).case.contact.restitution
+    restitution = load_case(path, texts).fields.contact.restitution
     return next(s for s in (Setting(kernel, f) for f in (0.1, 0.05, 0.02)) if stable(s, restitution))
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from children import run_program
-from made_up import INPUTS, plugin_or_skip
+from made_up import INPUTS, plugin_or_skip, run_case
 
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names
@@ -20,8 +20,7 @@ from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.lammps import run_lammps
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.errors import RunError, RunInterrupted
-from lammps_jump.runs import start as pipeline
-from lammps_jump.runs.reopen import reopen
+from lammps_jump.runs import results, start
 from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
@@ -41,14 +40,7 @@ CONTRACT_KEYS = {
 
 
 def job(name: str, folder: Path, *assignments: str, kernel: str = "stock", **options):
-    return pipeline.build_and_run(
-        INPUTS / f"{name}.yaml",
-        out=folder,
-        assignments=[f"engine.kernel={kernel}", *assignments],
-        quiet=True,
-        say=lambda text: None,
-        **options,
-    )
+    return run_case(INPUTS / f"{name}.yaml", folder, [f"engine.kernel={kernel}", *assignments], **options)
 
 
 def numbers(tree):
@@ -75,7 +67,7 @@ def test_every_scene_leaves_the_contract(name, tmp_path):
     discs = summary["discs"]
     assert discs["inserted"] == discs["present"] + discs["removed"] and discs["lost"] == 0
     assert discs["inserted"] > 0 and summary["status"] == "complete"
-    assert (tmp_path / "forces.csv").exists() == bool(load_case(INPUTS / f"{name}.yaml").case.probes.forces)
+    assert (tmp_path / "forces.csv").exists() == bool(load_case(INPUTS / f"{name}.yaml").fields.probes.forces)
 
 
 def test_folder_runs_alone_with_the_same_dump(tmp_path):
@@ -147,13 +139,7 @@ def test_floor_carries_the_weight_of_a_settled_tank(tmp_path, kernel):
     if kernel == "compiled":
         plugin_or_skip()
     (tmp_path / "tank.yaml").write_text(SETTLED)
-    pipeline.build_and_run(
-        tmp_path / "tank.yaml",
-        out=tmp_path / "run",
-        assignments=[f"engine.kernel={kernel}"],
-        quiet=True,
-        say=lambda text: None,
-    )
+    run_case(tmp_path / "tank.yaml", tmp_path / "run", [f"engine.kernel={kernel}"])
     last = {}
     for line in (tmp_path / "run" / "forces.csv").read_text().splitlines()[1:]:
         time, name, fx, fy, _ = line.split(",")
@@ -162,24 +148,17 @@ def test_floor_carries_the_weight_of_a_settled_tank(tmp_path, kernel):
     assert last["left"][1] + last["right"][1] == pytest.approx(0, abs=1e-3 * abs(last["floor"][2]))
 
 
-def test_stored_result_is_returned_and_force_runs_again(tmp_path):
-    said: list[str] = []
+def test_stored_result_is_returned_and_force_runs_again(tmp_path, caplog):
+    caplog.set_level("INFO", "lammps_jump")
 
     def again(**options):
-        return pipeline.build_and_run(
-            INPUTS / "energy_box_7.yaml",
-            out=tmp_path,
-            assignments=["run.duration=1", "engine.kernel=stock"],
-            quiet=True,
-            say=said.append,
-            **options,
-        )
+        return job("energy_box_7", tmp_path, "run.duration=1", **options)
 
     first = again()
     stamp = (tmp_path / "dump.lammpstrj").stat().st_mtime_ns
     assert again() == json.loads((tmp_path / "summary.json").read_text())
     assert (tmp_path / "dump.lammpstrj").stat().st_mtime_ns == stamp
-    assert any("already holds" in text for text in said)
+    assert any("already holds" in text for text in caplog.messages)
     assert again(force=True)["steps"] == first["steps"]
     assert (tmp_path / "dump.lammpstrj").stat().st_mtime_ns != stamp
 
@@ -203,9 +182,7 @@ def test_lost_disc_is_named_and_the_folder_kept(tmp_path):
         "initial: [{kind: list, positions: [[0, 0], [0, 0.5]], velocities: [[5, 0], [0, 0]]}]\nrun: {duration: 2}\n"
     )
     with pytest.raises(RunError, match=r"lost.*disc 1, last seen at \(\d\.\d+, 0\).*widen domain") as error:
-        pipeline.build_and_run(
-            case, out=tmp_path / "run", assignments=["engine.kernel=stock"], quiet=True, say=lambda text: None
-        )
+        run_case(case, tmp_path / "run", ["engine.kernel=stock"])
     assert error.value.exit_status == 1
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["status"] == "failed" and summary["discs"]["lost"] == 1
@@ -275,12 +252,11 @@ def test_command_line_exit_status(tmp_path):
 
 
 def test_build_then_run(tmp_path):
-    prepared = pipeline.prepare(INPUTS / "energy_box_7.yaml", ["run.duration=0.5", "engine.kernel=stock"], tmp_path)
-    pipeline.write_folder(prepared)
+    case = load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.5", "engine.kernel=stock"])
+    built, setting = start.build(case, tmp_path)
     assert not (tmp_path / "dump.lammpstrj").exists()
-    reopened = reopen(tmp_path)
-    assert reopened.hash == prepared.hash
-    summary = pipeline.run_folder(reopened, build_seconds=0.0, quiet=True, say=lambda text: None)
+    assert start.reopen(tmp_path) == (built.case, setting, ()) and built.case == case
+    summary = start.run_folder(tmp_path).summary
     assert summary["discs"]["lost"] == 0
 
 
@@ -306,35 +282,29 @@ def test_poured_discs_all_come_and_stay(tmp_path, engine):
         plugin_or_skip()
     (tmp_path / "pour.yaml").write_text(POUR)
     choice = "engine.name=native" if engine == "native" else f"engine.kernel={engine}"
-    summary = pipeline.build_and_run(
-        tmp_path / "pour.yaml", out=tmp_path / "run", assignments=[choice], quiet=True, say=lambda text: None
-    )
+    summary = run_case(tmp_path / "pour.yaml", tmp_path / "run", [choice])
     assert summary["discs"] == {"inserted": 60, "present": 60, "removed": 0, "lost": 0}
 
 
 def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
-    from lammps_jump.runs.reopen import reanalyse
-
     job("quick_jump", tmp_path, "run.duration=1")
     whole = json.loads((tmp_path / "summary.json").read_text())
     (tmp_path / "summary.json").unlink()  # a killed run writes none
-    found = reanalyse(tmp_path, [], quiet=True)
+    found = start.reanalyse(tmp_path).summary
     assert found["status"] == "complete" and found["discs"] == whole["discs"] and found["steps"] == whole["steps"]
     assert any("reached its end" in text for text in found["warnings"])
     log = (tmp_path / "log.lammps").read_text()
     (tmp_path / "log.lammps").write_text(log[: log.rindex("Loop time of")].rsplit("\n", 2)[0])
     (tmp_path / "summary.json").unlink()
-    found = reanalyse(tmp_path, [], quiet=True)
+    found = start.reanalyse(tmp_path).summary
     assert found["status"] == "interrupted" and 0 < found["steps"] < whole["steps"]
     assert any("cut off" in text for text in found["warnings"])
 
 
 def test_film_of_a_run_with_forces(tmp_path):
-    from lammps_jump.cli.analyze import animate_target
-
     job("dam_break", tmp_path, "run.duration=0.1", "run.output_interval=0.02")
     for name in ("film.gif", "film.mp4"):
-        assert animate_target(tmp_path, tmp_path / name, 10).stat().st_size > 1000
+        assert results.animate(tmp_path, tmp_path / name, 10).stat().st_size > 1000
 
 
 def test_refusal_leaves_an_earlier_result_alone(tmp_path):
@@ -386,7 +356,7 @@ def test_discs_beyond_a_gate_meet_the_same_sheet_on_every_engine(tmp_path):
     for engine, kernel in (("lammps", "stock"), ("lammps", "compiled"), ("native", "auto")):
         out = tmp_path / f"{engine} {kernel}"
         texts = [f"engine.name={engine}", f"engine.kernel={kernel}", "run.integrator=velocity_verlet"]
-        summary = pipeline.build_and_run(case, out=out, assignments=texts, quiet=True, say=lambda text: None)
+        summary = run_case(case, out, texts)
         assert summary["status"] == "complete"
         frames = [frame.sorted() for frame in open_dump(out / "dump.lammpstrj")]
         # the first thing that the disc at the gate does is to bounce off it
@@ -413,9 +383,7 @@ outflow: [{x_beyond: 0.6}]
 run: {duration: 1, time_step_fraction: 0.1}
 """
     )
-    summary = pipeline.build_and_run(
-        case, out=tmp_path / "out", assignments=["engine.kernel=stock"], quiet=True, say=lambda text: None
-    )
+    summary = run_case(case, tmp_path / "out", ["engine.kernel=stock"])
     assert summary["status"] == "complete"
     discs = summary["discs"]
     assert discs["removed"] >= 3 and discs["lost"] == 0

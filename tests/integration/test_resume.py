@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_up import run_case
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
@@ -22,8 +23,7 @@ from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
-from lammps_jump.runs import start as pipeline
-from lammps_jump.runs.resume import resume_case
+from lammps_jump.runs import engine, results
 from lammps_jump.scene.scene import Gate, Pour
 from lammps_jump.scene.walls import Plane
 from lammps_jump.script import write_script
@@ -240,24 +240,24 @@ def test_ranks_that_are_asked_by_their_file_end_in_order(tmp_path):
 def test_whole_job(tmp_path, monkeypatch):
     """Interrupted, refused for another case, gone on with, and then a folder like any other."""
     case, changes = INPUTS / "dam_break.yaml", ["engine.kernel=stock", *COLLAPSE]
-    options = {"out": tmp_path / "run", "quiet": True, "say": lambda text: None}
-    monkeypatch.setattr(pipeline, "analyse", lambda prepared, result, quiet: {})  # seconds, and the same as ever
-    monkeypatch.setattr(pipeline, "report", lambda prepared, summary: (prepared.folder / "report.html").write_text(""))
+    folder = tmp_path / "run"
+    monkeypatch.setattr(results, "analyse", lambda case, folder, engine: {})  # seconds, and the same as ever
+    monkeypatch.setattr(results, "write_report", lambda folder, summary, case: (folder / "report.html").write_text(""))
     with monkeypatch.context() as patch:
         patch.setattr("lammps_jump.engines.lammps.run_lammps", partial(run_lammps, stop_at=3000))
         with pytest.raises(RunInterrupted, match="--resume"):
-            pipeline.build_and_run(case, assignments=changes, **options)
+            run_case(case, folder, changes)
     first = json.loads((tmp_path / "run/summary.json").read_text())
     assert first["status"] == "interrupted"
     with pytest.raises(ResumeError, match="differs"):
-        resume_case(case, assignments=[*changes, "run.seed=5"], **options)
+        run_case(case, folder, [*changes, "run.seed=5"], resume=True)
     shutil.copytree(tmp_path / "run", tmp_path / "copy")
     with monkeypatch.context() as patch:  # a part that cannot begin, for want of a library say, spoils nothing
-        patch.setattr(pipeline, "_write_continuation", lambda prepared, checkpoint: None)
+        patch.setattr(engine, "write_continuation", lambda *place, **options: None)
         with pytest.raises(RunError, match="checkpoint is kept"):
-            resume_case(case, assignments=changes, **options)
-    summary = resume_case(case, assignments=changes, **options)
-    whole = pipeline.build_and_run(case, assignments=changes, **{**options, "out": tmp_path / "whole"})
+            run_case(case, folder, changes, resume=True)
+    summary = run_case(case, folder, changes, resume=True)
+    whole = run_case(case, tmp_path / "whole", changes)
     for key in ("status", "steps", "simulated_time", "disc_steps", "discs", "case_hash", "message"):
         assert summary[key] == whole[key]
     assert summary["resumed_at"] == [first["simulated_time"]]
@@ -272,5 +272,5 @@ def test_whole_job(tmp_path, monkeypatch):
     for name in ("dump.lammpstrj", "log.lammps"):
         with (again / name).open("ab") as file:
             file.write(b"torn")
-    resume_case(case, assignments=changes, **{**options, "out": again})
+    run_case(case, again, changes, resume=True)
     assert (again / "dump.lammpstrj").read_bytes() == (tmp_path / "run/dump.lammpstrj").read_bytes()

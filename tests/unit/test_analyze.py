@@ -12,7 +12,7 @@ from lammps_jump.analysis.analyze import analyze_dump, plain
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import AnalysisRequest, with_velocities
 from lammps_jump.analysis.profiles import read_profiles
-from lammps_jump.cli.analyze import analyze_target
+from lammps_jump.cli.analyse import analyze
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
@@ -153,12 +153,12 @@ def test_plain():
     assert plain(given) == {"a": None, "1": [3, None, [1.0, None]], "b": True}
 
 
-def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path):
+def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path, capsys):
     dump_of(tmp_path / "dump.flow", [bore(20.0)] * 2)
-    said = []
-    options = {"out": None, "case": None, "diameter": None, "density": 1000.0, "bin_width": None, "assignments": []}
-    parts = analyze_target(tmp_path, **options, quiet=False, say=said.append)
+    analyze(tmp_path, density=1000.0)
+    said = capsys.readouterr().out.splitlines()
     notes = [text for text in said if text.startswith("note: ")]
+    parts = json.loads((tmp_path / "dump_analysis" / "summary.json").read_text())
     assert len(notes) == len(set(notes)) == len(parts["warnings"])
     for guess in ("Diameter guessed as 0.2 m", "Gravity taken as 9.81", "Floor taken at y = "):
         assert sum(guess in note for note in notes) == 1

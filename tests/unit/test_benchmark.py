@@ -43,11 +43,11 @@ def test_assignments_make_the_case(tmp_path):
         "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
     )
     setting = Setting("native", 0.02, "smooth", penetration=20.0, correction=False, skin=0.2)
-    case = load_case(path, setting.assignments(0.4)).case
+    case = load_case(path, setting.assignments(0.4)).fields
     assert case.engine.name == "native" and case.run.time_step_fraction == 0.02
     assert case.contact.touch == "smooth" and case.contact.penetration_fraction == 20
     assert case.contact.correct_restitution is False and case.engine.skin == pytest.approx(0.08)
-    moved = load_case(path, jittered(path, [], 3)).case
+    moved = load_case(path, jittered(path, [], 3)).fields
     assert moved.run.seed == case.run.seed + 3 and moved.initial[0].jitter == JITTER
 
 

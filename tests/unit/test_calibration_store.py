@@ -46,7 +46,7 @@ def file(tmp_path):
 
 
 def case(text=BOX, *assignments):
-    return parse_case(text, "box.yaml", assignments).case
+    return parse_case(text, "box.yaml", assignments).fields
 
 
 def test_cheapest_shown_is_chosen(file):

@@ -17,7 +17,7 @@ GROUPS = ("discs", "contact", "run", "engine", "probes", "analysis")
 
 
 def fields():
-    for name, field in models.Case.model_fields.items():
+    for name, field in models.CaseFields.model_fields.items():
         if name in GROUPS:
             for inner, part in field.annotation.model_fields.items():
                 yield f"{name}.{inner}", part

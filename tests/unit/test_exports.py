@@ -11,7 +11,7 @@ from made_up import flow_context
 from lammps_jump.analysis.fields import compute_fields
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.exports import write_pictures, write_profiles_csv, write_pvd, write_table, write_vti, write_vtp
-from lammps_jump.dump.find import find_dump, open_run_dump, read_forces
+from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.frame import make_frame, ten_indices
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
@@ -123,13 +123,13 @@ def test_a_folder_with_one_dump_in_it_has_that_dump_whatever_its_name(tmp_path):
     (tmp_path / "dump.parts").mkdir()  # a folder is no dump
     theirs = dump(tmp_path, 2).path.rename(tmp_path / "dump.flow")
     assert find_dump(tmp_path) == find_dump(theirs) == theirs
-    assert open_run_dump(tmp_path).count() == 2
+    assert read_dump(tmp_path).count() == 2
     (tmp_path / "dump.forces").write_text("")
     with pytest.raises(DumpError, match=r"2 dumps in this folder \(dump.flow … dump.forces\); name one"):
         find_dump(tmp_path)
     # a run's own dump goes before whatever else was written beside it
     ours = dump(tmp_path, 3).path
-    assert find_dump(tmp_path) == ours and open_run_dump(tmp_path).count() == 3
+    assert find_dump(tmp_path) == ours and read_dump(tmp_path).count() == 3
 
 
 def test_forces(tmp_path):

@@ -13,22 +13,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 from children import run_program
+from made_up import run_case
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.cli import app as cli
+from lammps_jump.cli import run as cli
+from lammps_jump.cli.app import main
+from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.read import open_dump
-from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, fingerprint, read_checkpoint
+from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, read_checkpoint
 from lammps_jump.engines.interrupts import counted_interrupts, terminate_as_interrupt
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.engines.result import Progress, interruption
 from lammps_jump.errors import CaseError, ResumeError, RunInterrupted
-from lammps_jump.runs import start as pipeline
-from lammps_jump.runs.progress import ProgressLine
-from lammps_jump.runs.reopen import reopen
-from lammps_jump.runs.resume import resume_case, resume_prepared
+from lammps_jump.provenance import fingerprint
+from lammps_jump.runs import results, start
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Box
@@ -168,21 +169,19 @@ CHANGES = ["engine.name=native", "run.duration=1.2", "run.output_interval=0.05"]
 
 
 def job(folder: Path, changes=CHANGES, **options):
-    return pipeline.build_and_run(
-        INPUTS / "quick_jump.yaml", out=folder, assignments=changes, quiet=True, say=lambda text: None, **options
-    )
+    return run_case(INPUTS / "quick_jump.yaml", folder, changes, **options)
 
 
 @pytest.fixture
 def light(monkeypatch):
     """No figures: seconds for each folder, and other tests look at them."""
 
-    def analyse(prepared, result, quiet):
-        (prepared.folder / "profiles.nc").write_text(f"of {result.steps} steps")
+    def analyse(case, folder, engine):
+        (folder / "profiles.nc").write_text(f"of {case.name}")
         return {}
 
-    monkeypatch.setattr(pipeline, "analyse", analyse)
-    monkeypatch.setattr(pipeline, "report", lambda prepared, summary: (prepared.folder / "report.html").write_text(""))
+    monkeypatch.setattr(results, "analyse", analyse)
+    monkeypatch.setattr(results, "write_report", lambda folder, summary, case: (folder / "report.html").write_text(""))
 
 
 @pytest.fixture
@@ -200,9 +199,7 @@ def snapshot(folder: Path) -> dict[str, bytes]:
 
 
 def resume(folder: Path, changes=CHANGES):
-    return resume_case(
-        INPUTS / "quick_jump.yaml", out=folder, assignments=changes, quiet=True, say=lambda text: None
-    )  # fmt: skip
+    return run_case(INPUTS / "quick_jump.yaml", folder, changes, resume=True)
 
 
 def test_folder_afterwards_is_that_of_an_uninterrupted_run(tmp_path, interrupted):
@@ -225,7 +222,7 @@ def test_folder_afterwards_is_that_of_an_uninterrupted_run(tmp_path, interrupted
 
 
 def test_the_folder_alone_is_enough(interrupted):
-    summary = resume_prepared(reopen(interrupted), quiet=True, say=lambda text: None)
+    summary = start.run_folder(interrupted, resume=True).summary
     assert summary["status"] == "complete" and summary["steps"] == 5640
 
 
@@ -288,7 +285,7 @@ def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypa
     assert (tmp_path / "dump.lammpstrj").read_bytes() == (tmp_path / "whole/dump.lammpstrj").read_bytes()
     monkeypatch.setattr(sys, "argv", ["lammps-jump", "run", str(tmp_path), "--resume"])
     with pytest.raises(SystemExit) as end:
-        cli.main()
+        main()
     assert end.value.code == 2 and "the run is finished" in capsys.readouterr().err
 
 

@@ -10,12 +10,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from made_up import INPUTS
+from made_up import INPUTS, run_case
 
 from lammps_jump.cli.app import main
 from lammps_jump.errors import RunInterrupted
-from lammps_jump.runs import start as pipeline
-from lammps_jump.runs.reopen import reanalyse, reopen
+from lammps_jump.runs import start
+from lammps_jump.runs.folder import write_folder
 
 SHORT = ("run.duration=0.1", "run.output_interval=0.02", "engine.name=native", "analysis.jump=false")
 
@@ -23,8 +23,7 @@ SHORT = ("run.duration=0.1", "run.output_interval=0.02", "engine.name=native", "
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("finished") / "run"
-    options = {"assignments": list(SHORT), "quiet": True, "say": lambda text: None}
-    pipeline.build_and_run(INPUTS / "quick_jump.yaml", out=folder, **options)
+    run_case(INPUTS / "quick_jump.yaml", folder, SHORT)
     return folder
 
 
@@ -109,7 +108,8 @@ def test_another_run_leaves_files_of_the_user(folder):
     assert {"force_sill.csv", "figures/depth_profile.png"} <= {
         str(path.relative_to(folder)) for path in map(Path, files(folder))
     }
-    pipeline.write_folder(reopen(folder))
+    case, setting, _ = start.reopen(folder)
+    write_folder(case, folder, setting)
     left = {str(Path(path).relative_to(folder)) for path in files(folder)}
     assert left == {"case.yaml", *mine}
 
@@ -126,10 +126,10 @@ def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
     with monkeypatch.context() as patch:
         patch.setattr("lammps_jump.analysis.analyze.analyze_run", ended)
         with pytest.raises(RunInterrupted, match=r"analysis was ended.*lammps-jump analyze"):
-            reanalyse(folder, [], quiet=True)
+            start.reanalyse(folder)
     status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")
     assert status == 2 and f"`lammps-jump analyze {folder}`" in message and "reached its end" in message
-    found = reanalyse(folder, [], quiet=True)
+    found = start.reanalyse(folder).summary
     assert found["status"] == "complete" and found["steps"] == whole["steps"]
     assert found["discs"] == whole["discs"] and found["case_hash"] == whole["case_hash"]
     assert not any("cut off" in text for text in found["warnings"])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lammps_jump.runs.steady import SteadyDetector, Tolerances, drift_of, flow_state, t_quantile
+from lammps_jump.runs.steady import SteadyDetector, Tolerances, drift_of, flow_state
 
 STEP, WINDOW = 0.1, 10.0
 
@@ -82,9 +82,12 @@ def test_drift_of_a_line_is_exact():
     assert drift_of(np.ones(10)).margin == float("inf")
 
 
-def test_t_quantile_against_tables():
-    assert t_quantile(0.95, 14) == pytest.approx(1.7613, rel=1e-3)
-    assert t_quantile(0.975, 10) == pytest.approx(2.2281, rel=2e-3)
+@pytest.mark.parametrize(("batches", "quantiles"), [(16, (1.7613, 2.1448)), (12, (1.8125, 2.2281))])
+def test_margin_grows_with_students_quantile(batches, quantiles):
+    """Tables of t at 95 % and 97.5 %, for the degrees of freedom of the fit."""
+    noise = np.random.default_rng(1).standard_normal(10 * batches)
+    narrow, wide = (drift_of(noise, confidence, batches).margin for confidence in (0.95, 0.975))
+    assert wide / narrow == pytest.approx(quantiles[1] / quantiles[0], rel=1e-4)
 
 
 def test_window_must_be_a_length():

@@ -13,15 +13,15 @@ from PIL import Image
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.cli.live import SECONDS, LiveView, newest_frame_text
+from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.engines.lammps.drive import Watch
 from lammps_jump.engines.lammps.job import job_text
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.ranks import choose_ranks, expected_discs
 from lammps_jump.engines.result import Progress
-from lammps_jump.runs.live import SECONDS, LiveView, newest_frame_text
-from lammps_jump.runs.progress import ProgressLine
-from lammps_jump.runs.steady_watch import SteadyWatch, steady_window
+from lammps_jump.runs.steady import SteadyWatch, steady_window
 
 
 @pytest.fixture

@@ -12,7 +12,6 @@ from lammps_jump.engines.checkpoint import (
     Checkpoint,
     cut_back,
     file_sizes,
-    fingerprint,
     remove_checkpoint,
     write_checkpoint,
 )
@@ -20,6 +19,7 @@ from lammps_jump.engines.interrupts import counted_interrupts
 from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import DUMP_NAMES
+from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
 from .cells import CellSimulation

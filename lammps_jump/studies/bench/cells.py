@@ -34,14 +34,14 @@ def bench_cells(
     say: Callable[[str], None] = print,
 ) -> str:  # fmt: skip
     """``lammps-jump bench CASE --cells``: table and figure of CPU time against cell size."""
-    from lammps_jump.case import case_hash, load_case
+    from lammps_jump.case import load_case
     from lammps_jump.case.to_scene import build_scene
 
     loaded = load_case(case, [*assignments, "engine.name=native"])
     scene = build_scene(loaded)
     if quick:
         scene = replace(scene, steps=min(scene.steps, 2000), output_steps=min(scene.steps, 2000))
-    folder = Path(out) if out else Path("runs") / "bench" / loaded.case.name
+    folder = Path(out) if out else Path("runs") / "bench" / loaded.name
     store = Store(folder / "cells.json", fresh=fresh)
     sizes: list[float | None] = [None, *((1.0, 2.0, 4.0) if quick else SIZES)]
     rounds = 1 if quick else 3
@@ -49,7 +49,7 @@ def bench_cells(
         cell_time(replace(scene, steps=2, output_steps=2), size)
     times: dict[float | None, list[tuple[float, float]]] = {size: [] for size in sizes}
     for number, size in in_turn(sizes, rounds):
-        key = f"{size} {number} {scene.steps} {case_hash(loaded.case)} {versions()}"
+        key = f"{size} {number} {scene.steps} {loaded.hash} {versions()}"
         times[size].append(tuple(store.piece(key, lambda s=size: list(cell_time(scene, s)))))
         say(f"  {'neighbour list' if size is None else f'cells of {size:g} d'}: {times[size][-1][0]:.2f} s")
     rows = [
@@ -60,9 +60,9 @@ def bench_cells(
         }
         for size in sizes
     ]
-    store.data |= {"case": loaded.case.name, "rows": rows, "machine": machine(), "rounds": rounds}
+    store.data |= {"case": loaded.name, "rows": rows, "machine": machine(), "rounds": rounds}
     store.save()
-    draw_cells(rows, loaded.case.name, folder / "cells.png")
+    draw_cells(rows, loaded.name, folder / "cells.png")
     table = cell_table(rows)
     (folder / "cells.md").write_text(table)
     return table

@@ -94,7 +94,7 @@ def stored(case: Path, out: Path | None) -> dict:
     """
     from lammps_jump.case import load_case
 
-    path = (out or Path("runs") / "bench" / load_case(case).case.name) / "bench.json"
+    path = (out or Path("runs") / "bench" / load_case(case).fields.name) / "bench.json"
     try:
         data = json.loads(path.read_text())
     except (OSError, ValueError):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.case import load_case
-from lammps_jump.case.load import LoadedCase
+from lammps_jump.case.load import Case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines.result import RunResult
 from lammps_jump.errors import DumpError, JumpError, RunInterrupted
@@ -34,7 +34,7 @@ def jittered(path: str | Path, assignments: list[str], member: int) -> list[str]
 
     Discs at the start are shifted at random; a jet without any enters so much higher up.
     """
-    case = load_case(path, assignments).case
+    case = load_case(path, assignments).fields
     texts = [f"run.seed={case.run.seed + member}"]
     texts += [f"initial.{i}.jitter={max(item.jitter, JITTER)!r}" for i, item in enumerate(case.initial)]
     if case.inflow is not None and case.inflow.kind == "rows" and member:
@@ -69,7 +69,7 @@ def run_setting(
     RunInterrupted
         Where the user ended the run.
     """
-    own = load_case(path, assignments).case
+    own = load_case(path, assignments).fields
     texts = [*assignments, *setting.assignments(own.discs.diameter)]
     try:
         texts += jittered(path, texts, member)
@@ -143,19 +143,19 @@ def warm_up(scene: Scene) -> None:
         _WARM.add(kind)
 
 
-def measure(folder: Path, scene: Scene, loaded: LoadedCase, result: RunResult) -> dict[str, Any]:
+def measure(folder: Path, scene: Scene, loaded: Case, result: RunResult) -> dict[str, Any]:
     """What the case asks of a run, as numbers and curves: energy, front, jump, impulse on structures."""
     from lammps_jump.analysis.flow import from_scene
-    from lammps_jump.dump.find import open_run_dump, read_forces
+    from lammps_jump.dump.find import read_dump, read_forces
 
-    asked = loaded.case.analysis
+    asked = loaded.fields.analysis
     context = from_scene(scene, bin_width=asked.bin_width, window=asked.window)
     measures: dict[str, Any] = {}
-    dump = open_run_dump(folder)
+    dump = read_dump(folder)
     if asked.energy:
         measures |= _energy(dump, context)
     if asked.front:
-        measures |= _front(dump, context, loaded.case.run.duration)
+        measures |= _front(dump, context, loaded.fields.run.duration)
     if asked.jump:
         measures |= _jump(dump, context)
     if scene.probes and (folder / "forces.csv").is_file():

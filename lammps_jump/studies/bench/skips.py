@@ -191,23 +191,23 @@ def bench_skips(
     say: Callable[[str], None] = print,
 ) -> str:  # fmt: skip
     """``lammps-jump bench CASE --skips``: time that each skip saves, and that it changes nothing; a markdown table."""
-    from lammps_jump.case import case_hash, load_case
+    from lammps_jump.case import load_case
     from lammps_jump.case.to_scene import build_scene
 
     texts = [*assignments, "engine.name=lammps", "engine.kernel=stock"]
     loaded = load_case(case, texts)
     scene = build_scene(loaded)
-    folder = Path(out) if out else Path("runs") / "bench" / loaded.case.name
+    folder = Path(out) if out else Path("runs") / "bench" / loaded.name
     store = Store(folder / "skips.json", fresh=fresh)
     rounds = 1 if quick else 5
-    identity = f"{case_hash(loaded.case)} {versions()} {rounds}"
+    identity = f"{loaded.hash} {versions()} {rounds}"
     rows: list[dict[str, Any]] = []
     for skip in SKIPS:
         row = store.piece(f"{skip.name} {identity}", lambda s=skip: _skip_row(scene, s, rounds))
         rows.append(row)
         say(f"  {skip.name}: " + (row["verdict"]))
     formats = store.piece(f"formats {identity}", lambda: dump_formats(scene, rounds))
-    store.data |= {"case": loaded.case.name, "rows": rows, "formats": formats, "machine": machine(), "rounds": rounds}
+    store.data |= {"case": loaded.name, "rows": rows, "formats": formats, "machine": machine(), "rounds": rounds}
     store.save()
     table = skip_table(rows, formats)
     (folder / "skips.md").write_text(table)

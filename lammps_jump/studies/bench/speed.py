@@ -87,7 +87,7 @@ def bench_speed(
     SetupError
         Where LAMMPS does not run here.
     """
-    from lammps_jump.case import case_hash, load_case
+    from lammps_jump.case import load_case
     from lammps_jump.case.to_scene import build_scene
 
     kernels, notes = usable_kernels()
@@ -103,16 +103,16 @@ def bench_speed(
         return build_scene(load_case(case, texts))
 
     loaded = load_case(case, list(assignments))
-    folder = Path(out) if out else Path("runs") / "bench" / loaded.case.name
+    folder = Path(out) if out else Path("runs") / "bench" / loaded.name
     store = Store(folder / "speed.json", fresh=fresh)
     work, rounds = (QUICK_WORK, 1) if quick else (WORK, ROUNDS)
     developed = developed_scene(scene_of(Variant("native", "native")), work=16 * work)
     discs = len(developed.positions)
     steps = max(100, int(work / max(discs, 1)))
-    say(f"{loaded.case.name}: {discs} discs, {developed.description}; {rounds} rounds of {steps} steps")
-    variants = make_variants(kernels, loaded.case.contact.friction, developed.diameter, skins=not quick)
+    say(f"{loaded.name}: {discs} discs, {developed.description}; {rounds} rounds of {steps} steps")
+    variants = make_variants(kernels, loaded.fields.contact.friction, developed.diameter, skins=not quick)
     scenes = {v.name: started_from(developed, scene_of(v), steps) for v in variants}
-    identity = f"{case_hash(loaded.case)} {steps} {versions()}"
+    identity = f"{loaded.hash} {steps} {versions()}"
     taken: dict[str, list[dict[str, float]]] = {v.name: [] for v in variants}
     for number, variant in in_turn(variants, rounds):
         piece = store.piece(f"{variant.name} {number} {identity}", lambda v=variant: _timed(scenes[v.name], v.kernel))
@@ -121,7 +121,7 @@ def bench_speed(
     rows = [_row(v.name, taken[v.name], taken["stock"]) for v in variants]
     agreement = store.piece(f"agreement {identity}", lambda: _agreement(developed, scene_of, variants))
     store.data |= {
-        "case": loaded.case.name, "discs": discs, "steps": steps, "rounds": rounds, "rows": rows,
+        "case": loaded.name, "discs": discs, "steps": steps, "rounds": rounds, "rows": rows,
         "agreement": agreement, "machine": machine(), "versions": versions(),
     }  # fmt: skip
     store.save()

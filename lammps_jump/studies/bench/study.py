@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from lammps_jump.case import case_hash, load_case
+from lammps_jump.case import load_case
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.studies.timing import Store, in_turn, machine, middle, versions
 
@@ -75,13 +75,13 @@ def bench_case(
     """
     if members is not None and members < 1:
         raise CaseError(f"--members {members}: allowed is 1 or more")
-    own = load_case(path, list(assignments)).case
+    own = load_case(path, list(assignments))
     chosen = parse_axes(axes or ("f,touch,kernel" if quick else None))
     usable, notes = usable_kernels()
     usable = [kernel for kernel in usable if kernels is None or kernel in kernels] or usable
     fractions = tuple(fractions or (QUICK_FRACTIONS if quick else FRACTIONS))
     settings = make_settings(
-        chosen, restitution=own.contact.restitution, kernels=usable, fractions=fractions, diameters=diameters,
+        chosen, restitution=own.fields.contact.restitution, kernels=usable, fractions=fractions, diameters=diameters,
         penetrations=(5.0, 20.0) if quick else (5.0, 10.0, 20.0, 40.0),
     )  # fmt: skip
     reference = reference_setting(0.02 if quick else min(FRACTIONS), usable)
@@ -97,7 +97,7 @@ def bench_case(
 
 
 def _run_all(store: Store, path, assignments, own, settings: list[Setting], rounds: int, say: Say) -> None:
-    identity = (case_hash(own), versions())
+    identity = (own.hash, versions())
     todo = [pair for pair in in_turn(settings, rounds) if _key(pair[1], identity, pair[0]) not in store.pieces]
     _warm_engines(path, assignments, {setting.kernel for _, setting in todo})
     for done, (member, setting) in enumerate(todo, 1):
@@ -119,7 +119,7 @@ def _warm_engines(path, assignments, kernels: set[str]) -> None:
 
 def stored_runs(store: Store, setting: Setting, own) -> list[dict[str, Any]]:
     """Every stored run of a setting, also of starts that an earlier call asked for and this one did not."""
-    keys = [_key(setting, (case_hash(own), versions()), member) for member in range(MOST_MEMBERS)]
+    keys = [_key(setting, (own.hash, versions()), member) for member in range(MOST_MEMBERS)]
     return [store.pieces[key] for key in keys if key in store.pieces]
 
 
@@ -137,10 +137,10 @@ def finish(store: Store, own, settings, reference, rounds: int, notes, *, figure
     quantities = names_of([run for group in runs.values() for run in group])
     store.data |= {
         "case": own.name,
-        "case_hash": case_hash(own),
-        "restitution": own.contact.restitution,
-        "friction": own.contact.friction,
-        "duration": own.run.duration,
+        "case_hash": own.hash,
+        "restitution": own.fields.contact.restitution,
+        "friction": own.fields.contact.friction,
+        "duration": own.fields.run.duration,
         "members": rounds,
         "reference": reference.label,
         "versions": versions(),

@@ -18,8 +18,8 @@ import numpy as np
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.engines.result import ProgressCallback
 from lammps_jump.errors import SetupError
-from lammps_jump.runs.progress import ProgressLine
 from lammps_jump.scene.scene import Scene
 
 from .divergence import TWIN_JITTER, measure_divergence
@@ -39,6 +39,7 @@ SEQUENT_LIMIT, SPEED_LIMIT = 0.03, 0.10
 RESULT_FILE, REPORT_FILE = "cross_validation.json", "cross_validation.html"
 
 Say = Callable[[str], None]
+Line = Callable[[float], ProgressCallback]
 CHAOS_SHARE = 0.1
 CHAOS = "the native engine, started a few last digits off, parts from itself by {:.1e} d in these steps"
 """Why a case may part within the steps compared: where its twin has parted by at least this share of it."""
@@ -52,7 +53,7 @@ def cross_validate(
     members: int | None = None,
     quick: bool = False,
     kernel: str = "auto",
-    quiet: bool = False,
+    line: Line | None = None,
     say: Say = print,
 ) -> dict[str, Any]:
     """Compare the engines on a case and leave ``cross_validation.json``, figures and a report in a folder.
@@ -69,6 +70,8 @@ def cross_validate(
         Runs in each ensemble, at least 2; default 6, with `quick` 3.
     quick : bool
         Fewer members, a shorter divergence run, no comparison of laws.
+    line : callable, optional
+        Makes a progress callback with ``finish()`` of the end time, s, of a run.
     kernel : {'auto', 'stock', 'compiled'}
         LAMMPS kernel of the ensembles; the disc-by-disc part uses stock, and the compiled one
         where there is one.
@@ -99,9 +102,9 @@ def cross_validate(
         say(f"note: {note}")
     _disc_by_disc(study, say, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
     seeds = list(range(1, count + 1))
-    _ensembles(study, seeds, folder, quiet, say)
+    _ensembles(study, seeds, folder, line, say)
     if not quick:
-        _laws(study, path, assignments or [], seeds, folder, quiet, say)
+        _laws(study, path, assignments or [], seeds, folder, line, say)
     study.criteria = criteria(study)
     study.seconds = time.perf_counter() - begin
     from .figures import draw_all
@@ -118,7 +121,7 @@ def run_command(path: Path, *, out: Path | None, quiet: bool, say: Say, **option
     """`cross_validate` for the command line: prints the outcome; whether everything that must agree does."""
     from .report import verdict_text
 
-    report = cross_validate(path, out=out, quiet=quiet, say=say, **options)
+    report = cross_validate(path, out=out, say=say, **options)
     folder = out or Path("runs") / f"{report['name']}_cross_validation"
     if not quiet or not report["passed"]:
         print(f"{verdict_text(report)}\nlook at {folder / REPORT_FILE}")
@@ -138,7 +141,7 @@ def _prepare(path: str | Path, assignments: list[str], kernel: str) -> Study:
         )
     engine, more = choose_engine(kernel, scene)
     return Study(
-        name=loaded.case.name, scene=scene, loaded=loaded, engine=engine, checks=[], known={},
+        name=loaded.name, scene=scene, loaded=loaded, engine=engine, checks=[], known={},
         divergence=None, members={}, quantities={}, comparison=None, laws={}, criteria=[], notes=[*notes, *more],
     )  # fmt: skip
 
@@ -211,13 +214,13 @@ def _per(growth: Growth) -> str:
     return f"{1.0 / growth.rate:.3g}" if growth.rate > 0 else "?"
 
 
-def _ensembles(study: Study, seeds: list[int], folder: Path, quiet: bool, say: Say) -> None:
-    request = study.loaded.case.analysis
+def _ensembles(study: Study, seeds: list[int], folder: Path, line: Line | None, say: Say) -> None:
+    request = study.loaded.fields.analysis
     wanted = wanted_of(study)
     for engine in (study.engine, EngineChoice("native")):
         members = run_ensemble(
             study.scene, seeds, engine, folder / "members", bin_width=request.bin_width, window=request.window,
-            before=_before(study.scene, quiet), after=_after(say),
+            before=_before(study.scene, line), after=_after(say),
         )  # fmt: skip
         study.members[engine.label] = members
         study.quantities[engine.label] = [
@@ -231,19 +234,22 @@ def _ensembles(study: Study, seeds: list[int], folder: Path, quiet: bool, say: S
 
 def wanted_of(study: Study) -> Wanted:
     """Which analyses the case asks for."""
-    case, scene = study.loaded.case, study.scene
+    case, scene = study.loaded.fields, study.scene
     conservative = scene.coefficients.restitution == 1.0 and not scene.coefficients.friction and not scene.inlets
     return Wanted(case.analysis.front, case.analysis.jump, conservative)
 
 
-def _before(scene: Scene, quiet: bool):
-    line: list[ProgressLine] = []
+def _before(scene: Scene, line: Line | None):
+    """Start a line of progress before each run of the scene; None where none is wanted."""
+    if line is None:
+        return None
+    shown: list[ProgressCallback] = []
 
-    def start(name: str, seed: int) -> ProgressLine:
-        if line:
-            line[0].finish()
-        line[:] = [ProgressLine(scene.time(scene.steps), quiet=quiet)]
-        return line[0]
+    def start(name: str, seed: int) -> ProgressCallback:
+        if shown:
+            shown[0].finish()
+        shown[:] = [line(scene.time(scene.steps))]
+        return shown[0]
 
     return start
 
@@ -267,9 +273,11 @@ LAWS = {
 }  # fmt: skip
 
 
-def _laws(study: Study, path, assignments: list[str], seeds: list[int], folder: Path, quiet: bool, say: Say) -> None:
+def _laws(
+    study: Study, path, assignments: list[str], seeds: list[int], folder: Path, line: Line | None, say: Say
+) -> None:
     """What each choice changes, on the native engine, which has them all."""
-    case, scene = study.loaded.case, study.scene
+    case, scene = study.loaded.fields, study.scene
     rubs = scene.coefficients.friction > 0
     request = case.analysis
     wanted = wanted_of(study)
@@ -283,7 +291,7 @@ def _laws(study: Study, path, assignments: list[str], seeds: list[int], folder: 
         other = build_scene(load_case(path, [*base, "engine.ranks=1", *changes]))
         members = run_ensemble(
             other, seeds, EngineChoice("native"), folder / "members", bin_width=request.bin_width,
-            window=request.window, label=f"native_{label}", before=_before(other, quiet), after=_after(say),
+            window=request.window, label=f"native_{label}", before=_before(other, line), after=_after(say),
         )  # fmt: skip
         found = [measure(member, other, wanted, request.bin_width, request.window) for member in members]
         study.members[f"native_{label}"] = members

@@ -220,13 +220,13 @@ def energy_gain(folder: Path, scene) -> float | None:
     """
     from lammps_jump.analysis.energy import EnergyLedger
     from lammps_jump.analysis.flow import from_scene
-    from lammps_jump.dump.find import open_run_dump
+    from lammps_jump.dump.find import read_dump
 
     if scene.inlets or scene.outlets or scene.pours or not len(scene.positions):
         return None
     context = from_scene(scene)
     ledger = EnergyLedger(context)
-    for frame in open_run_dump(folder):
+    for frame in read_dump(folder):
         ledger.add(frame, context.time(frame))
     history = ledger.result()
     elastic = 0.0 if history.elastic is None else history.elastic[0]

@@ -8,6 +8,9 @@ import tempfile
 import time
 from pathlib import Path
 
+from lammps_jump.analysis.draw.film import still
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.result import Progress, ProgressCallback
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
@@ -55,8 +58,6 @@ class LiveView:
     """
 
     def __init__(self, scene: Scene, folder: Path, then: ProgressCallback):
-        from lammps_jump.analysis.flow import from_scene
-
         self.context = from_scene(scene)
         self.dump = folder / "dump.lammpstrj"
         self.picture = folder / PICTURE
@@ -83,9 +84,6 @@ class LiveView:
             self._draw(text)
 
     def _draw(self, text: bytes) -> None:
-        from lammps_jump.analysis.draw.film import still
-        from lammps_jump.dump.read import open_dump
-
         with tempfile.NamedTemporaryFile(suffix=".lammpstrj") as copy:
             copy.write(text)
             copy.flush()

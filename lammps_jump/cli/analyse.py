@@ -1,0 +1,95 @@
+"""Commands that look at a run or a dump: analyze, animate, export."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import lammps_jump as lj
+import lammps_jump.runs as runs
+from lammps_jump.errors import CaseError
+
+from .options import Quiet, Sets, place, sayer, told
+from .run import print_summary
+
+app = typer.Typer(rich_markup_mode=None)
+
+
+@app.command()
+def analyze(
+    target: Annotated[Path, typer.Argument(help="Run folder, or any LAMMPS custom dump with x y.", show_default=False)],
+    out: Annotated[Path | None, place("Folder for the results of a bare dump (default: beside it).")] = None,
+    case: Annotated[Path | None, typer.Option("--case", help="Case file that belongs to a bare dump.")] = None,
+    diameter: Annotated[float | None, typer.Option(help="Disc diameter, m (of a bare dump; default: guessed).")] = None,
+    density: Annotated[float | None, typer.Option(help="Density, kg/m^3 (of a bare dump; default 1000).")] = None,
+    bin_width: Annotated[float | None, typer.Option(help="Width of a profile bin, m.")] = None,
+    set_: Sets = None,
+    quiet: Quiet = False,
+) -> None:
+    """Depth profiles, jump, front, forces and figures of a run folder or of anybody's dump."""
+    _positive("--bin-width", bin_width, "m")
+    of_a_dump = {"--out": out, "--case": case, "--diameter": diameter, "--density": density}
+    if target.is_dir() and (target / "case.yaml").exists():
+        for option, value in of_a_dump.items():
+            if value is not None:
+                raise CaseError(
+                    f"{option} {value}: {target} is a run folder, whose case says all that and whose results stay in "
+                    f"it; {option} goes with a bare dump: name the dump file itself to analyse it as one"
+                )
+        with told(quiet):
+            done = runs.start.reanalyse(
+                target, [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))]
+            )
+        if not quiet:
+            print_summary(done.summary, target)
+        return
+    _positive("--diameter", diameter, "m")
+    _positive("--density", density, "kg/m^3")
+    if case is None and set_:
+        raise CaseError(f"--set {set_[0]}: changes a case, and a bare dump has none; name it with --case")
+    for option, value in {"--diameter": diameter, "--density": density}.items():
+        if case is not None and value is not None:
+            raise CaseError(f"{option} {value}: {case} says it; leave out one of --case and {option}")
+    loaded = None if case is None else lj.load_case(case, set_ or [])
+    say = sayer(quiet)
+    folder, warnings = runs.results.analyse_dump(target, loaded, diameter, density, bin_width, out)
+    for note in warnings:  # what was guessed is among them
+        say(f"note: {note}")
+    say(f"results are in {folder}")
+
+
+def _positive(option: str, value: float | None, unit: str) -> None:
+    if value is not None and not 0 < value < float("inf"):
+        raise CaseError(f"{option} {value}: allowed is > 0 {unit}")
+
+
+@app.command()
+def animate(
+    folder: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
+    out: Annotated[Path | None, place("File (.mp4 or .gif); default animation.mp4 in the folder.")] = None,
+    fps: Annotated[int, typer.Option(help="Frames a second.")] = 20,
+) -> None:
+    """Moving picture of a run: discs as true circles coloured by speed, forces on structures, time."""
+    if not 1 <= fps <= 120:
+        raise CaseError(f"--fps {fps}: allowed is 1 to 120")
+    print(runs.results.animate(folder, out, fps))
+
+
+@app.command()
+def export(
+    target: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
+    vtk: Annotated[
+        bool, typer.Option("--vtk", help="Discs of ten frames for ParaView; fields where asked for.")
+    ] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="Profiles as tables.")] = False,
+    pictures: Annotated[bool, typer.Option("--pictures", help="picture0.dat … picture9.dat of the thesis.")] = False,
+    out: Annotated[Path | None, place("Folder for the files (default: the folder of the dump).")] = None,
+) -> None:
+    """Write what other programs read; prints the names of the files."""
+    kinds = [name for name, wanted in (("vtk", vtk), ("csv", csv), ("pictures", pictures)) if wanted]
+    if not kinds:
+        raise CaseError("export: nothing to write; name one or more of --vtk, --csv and --pictures")
+    for path in runs.results.export(target, kinds, out):
+        print(path)

@@ -1,0 +1,100 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def folder_option(text: str) -> Path:
+    """A folder or file of ``--out``; an empty text (an unset variable of a shell) would be the current folder."""
+    if not text.strip():
+        raise typer.BadParameter("an empty text names no place; `--out .` is the current folder")
+    return Path(text)
+
+
+CaseFile = Annotated[
+    Path, typer.Argument(help="Case file (YAML); inputs/ holds one for each scene.", show_default=False)
+]
+Sets = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        help="Change one value: path=value, list items by index or name. May be repeated.",
+        metavar="PATH=VALUE",
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", parser=folder_option, metavar="PATH", help="Folder for the results (default: runs/<name of the case>)."
+    ),
+]
+EngineName = Annotated[str | None, typer.Option("--engine", help="lammps or native.")]
+Kernel = Annotated[str | None, typer.Option("--kernel", help="auto, stock or compiled (LAMMPS only).")]
+Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks, or auto.")]
+Accuracy = Annotated[
+    str | None,
+    typer.Option("--accuracy", help="Cheapest setting shown to meet it, such as 1% (see docs/benchmark.md)."),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; errors only.")]
+QuietStudy = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; only what was found.")]
+Resume = Annotated[
+    bool,
+    typer.Option("--resume", help="Go on with the interrupted run in the folder; frames and sums are of the whole."),
+]
+Force = Annotated[bool, typer.Option("--force", help="Run even where the folder already holds this result.")]
+
+
+def place(text: str):
+    """The option ``--out``, with its help."""
+    return typer.Option("--out", parser=folder_option, metavar="PATH", help=text)
+
+
+def assignments(
+    sets: list[str] | None,
+    engine: str | None = None,
+    kernel: str | None = None,
+    ranks: str | None = None,
+    accuracy: str | None = None,
+) -> list[str]:
+    chosen = [
+        f"engine.{key}={value}"
+        for key, value in (("name", engine), ("kernel", kernel), ("ranks", ranks))
+        if value is not None
+    ]
+    if accuracy is not None:
+        chosen.append(f"run.accuracy={accuracy}")
+    return [*(sets or []), *chosen]
+
+
+def sayer(quiet: bool) -> Callable[[str], None]:
+    """What prints a line, or nothing."""
+    return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
+
+
+class _Printer(logging.Handler):
+    """Prints what the program says about its work."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        print(record.getMessage(), flush=True)
+
+
+@contextmanager
+def told(quiet: bool) -> Iterator[None]:
+    """Print what the program says while the block runs, unless `quiet`."""
+    logger, printer = logging.getLogger("lammps_jump"), _Printer()
+    before = logger.level
+    if not quiet:
+        logger.addHandler(printer)
+        logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        logger.removeHandler(printer)
+        logger.setLevel(before)

@@ -1,0 +1,117 @@
+"""How far a run has come, on the screen: simulated time, discs in play, speed, time left."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from math import isnan
+from typing import TYPE_CHECKING, TextIO
+
+from lammps_jump.engines.result import Progress
+
+if TYPE_CHECKING:
+    import rich.progress
+
+PLAIN_INTERVAL = 10.0
+"""Seconds between lines where the output is no terminal, so that a log file is not filled with them."""
+LIVE_INTERVAL = 0.5
+"""Seconds between pictures of the bar on a terminal."""
+
+
+class ProgressLine:
+    """Prints `Progress` reports: a bar on a terminal, elsewhere a line every ten seconds.
+
+    Parameters
+    ----------
+    end_time : float
+        Simulated time at the end of the run, s.
+    quiet : bool
+        Print nothing.
+    stream : file, optional
+        Default stderr.
+    first_step : int or None
+        Where this part of the run begins; None: at the first report.
+    clock : callable
+        Seconds from any origin.
+    """
+
+    def __init__(
+        self,
+        end_time: float,
+        *,
+        quiet: bool = False,
+        stream: TextIO | None = None,
+        first_step: int | None = 0,
+        clock: Callable[[], float] = time.perf_counter,
+    ):
+        self.end_time, self.quiet, self.clock = end_time, quiet, clock
+        self.stream = stream or sys.stderr
+        self.live = self.stream.isatty()
+        self.begin = self.shown = clock()
+        self.first_step = first_step
+        self.previous = (self.begin, first_step or 0)
+        self.rate = 0.0
+        self._bar: rich.progress.Progress | None = None
+
+    def __call__(self, report: Progress) -> None:
+        """Show one report."""
+        now = self.clock()
+        if self.first_step is None:
+            self.first_step, self.previous = report.step, (now, report.step)
+        if self.quiet or now - self.shown < (LIVE_INTERVAL if self.live else PLAIN_INTERVAL):
+            return
+        if now > self.previous[0]:
+            self.rate = (report.step - self.previous[1]) * report.discs / (now - self.previous[0])
+        self.previous, self.shown = (now, report.step), now
+        here = report.step - self.first_step
+        left = (now - self.begin) * (report.steps - report.step) / here if here > 0 else float("nan")
+        share = report.step / max(report.steps, 1)
+        text = (
+            f"t = {report.time:.3f} of {self.end_time:g} s  {100 * share:3.0f} %  {report.discs} discs  "
+            f"{self.rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left"
+        )
+        if self.live:
+            self._draw(share, text)
+        else:
+            self.stream.write(text + "\n")
+            self.stream.flush()
+
+    def _draw(self, share: float, text: str) -> None:
+        if self._bar is None:
+            self._bar = _new_bar(self.stream)
+        (task,) = self._bar.task_ids
+        self._bar.update(task, completed=share, description=text)
+        self._bar.refresh()
+
+    def finish(self) -> None:
+        """Leave the bar."""
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None
+
+
+def _new_bar(stream: TextIO) -> rich.progress.Progress:
+    from rich.console import Console  # 40 ms, for terminals only
+    from rich.progress import BarColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    bar = Bar(
+        BarColumn(bar_width=20),
+        TextColumn("{task.description}", markup=False),
+        console=Console(file=stream),
+        auto_refresh=False,
+        redirect_stdout=False,
+        redirect_stderr=False,
+    )
+    bar.add_task("", total=1.0)
+    bar.start()
+    return bar
+
+
+def _duration(seconds: float) -> str:
+    if isnan(seconds):
+        return "?"
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

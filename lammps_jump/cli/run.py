@@ -1,0 +1,139 @@
+"""Commands that make a run: build-and-run, build, run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import lammps_jump as lj
+import lammps_jump.cli as cli
+import lammps_jump.engines as engines
+import lammps_jump.runs as runs
+from lammps_jump.errors import CaseError, RunError
+
+from .options import Accuracy, CaseFile, EngineName, Force, Kernel, Out, Quiet, Ranks, Resume, Sets, assignments, told
+from .progress import ProgressLine
+
+app = typer.Typer(rich_markup_mode=None)
+
+
+@app.command("build-and-run")
+def build_and_run(
+    case: CaseFile,
+    out: Out = None,
+    engine: EngineName = None,
+    kernel: Kernel = None,
+    ranks: Ranks = None,
+    accuracy: Accuracy = None,
+    set_: Sets = None,
+    force: Force = False,
+    resume: Resume = False,
+    live: Annotated[bool, typer.Option("--live", help="Show the run as it goes: a window, and live.png.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """The whole job: validate, write the script, run, analyse, report."""
+    loaded = lj.load_case(case, assignments(set_, engine, kernel, ranks, accuracy))
+    with told(quiet), _shown(loaded, out, quiet, live, resume) as progress:
+        done = lj.run(loaded, out, force=force, resume=resume, progress=progress)
+    if not quiet:
+        print_summary(done.summary, done.folder)
+
+
+@app.command()
+def build(
+    case: CaseFile,
+    out: Out = None,
+    kernel: Kernel = None,
+    ranks: Ranks = None,
+    set_: Sets = None,
+    slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a SLURM cluster.")] = False,
+) -> None:
+    """Write the run folder (case and LAMMPS script) and stop there."""
+    built, setting = runs.start.build(lj.load_case(case, assignments(set_, None, kernel, ranks)), out)
+    if slurm:
+        print(f"job file: {engines.lammps.job.write_job(built.scene, built.folder, setting.ranks)}")
+    script = (built.folder / "in.lammps").exists()
+    there = ", or there with `lmp -in in.lammps`" if script else ""
+    print(f"{built.folder}: run it with `lammps-jump run {built.folder}`{there}")
+
+
+@app.command()
+def run(
+    folder: Annotated[Path, typer.Argument(help="Folder made by `lammps-jump build`.", show_default=False)],
+    resume: Resume = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a built folder and analyse it."""
+    case = lj.open_run(folder).case
+    with told(quiet), _shown(case, folder, quiet, False, resume) as progress:
+        done = runs.start.run_folder(folder, resume=resume, progress=progress)
+    if not quiet:
+        print_summary(done.summary, folder)
+
+
+@contextmanager
+def _shown(case: lj.Case, folder: Path | None, quiet: bool, live: bool, resume: bool) -> Iterator:
+    """What shows the progress of a run while the block runs: a line, with `live` also pictures."""
+    line = ProgressLine(case.fields.run.duration, quiet=quiet, first_step=None if resume else 0)
+    if not live:
+        try:
+            yield line
+        finally:
+            line.finish()
+        return
+    if case.fields.run.dump_format != "text":
+        raise CaseError(f"--live reads text dumps; run.dump_format is {case.fields.run.dump_format}")
+    view = cli.live.LiveView(case.scene(), folder or runs.folder.default_folder(case), line)
+    try:
+        yield view
+    except RunError:
+        view.finish()
+        raise
+    else:
+        view.finish()
+    finally:
+        line.finish()
+
+
+def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
+    """The main numbers of a summary, and where to look."""
+    discs, seconds = summary["discs"], summary["wall_seconds"]
+    rate = summary["disc_steps_per_second"] or 0.0
+    print(
+        f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
+        f"{discs['lost']} lost\n"
+        f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
+        f"analysis {seconds['analysis']:.2f} s"
+    )
+    for part, keys in MAIN_NUMBERS.items():
+        found = summary.get(part)
+        if isinstance(found, dict):
+            texts = [f"{label} {_show(found[key])}{unit}" for key, label, unit in keys if found.get(key) is not None]
+            if texts:
+                print(f"{part}: " + ", ".join(texts))
+    for warning in summary.get("warnings", []):
+        print(f"note: {warning}")
+    print(f"look at {folder}/report.html")
+
+
+MAIN_NUMBERS = {
+    "jump": [
+        ("verdict", "", ""),
+        ("froude", "Fr1", ""),
+        ("y1", "y1", " m"),
+        ("y2", "y2", " m"),
+        ("belanger_y2", "Bélanger", " m"),
+        ("speed", "shock speed", " m/s"),
+        ("length", "length", " m"),
+    ],
+    "front": [("position", "front at", " m"), ("speed", "speed", " m/s")],
+    "energy": [("initial", "at the start", " J/m"), ("max_deviation", "largest deviation", ""), ("drift", "drift", "")],
+}
+
+
+def _show(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

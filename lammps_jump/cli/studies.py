@@ -1,0 +1,128 @@
+"""Commands of the studies: cross-validate, bench, stress, sensitivity, calibrate."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .options import CaseFile, Quiet, QuietStudy, Sets, place, sayer
+from .progress import ProgressLine
+
+app = typer.Typer(rich_markup_mode=None)
+
+
+@app.command("cross-validate")
+def cross_validate(
+    case: CaseFile,
+    out: Annotated[
+        Path | None,
+        place("Folder (default: runs/<name>_cross_validation)."),
+    ] = None,
+    members: Annotated[int | None, typer.Option(help="Runs in each ensemble (default 6, quick 3).")] = None,
+    kernel: Annotated[str, typer.Option(help="LAMMPS kernel of the ensembles: auto, stock or compiled.")] = "auto",
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer members, no comparison of laws.")] = False,
+    set_: Sets = None,
+    quiet: Quiet = False,
+) -> None:
+    """Hold LAMMPS and the native engine against each other; exit status 1 where they must agree and do not."""
+    from lammps_jump.studies.cross_validation.study import run_command
+
+    options = {
+        "members": members,
+        "kernel": kernel,
+        "quick": quick,
+        "quiet": quiet,
+        "line": partial(ProgressLine, quiet=quiet),
+    }
+    if not run_command(case, out=out, assignments=set_ or [], say=sayer(quiet), **options):
+        raise typer.Exit(1)
+
+
+@app.command()
+def bench(
+    case: Annotated[
+        Path,
+        typer.Argument(help="Case file, or `collision` for two discs against their closed forms.", show_default=False),
+    ],
+    out: Annotated[Path | None, place("Folder (default: runs/bench/<name>).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Three steps, two starts.")] = False,
+    axes: Annotated[
+        str | None,
+        typer.Option(help="Of f,n,touch,kernel,correction,skin,diameter,ranks; default all but the last two."),
+    ] = None,
+    members: Annotated[int | None, typer.Option(min=1, help="Starts of each setting (default 5, quick 2).")] = None,
+    cells: Annotated[
+        bool, typer.Option("--cells", help="CPU time against the cell size of the thesis' search.")
+    ] = False,
+    skips: Annotated[bool, typer.Option("--skips", help="What each thing left out of a script saves.")] = False,
+    speed: Annotated[
+        bool, typer.Option("--speed", help="Kernels and skins side by side on the developed flow, against stock.")
+    ] = False,
+    table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
+    diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
+    fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
+    kernels: Annotated[str | None, typer.Option(help="Of stock,compiled,native; default all that run here.")] = None,
+    set_: Sets = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    quiet: QuietStudy = False,
+) -> None:
+    """Run time against error over step, kernel, touch, stiffness …; resumable."""
+    from lammps_jump.studies.bench.command import run_bench
+
+    print(
+        run_bench(
+            case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, speed=speed,
+            table=table, diameters=diameters, fractions=fractions, kernels=kernels, assignments=set_ or [], fresh=fresh,
+            say=sayer(quiet),
+        )
+    )  # fmt: skip
+
+
+@app.command()
+def stress(
+    out: Annotated[Path | None, place("Folder (default: runs/stress).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Small packings, few scenes.")] = False,
+    long: Annotated[bool, typer.Option("--long", help="10^7 steps of a bed, minutes of drowned inlet.")] = False,
+    random: Annotated[int | None, typer.Option(min=0, help="Number of random scenes (default 200, quick 10).")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first random scene.")] = 0,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    quiet: QuietStudy = False,
+) -> None:
+    """Numerical stability: limits of the step, hard and random scenes; exit status 1 where one ends badly."""
+    from lammps_jump.studies.stress.study import stress as study
+
+    found = study(out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=sayer(quiet))
+    if found["bad"]:
+        print("\n".join(["ended badly:", *found["bad"]]))
+        raise typer.Exit(1)
+    print(f"every scene ended properly; see {out or 'runs/stress'}/stress.md")
+
+
+@app.command()
+def sensitivity(
+    out: Annotated[Path | None, place("Folder (default: runs/sensitivity).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Short, coarse flows: seconds.")] = False,
+    only: Annotated[str | None, typer.Option(help="Of diameter,restitution,friction,stiffness,froude,sill.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    quiet: QuietStudy = False,
+) -> None:
+    """The jump against disc size, restitution, friction, stiffness and Froude number."""
+    from lammps_jump.studies.sensitivity import run_sensitivity
+
+    print(run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=sayer(quiet)))
+
+
+@app.command()
+def calibrate(
+    out: Annotated[Path | None, place("Folder (default: runs/calibrate).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Four candidates on coarse flows: seconds.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    quiet: QuietStudy = False,
+) -> None:
+    """Contact coefficients that make discs behave most like water; the distances are printed."""
+    from lammps_jump.studies.calibration import run_calibration
+
+    print(run_calibration(out, quick=quick, fresh=fresh, say=sayer(quiet)))

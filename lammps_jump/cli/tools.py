@@ -1,0 +1,76 @@
+"""Commands about cases and this machine: check, new, schema, doctor, kernels."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Annotated
+
+import typer
+
+import lammps_jump as lj
+import lammps_jump.case as cases
+import lammps_jump.cli as cli
+import lammps_jump.engines as engines
+
+from .options import Accuracy, CaseFile, EngineName, Kernel, Sets, assignments
+
+app = typer.Typer(rich_markup_mode=None)
+kernels = typer.Typer(help="The compiled plugin for LAMMPS.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(kernels, name="kernels")
+
+
+@app.command()
+def check(
+    case: CaseFile,
+    engine: EngineName = None,
+    kernel: Kernel = None,
+    accuracy: Accuracy = None,
+    set_: Sets = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """Validate a case; print what is derived from it and what will be skipped. Runs and writes nothing."""
+    loaded = lj.load_case(case, assignments(set_, engine, kernel, None, accuracy))
+    resolved, chosen = engines.accuracy.with_accuracy(loaded)
+    found = resolved.check()
+    found = replace(found, scene=replace(found.scene, warnings=(*found.warnings, *chosen)))
+    print(json.dumps(found.as_data(), indent=2, allow_nan=False) if as_json else found)
+
+
+@app.command()
+def new(scene: Annotated[str, typer.Argument(help="Scene to start from; without it, the list.")] = "") -> None:
+    """Print a starting case of a scene: lammps-jump new dam_break > my_case.yaml"""
+    print(cases.scene_text(scene) if scene else "\n".join(cases.scene_names()), end="" if scene else "\n")
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of case files, for editors."""
+    draft = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    print(json.dumps({**draft, **cases.CaseFields.model_json_schema()}, indent=2))
+
+
+@app.command()
+def doctor() -> None:
+    """Tell whether the engines are usable here, and if not, what to install."""
+    text, healthy = cli.doctor.examine()
+    print(text)
+    if not healthy:
+        raise typer.Exit(1)
+
+
+@kernels.command("build")
+def kernels_build(
+    force: Annotated[bool, typer.Option("--force", help="Build again even where a whole one is cached.")] = False,
+) -> None:
+    """Build the plugin into the cache, for administrators and for job files; prints its path."""
+    print(engines.plugin.build.plugin_path(build=True, force=force))
+
+
+@kernels.command("status")
+def kernels_status() -> None:
+    """Tell whether the plugin can be used here."""
+    status = engines.plugin.build.availability()
+    print(status.reason or "usable")
+    if not status.available:
+        raise typer.Exit(1)

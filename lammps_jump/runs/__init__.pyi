@@ -1,0 +1,8 @@
+from . import engine as engine
+from . import folder as folder
+from . import results as results
+from . import start as start
+from . import steady as steady
+from . import summary as summary
+from .run import Run as Run
+from .run import open_run as open_run

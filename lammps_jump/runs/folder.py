@@ -1,0 +1,140 @@
+"""What a run folder holds: made for a run, read again afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from lammps_jump.case.load import Case
+from lammps_jump.dump.find import read_dump
+from lammps_jump.engines.lammps.drive import gather_forces
+from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.result import RunResult
+from lammps_jump.errors import CaseError, DumpError, SetupError
+from lammps_jump.files import OWN_FILES, clear
+from lammps_jump.scene.scene import Scene
+
+from .engine import Setting, run_key, write_scripts
+from .summary import read_summary
+
+
+def default_folder(case: Case) -> Path:
+    """Where a case runs when no folder is named."""
+    return Path("runs") / case.name
+
+
+def write_folder(case: Case, folder: Path, setting: Setting) -> None:
+    """Make the run folder with ``case.yaml`` and, for LAMMPS, the script; earlier results are removed.
+
+    Raises
+    ------
+    SetupError
+        The folder cannot be made or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        clear(folder, OWN_FILES)
+        (folder / "case.yaml").write_text(case.to_yaml())
+        write_scripts(case, folder, setting)
+    except OSError as error:
+        raise SetupError(
+            f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
+            "correct its permissions"
+        ) from None
+
+
+def require_case(folder: Path) -> Path:
+    """The ``case.yaml`` of a run folder; CaseError where there is none."""
+    path = folder / "case.yaml"
+    if not path.exists():
+        raise CaseError(f"{folder}: holds no case.yaml, so it is no run folder; make one with `lammps-jump build CASE`")
+    return path
+
+
+def stored_result(case: Case, folder: Path, setting: Setting) -> Mapping | None:
+    """The summary of a finished run of the same resolved case in the folder, else None."""
+    try:
+        stored = read_summary(folder)
+    except DumpError:
+        return None
+    if stored is None or stored.get("status") != "complete" or stored.get("case_hash") != run_key(case, setting):
+        return None
+    try:
+        same = (folder / "case.yaml").read_text() == case.to_yaml()
+    except OSError:
+        return None
+    finished = all((folder / name).exists() for name in ("profiles.nc", "report.html"))
+    return stored if same and finished and any(folder.glob("dump.lammps*")) else None
+
+
+def result_of_summary(stored: Mapping, engine: str, kernel: str) -> RunResult:
+    """The result of a run as its summary holds it; `engine` and `kernel` where it does not say."""
+    discs = stored.get("discs") or {}
+    return RunResult(
+        engine=stored.get("engine", engine),
+        kernel=stored.get("kernel", kernel),
+        status=stored.get("status", "unknown"),
+        message=stored.get("message") or "",
+        steps=stored.get("steps", 0),
+        disc_steps=stored.get("disc_steps", 0.0),
+        inserted=discs.get("inserted", 0),
+        present=discs.get("present", 0),
+        removed=discs.get("removed", 0),
+        lost=discs.get("lost", 0),
+        seconds=(stored.get("wall_seconds") or {}).get("run", 0.0),
+        versions=stored.get("versions", {}),
+        ledger=stored.get("ledger"),
+        breakdown=stored.get("breakdown_seconds") or {},
+        resumed=tuple(stored.get("resumed_at") or ()),
+    )
+
+
+def reached_end(scene: Scene, folder: Path) -> bool:
+    """Whether the log, else the dump of a run folder tells of the run's last step."""
+    step = read_log(folder / "log.lammps").step
+    try:
+        return (step or max((frame.step for frame in read_dump(folder)), default=0)) >= scene.steps
+    except DumpError:
+        return False
+
+
+def result_of_files(scene: Scene, folder: Path, engine: str, kernel: str, *, write: bool = True) -> RunResult:
+    """What can be said of a run that was killed before it wrote a summary: from its log, else from its dump.
+
+    Parameters
+    ----------
+    write : bool
+        Also make ``forces.csv`` of what LAMMPS has written.
+    """
+    log = read_log(folder / "log.lammps")
+    if log.step:
+        if write:
+            gather_forces(scene, folder)
+        step, disc_steps = log.step, log.disc_steps
+        inserted, present, removed = max(len(scene.positions), log.highest_id), log.discs, log.removed
+    else:
+        step, disc_steps, highest, present = 0, 0.0, len(scene.positions), 0
+        for frame in read_dump(folder):
+            disc_steps += 0.5 * (present + frame.n) * (frame.step - step)
+            step, present = frame.step, frame.n
+            highest = max(highest, int(frame.ids.max(initial=0)))
+        inserted, removed = highest, highest - present
+    whole = step >= scene.steps
+    message = (
+        "the run reached its end, its analysis did not"
+        if whole
+        else f"the run was cut off after t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s"
+    ) + " and left no summary; discs are counted from what it wrote"
+    return RunResult(
+        engine=engine,
+        kernel=kernel,
+        status="complete" if whole else "interrupted",
+        message=message,
+        steps=step,
+        disc_steps=disc_steps,
+        inserted=inserted,
+        present=present,
+        removed=removed,
+        lost=inserted - present - removed,
+        seconds=0.0,
+    )

@@ -1,0 +1,218 @@
+"""A run folder as an object: each result is read, or made in memory, on first use; nothing is written."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
+
+import lammps_jump.runs as runs
+from lammps_jump.case.load import Case, load_case
+from lammps_jump.dump.find import read_dump
+from lammps_jump.dump.frame import Frame
+from lammps_jump.engines.result import RunResult
+from lammps_jump.files import is_written, plain
+from lammps_jump.scene.scene import Scene
+
+from .engine import Setting
+from .folder import require_case, result_of_files, result_of_summary
+from .summary import compose, read_summary
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from .results import Energy, Force, Found, Front, Jump
+
+SHOWN = ("froude", "y1", "y2", "belanger_y2", "speed", "position", "initial", "max_deviation", "drift")
+"""Numbers of the short view of a run, as far as there are any."""
+Status = Literal["complete", "interrupted", "failed", "running"]
+
+
+def open_run(folder: str | Path) -> Run:
+    """The run in a folder: finished, interrupted, failed, or still going on.
+
+    Raises
+    ------
+    CaseError
+        The folder holds no run.
+    """
+    require_case(Path(folder))
+    return Run(folder)
+
+
+class Run:
+    """A run of a case, seen through its folder.
+
+    Parameters
+    ----------
+    folder : str or Path
+    changes : mapping, optional
+        Values of the case's analysis in place of the stored ones; then every result is made in memory.
+
+    Attributes
+    ----------
+    folder : Path
+    """
+
+    def __init__(self, folder: str | Path, changes: Mapping[str, object] | None = None):
+        self.folder = Path(folder)
+        self._changes = dict(changes or {})
+
+    @cached_property
+    def case(self) -> Case:
+        """The case as run."""
+        return load_case(require_case(self.folder), self._changes)
+
+    @property
+    def scene(self) -> Scene:
+        """The engine-neutral numbers of the case."""
+        return self.case.scene()
+
+    @cached_property
+    def _stored(self) -> Mapping[str, Any]:
+        return MappingProxyType(read_summary(self.folder) or {})
+
+    @cached_property
+    def _found(self) -> Found:
+        return runs.results.analyse_in_memory(self.case, self.folder)
+
+    @property
+    def _setting(self) -> Setting:
+        engine = self.case.fields.engine
+        kernel = "numba" if engine.name == "native" else engine.kernel
+        return Setting(engine.name, self._stored.get("kernel") or kernel, self._stored.get("ranks", 1))
+
+    @cached_property
+    def status(self) -> Status:
+        """What has become of the run; read again by another `open_run`."""
+        return "running" if is_written(self.folder) else self.result.status
+
+    @cached_property
+    def result(self) -> RunResult:
+        """What the engine did: steps, seconds (s), discs, energy ledger (J/m), versions."""
+        setting = self._setting
+        if self._stored:
+            return result_of_summary(self._stored, setting.engine, setting.kernel)
+        return result_of_files(self.scene, self.folder, setting.engine, setting.kernel, write=False)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Notes on the case, the run and its analysis, in sentences."""
+        return tuple(self.summary["warnings"])
+
+    @cached_property
+    def summary(self) -> Mapping[str, Any]:
+        """The numbers of the run by the keys of ``summary.json``; of a run without one, those made in memory."""
+        if self._stored and not self._changes:
+            return self._stored
+        seconds = {"build": 0.0, "run": self.result.seconds, "analysis": 0.0}
+        parts = {**self._found.parts, "warnings": self._found.warnings}
+        composed = compose(self.case, self._setting, self.result, seconds=seconds, parts=parts)
+        kept = ("case_hash", "wall_seconds")
+        return MappingProxyType(composed | {key: self._stored[key] for key in kept if key in self._stored})
+
+    @cached_property
+    def profiles(self) -> xr.Dataset:
+        """Profiles over time (s) and x (m): mass_depth (m), velocity (m/s), discharge (m^2/s) …, means and errors."""
+        stored = None if self._changes else runs.results.read_profiles(self.folder)
+        return self._found.gathered.profiles if stored is None else stored
+
+    def _part(self, part: str) -> Mapping[str, Any]:
+        """Numbers of an analysis: the stored ones, else made in memory."""
+        stored = None if self._changes else self._stored.get(part)
+        return plain(self._found.parts[part]) if stored is None else stored
+
+    @cached_property
+    def jump(self) -> Jump:
+        """The hydraulic jump; `verdict` and `reason` say whether there is one."""
+        return runs.results.Jump(self._part("jump"), lambda: runs.results.series_of(self._found, "jump"))
+
+    @cached_property
+    def front(self) -> Front:
+        """The front of a collapsing column."""
+        return runs.results.Front(self._part("front"), lambda: runs.results.series_of(self._found, "front"))
+
+    @cached_property
+    def energy(self) -> Energy:
+        """Energy of the discs over time."""
+        return runs.results.Energy(self._part("energy"), lambda: runs.results.series_of(self._found, "energy"))
+
+    @cached_property
+    def forces(self) -> Mapping[str, Force]:
+        """Force on each probed structure, by its name."""
+        if not self.scene.probes:
+            return {}
+        part = self._part("force")
+        return {
+            name: runs.results.Force(part[name], lambda name=name: runs.results.series_of(self._found, "force", name))
+            for name in self.scene.probes
+            if name in part
+        }
+
+    def frames(self, start: int | None = None, stop: int | None = None, step: int | None = None) -> Iterator[Frame]:
+        """The frames of the dump, one by one; numbers as of a slice.
+
+        Raises
+        ------
+        DumpError
+            No dump, or one that cannot be read.
+        """
+        dump = read_dump(self.folder)
+        return iter(dump) if start is stop is step is None else dump[start:stop:step]
+
+    def analyse(self, *, window: tuple[float, float] | None = None, bin_width: float | None = None) -> Run:
+        """The same run analysed otherwise, in memory.
+
+        Parameters
+        ----------
+        window : (float, float), optional
+            Times over which means are taken, s.
+        bin_width : float, optional
+            Width of the profile bins, m.
+
+        Raises
+        ------
+        CaseError
+            A value that is not allowed, once a result is asked for.
+        """
+        given = {"analysis.window": window, "analysis.bin_width": bin_width}
+        return Run(self.folder, self._changes | {path: value for path, value in given.items() if value is not None})
+
+    def figure(self, name: str = "depth_profile") -> Figure:
+        """A figure of the report, by the name of its file; matplotlib, without pyplot.
+
+        Raises
+        ------
+        DumpError
+            A name that is not known; the message lists those that are.
+        """
+        return runs.results.draw(self._found, self.folder, name)
+
+    def report(self, path: str | Path | None = None) -> Path:
+        """Write the report page; into the run folder where no `path` is given. Figures are those of the folder."""
+        return runs.results.write_report(self.folder, self.summary, self.case, path)
+
+    def __repr__(self) -> str:
+        return f"Run({str(self.folder)!r}, {self.status})"
+
+    def _repr_html_(self) -> str:
+        """What the run found: a line, at most five numbers, a picture."""
+        lead = [f"<p><b>{html.escape(self.case.name)}</b>: {self.status}. {html.escape(self.result.message)}</p>"]
+        asked = self.case.fields.analysis
+        if asked.jump:
+            lead.append(f"<p>{html.escape(self.jump.verdict)}: {html.escape(self.jump.reason)}</p>")
+        parts = [getattr(self, name) for name in ("jump", "front", "energy") if getattr(asked, name)]
+        rows = [row for part in parts for row in part.rows() if row[0] in SHOWN][:5]
+        return "\n".join([*lead, runs.results.table(rows), _picture(self.figure())])
+
+
+def _picture(figure: Figure) -> str:
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=90)
+    return f"<img alt='figure of the run' src='data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}'>"
