@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from lammps_jump.analysis.flow import FlowContext
 from matplotlib.figure import Figure
+
+from lammps_jump.analysis.flow import FlowContext
 
 from .style import BLUE, GOLD, _label, draw_walls, new_figure, style
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from lammps_jump.analysis.flow import FlowContext
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block, Box, Interval, Plane
 
