@@ -1,5 +1,3 @@
-from .case.load import Case as Case
-from .case.load import load_case as load_case
 from .dump.find import read_dump as read_dump
 from .dump.frame import Frame as Frame
 from .dump.read import Dump as Dump
@@ -17,7 +15,9 @@ from .runs.results import Energy as Energy
 from .runs.results import Force as Force
 from .runs.results import Front as Front
 from .runs.results import Jump as Jump
+from .runs.run import Case as Case
 from .runs.run import Run as Run
+from .runs.run import load_case as load_case
 from .runs.run import open_run as open_run
-from .runs.start import run as run
+from .runs.run import run as run
 from .scene.scene import Scene as Scene

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from lammps_jump.runs.run import Run
-
 
 class JumpError(Exception):
     """Base of every error that lammps-jump raises on purpose; the command line prints it without a traceback.
@@ -49,11 +44,11 @@ class RunError(JumpError, RuntimeError):
 
     Attributes
     ----------
-    run : Run or None
-        The run as far as it came; None where it did not start.
+    run : lammps_jump.Run or None
+        The run as far as it came; None where it did not start or was not asked for through the Python API.
     """
 
-    def __init__(self, message: str = "", run: Run | None = None):
+    def __init__(self, message: str = "", run: object | None = None):
         super().__init__(message)
         self.run = run
 

@@ -11,6 +11,7 @@ import pytest
 import lammps_jump as lj
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.runs import start
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
@@ -18,6 +19,12 @@ INPUTS = Path(__file__).parents[1] / "inputs"
 def run_case(path: Path, folder: Path, changes: Iterable[str] = (), **options) -> dict:
     """Summary of a case run in a folder; `changes` are ``--set`` texts."""
     return dict(lj.load_case(path, changes).run(folder, **options).summary)
+
+
+def analysed_again(folder: Path) -> dict:
+    """Summary of a run folder that is analysed again."""
+    start.reanalyse(folder)
+    return dict(lj.open_run(folder).summary)
 
 
 def flow_context(**fields) -> FlowContext:

@@ -24,6 +24,8 @@ FLOORS = (
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
 AT_THE_ROOT = {"__init__.py", "__main__.py", "errors.py", "files.py", "units.py", "provenance.py"}
+CALLERS = {"studies", "cli"}
+"""What calls the public Python API, ``import lammps_jump``."""
 NOT_FOR_ANALYSIS = {"case", "engines"}
 LARGEST_FILE = 300
 """Lines of code; docstrings, comments and blank lines do not count."""
@@ -32,7 +34,7 @@ LOOPS = {"lammps_jump/engines/native/loops.py"}
 MOST_FILES = 12
 """Python files of a folder, ``__init__.py`` included."""
 
-LARGE_FILES: dict[str, int] = {"lammps_jump/cli/app.py": 345}
+LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
 FULL_FOLDERS: dict[str, int] = {"analysis": 17}
 """Folders over `MOST_FILES`, with their files today."""
@@ -45,15 +47,10 @@ IMPORTS_INSIDE: dict[str, int] = {
     "analysis/extras.py": 8,
     "analysis/passes.py": 6,
     "analysis/result_figures.py": 4,
-    "lammps_jump/cli/analyze.py": 19,
-    "lammps_jump/cli/app.py": 23,
-    "lammps_jump/cli/doctor.py": 1,
+    "lammps_jump/cli/studies.py": 5,
     "lammps_jump/dump/formats.py": 1,
     "lammps_jump/engines/accuracy.py": 3,
     "lammps_jump/engines/lammps/diagnose.py": 2,
-    "lammps_jump/runs/live.py": 3,
-    "lammps_jump/runs/reopen.py": 5,
-    "lammps_jump/runs/start.py": 13,
     "lammps_jump/studies/bench/cells.py": 4,
     "lammps_jump/studies/bench/collision.py": 5,
     "lammps_jump/studies/bench/command.py": 7,
@@ -155,7 +152,7 @@ def test_imports_lead_to_floors_above():
     upward = [
         f"{module} imports {other}"
         for module, others in imports().items()
-        for other in others
+        for other in others - ({"lammps_jump"} if floor(module) in CALLERS else set())
         if module not in ("lammps_jump", "lammps_jump.__main__")
         if floor(other) not in FLOORS or FLOORS.index(floor(other)) > FLOORS.index(floor(module))
     ]

@@ -6,7 +6,6 @@ Each raises `CaseError` with the place in the file and the remedy.
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,10 +15,8 @@ from lammps_jump.scene.scene import Gate, InletRow
 from lammps_jump.scene.walls import Block, Interval, Wall
 
 from .fields import BoxWall, Column, PourInflow
+from .load import PlacedFields
 from .packing import closest_pair, disc_count
-
-if TYPE_CHECKING:
-    from .load import Case
 
 MOST_STEPS = 2_000_000_000
 """LAMMPS counts steps of one run and insertions in 32 bits."""
@@ -32,7 +29,7 @@ BOX_FACES = ("x", "y", "left", "right", "bottom", "top")
 """What is put behind the name of a box for its pairs of faces (script) and its faces (native engine)."""
 
 
-def check_size(loaded: Case, settle_steps: int, steps: int, output_steps: int) -> None:
+def check_size(loaded: PlacedFields, settle_steps: int, steps: int, output_steps: int) -> None:
     """Refuse what no run could finish, before arrays are made."""
     case, source = loaded.fields, loaded.source
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
@@ -64,7 +61,7 @@ def check_size(loaded: Case, settle_steps: int, steps: int, output_steps: int) -
         )
 
 
-def check_domain(loaded: Case, domain: tuple[Interval, Interval]) -> None:
+def check_domain(loaded: PlacedFields, domain: tuple[Interval, Interval]) -> None:
     """Refuse a domain too large for neighbour lists, and bins that do not suit it."""
     case, source = loaded.fields, loaded.source
     (xlo, xhi), (ylo, yhi) = domain
@@ -89,7 +86,7 @@ def check_domain(loaded: Case, domain: tuple[Interval, Interval]) -> None:
         )
 
 
-def check_names(loaded: Case, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
+def check_names(loaded: PlacedFields, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
     """Refuse walls called as one of ours (behind an inlet, before a column) or as the faces of a box."""
     own = {wall.name: "of the wall behind the inlet" for wall in walls[len(loaded.fields.walls) :]}
     own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
@@ -104,7 +101,7 @@ def check_names(loaded: Case, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) 
             )
 
 
-def check_pour(loaded: Case, domain: tuple[Interval, Interval]) -> None:
+def check_pour(loaded: PlacedFields, domain: tuple[Interval, Interval]) -> None:
     """Refuse a pour that cannot fall, or whose region holds no disc or reaches out of the domain."""
     case, source, pour = loaded.fields, loaded.source, loaded.fields.inflow
     if not isinstance(pour, PourInflow):
@@ -137,7 +134,7 @@ def check_pour(loaded: Case, domain: tuple[Interval, Interval]) -> None:
         )
 
 
-def check_stability(loaded: Case, coefficients: contact.Coefficients, integrator: str) -> list[str]:
+def check_stability(loaded: PlacedFields, coefficients: contact.Coefficients, integrator: str) -> list[str]:
     """Refuse an unstable step (unless ``run.allow_unstable``); warnings about one that is stable and yet too long."""
     fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
     if fraction > limit and not loaded.fields.run.allow_unstable:
@@ -166,7 +163,7 @@ def check_stability(loaded: Case, coefficients: contact.Coefficients, integrator
 
 
 def check_places(
-    loaded: Case,
+    loaded: PlacedFields,
     positions: np.ndarray,
     walls: tuple[Wall, ...],
     inlets: tuple[InletRow, ...],
@@ -199,7 +196,7 @@ def check_places(
         _check_free_of(gate, "initial", loaded, positions, (), allowed)
 
 
-def _check_in_domain(loaded: Case, positions, inlets, domain) -> None:
+def _check_in_domain(loaded: PlacedFields, positions, inlets, domain) -> None:
     for axis, label in enumerate("xy"):
         low, high = domain[axis]
         outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
@@ -219,7 +216,7 @@ def _check_in_domain(loaded: Case, positions, inlets, domain) -> None:
 
 
 def _check_free_of(
-    wall: Wall, field: str | tuple[str, int], loaded: Case, positions, inlets, allowed: float
+    wall: Wall, field: str | tuple[str, int], loaded: PlacedFields, positions, inlets, allowed: float
 ) -> None:
     radius = loaded.fields.discs.diameter / 2
     if len(positions):

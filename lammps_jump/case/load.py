@@ -1,172 +1,57 @@
-"""A case: read from a file, text or mapping, changed and validated; every complaint names its place and the remedy."""
+"""From the data of a case to its validated fields; every complaint names its place and the remedy."""
 
 from __future__ import annotations
 
-import copy
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from dataclasses import dataclass, field
+from typing import Any, get_args
 
-import yaml
 from pydantic import BaseModel, ValidationError
 
-import lammps_jump
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
-from lammps_jump.provenance import short_hash
-from lammps_jump.scene.scene import Scene
 
-from . import derived, to_scene, view
 from .fields import CaseFields, InflowField, InitialField, WallField
-from .text import CaseSource, PathKey, nearest, override, parse_source, read_source
-
-if TYPE_CHECKING:
-    from lammps_jump.runs.run import Run
+from .text import CaseSource, PathKey, nearest, override
 
 Changes = Mapping[str, object] | Iterable[str]
 """Values by path, ``{"walls.sill.y": [-10, 3]}``, or texts ``path=value`` as of ``--set``."""
 
 
 @dataclass(frozen=True)
-class Case:
-    """A validated case.
+class PlacedFields:
+    """The validated values of a case, and where each stands.
 
     Attributes
     ----------
     fields : CaseFields
         The values, every default filled in; frozen.
     source : CaseSource
-        Where each value stands, for messages.
+        The places, for messages.
     """
 
     fields: CaseFields
     source: CaseSource = field(repr=False, compare=False)
 
-    @property
-    def name(self) -> str:
-        """Name of the case."""
-        return self.fields.name
 
-    @cached_property
-    def hash(self) -> str:
-        """Twelve hex digits, equal for cases that give the same run: name, description and analysis are left out."""
-        data = _plain_data(self.fields)
-        return short_hash({key: data[key] for key in data if key not in ("name", "description", "analysis")})
-
-    def replace(self, changes: Changes) -> Case:
-        """The case with other values, validated as a file is.
-
-        Parameters
-        ----------
-        changes : mapping or iterable of str
-            Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index.
-            Numbers are SI, texts may carry a unit (``"20 cm"``). Or texts ``path=value``, as of ``--set``.
-
-        Raises
-        ------
-        CaseError
-            A path that is not there, or a value that is not allowed.
-        """
-        source = self.source
-        copied = replace(
-            source,
-            data=copy.deepcopy(source.data) | {"name": self.name},
-            lines=dict(source.lines),
-            overrides=dict(source.overrides),
-        )
-        return _validated(copied, changes, self.name)
-
-    def scene(self) -> Scene:
-        """The engine-neutral numbers of the case, SI.
-
-        Raises
-        ------
-        CaseError
-            A scene that cannot be run: an unstable step, discs inside walls, a domain too large.
-        """
-        return self._scene
-
-    @cached_property
-    def _scene(self) -> Scene:
-        return to_scene.build_scene(self)
-
-    def check(self) -> derived.Derived:
-        """Everything derived from the case: coefficients, theory of the inflow, what is skipped, warnings.
-
-        Raises
-        ------
-        CaseError
-            As `scene`.
-        """
-        return derived.Derived(self.fields, self.scene())
-
-    def run(self, folder: str | Path | None = None, **options: Any) -> Run:
-        """Run the case in a folder; `lammps_jump.run` lists the options. A stored result returns at once."""
-        return lammps_jump.run(self, folder, **options)
-
-    def to_yaml(self) -> str:
-        """The case as YAML text, every default filled in, in the order of the fields."""
-        data = _plain_data(self.fields)
-        return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
-
-    def _repr_html_(self) -> str:
-        return view.case_html(self.name, self.scene())
-
-
-def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> Case:
-    """Read, change and validate a case.
-
-    Parameters
-    ----------
-    source : str, Path or mapping
-        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
-    changes : mapping or iterable of str, optional
-        See `Case.replace`.
-
-    Raises
-    ------
-    CaseError
-        One paragraph with file:line, the field, the value, what is allowed and what to do.
-    """
-    if isinstance(source, Mapping):
-        return _validated(CaseSource(file="<case>", data=json.loads(_json(dict(source)))), changes or (), "case")
-    path = Path(source)
-    if (path / "case.yaml").is_file():
-        path /= "case.yaml"
-    return _validated(read_source(path), changes or (), path.stem)
-
-
-def parse_case(text: str, file: str = "<case>", changes: Changes = ()) -> Case:
-    """As `load_case`, from YAML text; `file` is its name in messages."""
-    return _validated(parse_source(text, file), changes, Path(file).stem)
-
-
-def _json(value: object) -> str:
+def json_text(value: object) -> str:
     try:
         return json.dumps(plain(value))
     except (TypeError, ValueError):
         raise CaseError(f"{value!r} is no value of a case; numbers, texts, lists and mappings are allowed") from None
 
 
-def _plain_data(fields: CaseFields) -> dict[str, Any]:
-    """Plain data without the empty optional fields, which would only be noise for a reader."""
+def validated(source: CaseSource, changes: Changes, default_name: str) -> CaseFields:
+    """The fields of a case after its changes, which also stand in `source` then.
 
-    def prune(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: prune(item) for key, item in value.items() if item is not None}
-        if isinstance(value, list | tuple):
-            return [prune(item) for item in value]
-        return value
-
-    return prune(fields.model_dump(mode="json"))
-
-
-def _validated(source: CaseSource, changes: Changes, default_name: str) -> Case:
+    Raises
+    ------
+    CaseError
+        One paragraph with file:line, the field, the value, what is allowed and what to do.
+    """
     if isinstance(changes, Mapping):
-        changes = [f"{path}={_json(value)}" for path, value in changes.items()]
+        changes = [f"{path}={json_text(value)}" for path, value in changes.items()]
     for assignment in changes:
         override(source, assignment)
     data = dict(source.data)
@@ -185,7 +70,7 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> Case:
             raise source.error(("walls", index, "name"), f"two walls are called '{name}'; give each its own name")
     if not fields.initial and fields.inflow is None:
         raise source.error((), "there are no discs: give initial (a column, lattice or list) or inflow")
-    return Case(fields, source)
+    return fields
 
 
 def _explain(error: ValidationError, source: CaseSource) -> CaseError:

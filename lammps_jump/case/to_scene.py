@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +13,10 @@ from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
 
 from .checks import MOST_STEPS, check_domain, check_names, check_places, check_pour, check_size, check_stability
 from .fields import BlockWall, CaseFields, Column, PlaneWall, PourInflow, RowsInflow
+from .load import PlacedFields
 from .packing import Packing, arrange
 from .skips import reachable, skipped
 from .text import nearest
-
-if TYPE_CHECKING:
-    from .load import Case
 
 MAX_SPEED_MARGIN = 2.0
 """Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""
@@ -54,7 +51,7 @@ def contact_coefficients(
     )
 
 
-def build_scene(loaded: Case) -> Scene:
+def build_scene(loaded: PlacedFields) -> Scene:
     """The engine-neutral form of a validated case.
 
     Raises
@@ -147,7 +144,7 @@ def _frozen(array: np.ndarray) -> np.ndarray:
     return array
 
 
-def _integrator(loaded: Case) -> str:
+def _integrator(loaded: PlacedFields) -> str:
     case, source = loaded.fields, loaded.source
     engine, wanted = case.engine.name, case.run.integrator
     if engine == "lammps" and wanted == "leapfrog_extrapolated":
@@ -227,7 +224,7 @@ def _gates(
     return tuple(gates)
 
 
-def _discs(loaded: Case, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:
+def _discs(loaded: PlacedFields, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:
     case = loaded.fields
     packing = Packing(
         case.discs.diameter,
@@ -249,7 +246,7 @@ def _discs(loaded: Case, coefficients: contact.Coefficients, stiffness: float) -
     return np.concatenate(positions), np.concatenate(velocities)
 
 
-def _inlets(loaded: Case, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
+def _inlets(loaded: PlacedFields, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
     inflow = loaded.fields.inflow
     if not isinstance(inflow, RowsInflow):
         return ()
@@ -319,7 +316,7 @@ def _domain(case: CaseFields, positions: np.ndarray, inlets: tuple[InletRow, ...
     return ((min(xs) - margin, max(xs) + margin), (min(ys) - margin, max(ys) + margin))
 
 
-def _outlets(loaded: Case, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
+def _outlets(loaded: PlacedFields, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
     outlets = []
     for index, item in enumerate(loaded.fields.outflow):
         field = next(name for name in ("x_beyond", "x_before", "y_below", "y_above") if getattr(item, name) is not None)
@@ -339,7 +336,7 @@ def _outlets(loaded: Case, domain, speed: float, dt: float, output_steps: int) -
     return tuple(outlets)
 
 
-def _probes(loaded: Case, walls) -> tuple[str, ...]:
+def _probes(loaded: PlacedFields, walls) -> tuple[str, ...]:
     names = [wall.name for wall in walls]
     for index, name in enumerate(loaded.fields.probes.forces):
         if name not in names:

@@ -39,11 +39,9 @@ def analyze(
                     f"it; {option} goes with a bare dump: name the dump file itself to analyse it as one"
                 )
         with told(quiet):
-            done = runs.start.reanalyse(
-                target, [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))]
-            )
+            runs.start.reanalyse(target, [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))])
         if not quiet:
-            print_summary(done.summary, target)
+            print_summary(lj.open_run(target).summary, target)
         return
     _positive("--diameter", diameter, "m")
     _positive("--density", density, "kg/m^3")

@@ -53,12 +53,14 @@ def build(
     slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a SLURM cluster.")] = False,
 ) -> None:
     """Write the run folder (case and LAMMPS script) and stop there."""
-    built, setting = runs.start.build(lj.load_case(case, assignments(set_, None, kernel, ranks)), out)
+    loaded = lj.load_case(case, assignments(set_, None, kernel, ranks))
+    folder = out or runs.folder.default_folder(loaded)
+    setting = runs.start.build(loaded, folder)
     if slurm:
-        print(f"job file: {engines.lammps.job.write_job(built.scene, built.folder, setting.ranks)}")
-    script = (built.folder / "in.lammps").exists()
+        print(f"job file: {engines.lammps.job.write_job(lj.open_run(folder).scene, folder, setting.ranks)}")
+    script = (folder / "in.lammps").exists()
     there = ", or there with `lmp -in in.lammps`" if script else ""
-    print(f"{built.folder}: run it with `lammps-jump run {built.folder}`{there}")
+    print(f"{folder}: run it with `lammps-jump run {folder}`{there}")
 
 
 @app.command()
@@ -70,9 +72,9 @@ def run(
     """Run a built folder and analyse it."""
     case = lj.open_run(folder).case
     with told(quiet), _shown(case, folder, quiet, False, resume) as progress:
-        done = runs.start.run_folder(folder, resume=resume, progress=progress)
+        runs.start.run_folder(folder, resume=resume, progress=progress)
     if not quiet:
-        print_summary(done.summary, folder)
+        print_summary(lj.open_run(folder).summary, folder)
 
 
 @contextmanager

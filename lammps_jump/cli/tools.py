@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-import lammps_jump as lj
 import lammps_jump.case as cases
 import lammps_jump.cli as cli
 import lammps_jump.engines as engines
@@ -30,7 +29,7 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Validate a case; print what is derived from it and what will be skipped. Runs and writes nothing."""
-    loaded = lj.load_case(case, assignments(set_, engine, kernel, None, accuracy))
+    loaded = cases.load_case(case, assignments(set_, engine, kernel, None, accuracy))
     resolved, chosen = engines.accuracy.with_accuracy(loaded)
     found = resolved.check()
     found = replace(found, scene=replace(found.scene, warnings=(*found.warnings, *chosen)))

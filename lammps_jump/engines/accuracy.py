@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from lammps_jump.case.load import Case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 
@@ -171,7 +171,7 @@ def _reason(row, rows, entry, case, accuracy: float, quantity: str, words: str) 
     return text
 
 
-def with_accuracy(case: Case) -> tuple[Case, tuple[str, ...]]:
+def with_accuracy(case: ReadCase) -> tuple[ReadCase, tuple[str, ...]]:
     """The case; where it asks for an accuracy, with the cheapest setting that is shown to meet it, and why.
 
     Raises

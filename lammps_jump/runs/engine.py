@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import lammps_jump.engines as engines
-from lammps_jump.case.load import Case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.checkpoint import Checkpoint
 from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.engines.plugin.build import availability, plugin_path
@@ -41,7 +41,7 @@ class Setting:
     dump_format: str = "text"
 
 
-def choose(case: Case) -> tuple[Setting, tuple[str, ...]]:
+def choose(case: ReadCase) -> tuple[Setting, tuple[str, ...]]:
     """The setting for a case on this machine, and what to tell the user about it.
 
     Raises
@@ -71,12 +71,12 @@ def choose(case: Case) -> tuple[Setting, tuple[str, ...]]:
         return stock, (*notes, f"stock LAMMPS styles are used: {error}")
 
 
-def run_key(case: Case, setting: Setting) -> str:
+def run_key(case: ReadCase, setting: Setting) -> str:
     """Equal for runs of the same case with the same kernel."""
     return f"{case.hash}-{setting.kernel}"
 
 
-def write_scripts(case: Case, folder: Path, setting: Setting) -> None:
+def write_scripts(case: ReadCase, folder: Path, setting: Setting) -> None:
     """Write what LAMMPS reads into a run folder; nothing for the native engine."""
     if setting.engine == "lammps":
         write_script(
@@ -90,7 +90,7 @@ def write_scripts(case: Case, folder: Path, setting: Setting) -> None:
         )
 
 
-def _header(case: Case, setting: Setting, script: str = "in.lammps") -> tuple[str, ...]:
+def _header(case: ReadCase, setting: Setting, script: str = "in.lammps") -> tuple[str, ...]:
     scene, c = case.scene(), case.scene().coefficients
     return (
         f"written by lammps-jump {__version__} from case {run_key(case, setting)}; run it with: lmp -in {script}",
@@ -102,7 +102,7 @@ def _header(case: Case, setting: Setting, script: str = "in.lammps") -> tuple[st
 
 
 def run_engine(
-    case: Case,
+    case: ReadCase,
     folder: Path,
     setting: Setting,
     *,

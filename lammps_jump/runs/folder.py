@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from lammps_jump.case.load import Case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.find import read_dump
 from lammps_jump.engines.lammps.drive import gather_forces
 from lammps_jump.engines.lammps.log import read_log
@@ -18,12 +18,12 @@ from .engine import Setting, run_key, write_scripts
 from .summary import read_summary
 
 
-def default_folder(case: Case) -> Path:
+def default_folder(case: ReadCase) -> Path:
     """Where a case runs when no folder is named."""
     return Path("runs") / case.name
 
 
-def write_folder(case: Case, folder: Path, setting: Setting) -> None:
+def write_folder(case: ReadCase, folder: Path, setting: Setting) -> None:
     """Make the run folder with ``case.yaml`` and, for LAMMPS, the script; earlier results are removed.
 
     Raises
@@ -51,7 +51,7 @@ def require_case(folder: Path) -> Path:
     return path
 
 
-def stored_result(case: Case, folder: Path, setting: Setting) -> Mapping | None:
+def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping | None:
     """The summary of a finished run of the same resolved case in the folder, else None."""
     try:
         stored = read_summary(folder)

@@ -17,8 +17,8 @@ from lammps_jump.analysis import analyze, extras, guess, passes, profiles, resul
 from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.flow import FlowContext, from_scene
 from lammps_jump.analysis.report import page
+from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.case.checks import MOST_BINS
-from lammps_jump.case.load import Case, load_case
 from lammps_jump.dump.find import find_dump, read_forces
 from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import CaseError, DumpError
@@ -38,6 +38,9 @@ class Numbers(Mapping):
     its unit, and NaN where one run cannot tell it. Series over time are arrays, shape (n,).
     """
 
+    SERIES: tuple[str, ...] = ()
+    """Attributes that are the series, although the last value stands under the same key."""
+
     def __init__(self, values: Mapping[str, Any], series: Callable[[], Mapping[str, Any]] = dict):
         self._values, self._series = dict(values), series
 
@@ -53,7 +56,7 @@ class Numbers(Mapping):
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        if name in self._values:
+        if name in self._values and name not in self.SERIES:
             value = self._values[name]
             return UNKNOWN if value is None else value
         if name.endswith("_error") and name.removesuffix("_error") in self._values:
@@ -94,9 +97,13 @@ class Front(Numbers):
 class Energy(Numbers):
     """Energy of the discs: initial (J/m), max_deviation, drift; time (s), kinetic, potential, elastic (J/m)."""
 
+    SERIES = ("time", "kinetic", "rotational", "potential", "elastic", "total")
+
 
 class Force(Numbers):
     """Force on a structure: peak (N/m), impulse (N s/m); time (s), fx, fy (N/m), moment (N)."""
+
+    SERIES = ("time", "fx", "fy", "moment")
 
 
 @dataclass(frozen=True)
@@ -119,7 +126,7 @@ class Found:
     warnings: tuple[str, ...]
 
 
-def _request(case: Case) -> passes.AnalysisRequest:
+def _request(case: ReadCase) -> passes.AnalysisRequest:
     """What the case asks of the analysis."""
     asked = case.fields.analysis
     inflow = case.fields.inflow
@@ -138,13 +145,13 @@ def _request(case: Case) -> passes.AnalysisRequest:
     )
 
 
-def analyse(case: Case, folder: Path, engine: str) -> dict[str, Any]:
+def analyse(case: ReadCase, folder: Path, engine: str) -> dict[str, Any]:
     """Analyse the dump of a run folder as its case asks; the parts of the summary. Tables and figures are written."""
     quiet = not log.isEnabledFor(logging.INFO)
     return analyze.analyze_run(folder, case.scene(), _request(case), engine=engine, quiet=quiet)
 
 
-def analyse_in_memory(case: Case, folder: Path) -> Found:
+def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
     """Every analysis of a run folder, whether the case asks for it or not; nothing is written."""
     asked = _request(case)
     request = passes.AnalysisRequest(
@@ -172,7 +179,7 @@ def analyse_in_memory(case: Case, folder: Path) -> Found:
 
 def analyse_dump(
     target: Path,
-    case: Case | None,
+    case: ReadCase | None,
     diameter: float | None,
     density: float | None,
     bin_width: float | None,
@@ -184,7 +191,7 @@ def analyse_dump(
     ----------
     target : Path
         The dump, or a folder that holds one.
-    case : Case, optional
+    case : ReadCase, optional
         The case that belongs to it.
     diameter, bin_width : float, optional
         m.
@@ -210,14 +217,14 @@ def analyse_dump(
     return folder, parts["warnings"]
 
 
-def _context(path: Path, case: Case | None, diameter: float | None = None, density: float = 1000.0) -> FlowContext:
+def _context(path: Path, case: ReadCase | None, diameter: float | None = None, density: float = 1000.0) -> FlowContext:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is None:
         return guess.from_dump(open_dump(path), diameter=diameter, density=density)
     return from_scene(case.scene())
 
 
-def _case_beside(path: Path) -> Case | None:
+def _case_beside(path: Path) -> ReadCase | None:
     """The case of the run folder that holds a dump, None for a bare dump."""
     return load_case(path.parent) if (path.parent / "case.yaml").exists() else None
 
@@ -289,7 +296,7 @@ def draw(found: Found, folder: Path, name: str) -> Figure:
     return figure
 
 
-def write_report(folder: Path, summary: Mapping[str, Any], case: Case, path: str | Path | None = None) -> Path:
+def write_report(folder: Path, summary: Mapping[str, Any], case: ReadCase, path: str | Path | None = None) -> Path:
     """Write the report of a run folder, by default as its ``report.html``."""
     name = "report.html" if path is None else str(Path(path).absolute())
     return page.write_report(folder, dict(summary), case.to_yaml(), name=name)

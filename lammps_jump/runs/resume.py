@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lammps_jump.case.load import Case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, Checkpoint, read_checkpoint
 from lammps_jump.errors import ResumeError
 from lammps_jump.provenance import fingerprint
@@ -16,7 +16,7 @@ from .summary import read_summary
 ANEW = "the same command without --resume starts anew"
 
 
-def resumable(case: Case, folder: Path, setting: Setting) -> Checkpoint:
+def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
     """The checkpoint of the interrupted run of this very case in a folder.
 
     Raises
@@ -51,7 +51,7 @@ def resumable(case: Case, folder: Path, setting: Setting) -> Checkpoint:
     return checkpoint
 
 
-def _require_interrupted(case: Case, folder: Path) -> None:
+def _require_interrupted(case: ReadCase, folder: Path) -> None:
     stored = read_summary(folder)
     status = (stored or {}).get("status", "interrupted")
     if status == "complete":

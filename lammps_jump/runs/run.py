@@ -1,27 +1,32 @@
-"""A run folder as an object: each result is read, or made in memory, on first use; nothing is written."""
+"""The public objects: a case that can be run, and a run folder whose results are read or made on first use."""
 
 from __future__ import annotations
 
 import base64
 import html
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 import lammps_jump.runs as runs
-from lammps_jump.case.load import Case, load_case
+from lammps_jump.case.case import ReadCase
+from lammps_jump.case.case import load_case as read_case
+from lammps_jump.case.load import Changes
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame
-from lammps_jump.engines.result import RunResult
+from lammps_jump.engines.result import ProgressCallback, RunResult
+from lammps_jump.errors import RunError
 from lammps_jump.files import is_written, plain
 from lammps_jump.scene.scene import Scene
 
 from .engine import Setting
-from .folder import require_case, result_of_files, result_of_summary
+from .folder import default_folder, require_case, result_of_files, result_of_summary
 from .summary import compose, read_summary
+from .view import case_html
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,6 +37,109 @@ if TYPE_CHECKING:
 SHOWN = ("froude", "y1", "y2", "belanger_y2", "speed", "position", "initial", "max_deviation", "drift")
 """Numbers of the short view of a run, as far as there are any."""
 Status = Literal["complete", "interrupted", "failed", "running"]
+
+
+@dataclass(frozen=True)
+class Case(ReadCase):
+    """A validated case; made by `load_case`.
+
+    Attributes
+    ----------
+    name : str
+    hash : str
+        Twelve hex digits, equal for cases that give the same run.
+    fields : CaseFields
+        The values, every default filled in; frozen.
+    """
+
+    def run(self, folder: str | Path | None = None, **options: Unpack[RunOptions]) -> Run:
+        """Run the case in a folder and analyse it; options as of `lammps_jump.run`."""
+        return run(self, folder, **options)
+
+    def _repr_html_(self) -> str:
+        return case_html(self.name, self.scene())
+
+
+class RunOptions(TypedDict, total=False):
+    """Options of `run`."""
+
+    engine: str | None
+    kernel: str | None
+    ranks: int | str | None
+    force: bool
+    resume: bool
+    progress: ProgressCallback | None
+    should_stop: Callable[[], bool] | None
+
+
+def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> Case:
+    """Read, change and validate a case.
+
+    Parameters
+    ----------
+    source : str, Path or mapping
+        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
+    changes : mapping, optional
+        Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index. Numbers
+        are SI, texts may carry a unit (``"20 cm"``). Texts ``path=value``, as of ``--set``, are also taken.
+
+    Raises
+    ------
+    CaseError
+        One paragraph with file:line, the field, the value, what is allowed and what to do.
+    """
+    read = read_case(source, changes)
+    return Case(read.fields, read.source)
+
+
+def run(
+    case: ReadCase,
+    folder: str | Path | None = None,
+    *,
+    engine: str | None = None,
+    kernel: str | None = None,
+    ranks: int | str | None = None,
+    force: bool = False,
+    resume: bool = False,
+    progress: ProgressCallback | None = None,
+    should_stop: Callable[[], bool] | None = None,
+) -> Run:
+    """Run a case and analyse it; a result that the folder already holds is returned at once.
+
+    Parameters
+    ----------
+    case : Case
+    folder : str or Path, optional
+        Run folder, made where it is missing; default ``runs/<name of the case>``.
+    engine : {'lammps', 'native'}, optional
+    kernel : {'auto', 'stock', 'compiled'}, optional
+    ranks : int or 'auto', optional
+        In place of the case's own.
+    force : bool
+        Run also where the folder holds the result.
+    resume : bool
+        Go on with the interrupted run in the folder; the result is of the whole run.
+    progress : callable, optional
+        Called with a `Progress` about twice a second.
+    should_stop : callable, optional
+        Asked as often; True ends the run as an interruption does.
+
+    Raises
+    ------
+    CaseError, SetupError, ResumeError
+        Before anything is written.
+    RunError, RunInterrupted
+        A run that failed or was ended; its folder is kept, and ``error.run`` is the run as far as it came.
+    """
+    given = {"engine.name": engine, "engine.kernel": kernel, "engine.ranks": ranks}
+    case = case.replace({path: value for path, value in given.items() if value is not None})
+    place = Path(folder or default_folder(case))
+    try:
+        runs.start.start(case, place, force=force, resume=resume, progress=progress, should_stop=should_stop)
+    except RunError as error:
+        error.run = Run(place)
+        raise
+    return Run(place)
 
 
 def open_run(folder: str | Path) -> Run:

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import lammps_jump.runs as runs
-from lammps_jump.case.load import Case, load_case
+from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
@@ -19,9 +19,8 @@ from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
 from lammps_jump.files import RESULT_FILES, clear, writing
 
 from .engine import Setting, choose, run_engine
-from .folder import default_folder, require_case, result_of_files, result_of_summary, stored_result, write_folder
+from .folder import require_case, result_of_files, result_of_summary, stored_result, write_folder
 from .resume import resumable
-from .run import Run
 from .summary import compose, read_summary, write_summary
 
 log = logging.getLogger(__name__)
@@ -29,94 +28,65 @@ log = logging.getLogger(__name__)
 StopCallback = Callable[[], bool]
 
 
-def run(
-    case: Case,
-    folder: str | Path | None = None,
+def start(
+    case: ReadCase,
+    folder: Path,
     *,
-    engine: str | None = None,
-    kernel: str | None = None,
-    ranks: int | str | None = None,
     force: bool = False,
     resume: bool = False,
     progress: ProgressCallback | None = None,
     should_stop: StopCallback | None = None,
-) -> Run:
-    """Run a case and analyse it; returns at once where the folder already holds the result.
+) -> None:
+    """Run a case in a folder and analyse it; nothing is done where the folder already holds the result.
 
-    Parameters
-    ----------
-    case : Case
-    folder : str or Path, optional
-        Run folder, made where it is missing; default ``runs/<name of the case>``.
-    engine : {'lammps', 'native'}, optional
-    kernel : {'auto', 'stock', 'compiled'}, optional
-    ranks : int or 'auto', optional
-        In place of the case's own.
-    force : bool
-        Run also where the folder holds the result.
-    resume : bool
-        Go on with the interrupted run in the folder; the result is of the whole run.
-    progress : callable, optional
-        Called with a `Progress` about twice a second.
-    should_stop : callable, optional
-        Asked as often; True ends the run as an interruption does.
-
-    Raises
-    ------
-    CaseError, SetupError, ResumeError
-        Before anything is written.
-    RunError, RunInterrupted
-        A run that failed or was ended; its folder is kept, and ``error.run`` is the run as far as it came.
+    Parameters as of `lammps_jump.run`, errors too.
     """
     begin = time.perf_counter()
     if resume and force:
         raise CaseError("--resume goes on with a run, --force starts it anew: use one of the two")
-    given = {"engine.name": engine, "engine.kernel": kernel, "engine.ranks": ranks}
-    case, chosen = with_accuracy(case.replace({path: value for path, value in given.items() if value is not None}))
+    case, chosen = with_accuracy(case)
     setting, notes = choose(case)
-    notes, folder = (*chosen, *notes), Path(folder or default_folder(case))
+    notes = (*chosen, *notes)
     if resume:
-        return _go_on(case, folder, setting, notes, progress, should_stop)
+        _go_on(case, folder, setting, notes, progress, should_stop)
+        return
     stored = None if force else stored_result(case, folder, setting)
     if stored is not None:
         log.info(
             f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
             "of computing): nothing to do. --force runs it again."
         )
-        return Run(folder)
+        return
     _announce(case, folder, setting, notes)
     write_folder(case, folder, setting)
     seconds = {"build": time.perf_counter() - begin, "analysis": 0.0}
-    return _execute(case, folder, setting, notes, seconds, progress, should_stop)
+    _execute(case, folder, setting, notes, seconds, progress, should_stop)
 
 
-def build(
-    case: Case, folder: str | Path | None = None, *, kernel: str | None = None, ranks: int | str | None = None
-) -> tuple[Run, Setting]:
-    """Write the run folder of a case (case and script) and stop there; the run, and the setting that was chosen.
+def build(case: ReadCase, folder: Path) -> Setting:
+    """Write the run folder of a case (case and script) and stop there; the setting that was chosen.
 
     Raises
     ------
     CaseError, SetupError
     """
-    given = {"engine.kernel": kernel, "engine.ranks": ranks}
-    case, _ = with_accuracy(case.replace({path: value for path, value in given.items() if value is not None}))
+    case, _ = with_accuracy(case)
     setting, _ = choose(case)
-    folder = Path(folder or default_folder(case))
     write_folder(case, folder, setting)
-    return Run(folder), setting
+    return setting
 
 
-def run_folder(folder: Path, *, resume: bool = False, progress: ProgressCallback | None = None) -> Run:
-    """Run what `build` has written, or go on with the interrupted run there; see `run`."""
+def run_folder(folder: Path, *, resume: bool = False, progress: ProgressCallback | None = None) -> None:
+    """Run what `build` has written, or go on with the interrupted run there; errors as of `start`."""
     case, setting, notes = reopen(folder)
     if resume:
-        return _go_on(case, folder, setting, notes, progress, None)
+        _go_on(case, folder, setting, notes, progress, None)
+        return
     write_folder(case, folder, setting)
-    return _execute(case, folder, setting, notes, {"build": 0.0, "analysis": 0.0}, progress, None)
+    _execute(case, folder, setting, notes, {"build": 0.0, "analysis": 0.0}, progress, None)
 
 
-def reopen(folder: Path, changes: Sequence[str] = ()) -> tuple[Case, Setting, tuple[str, ...]]:
+def reopen(folder: Path, changes: Sequence[str] = ()) -> tuple[ReadCase, Setting, tuple[str, ...]]:
     """The case of a run folder, the setting of its run, and notes on it.
 
     Raises
@@ -132,7 +102,7 @@ def reopen(folder: Path, changes: Sequence[str] = ()) -> tuple[Case, Setting, tu
     return case, setting, (*chosen, *notes)
 
 
-def reanalyse(folder: Path, changes: Sequence[str] = ()) -> Run:
+def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
     """Analyse a run folder again and rewrite its summary and report.
 
     Parameters
@@ -174,10 +144,9 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> Run:
     (folder / "case.yaml").write_text(case.to_yaml())
     write_summary(folder, summary)
     runs.results.write_report(folder, summary, case)
-    return Run(folder)
 
 
-def _announce(case: Case, folder: Path, setting: Setting, notes: Sequence[str]) -> None:
+def _announce(case: ReadCase, folder: Path, setting: Setting, notes: Sequence[str]) -> None:
     scene, c = case.scene(), case.scene().coefficients
     for note in (*scene.warnings, *notes):
         log.info(f"note: {note}")
@@ -189,13 +158,13 @@ def _announce(case: Case, folder: Path, setting: Setting, notes: Sequence[str]) 
 
 
 def _go_on(
-    case: Case,
+    case: ReadCase,
     folder: Path,
     setting: Setting,
     notes: Sequence[str],
     progress: ProgressCallback | None,
     should_stop: StopCallback | None,
-) -> Run:
+) -> None:
     """Go on with the interrupted run of a case."""
     checkpoint = resumable(case, folder, setting)
     scene = case.scene()
@@ -208,11 +177,11 @@ def _go_on(
     before = (read_summary(folder) or {}).get("wall_seconds") or {}
     seconds = {name: before.get(name) or 0.0 for name in ("build", "analysis")}
     setting = replace(setting, kernel=checkpoint.result.kernel)
-    return _execute(case, folder, setting, notes, seconds, progress, should_stop, checkpoint)
+    _execute(case, folder, setting, notes, seconds, progress, should_stop, checkpoint)
 
 
 def _execute(
-    case: Case,
+    case: ReadCase,
     folder: Path,
     setting: Setting,
     notes: Sequence[str],
@@ -220,12 +189,12 @@ def _execute(
     progress: ProgressCallback | None,
     should_stop: StopCallback | None,
     checkpoint: Checkpoint | None = None,
-) -> Run:
+) -> None:
     """Run the engine in a folder that is written, analyse and report; `seconds` were spent before."""
     with writing(folder):
         result, steady = _run_engine(case, folder, setting, progress, should_stop, checkpoint)
         if checkpoint is not None and result.status == "failed" and result.steps <= checkpoint.step:
-            raise RunError(f"{result.message} Nothing was added to the run, and its checkpoint is kept.", Run(folder))
+            raise RunError(f"{result.message} Nothing was added to the run, and its checkpoint is kept.")
         if result.status != "interrupted":
             remove_checkpoint(folder)
             (folder / "in.resume.lammps").unlink(missing_ok=True)
@@ -251,16 +220,15 @@ def _execute(
         spent["analysis"] = time.perf_counter() - begin
         write_summary(folder, {**summary, "wall_seconds": spent})
     if result.status == "interrupted":
-        raise RunInterrupted(result.message, Run(folder))
+        raise RunInterrupted(result.message)
     if result.status == "failed":
-        raise RunError(result.message, Run(folder))
+        raise RunError(result.message)
     if trouble:
-        raise RunError(f"the run is complete, its dump could not be analysed: {trouble}", Run(folder))
-    return Run(folder)
+        raise RunError(f"the run is complete, its dump could not be analysed: {trouble}")
 
 
 def _run_engine(
-    case: Case,
+    case: ReadCase,
     folder: Path,
     setting: Setting,
     progress: ProgressCallback | None,
@@ -283,7 +251,7 @@ def _run_engine(
     return result, ""
 
 
-def steady_watch(case: Case, folder: Path) -> runs.steady.SteadyWatch | None:
+def steady_watch(case: ReadCase, folder: Path) -> runs.steady.SteadyWatch | None:
     """The watch of a case with ``run.stop_when_steady``, else None."""
     scene = case.scene()
     if not case.fields.run.stop_when_steady or not scene.inlets:
@@ -299,6 +267,5 @@ def _analysis_of(folder: Path) -> Iterator[None]:
             yield
     except KeyboardInterrupt:
         raise RunInterrupted(
-            f"the analysis was ended; what the run wrote is kept: `lammps-jump analyze {folder}` analyses it",
-            Run(folder),
+            f"the analysis was ended; what the run wrote is kept: `lammps-jump analyze {folder}` analyses it"
         ) from None

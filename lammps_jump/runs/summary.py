@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from lammps_jump.case.case import ReadCase
 from lammps_jump.case.derived import coefficients, inflow_theory
-from lammps_jump.case.load import Case
 from lammps_jump.engines.result import RunResult
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain, write_json
@@ -29,7 +29,7 @@ NO_SUMMARY = "it is no summary of a run: delete it, and `lammps-jump analyze` ma
 
 
 def compose(
-    case: Case,
+    case: ReadCase,
     setting: Setting,
     result: RunResult,
     *,

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from children import run_program
-from made_up import INPUTS, plugin_or_skip, run_case
+from made_up import INPUTS, analysed_again, plugin_or_skip, run_case
 
+import lammps_jump as lj
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names
 from lammps_jump.case.to_scene import build_scene
@@ -253,10 +254,11 @@ def test_command_line_exit_status(tmp_path):
 
 def test_build_then_run(tmp_path):
     case = load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.5", "engine.kernel=stock"])
-    built, setting = start.build(case, tmp_path)
+    setting = start.build(case, tmp_path)
     assert not (tmp_path / "dump.lammpstrj").exists()
-    assert start.reopen(tmp_path) == (built.case, setting, ()) and built.case == case
-    summary = start.run_folder(tmp_path).summary
+    assert start.reopen(tmp_path) == (case, setting, ())
+    start.run_folder(tmp_path)
+    summary = lj.open_run(tmp_path).summary
     assert summary["discs"]["lost"] == 0
 
 
@@ -290,13 +292,13 @@ def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
     job("quick_jump", tmp_path, "run.duration=1")
     whole = json.loads((tmp_path / "summary.json").read_text())
     (tmp_path / "summary.json").unlink()  # a killed run writes none
-    found = start.reanalyse(tmp_path).summary
+    found = analysed_again(tmp_path)
     assert found["status"] == "complete" and found["discs"] == whole["discs"] and found["steps"] == whole["steps"]
     assert any("reached its end" in text for text in found["warnings"])
     log = (tmp_path / "log.lammps").read_text()
     (tmp_path / "log.lammps").write_text(log[: log.rindex("Loop time of")].rsplit("\n", 2)[0])
     (tmp_path / "summary.json").unlink()
-    found = start.reanalyse(tmp_path).summary
+    found = analysed_again(tmp_path)
     assert found["status"] == "interrupted" and 0 < found["steps"] < whole["steps"]
     assert any("cut off" in text for text in found["warnings"])
 

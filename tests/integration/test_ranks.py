@@ -11,7 +11,7 @@ import pytest
 from children import run_program
 from made_up import INPUTS
 
-from lammps_jump.case.load import load_case
+from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.lammps import run_lammps

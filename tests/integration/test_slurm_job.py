@@ -8,7 +8,7 @@ import subprocess
 import pytest
 from made_up import INPUTS
 
-from lammps_jump.case.load import load_case
+from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines.lammps.job import write_job
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from lammps_jump.case import load_case
-from lammps_jump.case.load import parse_case
+from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import SetupError
 from lammps_jump.studies.cross_validation import ensembles

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lammps_jump.case.load import parse_case
+from lammps_jump.case import parse_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.physics.slip import SLIP_MODES
 

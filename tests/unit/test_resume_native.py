@@ -15,6 +15,7 @@ import pytest
 from children import run_program
 from made_up import run_case
 
+import lammps_jump as lj
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli import run as cli
@@ -222,7 +223,8 @@ def test_folder_afterwards_is_that_of_an_uninterrupted_run(tmp_path, interrupted
 
 
 def test_the_folder_alone_is_enough(interrupted):
-    summary = start.run_folder(interrupted, resume=True).summary
+    start.run_folder(interrupted, resume=True)
+    summary = lj.open_run(interrupted).summary
     assert summary["status"] == "complete" and summary["steps"] == 5640
 
 

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from made_up import INPUTS, run_case
+from made_up import INPUTS, analysed_again, run_case
 
 from lammps_jump.cli.app import main
 from lammps_jump.errors import RunInterrupted
@@ -129,7 +129,7 @@ def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
             start.reanalyse(folder)
     status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")
     assert status == 2 and f"`lammps-jump analyze {folder}`" in message and "reached its end" in message
-    found = start.reanalyse(folder).summary
+    found = analysed_again(folder)
     assert found["status"] == "complete" and found["steps"] == whole["steps"]
     assert found["discs"] == whole["discs"] and found["case_hash"] == whole["case_hash"]
     assert not any("cut off" in text for text in found["warnings"])

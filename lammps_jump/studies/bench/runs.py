@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.case import load_case
-from lammps_jump.case.load import Case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines.result import RunResult
 from lammps_jump.errors import DumpError, JumpError, RunInterrupted
@@ -143,7 +143,7 @@ def warm_up(scene: Scene) -> None:
         _WARM.add(kind)
 
 
-def measure(folder: Path, scene: Scene, loaded: Case, result: RunResult) -> dict[str, Any]:
+def measure(folder: Path, scene: Scene, loaded: ReadCase, result: RunResult) -> dict[str, Any]:
     """What the case asks of a run, as numbers and curves: energy, front, jump, impulse on structures."""
     from lammps_jump.analysis.flow import from_scene
     from lammps_jump.dump.find import read_dump, read_forces

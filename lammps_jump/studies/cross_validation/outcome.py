@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from lammps_jump.case.load import Case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.scene.scene import Scene
 
 from .divergence import Divergence
@@ -20,7 +20,7 @@ class Study:
 
     name: str
     scene: Scene
-    loaded: Case
+    loaded: ReadCase
     engine: EngineChoice
     checks: list[DeterministicCheck]
     known: dict[tuple[str, str], str]

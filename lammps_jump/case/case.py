@@ -1,0 +1,135 @@
+"""A case as an object: read from a file, text or mapping, changed, checked, turned into a scene."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import yaml
+
+from lammps_jump.provenance import short_hash
+from lammps_jump.scene.scene import Scene
+
+from .derived import Derived
+from .fields import CaseFields
+from .load import Changes, PlacedFields, json_text, validated
+from .text import CaseSource, parse_source, read_source
+from .to_scene import build_scene
+
+
+@dataclass(frozen=True)
+class ReadCase(PlacedFields):
+    """A validated case."""
+
+    @property
+    def name(self) -> str:
+        """Name of the case."""
+        return self.fields.name
+
+    @cached_property
+    def hash(self) -> str:
+        """Twelve hex digits, equal for cases that give the same run: name, description and analysis are left out."""
+        data = _plain_data(self.fields)
+        return short_hash({key: data[key] for key in data if key not in ("name", "description", "analysis")})
+
+    def replace(self, changes: Changes) -> Self:
+        """The case with other values, validated as a file is.
+
+        Parameters
+        ----------
+        changes : mapping or iterable of str
+            Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index.
+            Numbers are SI, texts may carry a unit (``"20 cm"``). Or texts ``path=value``, as of ``--set``.
+
+        Raises
+        ------
+        CaseError
+            A path that is not there, or a value that is not allowed.
+        """
+        source = self.source
+        copied = replace(
+            source,
+            data=copy.deepcopy(source.data) | {"name": self.name},
+            lines=dict(source.lines),
+            overrides=dict(source.overrides),
+        )
+        return type(self)(validated(copied, changes, self.name), copied)
+
+    def scene(self) -> Scene:
+        """The engine-neutral numbers of the case, SI.
+
+        Raises
+        ------
+        CaseError
+            A scene that cannot be run: an unstable step, discs inside walls, a domain too large.
+        """
+        return self._scene
+
+    @cached_property
+    def _scene(self) -> Scene:
+        return build_scene(self)
+
+    def check(self) -> Derived:
+        """Everything derived from the case: coefficients, theory of the inflow, what is skipped, warnings.
+
+        Raises
+        ------
+        CaseError
+            As `scene`.
+        """
+        return Derived(self.fields, self.scene())
+
+    def to_yaml(self) -> str:
+        """The case as YAML text, every default filled in, in the order of the fields."""
+        data = _plain_data(self.fields)
+        return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
+
+
+def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> ReadCase:
+    """Read, change and validate a case.
+
+    Parameters
+    ----------
+    source : str, Path or mapping
+        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
+    changes : mapping or iterable of str, optional
+        See `ReadCase.replace`.
+
+    Raises
+    ------
+    CaseError
+        One paragraph with file:line, the field, the value, what is allowed and what to do.
+    """
+    if isinstance(source, Mapping):
+        return _read(CaseSource(file="<case>", data=json.loads(json_text(dict(source)))), changes or (), "case")
+    path = Path(source)
+    if (path / "case.yaml").is_file():
+        path /= "case.yaml"
+    return _read(read_source(path), changes or (), path.stem)
+
+
+def parse_case(text: str, file: str = "<case>", changes: Changes = ()) -> ReadCase:
+    """As `load_case`, from YAML text; `file` is its name in messages."""
+    return _read(parse_source(text, file), changes, Path(file).stem)
+
+
+def _read(source: CaseSource, changes: Changes, default_name: str) -> ReadCase:
+    return ReadCase(validated(source, changes, default_name), source)
+
+
+def _plain_data(fields: CaseFields) -> dict[str, Any]:
+    """Plain data without the empty optional fields, which would only be noise for a reader."""
+
+    def prune(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: prune(item) for key, item in value.items() if item is not None}
+        if isinstance(value, list | tuple):
+            return [prune(item) for item in value]
+        return value
+
+    return prune(fields.model_dump(mode="json"))
