@@ -16,7 +16,7 @@ $(VENV)/.ready: pyproject.toml
 run: $(VENV)/.ready
 	$(BIN)/lammps-jump build-and-run $(CASE)
 
-test: $(VENV)/.ready
+test: lint
 	@echo "the tests take about 1.5 minutes on two free cores (2 the first time), up to 5 minutes on busy ones"
 	$(BIN)/python -m pytest -n 2
 
@@ -44,7 +44,7 @@ calibrate: $(VENV)/.ready
 	$(BIN)/lammps-jump calibrate
 
 lint: $(VENV)/.ready
-	$(BIN)/pip install --quiet ruff && $(BIN)/ruff check . && $(BIN)/ruff format --check .
+	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
 
 doctor: $(VENV)/.ready
 	$(BIN)/lammps-jump doctor

@@ -39,6 +39,7 @@ def draw_all(gathered: Gathered, shown: dict, folder: Path, dump: Path) -> list[
 
 
 def wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[], Figure | None]]:
+    """What draws each figure that the results call for, by the name of its file."""
     profiles, context = gathered.profiles, gathered.context
     # a picture has a thousand rows of pixels at most: long records are thinned for the maps
     thinned = profiles.isel(time=slice(None, None, max(1, profiles.sizes["time"] // 600)))

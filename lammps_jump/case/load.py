@@ -36,6 +36,7 @@ class PlacedFields:
 
 
 def json_text(value: object) -> str:
+    """A value as JSON, which is YAML too; CaseError where it is none of a case."""
     try:
         return json.dumps(plain(value))
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""``lammps-jump doctor``: is everything here that a run needs?"""
+"""The command doctor: what a run needs, and whether it is here."""
 
 from __future__ import annotations
 

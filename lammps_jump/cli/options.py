@@ -63,6 +63,7 @@ def assignments(
     ranks: str | None = None,
     accuracy: str | None = None,
 ) -> list[str]:
+    """Texts ``path=value`` of ``--set`` and of the options that stand for one."""
     chosen = [
         f"engine.{key}={value}"
         for key, value in (("name", engine), ("kernel", kernel), ("ranks", ranks))

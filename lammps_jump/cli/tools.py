@@ -38,7 +38,7 @@ def check(
 
 @app.command()
 def new(scene: Annotated[str, typer.Argument(help="Scene to start from; without it, the list.")] = "") -> None:
-    """Print a starting case of a scene: lammps-jump new dam_break > my_case.yaml"""
+    """Print a starting case of a scene, as in `lammps-jump new dam_break > my_case.yaml`."""
     print(cases.scene_text(scene) if scene else "\n".join(cases.scene_names()), end="" if scene else "\n")
 
 

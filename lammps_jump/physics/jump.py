@@ -8,6 +8,7 @@ available here under the same names.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import floor, inf, nan, sqrt, tanh
 
 from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
@@ -164,7 +165,7 @@ def sequent_ratio(
     return _root_beyond(balance, low)
 
 
-def _root_beyond(function, low: float) -> float:
+def _root_beyond(function: Callable[[float], float], low: float) -> float:
     """Root of a function that is >= 0 at `low` and falls for ever beyond it: doubling, then bisection."""
     high = 2.0 * low
     while function(high) > 0:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.find import read_dump
@@ -51,7 +52,7 @@ def require_case(folder: Path) -> Path:
     return path
 
 
-def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping | None:
+def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping[str, Any] | None:
     """The summary of a finished run of the same resolved case in the folder, else None."""
     try:
         stored = read_summary(folder)
@@ -67,7 +68,7 @@ def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping | N
     return stored if same and finished and any(folder.glob("dump.lammps*")) else None
 
 
-def result_of_summary(stored: Mapping, engine: str, kernel: str) -> RunResult:
+def result_of_summary(stored: Mapping[str, Any], engine: str, kernel: str) -> RunResult:
     """The result of a run as its summary holds it; `engine` and `kernel` where it does not say."""
     discs = stored.get("discs") or {}
     return RunResult(

@@ -31,7 +31,7 @@ log = logging.getLogger(__name__)
 UNKNOWN = float("nan")
 
 
-class Numbers(Mapping):
+class Numbers(Mapping[str, Any]):
     """Numbers of one analysis, by attribute or by key of ``summary.json``; SI.
 
     A number that could not be measured is NaN. ``<name>_error`` is the standard error of the mean of ``<name>``, in

@@ -7,10 +7,10 @@ import html
 import io
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
@@ -199,7 +199,7 @@ class Run:
     @cached_property
     def status(self) -> Status:
         """What has become of the run; read again by another `open_run`."""
-        return "running" if is_written(self.folder) else self.result.status
+        return "running" if is_written(self.folder) else cast(Status, self.result.status)
 
     @cached_property
     def result(self) -> RunResult:
@@ -236,20 +236,23 @@ class Run:
         stored = None if self._changes else self._stored.get(part)
         return plain(self._found.parts[part]) if stored is None else stored
 
+    def _series(self, part: str, structure: str = "") -> Mapping[str, Any]:
+        return runs.results.series_of(self._found, part, structure)
+
     @cached_property
     def jump(self) -> Jump:
         """The hydraulic jump; `verdict` and `reason` say whether there is one."""
-        return runs.results.Jump(self._part("jump"), lambda: runs.results.series_of(self._found, "jump"))
+        return runs.results.Jump(self._part("jump"), partial(self._series, "jump"))
 
     @cached_property
     def front(self) -> Front:
         """The front of a collapsing column."""
-        return runs.results.Front(self._part("front"), lambda: runs.results.series_of(self._found, "front"))
+        return runs.results.Front(self._part("front"), partial(self._series, "front"))
 
     @cached_property
     def energy(self) -> Energy:
         """Energy of the discs over time."""
-        return runs.results.Energy(self._part("energy"), lambda: runs.results.series_of(self._found, "energy"))
+        return runs.results.Energy(self._part("energy"), partial(self._series, "energy"))
 
     @cached_property
     def forces(self) -> Mapping[str, Force]:
@@ -258,7 +261,7 @@ class Run:
             return {}
         part = self._part("force")
         return {
-            name: runs.results.Force(part[name], lambda name=name: runs.results.series_of(self._found, "force", name))
+            name: runs.results.Force(part[name], partial(self._series, "force", name))
             for name in self.scene.probes
             if name in part
         }

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
@@ -201,7 +202,7 @@ def _execute(
         begin = time.perf_counter() - seconds["analysis"]
         if checkpoint is not None:
             clear(folder, RESULT_FILES)  # those of the part before
-        parts: dict = {}
+        parts: dict[str, Any] = {}
         trouble = ""
         try:
             with _analysis_of(folder):

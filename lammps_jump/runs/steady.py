@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 from scipy.special import stdtrit
 
+from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.scene.scene import Scene
 
 PASSAGES = 1.5
@@ -239,7 +240,7 @@ def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
     return max(PASSAGES * passage, FEWEST_FRAMES * scene.output_steps * scene.time_step)
 
 
-def studied_reach(context) -> tuple[float, float]:
+def studied_reach(context: FlowContext) -> tuple[float, float]:
     """The part of the studied range that has one and the same floor from its upstream end on (up to a sill), m."""
     low, high = context.x_range
     x = np.linspace(low, high, 2001)[1:-1]
@@ -301,4 +302,5 @@ class SteadyWatch:
             return
         x, vx = values[:, columns.index(b"x")], values[:, columns.index(b"vx")]
         state = flow_state(x, vx, self.scene.mass, self.scene.density, self.reach)
-        self.detector.feed(time, *state)
+        if self.detector is not None:
+            self.detector.feed(time, *state)

@@ -34,7 +34,7 @@ def compose(
     result: RunResult,
     *,
     seconds: Mapping[str, float],
-    parts: Mapping[str, object],
+    parts: Mapping[str, Any],
     notes: Sequence[str] = (),
 ) -> dict[str, Any]:
     """All of ``summary.json``.

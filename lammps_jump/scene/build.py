@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import derive, stiffness
 
 from .scene import Scene
-from .walls import Wall
+from .walls import Interval, Wall
 
 
 def handmade_scene(
-    positions,
-    velocities,
+    positions: ArrayLike,
+    velocities: ArrayLike,
     walls: tuple[Wall, ...] = (),
     *,
     diameter: float = 0.2,
@@ -28,8 +31,8 @@ def handmade_scene(
     rotation: bool = False,
     tangential_damping: float | None = None,
     gravity: tuple[float, float] = (0.0, -9.81),
-    domain=((-100.0, 100.0), (-100.0, 100.0)),
-    **others,
+    domain: tuple[Interval, Interval] = ((-100.0, 100.0), (-100.0, 100.0)),
+    **others: Any,
 ) -> Scene:
     """A `Scene` from discs, walls and contact parameters.
 

@@ -38,7 +38,7 @@ def continuation_text(
     header: tuple[str, ...] = (),
     plugin: Path | None = None,
 ) -> str:
-    """The script that goes on; parameters as of `script_text`, and
+    """The script that goes on; parameters as of `script_text`, and these.
 
     Parameters
     ----------

@@ -54,9 +54,10 @@ def test_public_names():
     assert sorted(lj.__all__) == sorted(PUBLIC)
     assert all(getattr(lj, name) is not None for name in lj.__all__)
     assert dir(lj) == lj.__all__
-    assert lj.__version__ in subprocess.run(
-        [sys.executable, "-m", "lammps_jump", "--version"], capture_output=True, text=True
-    ).stdout
+    assert (
+        lj.__version__
+        in subprocess.run([sys.executable, "-m", "lammps_jump", "--version"], capture_output=True, text=True).stdout
+    )
 
 
 @pytest.mark.parametrize("eager", ["", "1"])
@@ -74,11 +75,21 @@ def test_case_is_frozen_and_replaced_as_a_file_is_read(case):
     assert case.replace({}) == case and case.replace({"description": "another"}).hash == case.hash
     with pytest.raises(FrozenInstanceError):
         case.fields = other.fields
-    for wrong, said in (({"contact.friktion": 1}, "did you mean 'friction'"), ({"walls.sluice.y": [0, 1]}, "no item"),
-                        ({"contact.friction": -1}, "allowed is >= 0"), ({"run": object()}, "no value of a case")):  # fmt: skip
-        with pytest.raises(lj.CaseError, match=said):
-            case.replace(wrong)
     assert case == lj.load_case(INPUTS / "quick_jump.yaml", SHORT)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "said"),
+    [
+        ("contact.friktion", 1, "did you mean 'friction'"),
+        ("walls.sluice.y", [0, 1], "no item"),
+        ("contact.friction", -1, "allowed is >= 0"),
+        ("run", object(), "no value of a case"),
+    ],
+)
+def test_wrong_changes_are_refused(case, path, value, said):
+    with pytest.raises(lj.CaseError, match=said):
+        case.replace({path: value})
 
 
 def test_case_from_a_mapping_and_from_a_run_folder(case, finished):

@@ -191,7 +191,7 @@ def crossing_step(part: Separation, level: float) -> int | None:
 
 @dataclass(frozen=True)
 class DeterministicCheck:
-    """Outcome of one scene: do the engines walk the same path over the first steps with contacts?
+    """Outcome of one scene: whether the engines walk the same path over the first steps with contacts.
 
     Attributes
     ----------
