@@ -136,7 +136,7 @@ def writing(folder: Path) -> Iterator[None]:
     place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         with suppress(OSError):
-            fcntl.flock(place, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            fcntl.flock(place, fcntl.LOCK_SH)  # waits only while `is_written` looks
         yield
     finally:
         os.close(place)

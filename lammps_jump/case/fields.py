@@ -298,6 +298,8 @@ class Engine(Strict):
 class CaseFields(Strict):
     """A whole case."""
 
+    model_config = ConfigDict(title="Case")
+
     name: Name
     description: str = ""
     gravity: MetrePerSecond2 = Field(default=9.81, ge=0, le=MOST_GRAVITY)

@@ -47,8 +47,8 @@ def options(
 
 
 def main() -> None:
-    """Entry point: errors of ours become one paragraph and an exit status, never a traceback."""
-    # imports leave a million objects that stay: looking through them again and again took a tenth of an analysis
+    """Run the command line; a `JumpError` becomes one paragraph and an exit status, never a traceback."""
+    # imports leave a million objects that stay; collecting among them took a tenth of the time of an analysis
     gc.set_threshold(50_000, 20, 50)
     with patient_output() as output:
         status = _status()
@@ -56,7 +56,7 @@ def main() -> None:
         if output.trouble is not None:
             print(f"error: standard output cannot be written ({output.trouble.strerror})", file=sys.stderr)
             status = status or 1
-    gc.freeze()  # nor once more at the end: a third of a second
+    gc.freeze()  # collecting at the end takes 0.3 s
     raise SystemExit(status)
 
 

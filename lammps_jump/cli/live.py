@@ -1,4 +1,4 @@
-"""Watch a run as it goes: a picture of the newest frame, in a window where there is a screen, always as a file."""
+"""Pictures of a run while it goes on: the newest frame as a file, and in a window where there is a screen."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ def newest_frame_text(path: Path, guess: int = 2_000_000, ended: bool = False) -
 
 
 class LiveView:
-    """A progress callback that also draws; hands every report on to `then`.
+    """A progress callback that also draws; it hands every report on to `then`.
 
-    Without a screen, or once the window is closed, the picture file goes on alone; nothing of it ends a run.
+    Without a screen, or once the window is closed, only the file is drawn. Errors in drawing never end a run.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ class LiveView:
         self.shown = time.perf_counter()
         self.window, reason = _open_window(scene.name)
         if reason and not getattr(then, "quiet", False):
-            print(f"note: {reason}: look at {self.picture}, which is drawn anew as the run goes", file=sys.stderr)
+            print(f"note: {reason}: look at {self.picture}, which is drawn again as the run goes on", file=sys.stderr)
 
     def __call__(self, report: Progress) -> None:
         """Draw when it is time to."""
@@ -92,7 +92,7 @@ class LiveView:
                 if frames and frames[-1].n:
                     still(frames[-1], self.context, self.picture)
             except DumpError:
-                return  # a frame in the making: the next one will do
+                return  # the frame is still being written; the next one is drawn
         if self.window is not None and self.picture.exists():
             self._show()
 

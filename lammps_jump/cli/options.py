@@ -12,7 +12,7 @@ import typer
 
 
 def folder_option(text: str) -> Path:
-    """A folder or file of ``--out``; an empty text (an unset variable of a shell) would be the current folder."""
+    """A folder or file of ``--out``; an empty text, as of an unset variable of a shell, is refused."""
     if not text.strip():
         raise typer.BadParameter("an empty text names no place; `--out .` is the current folder")
     return Path(text)

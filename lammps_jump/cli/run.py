@@ -11,7 +11,6 @@ import typer
 
 import lammps_jump as lj
 import lammps_jump.cli as cli
-import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.errors import CaseError, RunError
 
@@ -55,9 +54,9 @@ def build(
     """Write the run folder (case and LAMMPS script) and stop there."""
     loaded = lj.load_case(case, assignments(set_, None, kernel, ranks))
     folder = out or runs.folder.default_folder(loaded)
-    setting = runs.start.build(loaded, folder)
+    runs.start.build(loaded, folder, job=slurm)
     if slurm:
-        print(f"job file: {engines.lammps.job.write_job(lj.open_run(folder).scene, folder, setting.ranks)}")
+        print(f"job file: {folder / 'job.slurm'}")
     script = (folder / "in.lammps").exists()
     there = ", or there with `lmp -in in.lammps`" if script else ""
     print(f"{folder}: run it with `lammps-jump run {folder}`{there}")

@@ -1,4 +1,4 @@
-"""Standard output that may be closed, full or ASCII only: a run does not end for want of a place to print."""
+"""Standard output that may be closed, full or ASCII only: errors in printing never end a run."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from contextlib import contextmanager
 
 
 class PatientStream:
-    """A text stream that falls silent once it cannot be written to; everything else is the stream's.
+    """A text stream that ignores what is written after its first error; all else is as of the stream.
 
     Attributes
     ----------
     trouble : OSError or None
-        What went wrong first; a reader that has gone away (``| head``) is none.
+        The first error; None where a reader has closed its end (``| head``).
     """
 
     def __init__(self, stream):
@@ -22,7 +22,7 @@ class PatientStream:
         self.trouble: OSError | None = None
 
     def write(self, text: str) -> int:
-        """Write, or do as if."""
+        """Write; nothing after an error."""
         try:
             return self.stream.write(text)
         except OSError as error:
@@ -30,7 +30,7 @@ class PatientStream:
             return len(text)
 
     def flush(self) -> None:
-        """Flush, or do as if."""
+        """Flush; nothing after an error."""
         try:
             self.stream.flush()
         except OSError as error:
@@ -49,7 +49,7 @@ class PatientStream:
 
 @contextmanager
 def patient_output():
-    """Make stdout and stderr patient, with ``?`` for what their encoding lacks; yields stdout."""
+    """Make stdout and stderr a `PatientStream`, with ``?`` for what their encoding lacks; yield stdout."""
     before = sys.stdout, sys.stderr
     streams = [stream or open(os.devnull, "w") for stream in before]  # None where the shell has closed it
     for stream in streams:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import lammps_jump.engines as engines
 from lammps_jump.case.case import ReadCase
@@ -79,15 +80,12 @@ def run_key(case: ReadCase, setting: Setting) -> str:
 def write_scripts(case: ReadCase, folder: Path, setting: Setting) -> None:
     """Write what LAMMPS reads into a run folder; nothing for the native engine."""
     if setting.engine == "lammps":
-        write_script(
-            case.scene(),
-            folder,
-            kernel=setting.kernel,
-            ranks=setting.ranks,
-            dump_format=setting.dump_format,
-            header=_header(case, setting),
-            plugin=setting.plugin,
-        )
+        header = _header(case, setting)
+        write_script(case.scene(), folder, header=header, dump_format=setting.dump_format, **_kernel(setting))
+
+
+def _kernel(setting: Setting) -> dict[str, Any]:
+    return {"kernel": setting.kernel, "ranks": setting.ranks, "plugin": setting.plugin}
 
 
 def _header(case: ReadCase, setting: Setting, script: str = "in.lammps") -> tuple[str, ...]:
@@ -133,19 +131,10 @@ def run_engine(
             state=resume.state,
             step=resume.step,
             removed=resume.removed,
-            kernel=setting.kernel,
-            ranks=setting.ranks,
-            dump_format=setting.dump_format,
             header=_header(case, setting, "in.resume.lammps"),
-            plugin=setting.plugin,
+            dump_format=setting.dump_format,
+            **_kernel(setting),
         )
     return engines.lammps.run_lammps(
-        scene,
-        folder,
-        kernel=setting.kernel,
-        ranks=setting.ranks,
-        plugin=setting.plugin,
-        progress=progress,
-        should_stop=should_stop,
-        resume=resume,
+        scene, folder, progress=progress, should_stop=should_stop, resume=resume, **_kernel(setting)
     )

@@ -13,7 +13,7 @@ from .engine import Setting
 from .folder import reached_end
 from .summary import read_summary
 
-ANEW = "the same command without --resume starts anew"
+ANEW = "the same command without --resume starts a new run"
 
 
 def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
@@ -40,7 +40,7 @@ def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
     if checkpoint.scene != fingerprint(case.scene()):
         raise ResumeError(
             f"{folder}: this version of lammps-jump makes other numbers of the same case than the one that began the "
-            f"run; go on with that one, or start anew"
+            f"run; go on with that version, or start a new run"
         )
     if checkpoint.result.kernel == "compiled" and setting.plugin is None:
         raise ResumeError(

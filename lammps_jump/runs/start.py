@@ -15,6 +15,7 @@ from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
+from lammps_jump.engines.lammps.job import write_job
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
 from lammps_jump.files import RESULT_FILES, clear, writing
@@ -44,7 +45,7 @@ def start(
     """
     begin = time.perf_counter()
     if resume and force:
-        raise CaseError("--resume goes on with a run, --force starts it anew: use one of the two")
+        raise CaseError("--resume goes on with a run, --force starts a new one: use one of the two")
     case, chosen = with_accuracy(case)
     setting, notes = choose(case)
     notes = (*chosen, *notes)
@@ -64,8 +65,8 @@ def start(
     _execute(case, folder, setting, notes, seconds, progress, should_stop)
 
 
-def build(case: ReadCase, folder: Path) -> Setting:
-    """Write the run folder of a case (case and script) and stop there; the setting that was chosen.
+def build(case: ReadCase, folder: Path, *, job: bool = False) -> Setting:
+    """Write the run folder of a case and stop there; with `job` also a job file for a cluster. The setting chosen.
 
     Raises
     ------
@@ -74,6 +75,8 @@ def build(case: ReadCase, folder: Path) -> Setting:
     case, _ = with_accuracy(case)
     setting, _ = choose(case)
     write_folder(case, folder, setting)
+    if job:
+        write_job(case.scene(), folder, setting.ranks)
     return setting
 
 

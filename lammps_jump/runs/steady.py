@@ -1,9 +1,9 @@
-"""When a flow has become statistically steady: the test behind ``run.stop_when_steady``. Pure; no engine.
+"""Whether a flow has become statistically steady: the test behind ``run.stop_when_steady``, and its use on a dump.
 
 Test: equivalence by two one-sided t tests (D. J. Schuirmann, J. Pharmacokinet. Biopharm. 15 (1987) 657) on the drift
 of a series over a window. A straight line is fitted to the means of equal batches; its drift over the window has a
 confidence interval, and the series counts as steady only where the *whole* interval lies within a tolerance. (A test
-that merely fails to find a trend would call any noisy or short record steady.) Batches that still hang together widen
+that merely fails to find a trend would call any noisy or short record steady.) Batches that are still correlated widen
 the interval: residuals with lag-1 correlation r > 0 inflate the standard error by sqrt((1 + r)/(1 - r)). Depth,
 discharge and toe must all be steady at two looks in a row, half a window apart.
 

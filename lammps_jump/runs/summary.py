@@ -25,7 +25,9 @@ FIELD_TYPES = {
     "resumed_at": list,
 }
 """What is read back of a summary; each may be null or missing."""
-NO_SUMMARY = "it is no summary of a run: delete it, and `lammps-jump analyze` makes it anew from what the run wrote"
+NO_SUMMARY = (
+    "the file is no summary of a run: delete it, and `lammps-jump analyze` makes it again from what the run wrote"
+)
 
 
 def compose(

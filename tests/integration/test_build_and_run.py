@@ -262,6 +262,14 @@ def test_build_then_run(tmp_path):
     assert summary["discs"]["lost"] == 0
 
 
+def test_build_with_a_job_file(tmp_path):
+    status, output = run_program(
+        "build", INPUTS / "energy_box_7.yaml", "--out", tmp_path, "--kernel", "stock", "--slurm"
+    )
+    assert status == 0 and f"job file: {tmp_path / 'job.slurm'}" in output
+    assert (tmp_path / "job.slurm").exists() and (tmp_path / "in.lammps").exists()
+
+
 def test_interruption_is_an_error_of_its_own():
     assert issubclass(RunInterrupted, RunError) and RunInterrupted.exit_status == 1
 

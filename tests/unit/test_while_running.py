@@ -254,6 +254,36 @@ def test_watcher_asks_once_where_the_flow_is_steady(scene):
     assert run.asked == [(1, 300)]
 
 
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_on_a_terminal_is_one_bar_with_the_same_numbers(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "120")
+    stream, clock = Terminal(), iter((0.0, 0.1, 10.0, 20.0))
+    line = ProgressLine(10.0, stream=stream, clock=lambda: next(clock))
+    line(Progress(step=1, steps=1000, time=0.01, discs=1))
+    assert stream.getvalue() == ""  # too early
+    line(Progress(step=500, steps=1000, time=5.0, discs=1_000_000))
+    line(Progress(step=600, steps=1000, time=6.0, discs=1_000_000))
+    line.finish()
+    text = stream.getvalue()
+    assert "t = 5.000 of 10 s" in text and "10.0 M disc-steps/s" in text and "13 s left" in text
+    assert text.count("\n") == 1 and "━" in text
+
+
+def test_progress_of_a_part_that_goes_on_counts_from_its_first_report():
+    stream, clock = io.StringIO(), iter((0.0, 5.0, 20.0))
+    line = ProgressLine(10.0, stream=stream, first_step=None, clock=lambda: next(clock))
+    line(Progress(step=900, steps=1000, time=9.0, discs=10))
+    line(Progress(step=950, steps=1000, time=9.5, discs=10))
+    assert "95 %" in stream.getvalue() and "20 s left" in stream.getvalue()
+
+
 LOG = """\
 LAMMPS (22 Jul 2025)
    Step          Time          Atoms      f_outlet_1     c_top
