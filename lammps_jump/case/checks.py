@@ -12,9 +12,9 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene.scene import Gate, InletRow
-from lammps_jump.scene.walls import Block, Interval, Wall
+from lammps_jump.scene.walls import Interval, Wall
 
-from .fields import BoxWall, Column, PourInflow
+from .fields import Column, PourInflow
 from .load import LoadedCase
 from .packing import closest_pair, disc_count
 
@@ -25,8 +25,6 @@ MOST_FRAMES = 1_000_000
 MOST_CELLS = 500_000_000
 """LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
 MOST_BINS = 100_000
-BOX_FACES = ("x", "y", "left", "right", "bottom", "top")
-"""What is put behind the name of a box for its pairs of faces (script) and its faces (native engine)."""
 
 
 def check_size(loaded: LoadedCase, settle_steps: int, steps: int, output_steps: int) -> None:
@@ -90,10 +88,9 @@ def check_names(loaded: LoadedCase, walls: tuple[Wall, ...], gates: tuple[Gate, 
     """Refuse walls called as one of ours (behind an inlet, before a column) or as the faces of a box."""
     own = {wall.name: "of the wall behind the inlet" for wall in walls[len(loaded.case.walls) :]}
     own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
-    own |= {f"{gate.wall.name}_far_side": "of the far face of a gate" for gate in gates if isinstance(gate.wall, Block)}
+    own |= {f"{gate.wall.name}_{part}": "of the far face of a gate" for gate in gates for part in gate.wall.parts}
     for item in loaded.case.walls:
-        if isinstance(item, BoxWall):
-            own |= {f"{item.name}_{face}": f"of a face of box '{item.name}'" for face in BOX_FACES}
+        own |= {f"{item.name}_{part}": f"of a face of {item.kind} '{item.name}'" for part in item.parts}
     for index, item in enumerate(loaded.case.walls):
         if item.name in own:
             raise loaded.source.error(
@@ -220,7 +217,7 @@ def _check_free_of(
 ) -> None:
     radius = loaded.case.discs.diameter / 2
     if len(positions):
-        distance = wall.signed_distance(positions[:, 0], positions[:, 1])
+        distance = wall.distance(positions[:, 0], positions[:, 1])
         worst = int(np.argmin(distance))
         if radius - distance[worst] > allowed * (1 + 1e-9):
             raise loaded.source.error(
@@ -230,7 +227,7 @@ def _check_free_of(
                 "move the wall or the discs",
             )
     for number, row in enumerate(inlets):
-        distance = float(wall.signed_distance(np.array([row.x]), np.array([row.y]))[0])
+        distance = float(wall.distance(np.array([row.x]), np.array([row.y]))[0])
         if distance < radius * (1 - 1e-6):
             raise loaded.source.error(
                 "inflow",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Union
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
+from lammps_jump.scene.walls import KINDS, Coordinate, Extent, ordered
 from lammps_jump.units import (
     Degree,
     Density,
@@ -19,8 +20,6 @@ from lammps_jump.units import (
 )
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
-WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
-"""Part of the names of LAMMPS fixes, regions and variables, which take no other letters."""
 
 # Far beyond anything meant, and near enough that squares and quotients of the numbers stay numbers.
 LENGTH = {"ge": 1e-6, "le": 1e6}
@@ -30,12 +29,10 @@ TIME = {"ge": 1e-9, "le": 1e9}
 STIFFNESS = {"ge": 1e-6, "le": 1e24}
 LEAST_GRAVITY, MOST_GRAVITY = 1e-6, 1e6
 
-Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
 Component = Annotated[MetrePerSecond, Field(ge=-1e6, le=1e6)]
 Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
 Point = tuple[Coordinate, Coordinate]
 Vector = tuple[Component, Component]
-Extent = tuple[Coordinate, Coordinate]
 
 
 def _no_truth(value: Any) -> Any:
@@ -45,12 +42,6 @@ def _no_truth(value: Any) -> Any:
 
 
 Whole = Annotated[int, BeforeValidator(_no_truth)]
-
-
-def _ordered(value: tuple[float, float]) -> tuple[float, float]:
-    if value[0] >= value[1]:
-        raise ValueError(f"[{value[0]:g}, {value[1]:g}] runs backwards; expected [low, high] with low < high")
-    return value
 
 
 class Strict(BaseModel):
@@ -104,46 +95,9 @@ class Domain(Strict):
 
     x: Extent
     y: Extent
-    _order = field_validator("x", "y")(_ordered)
 
 
-class PlaneWall(Strict):
-    """An endless straight wall; discs on one side of it."""
-
-    kind: Literal["plane"]
-    name: WallName
-    axis: Literal["x", "y"]
-    at: Coordinate
-    side: Literal["above", "below"] = Field(description="where the discs are: at larger or smaller coordinates")
-
-    @field_validator("side", mode="before")
-    @classmethod
-    def _side_words(cls, value: Any) -> Any:
-        words = {"right": "above", "left": "below", "high": "above", "low": "below", "+": "above", "-": "below"}
-        return words.get(value, value) if isinstance(value, str) else value
-
-
-class BlockWall(Strict):
-    """A solid rectangle; discs outside it."""
-
-    kind: Literal["block"]
-    name: WallName
-    x: Extent
-    y: Extent
-    _order = field_validator("x", "y")(_ordered)
-
-
-class BoxWall(Strict):
-    """A hollow rectangle; discs inside it."""
-
-    kind: Literal["box"]
-    name: WallName
-    x: Extent
-    y: Extent
-    _order = field_validator("x", "y")(_ordered)
-
-
-WallField = Annotated[PlaneWall | BlockWall | BoxWall, Field(discriminator="kind")]
+WallField = Annotated[Union[KINDS], Field(discriminator="kind")]
 
 
 class Column(Strict):
@@ -157,7 +111,6 @@ class Column(Strict):
     jitter: Plain = Field(default=0.0, ge=0, le=0.2, description="random shift, in diameters")
     gate: bool = Field(default=True, description="held at its right side until t = 0")
     settle: Second = Field(default=0.0, ge=0, le=1e9, description="time behind the gate before t = 0")
-    _order = field_validator("x", "y")(_ordered)
 
 
 class Lattice(Strict):
@@ -213,7 +166,6 @@ class PourInflow(Strict):
     count: Whole = Field(gt=0, le=20_000_000)
     volume_fraction: Plain = Field(default=0.4, gt=0, le=0.7)
     speed_down: MetrePerSecond = Field(default=0.0, ge=0, le=1e6)
-    _order = field_validator("x", "y")(_ordered)
 
 
 InflowField = Annotated[RowsInflow | PourInflow, Field(discriminator="kind")]
@@ -267,17 +219,13 @@ class Analysis(Strict):
     """What is asked of the dump."""
 
     bin_width: Metre | None = Field(default=None, **LENGTH)
-    window: tuple[Moment, Moment] | None = None
+    window: Annotated[tuple[Moment, Moment], AfterValidator(ordered)] | None = None
     jump: bool = False
     energy: bool = False
     front: bool = False
     fields: bool = False
     animation: bool = False
 
-    @field_validator("window")
-    @classmethod
-    def _window(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
-        return value if value is None else _ordered(value)
 
 
 class Engine(Strict):

@@ -5,12 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, get_args, get_type_hints
 
 import yaml
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from lammps_jump.errors import CaseError
 
@@ -90,10 +91,14 @@ def _validated(source: CaseSource, assignments: Iterable[str], default_name: str
     return LoadedCase(case, source)
 
 
+UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
+"""What pydantic calls a key that a model or a dataclass does not have."""
+
+
 def _explain(error: ValidationError, source: CaseSource) -> CaseError:
     problems = error.errors(include_url=False)
     # an unknown key often explains a missing one: say the unknown key first
-    problems.sort(key=lambda problem: problem["type"] != "extra_forbidden")
+    problems.sort(key=lambda problem: problem["type"] not in UNKNOWN)
     first = problems[0]
     path = _data_path(first["loc"], source.data)
     more = f" ({len(problems) - 1} more after this one)" if len(problems) > 1 else ""
@@ -123,7 +128,7 @@ def _sentence(problem: dict, path: PathKey) -> str:
         "less_than": ("< {lt}", "lt"),
         "less_than_equal": ("<= {le}", "le"),
     }
-    if kind == "extra_forbidden":
+    if kind in UNKNOWN:
         return f"unknown field; {nearest(str(path[-1]), _known_fields(problem['loc']))}"
     if kind == "missing":
         return "is required and not there; `lammps-jump new hydraulic_jump` shows a whole case"
@@ -143,7 +148,7 @@ def _sentence(problem: dict, path: PathKey) -> str:
         return f"{value!r} is not a usable name; {letters} are allowed"
     if kind in ("tuple_type", "list_type", "too_long", "too_short", "missing_argument"):
         return f"{value!r} does not fit: {problem['msg'].lower()}; a pair is written [low, high], a list with dashes"
-    if kind in ("model_type", "dict_type"):
+    if kind in ("model_type", "dataclass_type", "dict_type"):
         return f"{value!r} is a single value; this field is a group of fields (`lammps-jump new` shows one)"
     return f"{value!r} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
 
@@ -151,31 +156,40 @@ def _sentence(problem: dict, path: PathKey) -> str:
 def _tags(path: PathKey) -> str:
     field = {"walls": WallField, "initial": InitialField, "inflow": InflowField}.get(str(path[0]))
     members = get_args(get_args(field)[0]) if field else ()
-    return ", ".join(f"'{get_args(member.model_fields['kind'].annotation)[0]}'" for member in members)
+    return ", ".join(f"'{_tag(member)}'" for member in members)
 
 
-def _model_at(location: tuple) -> type[BaseModel] | None:
+def fields_of(model: type) -> dict[str, FieldInfo]:
+    """Fields of a pydantic model or of a dataclass, by name."""
+    if issubclass(model, BaseModel):
+        return model.model_fields
+    hints = get_type_hints(model, include_extras=True)
+    return {item.name: FieldInfo.from_annotation(hints[item.name]) for item in fields(model)}
+
+
+def _tag(model: type) -> str:
+    return get_args(fields_of(model)["kind"].annotation)[0]
+
+
+def _model_at(location: tuple) -> type:
     """The model that owns the last part of pydantic's location."""
-    model: type[BaseModel] | None = Case
+    model: type = Case
     for part in location[:-1]:
-        if model is None or isinstance(part, int):
+        if isinstance(part, int):
             continue
-        if part in model.model_fields:
-            model = _submodel(model.model_fields[part], None) or model
+        if part in fields_of(model):
+            model = _submodel(fields_of(model)[part]) or model
         else:
             model = _tagged(part) or model
     return model
 
 
-def _tagged(tag: str) -> type[BaseModel] | None:
-    for field in (WallField, InitialField, InflowField):
-        for member in get_args(get_args(field)[0]):
-            if get_args(member.model_fields["kind"].annotation)[0] == tag:
-                return member
-    return None
+def _tagged(tag: str) -> type | None:
+    unions = (WallField, InitialField, InflowField)
+    return next((member for field in unions for member in get_args(get_args(field)[0]) if _tag(member) == tag), None)
 
 
-def _submodel(field: Any, _: None) -> type[BaseModel] | None:
+def _submodel(field: FieldInfo) -> type[BaseModel] | None:
     stack = [field.annotation]
     while stack:
         annotation = stack.pop()
@@ -186,17 +200,16 @@ def _submodel(field: Any, _: None) -> type[BaseModel] | None:
 
 
 def _known_fields(location: tuple) -> list[str]:
-    model = _model_at(location)
-    return list(model.model_fields) if model else []
+    return list(fields_of(_model_at(location)))
 
 
 def _limits(location: tuple) -> str:
-    model = _model_at(location)
-    if model is None or location[-1] not in model.model_fields:
+    field = fields_of(_model_at(location)).get(location[-1])
+    if field is None:
         return ""
     signs = {"Gt": ("gt", ">"), "Ge": ("ge", ">="), "Lt": ("lt", "<"), "Le": ("le", "<=")}
     parts = []
-    for item in model.model_fields[location[-1]].metadata:
+    for item in field.metadata:
         if type(item).__name__ in signs:
             attribute, sign = signs[type(item).__name__]
             parts.append(f"{sign} {getattr(item, attribute):g}")

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from lammps_jump.scene.walls import Box, Plane, Wall
+from lammps_jump.scene.walls import Wall
 
 from .fields import Case
 
 
 def reachable(wall: Wall, domain, d: float) -> bool:
     """Whether any centre inside the domain can touch the wall."""
-    (xlo, xhi), (ylo, yhi) = domain
-    radius = d / 2
-    if isinstance(wall, Plane):
-        low, high = (xlo, xhi) if wall.axis == "x" else (ylo, yhi)
-        return low - radius < wall.at < high + radius
-    if isinstance(wall, Box):
-        return any(reachable(face, domain, d) for face in wall.faces())
-    return (
-        wall.x[0] - radius < xhi and wall.x[1] + radius > xlo and wall.y[0] - radius < yhi and wall.y[1] + radius > ylo
+    return any(
+        all(low - d / 2 < end and high + d / 2 > start for (low, high), (start, end) in zip(face.extent, domain))
+        for face in wall.faces()
     )
 
 

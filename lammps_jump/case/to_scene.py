@@ -9,10 +9,10 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
-from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
+from lammps_jump.scene.walls import Block, Interval, Plane
 
 from .checks import MOST_STEPS, check_domain, check_names, check_places, check_pour, check_size, check_stability
-from .fields import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
+from .fields import Case, Column, PourInflow, RowsInflow
 from .load import LoadedCase
 from .packing import Packing, arrange
 from .skips import reachable, skipped
@@ -69,7 +69,7 @@ def build_scene(loaded: LoadedCase) -> Scene:
     if case.slope == 0:
         gravity = (0.0, -case.gravity if case.gravity else 0.0)
 
-    walls = tuple(_wall(item) for item in case.walls) + _inlet_back(case)
+    walls = case.walls + _inlet_back(case)
     settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
     settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
     probe_interval = case.probes.interval if case.probes.forces else None
@@ -187,12 +187,6 @@ def _schedule(duration: float, interval: float, probe_interval: float | None, dt
     return windows * probe_steps, probe_steps, frames * windows * probe_steps
 
 
-def _wall(item) -> Wall:
-    if isinstance(item, PlaneWall):
-        return Plane(item.name, item.axis, item.at, item.side)
-    return (Block if isinstance(item, BlockWall) else Box)(item.name, item.x, item.y)
-
-
 INLET_WALL = "inlet_back"
 INLET_CLEARANCE = 0.51
 """Diameters between the inlet and the wall behind it: a disc that enters does not touch it."""
@@ -299,15 +293,12 @@ def _domain(case: Case, positions: np.ndarray, inlets: tuple[InletRow, ...], spe
     ys += [row.y for row in inlets]
     if isinstance(case.inflow, PourInflow):
         xs, ys = xs + list(case.inflow.x), ys + list(case.inflow.y)
-    closed = [wall for wall in case.walls if wall.kind == "box"]
-    for item in case.walls:
-        if isinstance(item, PlaneWall):
-            (xs if item.axis == "x" else ys).append(item.at)
-        else:
-            xs, ys = xs + list(item.x), ys + list(item.y)
+    for values, axis in ((xs, 0), (ys, 1)):
+        values += [end for wall in case.walls for end in wall.extent[axis] if math.isfinite(end)]
     for out in case.outflow:
         xs += [value for value in (out.x_beyond, out.x_before) if value is not None]
         ys += [value for value in (out.y_below, out.y_above) if value is not None]
+    closed = any(wall.hollow for wall in case.walls)
     margin = 2 * case.discs.diameter if closed else 10 * case.discs.diameter + speed * min(case.run.duration, 3.0)
     return ((min(xs) - margin, max(xs) + margin), (min(ys) - margin, max(ys) + margin))
 

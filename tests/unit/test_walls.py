@@ -21,7 +21,7 @@ ANY_WALL = st.sampled_from(WALLS)
 
 
 def distance(wall, x, y):
-    return float(wall.signed_distance(np.array([x]), np.array([y]))[0])
+    return float(wall.distance(np.array([x]), np.array([y]))[0])
 
 
 @given(wall=ANY_WALL, a=st.tuples(COORDINATE, COORDINATE), b=st.tuples(COORDINATE, COORDINATE))
@@ -116,7 +116,7 @@ def test_opposite_sides_of_a_plane_mirror_each_other(x, y):
 @pytest.mark.parametrize("wall", WALLS, ids=lambda wall: wall.name)
 def test_shapes_and_integers_are_kept(wall):
     x, y = np.zeros((3, 4)), np.ones((3, 4), dtype=int)
-    assert wall.signed_distance(x, y).shape == (3, 4)
+    assert wall.distance(x, y).shape == (3, 4)
     assert all(part.shape == (3, 4) and part.dtype == float for face in wall.contacts(x, y) for part in face)
 
 
