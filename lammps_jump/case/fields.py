@@ -17,6 +17,7 @@ from lammps_jump.units import (
     Plain,
     Second,
     Stiffness,
+    parse_accuracy,
 )
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
@@ -187,8 +188,6 @@ class Outflow(Strict):
 
 
 def _accuracy(value: Any) -> float | None:
-    from lammps_jump.studies.calibration_store import parse_accuracy
-
     return None if value is None else parse_accuracy(value)
 
 

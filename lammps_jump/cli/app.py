@@ -25,7 +25,7 @@ app = typer.Typer(
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from lammps_jump.runs.summary import versions
+        from lammps_jump.provenance import versions
 
         print(f"lammps-jump {versions().get('lammps_jump', '?')}")
         raise typer.Exit()
@@ -222,7 +222,7 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Validate a case; print what is derived from it and what will be skipped. Runs and writes nothing."""
-    from lammps_jump.case.derived import check_case
+    from .check import check_case
 
     print(check_case(case, _assignments(set_, engine, kernel, None, accuracy), as_json=as_json))
 

@@ -86,7 +86,7 @@ def machine() -> dict[str, Any]:
 def versions() -> dict[str, str]:
     """Versions that the numbers depend on."""
     from lammps_jump.engines.lammps.loader import wheel_version
-    from lammps_jump.runs.summary import versions as ours
+    from lammps_jump.provenance import versions as ours
 
     found = ours()
     if wheel := wheel_version():
@@ -129,7 +129,7 @@ class Store:
 
     def save(self) -> None:
         """Write the file; NaN and infinities become null."""
-        from lammps_jump.runs.summary import plain
+        from lammps_jump.files import plain
 
         self.path.parent.mkdir(parents=True, exist_ok=True)
         half = self.path.with_suffix(".part")

@@ -14,10 +14,12 @@ from lammps_jump.errors import SetupError
 from lammps_jump.studies.cross_validation import ensembles
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
+from lammps_jump.studies.cross_validation.outcome import Study
 from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import (
     AGREEMENT,
+    DeterministicCheck,
     check_scene,
     crossing_step,
     first_contact,
@@ -250,9 +252,9 @@ def test_a_wrong_stiffness_is_found_out(monkeypatch):
 
 
 def test_expected_differences_excuse_only_small_ones():
-    study = cross_validation.Study.__new__(cross_validation.Study)
+    study = Study.__new__(Study)
     study.known = {("gate", "stock"): "the flow is that chaotic"}
-    check = cross_validation.DeterministicCheck("gate", "stock", 24, 180, 1180, 1e-5, False)
+    check = DeterministicCheck("gate", "stock", 24, 180, 1180, 1e-5, False)
     assert study.expected(check)
     assert study.expected(replace(check, worst=1e-2)) is None
     assert study.expected(replace(check, kernel="compiled")) is None

@@ -29,7 +29,7 @@ def run_bench(
     fresh: bool = False,
     say: Callable[[str], None] = print,
 ) -> str:
-    """Run a benchmark and return its table as markdown; see `benchmark.bench_case`.
+    """Run a benchmark and return its table as markdown; see `study.bench_case`.
 
     Raises
     ------

@@ -46,7 +46,7 @@ def bench_case(
     out : Path, optional
         Folder of ``bench.json``, ``bench.md`` and figures; default ``runs/bench/<name>``.
     axes : str, optional
-        Comma-separated, of `bench_settings.AXES`.
+        Comma-separated, of `settings.AXES`.
     quick : bool
         Three steps, two starts, nothing but step, kernel and touch: minutes become seconds.
     members : int, optional

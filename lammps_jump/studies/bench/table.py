@@ -18,7 +18,7 @@ def markdown(data: dict[str, Any]) -> str:
     Parameters
     ----------
     data : dict
-        Of `benchmark.bench_case`.
+        Of `study.bench_case`.
     """
     names = list(data["quantities"])
     lines = [f"### {data['case']}", ""]

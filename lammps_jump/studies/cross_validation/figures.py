@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, new_figure, save, style
 
+from .outcome import Study
 from .quantities import Comparison, relative_size
 from .trajectories import AGREEMENT, CONTACT_STEPS, Growth
-
-if TYPE_CHECKING:
-    from .study import Study
 
 SHOWN = {"lammps_stock": "LAMMPS (stock)", "lammps_compiled": "LAMMPS (compiled kernel)", "native": "native engine"}
 LABELS = {

@@ -6,18 +6,17 @@ import base64
 from dataclasses import asdict
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from lammps_jump.runs.summary import plain, versions
+from lammps_jump.files import plain
+from lammps_jump.provenance import versions
 
 from .ensembles import JITTER
 from .figures import SHOWN
+from .outcome import Study
 from .quantities import Comparison
 from .statistics import CONFIDENCE, FAMILY_ERROR
 from .trajectories import CONTACT_STEPS
-
-if TYPE_CHECKING:
-    from .study import Study
 
 STYLE = """
 body { margin: 0 auto; max-width: 60rem; padding: 1rem; font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; }

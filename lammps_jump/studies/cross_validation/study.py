@@ -10,25 +10,25 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lammps_jump.case import LoadedCase, load_case
+from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import SetupError
 from lammps_jump.runs.progress import ProgressLine
 from lammps_jump.scene.scene import Scene
 
-from .divergence import TWIN_JITTER, Divergence, measure_divergence
+from .divergence import TWIN_JITTER, measure_divergence
 from .ensembles import EngineChoice, Member, perturbed, run_ensemble
-from .quantities import Comparison, Quantities, Wanted, compare, measure
+from .outcome import Study
+from .quantities import Wanted, compare, measure
 from .scenes import friction_scene, micro_scenes
 from .statistics import FAMILY_ERROR
-from .trajectories import CONTACT_STEPS, DeterministicCheck, Growth, check_scene, developed_scene, twin_separation
+from .trajectories import CONTACT_STEPS, Growth, check_scene, developed_scene, twin_separation
 
 MEMBERS, QUICK_MEMBERS = 6, 3
 DIVERGENCE_WORK = 4e7
@@ -42,42 +42,6 @@ Say = Callable[[str], None]
 CHAOS_SHARE = 0.1
 CHAOS = "the native engine, started a few last digits off, parts from itself by {:.1e} d in these steps"
 """Why a case may part within the steps compared: where its twin has parted by at least this share of it."""
-
-
-@dataclass
-class Study:
-    """Everything a cross-validation found; figures and report are made from it."""
-
-    name: str
-    scene: Scene
-    loaded: LoadedCase
-    engine: EngineChoice
-    checks: list[DeterministicCheck]
-    known: dict[tuple[str, str], str]
-    divergence: Divergence | None
-    members: dict[str, list[Member]]
-    quantities: dict[str, list[Quantities]]
-    comparison: Comparison | None
-    laws: dict[str, tuple[str, Comparison]]
-    criteria: list[dict[str, Any]]
-    notes: list[str]
-    seconds: float = 0.0
-
-    def expected(self, check: DeterministicCheck) -> str | None:
-        """Why a check that does not agree need not; None where it must."""
-        small = not check.agrees and check.worst <= KNOWN_LIMIT and not check.note
-        return self.known.get((check.name, check.kernel)) if small else None
-
-    @property
-    def passed(self) -> bool:
-        """Nothing that must agree disagrees."""
-        checks = all(check.agrees or self.expected(check) for check in self.checks)
-        statistics = self.comparison is None or self.comparison.agrees
-        return checks and statistics and all(item["met"] is not False for item in self.criteria)
-
-
-KNOWN_LIMIT = 1e-3
-"""A difference that chaos explains is still a failure beyond this many diameters."""
 
 
 def cross_validate(
@@ -342,6 +306,3 @@ def criteria(study: Study) -> list[dict[str, Any]]:
         met = bool(share <= limit) if np.isfinite(share) and without_friction else None
         rows.append({"name": f"{name} between the engines", "limit": limit, "value": share, "met": met})
     return rows
-
-
-__all__ = ["Study", "cross_validate"]
