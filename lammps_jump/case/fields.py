@@ -226,7 +226,6 @@ class Analysis(Strict):
     animation: bool = False
 
 
-
 class Engine(Strict):
     """Who computes."""
 

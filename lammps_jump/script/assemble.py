@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 from lammps_jump.scene.scene import Scene
 
 from . import plugin as compiled
-from . import stock as blocks
-from .stock import number
+from . import stock
+from .walls import number
+
+Section = tuple[str, list[str]]
+"""Title and commands of a part of a script."""
 
 STOP_FILE = "stop.request"
 """A file of this name in the run folder ends a run of more ranks in order."""
@@ -16,69 +21,71 @@ STOP_STEPS = 100
 STATE = "checkpoint-{step}.restart"
 
 
-def script_text(
-    scene: Scene,
-    *,
-    kernel: str = "stock",
-    ranks: int = 1,
-    dump_format: str = "text",
-    header: tuple[str, ...] = (),
-    plugin: Path | None = None,
-) -> str:
-    """The LAMMPS input script of a scene.
+@dataclass(frozen=True)
+class Options:
+    """How a scene is written.
 
-    Parameters
+    Attributes
     ----------
-    scene : Scene
     kernel : {'stock', 'compiled'}
         Styles that come with LAMMPS, or this project's plugin.
     ranks : int
-        Number of MPI ranks the run will have; more than one adds the cutting along x and its balancing.
+        Number of MPI ranks of the run; more than one adds the division along x and its balancing.
     dump_format : {'text', 'gz', 'binary'}
     header : tuple of str
         Comment lines for the top: version, case hash, command.
     plugin : Path, optional
-        The plugin's shared object, needed for the compiled kernel; ``-var plugin FILE`` names another one.
+        Shared object of the plugin, needed for the compiled kernel; ``-var plugin FILE`` names another one.
     """
-    if kernel == "compiled":
-        law = [
-            ("contact law", compiled.contact_law(scene)),
-            ("neighbours", compiled.neighbours(scene)),
-            ("motion, gravity and walls", compiled.motion_and_walls(scene)),
-        ]
-        probes, schedule = compiled.probes(scene), compiled.schedule(scene)
-    else:
-        law = [
-            ("contact law: stiffness, gamma_n = c/m_eff, gamma_t, friction", blocks.contact_law(scene)),
-            ("neighbours", blocks.neighbours(scene)),
-            ("motion", blocks.motion(scene)),
-            ("walls", blocks.walls(scene)),
-        ]
-        probes, schedule = blocks.probes(scene), blocks.schedule(scene)
-    start_time = -scene.settle_steps * scene.time_step
+
+    kernel: str = "stock"
+    ranks: int = 1
+    dump_format: str = "text"
+    header: tuple[str, ...] = ()
+    plugin: Path | None = None
+
+    @property
+    def style(self) -> ModuleType:
+        """The module that writes what differs between the kernels."""
+        return compiled if self.kernel == "compiled" else stock
+
+
+def script_text(scene: Scene, **options) -> str:
+    """The LAMMPS input script of a scene; keywords as of `Options`."""
+    how = Options(**options)
+    begin = -scene.settle_steps * scene.time_step
     sections = [
-        ("settings", (compiled.load(plugin) if kernel == "compiled" else []) + blocks.settings(scene, ranks)),
-        ("box and discs", blocks.box_and_discs(scene)),
-        (
-            "simulated time before the gate opens",
-            [f"reset_timestep  0 time {number(start_time)}"] if start_time else [],
-        ),
-        *law,
-        ("outlets", blocks.outlets(scene)),
-        ("pour", blocks.pours(scene)),
-        ("balance of the ranks", balance(scene, ranks)),
-        ("force on structures", probes),
-        ("guards", compiled.guards(scene) if kernel == "compiled" else blocks.guards(scene)),
-        ("end on request", polite_end(scene, ranks)),
-        ("output", blocks.output(scene, dump_format)),
-        ("log", blocks.thermo(scene)),
-        ("run", schedule),
-        ("state, where the end was asked for", save_at_end(scene, kernel, ranks, first_step(scene))),
+        ("settings", how.style.settings(scene, how.ranks, how.plugin)),
+        ("box and discs", stock.box_and_discs(scene)),
+        ("simulated time before the gate opens", [f"reset_timestep  0 time {number(begin)}"] if begin else []),
+        *how.style.law(scene),
+        ("outlets", stock.outlets(scene)),
+        ("pour", stock.pours(scene)),
+        *control(scene, how),
+        ("output", stock.output(scene, how.dump_format)),
+        ("log", stock.thermo(scene)),
+        ("run", stock.schedule(scene, how.style.gates(scene))),
+        ("state, where the end was asked for", save_at_end(scene, how.kernel, how.ranks, first_step(scene))),
     ]
-    lines = [f"# {line}" for line in (f"{scene.name}: {scene.description}".rstrip(": "), *header)]
-    for title, commands in sections:
+    return joined(f"{scene.name}: {scene.description}".rstrip(": "), how, sections)
+
+
+def control(scene: Scene, how: Options) -> list[Section]:
+    """Sections of what watches over a run."""
+    return [
+        ("balance of the ranks", balance(scene, how.ranks)),
+        ("force on structures", how.style.probes(scene)),
+        ("guards", how.style.guards(scene)),
+        ("end on request", stop_on_request(scene, how.ranks)),
+    ]
+
+
+def joined(title: str, how: Options, sections: list[Section]) -> str:
+    """The text of a script; sections without commands are left out."""
+    lines = [f"# {line}" for line in (title, *how.header)]
+    for name, commands in sections:
         if commands:
-            lines += ["", f"# --- {title}", *commands]
+            lines += ["", f"# --- {name}", *commands]
     return "\n".join(lines) + "\n"
 
 
@@ -94,11 +101,8 @@ def first_step(scene: Scene) -> int:
     return scene.settle_steps if scene.inlets else 0
 
 
-def polite_end(scene: Scene, ranks: int) -> list[str]:
-    """Ranks of their own have no caller who could end them in order: they end where there is a file that asks for it.
-
-    The first rank's answer counts for all.
-    """
+def stop_on_request(scene: Scene, ranks: int) -> list[str]:
+    """A run of more ranks ends in order where there is a file `STOP_FILE`; what the first rank finds counts for all."""
     if ranks == 1:
         return []
     return [
@@ -130,7 +134,7 @@ def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
     """The restart file of ranks that ended on request behind step `first`, and a last line of the log."""
     if ranks == 1:
         return []
-    commands = ["timer timeout off", "run 0 pre no post no", *blocks.half_step_back(scene, kernel)]
+    commands = ["timer timeout off", "run 0 pre no post no", *stock.half_step_back(scene, kernel)]
     commands.append(f"write_restart {STATE.format(step='$(step)')}")
     words = " &\n                ".join(f'"{" ".join(command.split())}"' for command in commands)
     return [f'if "$(step) > {first} && $(step) < {scene.steps}" then &\n                {words}']
@@ -170,23 +174,16 @@ def molecule_text(scene: Scene) -> str:
     )
 
 
-def write_script(
-    scene: Scene,
-    folder: Path,
-    *,
-    kernel: str = "stock",
-    ranks: int = 1,
-    dump_format: str = "text",
-    header: tuple[str, ...] = (),
-    plugin: Path | None = None,
-) -> Path:
-    """Write the script and its side files into `folder`; returns the path of ``in.lammps``."""
+def write_script(scene: Scene, folder: Path, **options) -> Path:
+    """Write the script and its side files into `folder`; returns the path of ``in.lammps``.
+
+    Keywords are those of `Options`.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     if len(scene.positions):
-        (folder / blocks.DATA_FILE).write_text(data_text(scene))
+        (folder / stock.DATA_FILE).write_text(data_text(scene))
     if scene.inlets or scene.pours:
-        (folder / blocks.MOLECULE_FILE).write_text(molecule_text(scene))
+        (folder / stock.MOLECULE_FILE).write_text(molecule_text(scene))
     path = folder / "in.lammps"
-    text = script_text(scene, kernel=kernel, ranks=ranks, dump_format=dump_format, header=header, plugin=plugin)
-    path.write_text(text)
+    path.write_text(script_text(scene, **options))
     return path
