@@ -8,6 +8,7 @@ from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.walls import Interval, Wall
 
 from .fields import Case, RowsInflow
 
@@ -160,3 +161,45 @@ def _flow_rows(case: Case, scene: Scene) -> list[Row]:
 def coefficients(scene: Scene) -> dict[str, float]:
     """The derived contact coefficients as they stand in the summary."""
     return asdict(scene.coefficients)
+
+
+def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:
+    """Whether any centre inside the domain can touch the wall."""
+    (xlo, xhi), (ylo, yhi) = domain
+    faces = [face.extent for face in wall.faces()]
+    return any(
+        x[0] - d / 2 < xhi and x[1] + d / 2 > xlo and y[0] - d / 2 < yhi and y[1] + d / 2 > ylo for x, y in faces
+    )
+
+
+def skipped(case: Case, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...]) -> tuple[str, ...]:
+    """What the engines leave out because the scene does not need it."""
+    texts = []
+    if case.contact.friction == 0:
+        texts.append("friction terms: friction is 0")
+    if case.contact.restitution == 1:
+        texts.append("dashpots: restitution is 1")
+    if not case.contact.rotation:
+        texts.append("spin: contact.rotation is false, discs do not turn")
+    elif case.contact.friction == 0:
+        texts.append("spin: without friction nothing turns a disc")
+    if case.gravity == 0:
+        texts.append("gravity: it is 0")
+    texts += [f"wall '{wall.name}': nothing inside the domain can reach it" for wall in walls if wall not in kept]
+    if not walls:
+        texts.append("walls: there are none")
+    if case.inflow is None:
+        texts.append("inlet: no inflow")
+    if not case.outflow:
+        texts.append("outlet: no outflow")
+    texts.append("z constraint: nothing pushes out of the plane")
+    texts.append("tangential springs: the laws here have no history")
+    columns = "z, vz, radius, mass, type, forces" + (
+        "" if case.contact.rotation and case.contact.friction else ", spin"
+    )
+    texts.append(f"dump columns {columns}: no analysis reads them")
+    if not probes:
+        texts.append("wall forces: no probe asks for them")
+    if case.run.dump_format == "text" and not case.analysis.fields:
+        texts.append("stress fields: analysis.fields is false")
+    return tuple(texts)

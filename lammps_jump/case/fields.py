@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Union
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
@@ -98,7 +98,7 @@ class Domain(Strict):
     y: Extent
 
 
-WallField = Annotated[Union[KINDS], Field(discriminator="kind")]
+WallField = Annotated[KINDS, Field(discriminator="kind")]
 
 
 class Column(Strict):

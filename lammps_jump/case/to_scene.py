@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,13 +12,25 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
 from lammps_jump.scene.walls import Block, Interval, Plane
 
-from .checks import MOST_STEPS, check_domain, check_names, check_places, check_pour, check_size, check_stability
+from .checks import (
+    MOST_STEPS,
+    check_domain,
+    check_engine,
+    check_names,
+    check_places,
+    check_pour,
+    check_size,
+    check_stability,
+    check_stop,
+)
+from .derived import reachable, skipped
 from .fields import Case, Column, PourInflow, RowsInflow
 from .load import LoadedCase
 from .packing import Packing, arrange
-from .skips import reachable, skipped
-from .text import nearest
+from .text import CaseSource, nearest
 
+INTEGRATORS = {"lammps": "velocity_verlet", "native": "leapfrog_extrapolated"}
+"""What ``run.integrator: auto`` means, by engine."""
 MAX_SPEED_MARGIN = 2.0
 """Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""
 
@@ -59,55 +72,32 @@ def build_scene(loaded: LoadedCase) -> Scene:
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
     case, source = loaded.case, loaded.source
-    integrator = _integrator(loaded)
+    check_engine(case, source)
+    integrator = INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
     coefficients = contact_coefficients(case, integrator)
     penetration, impact_speed, stiffness = _stiffness(case)
-    warnings = check_stability(loaded, coefficients, integrator)
-    dt, d = coefficients.time_step, case.discs.diameter
-    angle = math.radians(case.slope)
-    gravity = (case.gravity * math.sin(angle), -case.gravity * math.cos(angle))
-    if case.slope == 0:
-        gravity = (0.0, -case.gravity if case.gravity else 0.0)
-
-    walls = case.walls + _inlet_back(case)
-    settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
-    settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
-    probe_interval = case.probes.interval if case.probes.forces else None
-    output_steps, probe_steps, steps = _schedule(case.run.duration, case.run.output_interval, probe_interval, dt)
-    settle_steps = math.ceil(settle_steps / output_steps) * output_steps
-    check_size(loaded, settle_steps, steps, output_steps)
-    positions, velocities = _discs(loaded, coefficients, stiffness)
-    inlets = _inlets(loaded, dt, settle_steps)
-    speed = max(
-        [row.vx for row in inlets]
-        + [impact_speed, float(np.hypot(*velocities.T).max(initial=0.0))]
-        + [math.sqrt(2 * case.gravity * (item.y[1] - item.y[0])) for item in case.initial if isinstance(item, Column)]
-    )
+    warnings = check_stability(case, source, coefficients, integrator)
+    d, dt = case.discs.diameter, coefficients.time_step
+    steps = _steps(case, dt)
+    check_size(case, source, steps.settle, steps.run, steps.output)
+    positions, velocities = _discs(case, source, coefficients, stiffness)
+    inlets = _inlets(case, source, dt, steps.settle)
+    speed = _largest_speed(case, impact_speed, velocities, inlets)
     domain = _domain(case, positions, inlets, speed)
-    check_domain(loaded, domain)
-    outlets = _outlets(loaded, domain, speed, dt, output_steps)
-    gates = _gates(case, positions, settle_steps, domain)
-    check_names(loaded, walls, gates)
-    check_places(loaded, positions, walls, inlets, domain, d / penetration, tuple(gate.wall for gate in gates))
-    check_pour(loaded, domain)
-    probes = _probes(loaded, walls)
+    check_domain(case, source, domain)
+    outlets = _outlets(case, source, domain, speed, dt, steps.output)
+    walls, gates = case.walls + _inlet_back(case), _gates(case, positions, steps.settle, domain)
+    check_names(case, source, walls, gates)
+    check_places(case, source, positions, walls, inlets, domain, d / penetration, tuple(gate.wall for gate in gates))
+    check_pour(case, source, domain)
+    probes = _probes(case, source, walls)
     kept = tuple(wall for wall in walls if reachable(wall, domain, d) or wall.name in probes)
-    touch_width = 0.0
-    if case.contact.touch == "smooth":
-        touch_width = case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
-    if case.run.stop_when_steady and case.run.dump_format != "text":
-        raise source.error(
-            "run.stop_when_steady",
-            f"reads text dumps as they grow; run.dump_format is {case.run.dump_format}: use text",
-        )
-    if case.run.stop_when_steady and not inlets:
-        warnings.append("stop_when_steady has no effect: without inflow rows a flow does not become steady")
-    scene = Scene(
+    return Scene(
         name=case.name,
         description=case.description,
         diameter=d,
         density=case.discs.density,
-        gravity=gravity,
+        gravity=_gravity(case),
         coefficients=coefficients,
         friction_law=case.contact.friction_law,
         rotation=case.contact.rotation and case.contact.friction > 0,
@@ -121,46 +111,46 @@ def build_scene(loaded: LoadedCase) -> Scene:
         pours=_pours(case),
         outlets=outlets,
         probes=probes,
-        steps=settle_steps + steps,
-        settle_steps=settle_steps,
-        output_steps=output_steps,
-        probe_steps=probe_steps,
+        steps=steps.settle + steps.run,
+        settle_steps=steps.settle,
+        output_steps=steps.output,
+        probe_steps=steps.probe,
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * d,
         overlap_limit=2 * d / penetration,
         touch=case.contact.touch,
-        touch_width=touch_width,
+        touch_width=_touch_width(case, impact_speed, dt),
         skipped=skipped(case, walls, kept, probes),
-        warnings=tuple(warnings),
+        warnings=(*warnings, *check_stop(case, source)),
     )
-    return scene
+
+
+def _gravity(case: Case) -> tuple[float, float]:
+    """Acceleration along and across the slope, m/s^2."""
+    if case.slope == 0:
+        return 0.0, -case.gravity if case.gravity else 0.0
+    angle = math.radians(case.slope)
+    return case.gravity * math.sin(angle), -case.gravity * math.cos(angle)
+
+
+def _touch_width(case: Case, impact_speed: float, dt: float) -> float:
+    if case.contact.touch == "sharp":
+        return 0.0
+    return case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
+
+
+def _largest_speed(case: Case, impact_speed: float, velocities: np.ndarray, inlets: tuple[InletRow, ...]) -> float:
+    """Largest speed that the case implies, m/s: at the start, at the inlet, of an impact, of a column's fall."""
+    columns = [item.y[1] - item.y[0] for item in case.initial if isinstance(item, Column)]
+    falls = [math.sqrt(2 * case.gravity * height) for height in columns]
+    start = float(np.hypot(*velocities.T).max(initial=0.0))
+    return max([*(row.vx for row in inlets), impact_speed, start, *falls])
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:
     array = np.ascontiguousarray(array, float)
     array.setflags(write=False)
     return array
-
-
-def _integrator(loaded: LoadedCase) -> str:
-    case, source = loaded.case, loaded.source
-    engine, wanted = case.engine.name, case.run.integrator
-    if engine == "lammps" and wanted == "leapfrog_extrapolated":
-        raise source.error("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
-    if engine == "lammps" and case.engine.kernel == "stock":
-        if case.contact.friction_law == "sign" and case.contact.friction > 0:
-            raise source.error(
-                "contact.friction_law",
-                "'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, engine.kernel: "
-                "compiled or engine.name: native",
-            )
-        if case.contact.touch == "smooth":
-            raise source.error(
-                "contact.touch", "'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
-            )
-    if wanted == "auto":
-        return "velocity_verlet" if engine == "lammps" else "leapfrog_extrapolated"
-    return wanted
 
 
 def _stiffness(case: Case) -> tuple[float, float, float]:
@@ -173,18 +163,31 @@ def _stiffness(case: Case) -> tuple[float, float, float]:
     return math.sqrt(given.stiffness / rho) / speed, speed, given.stiffness
 
 
-def _schedule(duration: float, interval: float, probe_interval: float | None, dt: float) -> tuple[int, int, int]:
-    """(output_steps, probe_steps, steps): frames divide the duration, probe windows divide the frames.
+class Steps(NamedTuple):
+    """Steps behind the gate, of the run after it, from frame to frame, and of a window of the probes."""
+
+    settle: int
+    run: int
+    output: int
+    probe: int
+
+
+def _steps(case: Case, dt: float) -> Steps:
+    """Frames divide the duration, windows of the probes divide the frames.
 
     The intervals are adapted by less than a step each; the duration by less than half a step a window.
     """
-    frames = max(1, min(round(duration / interval), round(duration / dt)))
-    output_steps = max(1, round(duration / (frames * dt)))
+    duration = case.run.duration
+    frames = max(1, min(round(duration / case.run.output_interval), round(duration / dt)))
+    output = max(1, round(duration / (frames * dt)))
     windows = 1
-    if probe_interval is not None:
-        windows = min(output_steps, max(1, round(duration / frames / probe_interval)))
-    probe_steps = max(1, round(output_steps / windows))
-    return windows * probe_steps, probe_steps, frames * windows * probe_steps
+    if case.probes.forces:
+        windows = min(output, max(1, round(duration / frames / case.probes.interval)))
+    probe = max(1, round(output / windows))
+    output = windows * probe
+    settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
+    settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
+    return Steps(math.ceil(settle_steps / output) * output, frames * output, output, probe)
 
 
 INLET_WALL = "inlet_back"
@@ -214,8 +217,9 @@ def _gates(case: Case, positions: np.ndarray, settle_steps: int, domain: tuple[I
     return tuple(gates)
 
 
-def _discs(loaded: LoadedCase, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:
-    case = loaded.case
+def _discs(
+    case: Case, source: CaseSource, coefficients: contact.Coefficients, stiffness: float
+) -> tuple[np.ndarray, np.ndarray]:
     packing = Packing(
         case.discs.diameter,
         case.discs.density,
@@ -230,24 +234,24 @@ def _discs(loaded: LoadedCase, coefficients: contact.Coefficients, stiffness: fl
         try:
             place, speed = arrange(item, packing, random)
         except ValueError as error:
-            raise loaded.source.error(("initial", index), str(error)) from None
+            raise source.error(("initial", index), str(error)) from None
         positions.append(place)
         velocities.append(speed)
     return np.concatenate(positions), np.concatenate(velocities)
 
 
-def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
-    inflow = loaded.case.inflow
+def _inlets(case: Case, source: CaseSource, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
+    inflow = case.inflow
     if not isinstance(inflow, RowsInflow):
         return ()
-    d = loaded.case.discs.diameter
+    d = case.discs.diameter
     count = theory.row_count(inflow.depth, d)
     if count < 1:
-        raise loaded.source.error(
+        raise source.error(
             "inflow.depth", f"{inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
         )
     if count > MOST_ROWS:
-        raise loaded.source.error(
+        raise source.error(
             "inflow.depth",
             f"{inflow.depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger discs",
         )
@@ -259,7 +263,7 @@ def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow,
     for height, speed in zip(heights, speeds, strict=True):
         interval = math.ceil(inflow.spacing * d / (speed * dt) - 1e-9)
         if interval > MOST_STEPS:
-            raise loaded.source.error(
+            raise source.error(
                 "inflow.mean_speed",
                 f"{inflow.mean_speed:g} m/s lets a disc in every {interval:.3g} steps; allowed are {MOST_STEPS:.0e}: "
                 "raise it or lower the stiffness",
@@ -303,17 +307,17 @@ def _domain(case: Case, positions: np.ndarray, inlets: tuple[InletRow, ...], spe
     return ((min(xs) - margin, max(xs) + margin), (min(ys) - margin, max(ys) + margin))
 
 
-def _outlets(loaded: LoadedCase, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
+def _outlets(case: Case, source: CaseSource, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
     outlets = []
-    for index, item in enumerate(loaded.case.outflow):
+    for index, item in enumerate(case.outflow):
         field = next(name for name in ("x_beyond", "x_before", "y_below", "y_above") if getattr(item, name) is not None)
         at = getattr(item, field)
         axis = field[0]
         side = "above" if field in ("x_beyond", "y_above") else "below"
         low, high = domain[0] if axis == "x" else domain[1]
         room = high - at if side == "above" else at - low
-        if room <= loaded.case.discs.diameter:
-            raise loaded.source.error(
+        if room <= case.discs.diameter:
+            raise source.error(
                 ("outflow", index, field),
                 f"{at:g} m leaves no room before the edge of the domain ([{low:g}, {high:g}]); discs need a few metres "
                 "to be taken out in: widen domain or move the outlet",
@@ -323,12 +327,12 @@ def _outlets(loaded: LoadedCase, domain, speed: float, dt: float, output_steps: 
     return tuple(outlets)
 
 
-def _probes(loaded: LoadedCase, walls) -> tuple[str, ...]:
+def _probes(case: Case, source: CaseSource, walls) -> tuple[str, ...]:
     names = [wall.name for wall in walls]
-    for index, name in enumerate(loaded.case.probes.forces):
+    for index, name in enumerate(case.probes.forces):
         if name not in names:
-            raise loaded.source.error(
+            raise source.error(
                 ("probes", "forces", index),
                 f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
             )
-    return tuple(dict.fromkeys(loaded.case.probes.forces))
+    return tuple(dict.fromkeys(case.probes.forces))

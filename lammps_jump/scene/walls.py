@@ -287,5 +287,5 @@ class Box(Wall):
         return (rectangle(self.x, self.y),)
 
 
-KINDS = (Plane, Block, Box)
+KINDS = Plane | Block | Box
 """Walls that a case file may name."""

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from lammps_jump.case import fields as models
-from lammps_jump.case.load import fields_of
+from lammps_jump.case.explain import fields_of
 
 PAGE = (Path(__file__).parents[2] / "docs" / "case.md").read_text()
 ROWS = dict(re.findall(r"^\| `([\w.]+)` \| ([^|]+) \|", PAGE, re.MULTILINE))
