@@ -192,10 +192,10 @@ def check_places(
     source: CaseSource,
     positions: np.ndarray,
     walls: tuple[Wall, ...],
+    gates: tuple[Gate, ...],
     inlets: tuple[InletRow, ...],
     domain: tuple[Interval, Interval],
     allowed: float,
-    gates: tuple[Wall, ...] = (),
 ) -> None:
     """Refuse discs and inlets outside the domain or in a wall, and discs that overlap too deeply.
 
@@ -219,7 +219,7 @@ def check_places(
     for index, wall in enumerate(walls):
         _check_free_of(wall, ("walls", index), case, source, positions, inlets, allowed)
     for gate in gates:
-        _check_free_of(gate, "initial", case, source, positions, (), allowed)
+        _check_free_of(gate.wall, "initial", case, source, positions, (), allowed)
 
 
 def _check_in_domain(case: Case, source: CaseSource, positions, inlets, domain) -> None:

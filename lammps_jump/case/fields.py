@@ -182,13 +182,9 @@ class Outflow(Strict):
 
     @model_validator(mode="after")
     def _one(self) -> Outflow:
-        if sum(value is not None for value in (self.x_beyond, self.x_before, self.y_below, self.y_above)) != 1:
+        if len(self.model_dump(exclude_none=True)) != 1:
             raise ValueError("needs exactly one of x_beyond, x_before, y_below, y_above in each item")
         return self
-
-
-def _accuracy(value: Any) -> float | None:
-    return None if value is None else parse_accuracy(value)
 
 
 class Run(Strict):
@@ -198,7 +194,7 @@ class Run(Strict):
     time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
     output_interval: Second = Field(default=0.1, **TIME)
     seed: Whole = Field(default=1, ge=1, le=2_000_000_000)
-    accuracy: Annotated[float | None, BeforeValidator(_accuracy)] = Field(
+    accuracy: Annotated[float, BeforeValidator(parse_accuracy)] | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )
     stop_when_steady: bool = False

@@ -12,21 +12,11 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
 from lammps_jump.scene.walls import Block, Interval, Plane
 
-from .checks import (
-    MOST_STEPS,
-    check_domain,
-    check_engine,
-    check_names,
-    check_places,
-    check_pour,
-    check_size,
-    check_stability,
-    check_stop,
-)
+from . import checks
 from .derived import reachable, skipped
 from .fields import Case, Column, PourInflow, RowsInflow
 from .load import LoadedCase
-from .packing import Packing, arrange
+from .packing import arrange
 from .text import CaseSource, nearest
 
 INTEGRATORS = {"lammps": "velocity_verlet", "native": "leapfrog_extrapolated"}
@@ -42,23 +32,21 @@ TOUCH_STEPS = 2.0
 at f = 0.05), 0.6 % with 4, while the largest overlap of an elastic collision at v0 grows by 19, 37 and 69 %."""
 
 
+LAW = {"restitution", "friction", "correct_restitution", "rotation", "tangential_damping", "touch"}
+"""Fields of ``contact`` that the coefficients depend on as they stand."""
+
+
 def contact_coefficients(case: Case, integrator: str, time_step_fraction: float | None = None) -> contact.Coefficients:
     """Contact coefficients of a case, with its own step or another (as a share of 2/omega)."""
     _, impact_speed, stiffness = _stiffness(case)
     return contact.derive(
-        density=case.discs.density,
-        diameter=case.discs.diameter,
-        restitution=case.contact.restitution,
-        friction=case.contact.friction,
+        **case.discs.model_dump(),
+        **case.contact.model_dump(include=LAW),
         stiffness=stiffness,
         stiffness_wall=case.contact.stiffness_wall or stiffness,
         impact_speed=impact_speed,
         time_step_fraction=time_step_fraction or case.run.time_step_fraction,
         integrator=integrator,
-        correct_restitution=case.contact.correct_restitution,
-        rotation=case.contact.rotation,
-        tangential_damping=case.contact.tangential_damping,
-        touch=case.contact.touch,
     )
 
 
@@ -72,24 +60,21 @@ def build_scene(loaded: LoadedCase) -> Scene:
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
     case, source = loaded.case, loaded.source
-    check_engine(case, source)
-    integrator = INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
+    integrator = _integrator(case, source)
     coefficients = contact_coefficients(case, integrator)
-    penetration, impact_speed, stiffness = _stiffness(case)
-    warnings = check_stability(case, source, coefficients, integrator)
+    penetration, impact_speed, _ = _stiffness(case)
+    warnings = checks.check_stability(case, source, coefficients, integrator)
     d, dt = case.discs.diameter, coefficients.time_step
-    steps = _steps(case, dt)
-    check_size(case, source, steps.settle, steps.run, steps.output)
-    positions, velocities = _discs(case, source, coefficients, stiffness)
+    steps = _steps(case, source, dt)
+    positions, velocities = _discs(case, source, coefficients)
     inlets = _inlets(case, source, dt, steps.settle)
     speed = _largest_speed(case, impact_speed, velocities, inlets)
-    domain = _domain(case, positions, inlets, speed)
-    check_domain(case, source, domain)
+    domain = _domain(case, source, positions, inlets, speed)
     outlets = _outlets(case, source, domain, speed, dt, steps.output)
     walls, gates = case.walls + _inlet_back(case), _gates(case, positions, steps.settle, domain)
-    check_names(case, source, walls, gates)
-    check_places(case, source, positions, walls, inlets, domain, d / penetration, tuple(gate.wall for gate in gates))
-    check_pour(case, source, domain)
+    checks.check_names(case, source, walls, gates)
+    checks.check_places(case, source, positions, walls, gates, inlets, domain, d / penetration)
+    checks.check_pour(case, source, domain)
     probes = _probes(case, source, walls)
     kept = tuple(wall for wall in walls if reachable(wall, domain, d) or wall.name in probes)
     return Scene(
@@ -121,8 +106,13 @@ def build_scene(loaded: LoadedCase) -> Scene:
         touch=case.contact.touch,
         touch_width=_touch_width(case, impact_speed, dt),
         skipped=skipped(case, walls, kept, probes),
-        warnings=(*warnings, *check_stop(case, source)),
+        warnings=(*warnings, *checks.check_stop(case, source)),
     )
+
+
+def _integrator(case: Case, source: CaseSource) -> str:
+    checks.check_engine(case, source)
+    return INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
 
 
 def _gravity(case: Case) -> tuple[float, float]:
@@ -172,7 +162,7 @@ class Steps(NamedTuple):
     probe: int
 
 
-def _steps(case: Case, dt: float) -> Steps:
+def _steps(case: Case, source: CaseSource, dt: float) -> Steps:
     """Frames divide the duration, windows of the probes divide the frames.
 
     The intervals are adapted by less than a step each; the duration by less than half a step a window.
@@ -187,7 +177,9 @@ def _steps(case: Case, dt: float) -> Steps:
     output = windows * probe
     settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
     settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
-    return Steps(math.ceil(settle_steps / output) * output, frames * output, output, probe)
+    steps = Steps(math.ceil(settle_steps / output) * output, frames * output, output, probe)
+    checks.check_size(case, source, steps.settle, steps.run, steps.output)
+    return steps
 
 
 INLET_WALL = "inlet_back"
@@ -217,22 +209,13 @@ def _gates(case: Case, positions: np.ndarray, settle_steps: int, domain: tuple[I
     return tuple(gates)
 
 
-def _discs(
-    case: Case, source: CaseSource, coefficients: contact.Coefficients, stiffness: float
-) -> tuple[np.ndarray, np.ndarray]:
-    packing = Packing(
-        case.discs.diameter,
-        case.discs.density,
-        coefficients.mass,
-        case.gravity,
-        stiffness,
-        coefficients.stiffness_wall,
-    )
+def _discs(case: Case, source: CaseSource, coefficients: contact.Coefficients) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and velocities at the start, each of shape (n, 2), m and m/s."""
     random = np.random.default_rng(case.run.seed)
     positions, velocities = [np.empty((0, 2))], [np.empty((0, 2))]
     for index, item in enumerate(case.initial):
         try:
-            place, speed = arrange(item, packing, random)
+            place, speed = arrange(item, case.discs, case.gravity, coefficients, random)
         except ValueError as error:
             raise source.error(("initial", index), str(error)) from None
         positions.append(place)
@@ -262,11 +245,11 @@ def _inlets(case: Case, source: CaseSource, dt: float, settle_steps: int) -> tup
     rows = []
     for height, speed in zip(heights, speeds, strict=True):
         interval = math.ceil(inflow.spacing * d / (speed * dt) - 1e-9)
-        if interval > MOST_STEPS:
+        if interval > checks.MOST_STEPS:
             raise source.error(
                 "inflow.mean_speed",
-                f"{inflow.mean_speed:g} m/s lets a disc in every {interval:.3g} steps; allowed are {MOST_STEPS:.0e}: "
-                "raise it or lower the stiffness",
+                f"{inflow.mean_speed:g} m/s lets a disc in every {interval:.3g} steps; allowed are "
+                f"{checks.MOST_STEPS:.0e}: raise it or lower the stiffness",
             )
         rows.append(
             InletRow(
@@ -289,29 +272,36 @@ def _pours(case: Case) -> tuple[Pour, ...]:
     return (Pour(inflow.x, inflow.y, inflow.count, inflow.volume_fraction, inflow.speed_down),)
 
 
-def _domain(case: Case, positions: np.ndarray, inlets: tuple[InletRow, ...], speed: float):
+def _domain(
+    case: Case, source: CaseSource, positions: np.ndarray, inlets: tuple[InletRow, ...], speed: float
+) -> tuple[Interval, Interval]:
+    """The given domain, or one around all that the case names."""
     if case.domain is not None:
-        return (case.domain.x, case.domain.y)
-    xs, ys = list(positions[:, 0]), list(positions[:, 1])
-    xs += [row.x for row in inlets]
-    ys += [row.y for row in inlets]
+        domain = case.domain.x, case.domain.y
+    else:
+        closed = any(wall.hollow for wall in case.walls)
+        margin = 2 * case.discs.diameter if closed else 10 * case.discs.diameter + speed * min(case.run.duration, 3.0)
+        ends = (_ends(case, axis, positions, inlets) for axis in "xy")
+        domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
+    checks.check_domain(case, source, domain)
+    return domain
+
+
+def _ends(case: Case, axis: str, positions: np.ndarray, inlets: tuple[InletRow, ...]) -> list[float]:
+    """Coordinates that a domain must hold, m."""
+    index = "xy".index(axis)
+    values = [*positions[:, index], *(getattr(row, axis) for row in inlets)]
     if isinstance(case.inflow, PourInflow):
-        xs, ys = xs + list(case.inflow.x), ys + list(case.inflow.y)
-    for values, axis in ((xs, 0), (ys, 1)):
-        values += [end for wall in case.walls for end in wall.extent[axis] if math.isfinite(end)]
-    for out in case.outflow:
-        xs += [value for value in (out.x_beyond, out.x_before) if value is not None]
-        ys += [value for value in (out.y_below, out.y_above) if value is not None]
-    closed = any(wall.hollow for wall in case.walls)
-    margin = 2 * case.discs.diameter if closed else 10 * case.discs.diameter + speed * min(case.run.duration, 3.0)
-    return ((min(xs) - margin, max(xs) + margin), (min(ys) - margin, max(ys) + margin))
+        values += getattr(case.inflow, axis)
+    values += [end for wall in case.walls for end in wall.extent[index] if math.isfinite(end)]
+    outlets = (pair for item in case.outflow for pair in item.model_dump(exclude_none=True).items())
+    return values + [at for name, at in outlets if name.startswith(axis)]
 
 
 def _outlets(case: Case, source: CaseSource, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
     outlets = []
     for index, item in enumerate(case.outflow):
-        field = next(name for name in ("x_beyond", "x_before", "y_below", "y_above") if getattr(item, name) is not None)
-        at = getattr(item, field)
+        ((field, at),) = item.model_dump(exclude_none=True).items()
         axis = field[0]
         side = "above" if field in ("x_beyond", "y_above") else "below"
         low, high = domain[0] if axis == "x" else domain[1]
