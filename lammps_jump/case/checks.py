@@ -1,4 +1,4 @@
-"""Checks of a scene that fields alone do not show: a step that is stable, discs and inlets in free places, a sane size.
+"""Checks of a case that need more than one field: stability of the step, places of discs and inlets, size.
 
 Each raises `CaseError` with the place in the file and the remedy.
 """
@@ -28,7 +28,7 @@ MOST_BINS = 100_000
 
 
 def check_size(case: Case, source: CaseSource, settle_steps: int, steps: int, output_steps: int) -> None:
-    """Refuse what no run could finish, before arrays are made."""
+    """Refuse more steps, frames or discs than a run can hold, before arrays are made."""
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
         index, settle = max(
             ((i, item.settle) for i, item in enumerate(case.initial) if isinstance(item, Column) and item.gate),
@@ -83,7 +83,7 @@ def check_domain(case: Case, source: CaseSource, domain: tuple[Interval, Interva
 
 
 def check_names(case: Case, source: CaseSource, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
-    """Refuse walls called as one of ours (behind an inlet, before a column) or as the faces of a box."""
+    """Refuse names of walls that the program gives: to the wall behind an inlet, to gates, to faces of a box."""
     own = {wall.name: "of the wall behind the inlet" for wall in walls[len(case.walls) :]}
     own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
     own |= {f"{gate.wall.name}_{part}": "of the far face of a gate" for gate in gates for part in gate.wall.parts}
@@ -148,7 +148,7 @@ def check_engine(case: Case, source: CaseSource) -> None:
 
 
 def check_stop(case: Case, source: CaseSource) -> list[str]:
-    """Refuse `stop_when_steady` where it cannot read the dump; a warning where it has no effect."""
+    """Refuse `stop_when_steady` with a dump that it cannot read; return a warning if it has no effect."""
     if case.run.stop_when_steady and case.run.dump_format != "text":
         raise source.error(
             "run.stop_when_steady",
@@ -160,10 +160,10 @@ def check_stop(case: Case, source: CaseSource) -> list[str]:
 
 
 def check_stability(case: Case, source: CaseSource, coefficients: contact.Coefficients, integrator: str) -> list[str]:
-    """Refuse an unstable step (unless ``run.allow_unstable``); warnings about one that is stable and yet too long."""
+    """Refuse an unstable step, unless ``run.allow_unstable``; return warnings about a step that is stable but long."""
     fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
     if fraction > limit and not case.run.allow_unstable:
-        # the correction softens the dashpot with f: what is allowed for sure is the limit without it
+        # the correction lowers the damping as f grows: the limit without it is safe for every f
         limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
         raise source.error(
             "run.time_step_fraction",

@@ -16,7 +16,7 @@ Row = tuple[str, str, float | int | str | None, str]
 
 
 def as_data(case: Case, scene: Scene) -> dict:
-    """Machine-readable form."""
+    """Plain data for JSON: coefficients, groups of numbers, inflow rows, what is skipped, warnings."""
     groups = {title: {key: value for key, _, value, _ in rows} for title, rows in tables(case, scene)}
     rows = [
         {"y": row.y, "speed": row.vx, "every_steps": row.every_steps, "interval": row.every_steps * scene.time_step}
@@ -35,7 +35,7 @@ def as_data(case: Case, scene: Scene) -> dict:
 
 
 def as_text(case: Case, scene: Scene) -> str:
-    """Readable form: aligned tables, units, then what is skipped and what to beware of."""
+    """Text for the screen: tables with units, what is skipped, warnings."""
     lines = [f"{case.name}: {case.description}".rstrip(": ")]
     for title, rows in tables(case, scene):
         if rows:
@@ -121,7 +121,7 @@ def _time_rows(case: Case, scene: Scene) -> list[Row]:
 
 
 def inflow_theory(case: Case, scene: Scene) -> dict | None:
-    """What hydraulics says of the inflow (Froude number, sequent depth, jump length …), None without inflow rows."""
+    """Theory of the inflow by key: Froude number, sequent depth, jump length …; None without inflow rows."""
     return {key: value for key, _, value, _ in _flow_rows(case, scene)} or None
 
 
@@ -173,7 +173,7 @@ def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:
 
 
 def skipped(case: Case, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...]) -> tuple[str, ...]:
-    """What the engines leave out because the scene does not need it."""
+    """Sentences: what the engines leave out because the scene does not need it."""
     texts = []
     if case.contact.friction == 0:
         texts.append("friction terms: friction is 0")

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong with a case, in sentences: the place, what is allowed, what to do."""
+"""Pydantic's errors in sentences: the place in the file, what is wrong, what is allowed, what to do."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
 
 def explain(error: ValidationError, source: CaseSource) -> CaseError:
-    """The first problem as a `CaseError` with its place in the file; how many more there are."""
+    """The first problem as a `CaseError` with its place in the file, and the number of others."""
     problems = error.errors(include_url=False)
     # an unknown key often explains a missing one: say the unknown key first
     problems.sort(key=lambda problem: problem["type"] not in UNKNOWN)

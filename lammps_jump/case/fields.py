@@ -22,7 +22,7 @@ from lammps_jump.units import (
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
 
-# Far beyond anything meant, and near enough that squares and quotients of the numbers stay numbers.
+# Wider than any use, and narrow enough that squares and quotients stay finite.
 LENGTH = {"ge": 1e-6, "le": 1e6}
 FINE_LENGTH = {"ge": 1e-12, "le": 1e6}
 SPEED = {"ge": 1e-6, "le": 1e6}
@@ -59,7 +59,7 @@ class Discs(Strict):
 
 
 class Contact(Strict):
-    """What a collision does: the thesis' coefficients and our options."""
+    """Contact of two discs: coefficients of the thesis and further options."""
 
     restitution: Plain = Field(ge=1e-6, le=1)
     friction: Plain = Field(default=0.0, ge=0, le=1000)
@@ -92,7 +92,7 @@ class Contact(Strict):
 
 
 class Domain(Strict):
-    """Room for the discs; one that leaves it is lost, which ends a run."""
+    """Room for the discs; a disc outside is lost, which ends the run."""
 
     x: Extent
     y: Extent
@@ -115,7 +115,7 @@ class Column(Strict):
 
 
 class Lattice(Strict):
-    """Discs on a rectangular grid; single discs may move."""
+    """Discs on a rectangular grid; single discs may have a velocity."""
 
     kind: Literal["lattice"]
     nx: Whole = Field(gt=0)
@@ -173,7 +173,7 @@ InflowField = Annotated[RowsInflow | PourInflow, Field(discriminator="kind")]
 
 
 class Outflow(Strict):
-    """Where discs are taken out: one of the four."""
+    """A line beyond which discs are taken out: one of the four."""
 
     x_beyond: Coordinate | None = None
     x_before: Coordinate | None = None
@@ -188,7 +188,7 @@ class Outflow(Strict):
 
 
 class Run(Strict):
-    """How long, how finely, what is kept."""
+    """Duration, time step and output."""
 
     duration: Second = Field(**TIME)
     time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
@@ -204,14 +204,14 @@ class Run(Strict):
 
 
 class Probes(Strict):
-    """What is recorded at every step."""
+    """Forces on walls, recorded at every step."""
 
     forces: tuple[Name, ...] = ()
     interval: Second = Field(default=0.01, **TIME, description="forces are averaged over this time, every step counted")
 
 
 class Analysis(Strict):
-    """What is asked of the dump."""
+    """Analyses of the dump."""
 
     bin_width: Metre | None = Field(default=None, **LENGTH)
     window: Annotated[tuple[Moment, Moment], AfterValidator(ordered)] | None = None
@@ -223,7 +223,7 @@ class Analysis(Strict):
 
 
 class Engine(Strict):
-    """Who computes."""
+    """Engine, kernel and ranks."""
 
     name: Literal["lammps", "native"] = "lammps"
     kernel: Literal["auto", "stock", "compiled"] = "auto"

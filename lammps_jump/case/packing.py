@@ -1,4 +1,4 @@
-"""Discs at the start: columns with hydrostatic overlaps, lattices, lists; and the check that they fit."""
+"""Discs at the start: columns with hydrostatic overlaps, lattices, lists; and the closest pair."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def column_positions(column: Column, discs: Discs, gravity: float, contact: Coef
     """Centres of a column, shape (n, 2), row by row from the bottom.
 
     With `hydrostatic` and square packing the overlaps of thesis figure 6.2 carry the weight from the first step:
-    vertically (discs above) m g / k, horizontally rho g ((n-1) d + d/2) d / k in the n-th row from the top, and
-    against floor and back wall in proportion to their stiffness. Without them (and without jitter) a square
-    lattice of touching frictionless discs stands for ever.
+    vertically (discs above) m g / k, horizontally rho g ((n-1) d + d/2) d / k in the n-th row from the top. Against
+    floor and back wall they follow from the stiffness of walls. Without overlaps and jitter a square lattice of
+    touching frictionless discs never collapses.
     """
     d, radius = discs.diameter, discs.diameter / 2
     nx, ny = column_counts(column, d)
@@ -108,8 +108,8 @@ def arrange(
 def closest_pair(positions: np.ndarray, reach: float) -> tuple[float, int, int] | None:
     """The closest two of `positions` (n, 2) that are nearer than `reach`: (distance, i, j), or None.
 
-    Cells of side `reach`, sorted; each disc is held against its own cell and four of the eight around it. Two that are
-    nearer than a tenth of `reach` are answer enough: a heap of thousands in one cell would take for ever.
+    Discs are sorted by cells of side `reach`. Each is compared with its own cell and four of the eight around it. The
+    search ends at a pair nearer than a tenth of `reach`: thousands of discs in one cell would take too long.
     """
     if len(positions) < 2:
         return None

@@ -1,4 +1,4 @@
-"""Case text to plain data, remembering on which line each value stood."""
+"""Case text to plain data, with the line of each value."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
 
 
 def _compose(text: str, file: str) -> yaml.Node | None:
-    """Node tree of the text; nested brackets are counted before, because building the tree recurses."""
+    """Node tree of the text; nesting is counted before, because building the tree recurses."""
     depth = 0
     for event in yaml.parse(text, Loader=_Loader):
         if isinstance(event, yaml.CollectionStartEvent):
@@ -170,7 +170,7 @@ def _too_deep(file: str, here: yaml.Event | yaml.Node) -> str:
 
 
 def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loader) -> Any:
-    """Node tree to plain data; records lines, refuses repeated keys and endless aliases."""
+    """Plain data of a node tree; records lines, refuses repeated keys and endless aliases."""
     source.values += 1
     if source.values > MOST_VALUES:
         raise CaseError(

@@ -1,4 +1,4 @@
-"""Case to Scene: the one place where fields become engine-neutral numbers, and where a scene is refused."""
+"""Case to Scene: fields become the numbers that every engine takes. Cases that cannot run are refused."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .text import CaseSource, nearest
 INTEGRATORS = {"lammps": "velocity_verlet", "native": "leapfrog_extrapolated"}
 """What ``run.integrator: auto`` means, by engine."""
 MAX_SPEED_MARGIN = 2.0
-"""Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""
+"""Ratio of the speed at which a disc could jump over an outlet to the largest speed that the case implies."""
 
 MOST_ROWS = 10_000
 """Rows of an inflow; each is a fix of LAMMPS."""
@@ -184,7 +184,7 @@ def _steps(case: Case, source: CaseSource, dt: float) -> Steps:
 
 INLET_WALL = "inlet_back"
 INLET_CLEARANCE = 0.51
-"""Diameters between the inlet and the wall behind it: a disc that enters does not touch it."""
+"""Distance from the inlet to the wall behind it, in diameters: a disc that enters does not touch the wall."""
 
 
 def _inlet_back(case: Case) -> tuple[Plane, ...]:
@@ -196,7 +196,7 @@ def _inlet_back(case: Case) -> tuple[Plane, ...]:
 
 
 def _gates(case: Case, positions: np.ndarray, settle_steps: int, domain: tuple[Interval, Interval]) -> tuple[Gate, ...]:
-    """Gates of settling columns; one with discs on its far side too is a sheet that both sides feel."""
+    """Gates of settling columns. A gate with discs beyond it is a block without thickness, which both sides feel."""
     gates = []
     for index, item in enumerate(case.initial):
         if not (isinstance(item, Column) and item.gate and settle_steps):

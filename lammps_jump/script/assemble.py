@@ -16,7 +16,7 @@ Section = tuple[str, list[str]]
 """Title and commands of a part of a script."""
 
 STOP_FILE = "stop.request"
-"""A file of this name in the run folder ends a run of more ranks in order."""
+"""File in the run folder that ends a run of several ranks in order."""
 STOP_STEPS = 100
 STATE = "checkpoint-{step}.restart"
 
@@ -71,7 +71,7 @@ def script_text(scene: Scene, **options) -> str:
 
 
 def control(scene: Scene, how: Options) -> list[Section]:
-    """Sections of what watches over a run."""
+    """Sections that balance, record, guard and stop a run."""
     return [
         ("balance of the ranks", balance(scene, how.ranks)),
         ("force on structures", how.style.probes(scene)),
@@ -90,19 +90,19 @@ def joined(title: str, how: Options, sections: list[Section]) -> str:
 
 
 def balance(scene: Scene, ranks: int) -> list[str]:
-    """Even shares of discs along x, moved as the flow fills the channel."""
+    """Equal shares of discs for the ranks, along x; adapted as the flow fills the channel."""
     if ranks == 1:
         return []
     return [f"fix             balance all balance {max(1, scene.output_steps)} 1.01 shift x 10 1.005"]
 
 
 def first_step(scene: Scene) -> int:
-    """Checkpoints are of later steps only: up to here a script with a second ``run`` command is in its first."""
+    """Last step without checkpoints: a script with two ``run`` commands is in its first one up to here."""
     return scene.settle_steps if scene.inlets else 0
 
 
 def stop_on_request(scene: Scene, ranks: int) -> list[str]:
-    """A run of more ranks ends in order where there is a file `STOP_FILE`; what the first rank finds counts for all."""
+    """End a run of several ranks in order if there is a file `STOP_FILE`; the first rank looks for all."""
     if ranks == 1:
         return []
     return [
@@ -112,14 +112,14 @@ def stop_on_request(scene: Scene, ranks: int) -> list[str]:
 
 
 def _stop_steps(scene: Scene, ranks: int) -> int:
-    """How often ranks can be stopped: at the ends of windows of the probes, whose sums no restart file keeps."""
+    """Steps between possible stops of ranks: ends of probe windows, because no restart file keeps a window's sums."""
     if ranks == 1:
         return 1
     return scene.probe_steps if scene.probes else min(scene.output_steps, STOP_STEPS)
 
 
 def stop_at_step(script: str, scene: Scene, ranks: int, step: int) -> str:
-    """The text of a script that ends at a step as it does on request; ranks go on to the end of the window."""
+    """The script with an end at a step, as on request; several ranks go on to the end of the window."""
     every = _stop_steps(scene, ranks)
     step = -(-step // every) * every
     head, run, rest = script.partition("\nrun ")
@@ -131,7 +131,7 @@ def stop_at_step(script: str, scene: Scene, ranks: int, step: int) -> str:
 
 
 def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
-    """The restart file of ranks that ended on request behind step `first`, and a last line of the log."""
+    """Write the restart file of several ranks that ended on request behind step `first`, and a last log line."""
     if ranks == 1:
         return []
     commands = ["timer timeout off", "run 0 pre no post no", *stock.half_step_back(scene, kernel)]

@@ -1,4 +1,4 @@
-"""Blocks that use this project's plugin styles (lammps_jump/engines/plugin) in place of the stock ones."""
+"""LAMMPS commands of the plugin's styles (lammps_jump/engines/plugin), in place of the stock ones."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ OVERLAP = 7
 """Place of the largest overlap in the vector of the plugin's fix."""
 ONE_RANK_LOOKS = 10
 SORT_CELL = 0.65
-"""LAMMPS sorts discs into cells of this many diameters, for the cache's sake: half of d and a skin of 0.3 d."""
+"""Side of the cells that LAMMPS sorts discs into (for the cache), in diameters: half of d and a skin of 0.3 d."""
 
 
 def settings(scene: Scene, ranks: int, plugin: Path | None = None) -> list[str]:
@@ -57,12 +57,11 @@ def contact_law(scene: Scene) -> list[str]:
 
 
 def neighbours(scene: Scene) -> list[str]:
-    """How far discs may move before LAMMPS looks where they belong, and how often it asks.
+    """Distance that discs may move before LAMMPS sorts them to ranks, and how often it checks.
 
-    The plugin keeps a list of its own, with a skin of its own, and brings the discs of other ranks itself
-    (`contact_law`). LAMMPS' check serves to find lost discs and discs that must change ranks. A part of the channel is
-    never thinner than LAMMPS' skin (fix balance); between two checks no disc may cross one, so that ranks look more
-    often the larger the step.
+    The plugin has its own list and skin, and fetches the discs of other ranks itself (`contact_law`). LAMMPS' check
+    finds lost discs and discs that must change ranks. The part of a rank is never thinner than LAMMPS' skin (fix
+    balance). No disc may cross a part between two checks, so that ranks check more often the larger the step.
     """
     often = max(1, min(ONE_RANK_LOOKS, int(0.5 / scene.coefficients.time_step_fraction)))
     every = f"$({often}+{ONE_RANK_LOOKS - often}*(extract_setting(world_size)==1))"

@@ -1,12 +1,11 @@
-"""The second script of an interrupted run: ``in.resume.lammps`` takes it up from a restart file, with the same styles.
+"""The second script of an interrupted run: ``in.resume.lammps`` continues from a restart file, with the same styles.
 
-LAMMPS' granular forces depend on velocity, and a step evaluates them with the velocities of its half step,
-v_(n-1/2). A run that starts evaluates its first forces with v_n instead, so that a restarted run parts from the other
-one at once (LAMMPS' documentation of `read_restart` says so; measured here: 5e-7 d after fifty steps of a dam break
-with friction, 1e-4 d after 650). The restart files of this project therefore hold v_(n-1/2) = v_n - dt F_n / (2 m),
-which is known where the run stops: the first force evaluation of the next part is then the same as the last one of the
-part before, up to the order of sums, half a kick gives v_n back, and the run goes on with those forces
-(``run … pre no``).
+LAMMPS' granular forces depend on velocity. A step evaluates them with the velocities of its half step, v_(n-1/2). The
+first forces of a new run are evaluated with v_n instead, so that a restarted run differs at once (see LAMMPS'
+documentation of `read_restart`; measured: 5e-7 d after fifty steps of a dam break with friction, 1e-4 d after 650).
+The restart files of this project therefore hold v_(n-1/2) = v_n - dt F_n / (2 m). The first forces of the next part
+then equal the last ones of the part before, up to the order of sums. Half a kick gives v_n back, and the run continues
+with those forces (``run … pre no``).
 """
 
 from __future__ import annotations
@@ -58,7 +57,7 @@ def continuation_text(scene: Scene, *, state: str, step: int, removed: tuple[int
 
 
 def _output(scene: Scene, dump_format: str) -> list[str]:
-    """The dump goes on behind its last frame; a plain interval would write a frame of this step once more."""
+    """Continues the dump behind its last frame; a plain interval would write the frame of this step twice."""
     lines = stock.output(scene, dump_format)
     if dump_format == "binary":
         lines = [line.replace(DUMP_NAMES["binary"], BINARY_PART) for line in lines]

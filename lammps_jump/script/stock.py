@@ -69,7 +69,7 @@ def contact_law(scene: Scene) -> list[str]:
 
 
 def neighbours(scene: Scene) -> list[str]:
-    """Neighbour lists: rebuilt when a disc has moved half the skin."""
+    """Neighbour lists, rebuilt when a disc has moved half the skin."""
     return [f"neighbor        {number(scene.skin)} bin", "neigh_modify    delay 0 every 1 check yes"]
 
 
@@ -104,7 +104,7 @@ def outlets(scene: Scene) -> list[str]:
 
 
 def inlets(scene: Scene) -> list[str]:
-    """One fix deposit a row: a point region (flat in z too), the disc as a one-atom molecule, ids counted on."""
+    """One ``fix deposit`` for each row: a point as region (flat in z too), a disc as molecule, ids in turn."""
     lines = []
     for index, row in enumerate(scene.inlets, 1):
         count = row.limit or (scene.steps - row.first_step) // row.every_steps + 2
@@ -173,8 +173,8 @@ def _guard_steps(scene: Scene) -> int:
 def thermo(scene: Scene, removed: tuple[int, ...] = ()) -> list[str]:
     """Log lines with the disc balance; the style first, because it resets what thermo_modify says.
 
-    The highest id counts the discs that ever were (ids are given in turn, ``id max``). `removed` is what each outlet
-    took in earlier parts of an interrupted run; the columns are called as without it.
+    The highest id counts all discs so far (ids are given in turn, ``id max``). `removed` is the number that each outlet
+    took in earlier parts of an interrupted run; the names of the columns stay the same.
     """
     names = [f"f_outlet_{index}" for index, _ in enumerate(scene.outlets, 1)]
     lines, top, called = [], "", ""
@@ -208,7 +208,7 @@ def schedule(scene: Scene, gates: list[str]) -> list[str]:
 
 
 def half_step(scene: Scene, kernel: str, sign: str = "+") -> list[str]:
-    """From the velocities of the half step to those of the step with the forces that are there; "-" for the way back.
+    """Velocities of the half step to those of the step, with the present forces; `sign` "-" for the way back.
 
     v_n = v_(n-1/2) + dt F_n / (2 m), and the same for spin with its torque. The compiled kernel keeps gravity out of
     the forces, unless a pour needs LAMMPS' own.
@@ -232,5 +232,5 @@ def half_step(scene: Scene, kernel: str, sign: str = "+") -> list[str]:
 
 
 def half_step_back(scene: Scene, kernel: str) -> list[str]:
-    """What a restart file of this project is written after; see `lammps_jump.script.resume`."""
+    """Commands before a restart file is written; see `lammps_jump.script.resume`."""
     return half_step(scene, kernel, "-")
