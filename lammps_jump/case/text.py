@@ -216,31 +216,28 @@ def override(source: CaseSource, assignment: str) -> None:
     CaseError
         For text without '=', a value that is not YAML, or a list item that is not there.
     """
-    if "=" not in assignment:
+    dotted, sign, text = (part.strip() for part in assignment.partition("="))
+    parts = dotted.split(".")
+    if not sign or not all(parts):
         raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
-    dotted, text = (part.strip() for part in assignment.split("=", 1))
     try:
         node = _compose(text, f"--set {assignment}")
     except yaml.YAMLError:
         raise CaseError(
             f"--set {assignment}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'"
         ) from None
-    if not dotted or any(not part for part in dotted.split(".")):
-        raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
     scratch = CaseSource(file=f"--set {assignment}", data={})
     value = None if node is None else _plain(node, (), scratch, _Loader(""))
     container: Any = source.data
     path: PathKey = ()
-    parts = dotted.split(".")
-    for depth, part in enumerate(parts):
-        last = depth == len(parts) - 1
+    for depth, part in enumerate(parts, 1):
         key: str | int = part
         if isinstance(container, list):
             key = _item_index(container, part, assignment, path)
         elif not isinstance(container, dict):
             raise CaseError(f"--set {assignment}: {dotted_path(path)} is a single value and has no part '{part}'")
         path = (*path, key)
-        if last:
+        if depth == len(parts):
             container[key] = value
         else:
             if isinstance(container, dict) and container.get(part) is None:

@@ -56,10 +56,19 @@ class Floor(NamedTuple):
     top: float
 
 
+def _in_a_file(schema: dict, wall: type) -> None:
+    """JSON schema of a wall in a case file: its kind comes first and must be given."""
+    kind = schema["properties"].pop("kind")
+    del kind["default"]
+    schema["properties"] = {"kind": kind, **schema["properties"]}
+    schema["required"] = ["kind", *schema["required"]]
+    schema["description"] = wall.__doc__.splitlines()[0]
+
+
 class Wall:
     """What every wall answers. A new wall is a frozen dataclass with `kind`, `name` and fields, and `faces`."""
 
-    __pydantic_config__ = ConfigDict(extra="forbid")
+    __pydantic_config__ = ConfigDict(extra="forbid", json_schema_extra=_in_a_file)
     name: str
     hollow: ClassVar[bool] = False
     """Whether the discs are inside the outline."""

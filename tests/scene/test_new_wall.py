@@ -44,6 +44,9 @@ def test_a_case_file_may_name_it():
     data = yaml.safe_load("{kind: mound, name: mound, x: 0, y: 0, radius: 100 cm, strips: 12}")
     assert kinds.validate_python(data) == MOUND
     assert kinds.dump_python(MOUND) == data | {"radius": 1.0}
+    schema = kinds.json_schema()["$defs"]["Mound"]
+    assert list(schema["properties"]) == ["kind", "name", "x", "y", "radius", "strips"]
+    assert schema["required"] == ["kind", "name", "x", "y", "radius"]
     for wrong in ({"radius": -1}, {"colour": "red"}, {"name": "not a name"}):
         with pytest.raises(ValidationError):
             kinds.validate_python(data | wrong)
