@@ -350,15 +350,13 @@ def bench(
     quiet: QuietStudy = False,
 ) -> None:
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
-    from lammps_jump.studies.bench.command import run_bench
+    from lammps_jump.studies.bench.command import read_axes, run_bench
+    from lammps_jump.studies.table import show
 
-    print(
-        run_bench(
-            case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, speed=speed,
-            table=table, diameters=diameters, fractions=fractions, kernels=kernels, assignments=set_ or [], fresh=fresh,
-            say=_say(quiet),
-        )
-    )  # fmt: skip
+    part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
+    varied = read_axes(axes, fractions, kernels, diameters)
+    options = {"members": members, "table": table, "assignments": set_ or [], "quick": quick, "fresh": fresh}
+    show(run_bench(case, out=out, part=part, axes=varied, say=_say(quiet), **options))
 
 
 @app.command()
@@ -395,8 +393,9 @@ def sensitivity(
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
     from lammps_jump.studies.sensitivity import run_sensitivity
+    from lammps_jump.studies.table import show
 
-    print(run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=_say(quiet)))
+    show(run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=_say(quiet)))
 
 
 @app.command()
@@ -410,8 +409,9 @@ def calibrate(
 ) -> None:
     """Contact coefficients that make discs behave most like water; the distances are printed."""
     from lammps_jump.studies.calibration import run_calibration
+    from lammps_jump.studies.table import show
 
-    print(run_calibration(out, quick=quick, fresh=fresh, say=_say(quiet)))
+    show(run_calibration(out, quick=quick, fresh=fresh, say=_say(quiet)))
 
 
 def main() -> None:

@@ -45,7 +45,7 @@ def test_bench_of_collisions(tmp_path):
 
 def test_bench_of_cells(tmp_path):
     texts = ["run.duration=0.05", "probes.forces=[]"]
-    table = run_bench(INPUTS / "dam_break.yaml", out=tmp_path, quick=True, cells=True, assignments=texts, say=silent)
+    table = run_bench(INPUTS / "dam_break.yaml", out=tmp_path, quick=True, part="cells", assignments=texts, say=silent)
     assert "cells of 2 d" in table and "neighbour list" in table
 
 
@@ -76,7 +76,7 @@ def test_periodic_crystal_brackets_the_limit():
 
 def test_stress_quick(tmp_path):
     from lammps_jump.studies.stress.study import measure_limits, resting_bed, run_random
-    from lammps_jump.studies.timing import Store
+    from lammps_jump.studies.store import Store
 
     store = Store(tmp_path / "stress.json")
     rows = measure_limits(store, ["stock"], True, silent)
@@ -87,15 +87,11 @@ def test_stress_quick(tmp_path):
 
 
 def test_sensitivity_and_calibration_smoke(tmp_path):
-    from lammps_jump.studies.calibration import distances
-    from lammps_jump.studies.sensitivity import base_file, run_sensitivity
-    from lammps_jump.studies.timing import Store
+    from lammps_jump.studies.calibration import START, distances
+    from lammps_jump.studies.sensitivity import run_sensitivity
+    from lammps_jump.studies.store import Store
 
     text = run_sensitivity(tmp_path, quick=True, only="friction", say=silent)
     assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()
-    from lammps_jump.studies.calibration import COLUMN_CASE, START
-
-    column = tmp_path / "martin_moyce.yaml"
-    column.write_text(COLUMN_CASE)
-    row = distances(dict(START), base_file(tmp_path), column, Store(tmp_path / "c.json"), quick=True, members=1)
-    assert 0 < row["front"] < 0.5 and row["distance"] > 0
+    row = distances(START, Store(tmp_path / "c.json"), quick=True, members=1)
+    assert 0 < row.front < 0.5 and row.distance > 0

@@ -1,24 +1,29 @@
-"""What each thing left out of a script saves, on the stock LAMMPS script, by putting it back in.
+"""Time that each thing left out of the stock LAMMPS script saves, measured by putting it back in.
 
-Every row takes the script that the generator writes, edits the one thing in, runs both in turn, and compares the last
-frame: the trajectory must not change. Where the order of sums changes (another skin, other list builds) the comparison
-is made after few steps, before chaos has had time to grow.
+Every row edits one thing into the script that the generator writes, and runs both in turn. Their last frames are
+compared: the trajectory must not change. Another skin or other list builds change the order of sums. The comparison is
+then made after few steps, before chaos has grown.
 """
 
 from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.timing import Stopwatch, Store, in_turn, machine, middle, versions
+from lammps_jump.script import script_text
+from lammps_jump.studies.runs import StudyCase, execute, kernel_changes
+from lammps_jump.studies.store import Store
+from lammps_jump.studies.table import markdown, percent
+from lammps_jump.studies.timing import in_turn, middle, versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
 PRECISE = ("format float %.10g", "format float %.17g")
@@ -45,7 +50,7 @@ class Skip:
 
 
 def _after(text: str, pattern: str, line: str) -> str:
-    """`line` put behind the first line that matches."""
+    """Return the text with `line` behind the first line that matches."""
     return re.sub(f"(?m)^({pattern}.*)$", rf"\1\n{line}", text, count=1)
 
 
@@ -94,11 +99,8 @@ def _frames(text: str, scene: Scene) -> str:
     return re.sub(r"(?m)^(dump +frames .*)$", more, text)
 
 
-def _skin(share: float) -> Callable[[str, Scene], str]:
-    def edit(text: str, scene: Scene) -> str:
-        return re.sub(r"(?m)^neighbor +\S+ bin$", f"neighbor {share * scene.diameter!r} bin", text)
-
-    return edit
+def _skin(text: str, scene: Scene, share: float) -> str:
+    return re.sub(r"(?m)^neighbor +\S+ bin$", f"neighbor {share * scene.diameter!r} bin", text)
 
 
 def _lists(text: str, scene: Scene) -> str:
@@ -112,62 +114,71 @@ SKIPS = (
     Skip("a wall out of reach", _wall),
     Skip("constraint to z = 0", _plane_constraint),
     Skip("sums over forces at every step", _probe),
-    Skip("dump columns that nobody reads", _columns),
+    Skip("dump columns that no analysis reads", _columns),
     Skip("ten times as many frames", _frames),
     Skip("log lines every 10 steps", _thermo),
     Skip("neighbour lists every 5 steps, needed or not", _lists, exact=False),
-    Skip("skin of 0.1 d", _skin(0.1), exact=False),
-    Skip("skin of 0.6 d", _skin(0.6), exact=False),
+    Skip("skin of 0.1 d", partial(_skin, share=0.1), exact=False),
+    Skip("skin of 0.6 d", partial(_skin, share=0.6), exact=False),
 )
 
 
-def base_script(scene: Scene, plugin: None = None) -> str:
-    """The generator's stock script, every digit in the dump."""
-    from lammps_jump.script import script_text
+@dataclass(frozen=True)
+class Row:
+    """What putting one thing back in costs.
 
+    Attributes
+    ----------
+    name, verdict : str
+    ratio : float or None
+        Time with it over time without it; None where the scene needs it.
+    difference : float or None
+        Largest change of the trajectory, m or m/s.
+    exact : bool
+        See `Skip`.
+    """
+
+    name: str
+    verdict: str = "the scene needs it"
+    ratio: float | None = None
+    difference: float | None = None
+    exact: bool = True
+
+
+def base_script(scene: Scene) -> str:
+    """Return the stock script of the generator, with every digit in the dump."""
     return script_text(scene, kernel="stock").replace(*PRECISE)
 
 
 def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
-    """Last frame (id, x, y, vx, vy; shape (n, 5)) and processor seconds of a script for a scene.
+    """Return the last frame (id, x, y, vx, vy; shape (n, 5)) and the processor seconds of a script for a scene.
 
     Raises
     ------
     RunError
         Where it does not come to its end.
     """
-    from lammps_jump.dump.read import open_dump
-    from lammps_jump.engines.lammps import run_lammps
-    from lammps_jump.script import write_script
-
     with tempfile.TemporaryDirectory() as folder:
-        write_script(scene, Path(folder), kernel="stock")
-        (Path(folder) / "in.lammps").write_text(text)
-        with Stopwatch() as watch:
-            result = run_lammps(scene, Path(folder))
+        result, watch = execute(scene, Path(folder), "stock", script=text)
         if result.status != "complete":
             raise RunError(result.message)
-        last = None
-        for frame in open_dump(Path(folder) / "dump.lammpstrj"):
-            last = frame.sorted()
+        *_, last = open_dump(Path(folder) / "dump.lammpstrj")
+    last = last.sorted()
     return np.column_stack([last.ids, last.x, last.y, last.vx, last.vy]), watch.cpu
 
 
 def largest_difference(one: np.ndarray, two: np.ndarray) -> float:
-    """Largest difference of positions (m) or velocities (m/s); infinite where the discs are not the same."""
+    """Return the largest difference of positions (m) or velocities (m/s); infinite where the discs differ."""
     if one.shape != two.shape or not np.array_equal(one[:, 0], two[:, 0]):
         return float("inf")
     return float(np.abs(one[:, 1:] - two[:, 1:]).max(initial=0.0))
 
 
-def shortened(scene: Scene, steps: int) -> Scene:
-    """The same scene for few steps, one frame at the end."""
-    return replace(scene, steps=steps, settle_steps=0, gates=(), output_steps=steps, probe_steps=steps)
-
-
 def compare_skip(scene: Scene, skip: Skip) -> float | None:
-    """Largest difference that putting the thing in makes to a trajectory; None where the scene needs it anyway."""
-    scene = scene if skip.exact else shortened(scene, min(scene.steps, EARLY_STEPS))
+    """Return the largest change of the trajectory with the thing in the script; None where the scene needs it."""
+    if not skip.exact:
+        steps = min(scene.steps, EARLY_STEPS)
+        scene = replace(scene, steps=steps, settle_steps=0, gates=(), output_steps=steps, probe_steps=steps)
     plain = base_script(scene)
     edited = skip.edit(plain, scene)
     if edited == plain:
@@ -176,9 +187,7 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
 
 
 def dump_formats(scene: Scene, rounds: int) -> dict[str, float]:
-    """Processor seconds of a stock run by dump format."""
-    from .runs import execute
-
+    """Return the processor seconds of a stock run by dump format."""
     taken: dict[str, list[float]] = {"text": [], "gz": [], "binary": []}
     for _, name in in_turn(list(taken), rounds):
         with tempfile.TemporaryDirectory() as folder:
@@ -186,61 +195,48 @@ def dump_formats(scene: Scene, rounds: int) -> dict[str, float]:
     return {name: middle(values) for name, values in taken.items()}
 
 
-def bench_skips(
-    case: Path, *, out: Path | None = None, quick: bool = False, assignments: Sequence[str] = (), fresh: bool = False,
-    say: Callable[[str], None] = print,
-) -> str:  # fmt: skip
-    """``lammps-jump bench CASE --skips``: time that each skip saves, and that it changes nothing; a markdown table."""
-    from lammps_jump.case import case_hash, load_case
-    from lammps_jump.case.to_scene import build_scene
-
-    texts = [*assignments, "engine.name=lammps", "engine.kernel=stock"]
-    loaded = load_case(case, texts)
-    scene = build_scene(loaded)
-    folder = Path(out) if out else Path("runs") / "bench" / loaded.case.name
-    store = Store(folder / "skips.json", fresh=fresh)
+def bench_skips(case: StudyCase, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
+    """Measure what each skip saves and that it changes nothing; returns the table (``bench CASE --skips``)."""
+    case = case.replace(kernel_changes("stock"))
+    scene = case.scene()
     rounds = 1 if quick else 5
-    identity = f"{case_hash(loaded.case)} {versions()} {rounds}"
-    rows: list[dict[str, Any]] = []
+    identity = f"{case.hash} {versions()} {rounds}"
+    rows: list[Row] = []
     for skip in SKIPS:
-        row = store.piece(f"{skip.name} {identity}", lambda s=skip: _skip_row(scene, s, rounds))
+        row = store.piece(f"{skip.name} {identity}", lambda s=skip: _skip_row(scene, s, rounds), Row)
         rows.append(row)
-        say(f"  {skip.name}: " + (row["verdict"]))
+        say(f"  {skip.name}: {row.verdict}")
     formats = store.piece(f"formats {identity}", lambda: dump_formats(scene, rounds))
-    store.data |= {"case": loaded.case.name, "rows": rows, "formats": formats, "machine": machine(), "rounds": rounds}
-    store.save()
-    table = skip_table(rows, formats)
-    (folder / "skips.md").write_text(table)
-    return table
+    store.finish(case=case.name, rows=rows, formats=formats, rounds=rounds)
+    return store.write_table(skip_table(rows, formats))
 
 
-def _skip_row(scene: Scene, skip: Skip, rounds: int) -> dict[str, Any]:
+def _skip_row(scene: Scene, skip: Skip, rounds: int) -> Row:
     plain = base_script(scene)
     edited = skip.edit(plain, scene)
     if edited == plain:
-        return {"name": skip.name, "ratio": None, "difference": None, "verdict": "the scene needs it"}
+        return Row(skip.name)
     taken: dict[str, list[float]] = {plain: [], edited: []}
     for _, text in in_turn([plain, edited], rounds):
         taken[text].append(run_script(scene, text)[1])
     ratio = middle(with_it / without for with_it, without in zip(taken[edited], taken[plain], strict=True))
     difference = compare_skip(scene, skip)
-    verdict = f"{100 * (ratio - 1):+.1f} % time with it, trajectory differs by {difference:.1e}"
-    return {"name": skip.name, "ratio": ratio, "difference": difference, "exact": skip.exact, "verdict": verdict}
+    verdict = f"{percent(ratio - 1, 1, '+')} time with it, trajectory differs by {difference:.1e}"
+    return Row(skip.name, verdict, ratio, difference, skip.exact)
 
 
-def skip_table(rows: list[dict[str, Any]], formats: dict[str, float]) -> str:
-    """Markdown."""
-    lines = ["| put back in | time with it | largest change of the trajectory |", "|---|---:|---:|"]
+def skip_table(rows: list[Row], formats: dict[str, float]) -> str:
+    """Return the Markdown table."""
+    lines = []
     for row in rows:
-        if row["ratio"] is None:
-            lines.append(f"| {row['name']} | - | the scene needs it |")
+        if row.ratio is None:
+            lines.append([row.name, "-", row.verdict])
             continue
-        where = "" if row["exact"] else f", after {EARLY_STEPS} steps"
-        same = "none, bit by bit" if row["difference"] == 0 else f"{row['difference']:.1e}{where}"
-        lines.append(f"| {row['name']} | {100 * (row['ratio'] - 1):+.1f} % | {same} |")
+        where = "" if row.exact else f", after {EARLY_STEPS} steps"
+        same = "none, bit by bit" if row.difference == 0 else f"{row.difference:.1e}{where}"
+        lines.append([row.name, percent(row.ratio - 1, 1, "+"), same])
     for name in ("gz", "binary"):
         if formats.get("text") and formats.get(name):
-            lines.append(
-                f"| dump as {name} instead of text | {100 * (formats[name] / formats['text'] - 1):+.1f} % | - |"
-            )
-    return "\n".join(lines) + "\n"
+            change = percent(formats[name] / formats["text"] - 1, 1, "+")
+            lines.append([f"dump as {name} instead of text", change, "-"])
+    return markdown(["put back in", "time with it", "largest change of the trajectory"], "lrr", lines) + "\n"

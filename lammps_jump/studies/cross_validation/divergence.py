@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.scene import Scene
 
 from .ensembles import perturbed
@@ -17,9 +17,8 @@ from .trajectories import (
     crossing_step,
     fit_growth,
     plain_scene,
-    run_lammps_frames,
-    run_native_frames,
     separation,
+    trajectory,
 )
 
 FRAMES = 400
@@ -49,15 +48,15 @@ class Divergence:
     kernel: str
 
 
-def measure_divergence(scene: Scene, kernel: str, plugin: Path | None, work: float) -> Divergence:
+def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
     """Follow both engines, and the native engine against itself, until discs have parted or `work` is done."""
     bare = replace(scene, probes=())
     steps = parting_step(bare, work)
     interval = max(1, steps // FRAMES)
     long = plain_scene(scene, max(interval, steps // interval * interval), interval)
-    native = run_native_frames(long)
-    part = separation(native, run_lammps_frames(long, kernel, plugin), scene.diameter)
-    twin = separation(native, run_native_frames(perturbed(long, 1, TWIN_JITTER)), scene.diameter)
+    native = trajectory(long, "native")
+    part = separation(native, trajectory(long, kernel), scene.diameter)
+    twin = separation(native, trajectory(perturbed(long, 1, TWIN_JITTER), "native"), scene.diameter)
     levels = {f"{level:g}": crossing_step(part, level) for level in LEVELS}
     dt = scene.time_step
     growths = (fit_growth(one.steps, one.largest, dt) for one in (part, twin))
@@ -66,8 +65,6 @@ def measure_divergence(scene: Scene, kernel: str, plugin: Path | None, work: flo
 
 def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:
     """Some steps after the native engine and its twin have parted by `level` diameters; at most `work` disc-steps."""
-    from lammps_jump.engines.native import NativeSimulation
-
     one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene, 1, TWIN_JITTER)))
     while one.step < scene.steps and one.disc_steps < work:
         chunk = min(200, scene.steps - one.step)

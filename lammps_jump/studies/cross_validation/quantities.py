@@ -8,9 +8,12 @@ from math import nan
 
 import numpy as np
 
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.jump.result import analyse_jump
+from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.scene.scene import Scene
 
-from .ensembles import Member
+from .ensembles import Binning, Member
 from .statistics import Band, Difference, block_means, compare_curves, holm, welch
 
 TIME_BLOCKS = 12
@@ -57,9 +60,9 @@ class Quantities:
     verdict: str = ""
 
 
-def measure(member: Member, scene: Scene, wanted: Wanted, bin_width: float | None, window) -> Quantities:
+def measure(member: Member, scene: Scene, wanted: Wanted, binning: Binning) -> Quantities:
     """Everything that is compared of one member."""
-    profiles, series, result = member.profiles, member.series, member.result
+    profiles, series = member.profiles, member.series
     scalars: dict[str, tuple[float, str]] = {}
     curves: dict[str, Curve] = {}
     time = series["time"]
@@ -82,9 +85,9 @@ def measure(member: Member, scene: Scene, wanted: Wanted, bin_width: float | Non
     if _open(scene):
         scalars["discs in play, mean"] = float(series["discs"][run].mean()), "1"
     if scene.inlets or scene.pours:
-        scalars["discs inserted"] = float(result["inserted"]), "1"
+        scalars["discs inserted"] = float(member.result.inserted), "1"
     if scene.outlets:
-        scalars["discs removed"] = float(result["removed"]), "1"
+        scalars["discs removed"] = float(member.result.removed), "1"
     wet = profiles["mass_depth_mean"].values > 0.5 * scene.diameter
     if wet.any():
         scalars["depth, mean over wet bins"] = float(profiles["mass_depth_mean"].values[wet].mean()), "m"
@@ -94,7 +97,7 @@ def measure(member: Member, scene: Scene, wanted: Wanted, bin_width: float | Non
         _front(member, time, run, scalars, curves)
     for name, table in member.forces.items():
         _force(name, table, scalars, curves)
-    verdict = _jump(member, scene, bin_width, window, scalars, curves) if wanted.jump else ""
+    verdict = _jump(member, scene, binning, scalars, curves) if wanted.jump else ""
     return Quantities(scalars, curves, verdict)
 
 
@@ -130,13 +133,8 @@ def _force(name: str, table: np.ndarray, scalars: dict, curves: dict) -> None:
     curves[f"force on {name}, x"] = _history(time[run], fx[run], "N/m")
 
 
-def _jump(member: Member, scene: Scene, bin_width, window, scalars: dict, curves: dict) -> str:
-    from lammps_jump.analysis.flow import from_scene
-    from lammps_jump.analysis.jump.result import analyse_jump
-    from lammps_jump.analysis.jump.summary import summarise_jump
-
-    context = from_scene(scene, bin_width=bin_width, window=window)
-    found = analyse_jump(member.profiles, context)
+def _jump(member: Member, scene: Scene, binning: Binning, scalars: dict, curves: dict) -> str:
+    found = analyse_jump(member.profiles, from_scene(scene, bin_width=binning.bin_width, window=binning.window))
     numbers = summarise_jump(found)
     names = (
         ("speed", "shock speed", "m/s"),

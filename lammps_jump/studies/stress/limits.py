@@ -236,7 +236,7 @@ def _native(scene: Scene) -> list[float]:
 
 def _lammps(scene: Scene, kernel: str) -> list[float]:
     from lammps_jump.dump.read import open_dump
-    from lammps_jump.studies.bench.runs import execute
+    from lammps_jump.studies.runs import execute
 
     with tempfile.TemporaryDirectory() as folder:
         result, _ = execute(scene, Path(folder), kernel)

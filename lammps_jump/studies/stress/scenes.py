@@ -188,7 +188,7 @@ def judge(case: dict[str, Any], engine: str) -> dict[str, Any]:
 
 def judge_scene(scene, engine: str) -> dict[str, Any]:
     """As `judge`, from a Scene: what slips past the checks of a case must be caught by the engines."""
-    from lammps_jump.studies.bench.runs import execute
+    from lammps_jump.studies.runs import execute
 
     kernel = "native" if engine.startswith("native") else engine
     scene = replace(scene, probe_steps=max(1, scene.probe_steps))

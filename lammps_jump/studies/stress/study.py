@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump.errors import CaseError
-from lammps_jump.studies.timing import Store, machine, versions
+from lammps_jump.studies.store import Store
 
 from .limits import ARRANGEMENTS, ENGINES, Limit, measure_limit, periodic_hexagonal
 from .scenes import ENGINE_TEXTS, GOOD, hard_scenes, judge, random_case
@@ -56,7 +56,7 @@ def stress(
     dict
         limits, growth, scenes, random, bed, bad (list of what ended badly), versions, machine.
     """
-    from lammps_jump.studies.bench.settings import usable_kernels
+    from lammps_jump.studies.settings import usable_kernels
 
     if random is not None and random < 0:
         raise CaseError(f"--random {random}: allowed is 0 or more")
@@ -280,7 +280,7 @@ def _bed(engine: str, steps: int) -> dict[str, Any]:
 
     from lammps_jump.dump.read import open_dump
     from lammps_jump.physics.contact import damping_ratio, stable_fraction
-    from lammps_jump.studies.bench.runs import execute
+    from lammps_jump.studies.runs import execute
 
     from .limits import arrangement_scene, integrator_of
 
