@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lammps_jump.dump.read import Frame
+from lammps_jump.dump.frame import Frame
 
 from .contact_sums import pair_sums, wall_sums
 from .flow import FlowContext

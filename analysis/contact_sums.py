@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from lammps_jump.dump.read import Frame
+from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs

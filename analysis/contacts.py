@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_jump.dump.read import Frame
+from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.walls import Block, Wall
 
 from .cell_grid import close_pairs

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lammps_jump.dump.read import open_dump, ten_indices
+from lammps_jump.dump.frame import ten_indices
+from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import DumpError, SetupError
 
-if TYPE_CHECKING:
-    from .analyze import AnalysisRequest, Gathered
+from .passes import AnalysisRequest, Gathered
 
 EXPORTS = ("csv", "vtk", "pictures")
 FIELD_FRAMES = 20

@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 from numba import njit
 
-from lammps_jump.dump.read import Frame
+from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 

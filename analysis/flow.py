@@ -7,7 +7,7 @@ from math import hypot
 
 import numpy as np
 
-from lammps_jump.dump.read import Frame
+from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Scene
 from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
 

@@ -11,7 +11,7 @@ from math import nan, sqrt
 
 import numpy as np
 
-from lammps_jump.dump.read import Frame
+from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
 from lammps_jump.scene.walls import Box, Plane

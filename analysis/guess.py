@@ -7,7 +7,8 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from lammps_jump.dump.read import Dump, Frame, require_finite
+from lammps_jump.dump.frame import Frame, require_finite
+from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval, Plane, Wall
 

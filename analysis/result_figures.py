@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-from lammps_jump.analysis.draw.snapshots import snapshots
-from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, depth_profile, new_figure, save, style, xt_map
 from matplotlib.figure import Figure
 
+from lammps_jump.analysis.draw.snapshots import snapshots
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, depth_profile, new_figure, save, style, xt_map
 from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import DumpError
 from lammps_jump.physics import jump as theory
@@ -19,9 +18,7 @@ from lammps_jump.physics import measured as reference_data
 from .energy import EnergyHistory
 from .flow import FlowContext
 from .front import FrontHistory, dimensionless
-
-if TYPE_CHECKING:
-    from .analyze import Gathered
+from .passes import Gathered
 
 MARKERS = {"color": BLACK, "ls": "none", "mfc": "white", "ms": 4}
 

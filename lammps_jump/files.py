@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 RUN_FILES = (
     "case.yaml",
@@ -63,6 +67,10 @@ RESULT_FILES = (
     "figures/bed_pressure.png",
 )
 """What is made of them; ``force_<structure>.csv`` besides, where the summary says that it was written."""
+DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
+"""File of the dump in a run folder, by its format."""
+FORCES_HEADER = "time,structure,fx,fy,moment"
+"""First line of ``forces.csv``."""
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)
 """What a run folder may hold of an earlier run (names and patterns); nothing else in it is ever deleted."""
 
@@ -83,3 +91,20 @@ def _force_tables(folder: Path) -> list[str]:
     except (OSError, ValueError, KeyError, TypeError):
         return []
     return [name for name in names if re.fullmatch(r"force_[^/\\]+\.csv", str(name))] if isinstance(names, list) else []
+
+
+def plain(value: Any) -> Any:
+    """Numpy scalars and arrays to Python, NaN and infinities to None, tuples to lists."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, Path):
+        return value.name
+    return value

@@ -9,6 +9,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, WithJsonSchema
 
+from lammps_jump.errors import CaseError
+
 _FACTOR = r"(?:[^\W\d_]\w*|°|%)(?:(?:\^|\*\*)[+-]?[0-9]+)?"
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"  # one number
@@ -100,3 +102,23 @@ Stiffness = number("N/m")
 Degree = number("degree")
 PerSecond = number("1/s")
 Plain = number("")
+
+
+def parse_accuracy(text: str | float) -> float:
+    """A share from ``1%``, ``1 %`` or ``0.01``.
+
+    Raises
+    ------
+    CaseError
+        No number, or not between 0 and 1.
+    """
+    word = str(text).strip()
+    try:
+        value = float(word[:-1]) / 100 if word.endswith("%") else float(word)
+    except ValueError:
+        raise CaseError(f"accuracy {text!r} is no share; write 1% or 0.01") from None
+    if not 0 < value < 1:
+        raise CaseError(
+            f"accuracy {text!r} is out of range; allowed is above 0 and below 1 (100 %), such as 1% or 0.01"
+        )
+    return value

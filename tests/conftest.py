@@ -1,7 +1,24 @@
-"""Fixtures of all tests; functions that several share are in `made_up`."""
+"""Fixtures and settings of all tests; functions that several share are in `made_up` and `children`."""
 
-import pytest
-from made_up import plugin_or_skip
+import os
+import runpy
+from pathlib import Path
+
+HERE = Path(__file__).parent
+# two workers that write the same cache can read each other's half-written files
+CACHES = HERE.parent / ".pytest_cache" / "caches" / os.environ.get("PYTEST_XDIST_WORKER", "alone")
+for variable, folder in (("NUMBA_CACHE_DIR", "numba"), ("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
+    os.environ[variable] = str(CACHES / folder)
+os.environ.pop("LAMMPS_JUMP_CACHE", None)
+runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))
+
+import pytest  # noqa: E402
+from hypothesis import settings  # noqa: E402
+from made_up import plugin_or_skip  # noqa: E402
+
+settings.register_profile("same_each_time", deadline=None, derandomize=True)
+settings.register_profile("random", deadline=None, print_blob=True)
+settings.load_profile("same_each_time")  # --hypothesis-profile=random, as in `make check`, comes later and wins
 
 
 @pytest.fixture(scope="session")

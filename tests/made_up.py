@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.flow import FlowContext
 
-from lammps_jump.dump.read import Frame, make_frame
+from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.dump.frame import Frame, make_frame
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from lammps_jump.analysis.flow import FlowContext
 
+from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.read import Dump, Frame
+from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.scene.walls import Interval, Plane
 

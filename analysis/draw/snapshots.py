@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
-from lammps_jump.analysis.flow import FlowContext
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from lammps_jump.dump.read import Dump, Frame, ten_indices
+from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.dump.frame import Frame, ten_indices
+from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block, Box, Interval
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from lammps_jump.analysis.draw.style import BLACK, BLUE, DASHES, GOLD, GREY, RED, new_figure, style, xt_map
 from matplotlib.figure import Figure
+
+from lammps_jump.analysis.draw.style import BLACK, BLUE, DASHES, GOLD, GREY, RED, new_figure, style, xt_map
 
 from .history import LOW_PASS, ForceResult
 

@@ -10,9 +10,9 @@ from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.analysis.statistics import block_average
-
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Block, Plane, Wall

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from math import nan
 
 import numpy as np
+
 from lammps_jump.analysis.contact_sums import wall_sums
 from lammps_jump.analysis.flow import FlowContext
-
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.read import Frame
+from lammps_jump.dump.frame import Frame
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.analysis.jump.track import Motion, straight_motion
-
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Block
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, new_figure, style
 from matplotlib.figure import Figure
 
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, new_figure, style
 from lammps_jump.physics import jump as theory
 
 from .result import JumpResult

@@ -12,6 +12,7 @@ from math import isfinite, nan, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from lammps_jump.analysis.flow import FlowContext
 
 from .state import (
@@ -32,6 +33,7 @@ from .track import JumpTrack, Motion, straight_motion, track_jump
 
 if TYPE_CHECKING:
     import xarray as xr
+
     from lammps_jump.analysis.contact_series import ContactSeries
 
 FIELDS = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity")

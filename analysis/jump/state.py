@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from math import nan, sqrt
 
 import numpy as np
-from lammps_jump.analysis.statistics import block_average
 
+from lammps_jump.analysis.statistics import block_average
 from lammps_jump.physics import jump as theory
 
 TOE_SHARE, END_SHARE = 0.05, 0.95

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import isfinite, sqrt
 
 import numpy as np
-from lammps_jump.analysis.flow import FlowContext
 
+from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.physics import jump as theory
 
 from .result import JumpResult
@@ -120,7 +120,7 @@ def summarise_jump(result: JumpResult) -> dict:
 def _relations(result: JumpResult, gravity: float) -> dict:
     """Sequent ratios by momentum, one measured ingredient after the other.
 
-    `density_relation_ratio`: the change of density (`theory.sequent_ratio`); `full_relation_ratio`: bed force and
+    `density_relation_ratio`: the change of density (`physics.jump.sequent_ratio`); `full_relation_ratio`: bed force and
     slope, and the momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure,
     and what the control volume stores.
     """

@@ -11,6 +11,8 @@ from typing import Any
 
 from lammps_jump.errors import DumpError
 
+from .tables import COEFFICIENTS, energy_section, force_section, front_section, jump_section, key_numbers, table, text
+
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the animation only where it still fits."""
 
@@ -89,8 +91,6 @@ def write_report(folder: Path, summary: dict[str, Any], case_yaml: str = "", *, 
     DumpError
         The file cannot be written.
     """
-    from .tables import energy_section, force_section, front_section, jump_section, key_numbers
-
     folder = Path(folder)
     parts = [_head(summary), key_numbers(summary), _notes(summary)]
     sections = (jump_section, front_section, force_section, energy_section)
@@ -110,23 +110,6 @@ def write_report(folder: Path, summary: dict[str, Any], case_yaml: str = "", *, 
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path
-
-
-def text(value: Any) -> str:
-    """A value as safe HTML text; numbers with four digits, nothing as a dash."""
-    if value is None:
-        return "–"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        shown = f"{value:.4g}"
-        if "e" in shown:
-            mantissa, exponent = shown.split("e")
-            return f"{mantissa}&thinsp;×&thinsp;10<sup>{int(exponent)}</sup>"
-        return shown.replace("-", "−")
-    if isinstance(value, int):
-        return f"{value:,}".replace(",", "\u202f").replace("-", "−")
-    return html.escape(str(value))
 
 
 def _head(summary: dict) -> str:
@@ -190,30 +173,10 @@ def _smaller(path: Path) -> bytes:
     return buffer.getvalue() if len(buffer.getvalue()) < 0.7 * len(data) else data
 
 
-def table(rows: list[tuple], header: tuple[str, ...] = ()) -> str:
-    """An HTML table; cells are made safe, numbers right-aligned."""
-
-    def number(value: Any) -> bool:
-        return isinstance(value, int | float) and not isinstance(value, bool)
-
-    columns = max((len(row) for row in rows), default=0)
-    right = [any(len(row) > i and number(row[i]) for row in rows) for i in range(columns)]
-
-    def line(tag: str, row: tuple) -> str:
-        cells = (f"<{tag}{' class=n' if right[i] else ''}>{text(value)}</{tag}>" for i, value in enumerate(row))
-        return f"<tr>{''.join(cells)}</tr>"
-
-    head = line("th", header) if header and rows else ""
-    body = "".join(line("td", row) for row in rows)
-    return f"<div class='scroll'><table>{head}{body}</table></div>"
-
-
 def _coefficients(summary: dict) -> str:
     values = summary.get("coefficients")
     if not values:
         return ""
-    from .tables import COEFFICIENTS
-
     rows = [(COEFFICIENTS.get(key, (key.replace("_", " "), ""))[0], value, COEFFICIENTS.get(key, ("", ""))[1])
             for key, value in values.items()]  # fmt: skip
     return "<h2>Coefficients</h2>" + table(rows, ("", "value", "unit"))

@@ -3,9 +3,8 @@
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
+import html
 from typing import Any
-
-from .page import table, text
 
 COEFFICIENTS = {
     "mass": ("Disc mass m = ρd²", "kg/m"),
@@ -246,3 +245,38 @@ def energy_section(summary: dict) -> str:
 
 def _percent_fine(value: float | None) -> str:
     return "–" if value is None else f"{100 * value:+.4f} %"
+
+
+def text(value: Any) -> str:
+    """A value as safe HTML text; numbers with four digits, nothing as a dash."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        shown = f"{value:.4g}"
+        if "e" in shown:
+            mantissa, exponent = shown.split("e")
+            return f"{mantissa}&thinsp;×&thinsp;10<sup>{int(exponent)}</sup>"
+        return shown.replace("-", "−")
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\u202f").replace("-", "−")
+    return html.escape(str(value))
+
+
+def table(rows: list[tuple], header: tuple[str, ...] = ()) -> str:
+    """An HTML table; cells are made safe, numbers right-aligned."""
+
+    def number(value: Any) -> bool:
+        return isinstance(value, int | float) and not isinstance(value, bool)
+
+    columns = max((len(row) for row in rows), default=0)
+    right = [any(len(row) > i and number(row[i]) for row in rows) for i in range(columns)]
+
+    def line(tag: str, row: tuple) -> str:
+        cells = (f"<{tag}{' class=n' if right[i] else ''}>{text(value)}</{tag}>" for i, value in enumerate(row))
+        return f"<tr>{''.join(cells)}</tr>"
+
+    head = line("th", header) if header and rows else ""
+    body = "".join(line("td", row) for row in rows)
+    return f"<div class='scroll'><table>{head}{body}</table></div>"

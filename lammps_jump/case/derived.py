@@ -2,30 +2,16 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import asdict
 
-from lammps_jump.engines.accuracy import load_with_accuracy
+from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
-from lammps_jump.runs.summary import coefficients, plain
 from lammps_jump.scene.scene import Scene
 
 from .fields import Case, RowsInflow
-from .to_scene import build_scene
 
 Row = tuple[str, str, float | int | str | None, str]
-
-
-def check_case(path: Path, assignments: list[str], *, as_json: bool = False) -> str:
-    """Text (or JSON) of the table; raises as `load_case` and `build_scene` do."""
-    loaded, chosen = load_with_accuracy(path, assignments)
-    scene = build_scene(loaded)
-    scene = replace(scene, warnings=(*scene.warnings, *chosen))
-    if as_json:
-        return json.dumps(as_data(loaded.case, scene), indent=2, allow_nan=False)
-    return as_text(loaded.case, scene)
 
 
 def as_data(case: Case, scene: Scene) -> dict:
@@ -169,3 +155,8 @@ def _flow_rows(case: Case, scene: Scene) -> list[Row]:
             ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
         ]
     return rows
+
+
+def coefficients(scene: Scene) -> dict[str, float]:
+    """The derived contact coefficients as they stand in the summary."""
+    return asdict(scene.coefficients)

@@ -6,7 +6,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
-from lammps_jump.errors import CaseError
 from lammps_jump.units import (
     Degree,
     Density,
@@ -17,6 +16,7 @@ from lammps_jump.units import (
     Plain,
     Second,
     Stiffness,
+    parse_accuracy,
 )
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
@@ -235,27 +235,7 @@ class Outflow(Strict):
         return self
 
 
-def parse_accuracy(text: str | float) -> float:
-    """Return a share from ``1%``, ``1 %`` or ``0.01``.
-
-    Raises
-    ------
-    CaseError
-        No number, or not between 0 and 1.
-    """
-    word = str(text).strip()
-    try:
-        value = float(word[:-1]) / 100 if word.endswith("%") else float(word)
-    except ValueError:
-        raise CaseError(f"accuracy {text!r} is no share; write 1% or 0.01") from None
-    if not 0 < value < 1:
-        raise CaseError(
-            f"accuracy {text!r} is out of range; allowed is above 0 and below 1 (100 %), such as 1% or 0.01"
-        )
-    return value
-
-
-def _accuracy(value: str | float | None) -> float | None:
+def _accuracy(value: Any) -> float | None:
     return None if value is None else parse_accuracy(value)
 
 

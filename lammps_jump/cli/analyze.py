@@ -54,9 +54,10 @@ def _positive(option: str, value: float | None, unit: str) -> None:
 
 
 def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say) -> dict[str, Any]:
-    from lammps_jump.analysis.analyze import AnalysisRequest, analyze_dump
+    from lammps_jump.analysis.analyze import analyze_dump
     from lammps_jump.analysis.flow import from_scene
     from lammps_jump.analysis.guess import from_dump
+    from lammps_jump.analysis.passes import AnalysisRequest
     from lammps_jump.case.checks import MOST_BINS
     from lammps_jump.dump.find import find_dump
     from lammps_jump.dump.read import open_dump

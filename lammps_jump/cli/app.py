@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from lammps_jump.errors import CaseError, JumpError, SetupError
+from lammps_jump.studies.table import show
 
 from .streams import patient_output
 
@@ -25,7 +26,7 @@ app = typer.Typer(
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from lammps_jump.runs.summary import versions
+        from lammps_jump.provenance import versions
 
         print(f"lammps-jump {versions().get('lammps_jump', '?')}")
         raise typer.Exit()
@@ -222,7 +223,7 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Validate a case; print what is derived from it and what will be skipped. Runs and writes nothing."""
-    from lammps_jump.case.derived import check_case
+    from .check import check_case
 
     print(check_case(case, _assignments(set_, engine, kernel, None, accuracy), as_json=as_json))
 
@@ -351,7 +352,6 @@ def bench(
 ) -> None:
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
     from lammps_jump.studies.bench.command import read_axes, run_bench
-    from lammps_jump.studies.table import show
 
     part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
     varied = read_axes(axes, fractions, kernels, diameters)
@@ -393,7 +393,6 @@ def sensitivity(
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
     from lammps_jump.studies.sensitivity import run_sensitivity
-    from lammps_jump.studies.table import show
 
     show(run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=_say(quiet)))
 
@@ -409,7 +408,6 @@ def calibrate(
 ) -> None:
     """Contact coefficients that make discs behave most like water; the distances are printed."""
     from lammps_jump.studies.calibration import run_calibration
-    from lammps_jump.studies.table import show
 
     show(run_calibration(out, quick=quick, fresh=fresh, say=_say(quiet)))
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from lammps_jump.errors import DumpError
 
-from .read import Dump, Frame, ten_indices
+from .frame import Frame, ten_indices
+from .read import Dump
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,7 +10,7 @@ import numpy as np
 
 from lammps_jump.errors import DumpError
 
-from .read import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, Dump, Frame, FrameHeader, _frozen
+from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
 
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
@@ -63,7 +63,7 @@ class _Buffer:
         return text
 
 
-def walk_text(dump: Dump, stream, parse: Callable[[int], bool]) -> Walked:
+def walk_text(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
     """Headers, and the frames for whose index `parse` is true, of a text dump."""
     buffer = _Buffer(stream)
     index = 0
@@ -91,11 +91,11 @@ def walk_text(dump: Dump, stream, parse: Callable[[int], bool]) -> Walked:
         index += 1
 
 
-def _wrong(dump: Dump, line: int, found: str, expected: str) -> DumpError:
+def _wrong(dump: DumpFile, line: int, found: str, expected: str) -> DumpError:
     return DumpError(f"{dump.path}, line {line}: expected {expected}, found {found[:60]!r}.")
 
 
-def _text_header(dump: Dump, buffer: _Buffer):
+def _text_header(dump: DumpFile, buffer: _Buffer):
     """(header, box, names, tilt) of the next frame, or None at the end of the file."""
     step = time = n = box = None
     tilt = 0.0
@@ -147,7 +147,7 @@ def _value(buffer: _Buffer) -> str:
     return line
 
 
-def _number(dump: Dump, buffer: _Buffer, kind, what: str):
+def _number(dump: DumpFile, buffer: _Buffer, kind, what: str):
     text = _value(buffer)
     try:
         return kind(text)
@@ -155,7 +155,7 @@ def _number(dump: Dump, buffer: _Buffer, kind, what: str):
         raise _wrong(dump, buffer.line_number, text, what) from None
 
 
-def _box(dump: Dump, buffer: _Buffer) -> tuple[np.ndarray, float]:
+def _box(dump: DumpFile, buffer: _Buffer) -> tuple[np.ndarray, float]:
     bounds, tilt = np.empty((3, 2)), 0.0
     for axis in range(3):
         text = _value(buffer)
@@ -170,7 +170,7 @@ def _box(dump: Dump, buffer: _Buffer) -> tuple[np.ndarray, float]:
     return bounds, tilt
 
 
-def _check_names(dump: Dump, names: tuple[str, ...], tilt: float, where: str) -> None:
+def _check_names(dump: DumpFile, names: tuple[str, ...], tilt: float, where: str) -> None:
     if len(set(names)) < len(names):
         raise DumpError(f"{dump.path}, {where}: a column name stands twice in {' '.join(names)!r}.")
     if not names:
@@ -184,7 +184,7 @@ def _check_names(dump: Dump, names: tuple[str, ...], tilt: float, where: str) ->
         dump.warn(f"{dump.path}: column {', '.join(words)} holds words and was left out.")
 
 
-def _text_rows(dump: Dump, buffer: _Buffer, header: FrameHeader, box, names, wanted: bool) -> Frame | None:
+def _text_rows(dump: DumpFile, buffer: _Buffer, header: FrameHeader, box, names, wanted: bool) -> Frame | None:
     from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
 
     first_line = buffer.line_number + 1
@@ -215,10 +215,10 @@ def _text_rows(dump: Dump, buffer: _Buffer, header: FrameHeader, box, names, wan
     if not wanted:
         return None
     columns = {name: out[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
-    return Frame(header.step, header.time, box, _frozen(columns))
+    return Frame(header.step, header.time, box, read_only(columns))
 
 
-def _slow_row(dump: Dump, line: str, names: tuple[str, ...], number: int) -> list[float]:
+def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) -> list[float]:
     """A row that the fast loop would not take: nan, many digits, or something wrong."""
     tokens = line.split()
     if len(tokens) != len(names):
@@ -232,7 +232,7 @@ def _slow_row(dump: Dump, line: str, names: tuple[str, ...], number: int) -> lis
     return values
 
 
-def walk_binary(dump: Dump, stream, parse: Callable[[int], bool]) -> Walked:
+def walk_binary(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
     """Headers, and the frames for whose index `parse` is true, of a binary dump (signature, revision 2)."""
     position = 0
     index = 0
@@ -326,4 +326,4 @@ def _binary_rows(dump, header, box, names, chunks, number, take, wanted, start) 
     if not wanted:
         return None
     columns = {name: out[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
-    return Frame(header.step, header.time, box, _frozen(columns))
+    return Frame(header.step, header.time, box, read_only(columns))

@@ -26,7 +26,8 @@ from MDAnalysis.core.topologyattrs import Atomids, Atomtypes, Masses, Radii, Res
 from MDAnalysis.lib.util import store_init_arguments
 from MDAnalysis.topology.base import TopologyReaderBase
 
-from .read import Dump, Frame, open_dump
+from .frame import Frame
+from .read import Dump, open_dump
 
 FORMAT = "JUMPDUMP"
 PRESENT = "prop x > -1e30"

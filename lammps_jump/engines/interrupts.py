@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM (a batch system whose time is up) while an engine runs: both end it in order, both alike."""
+"""Ctrl-C and SIGTERM (the time limit of a batch system) while an engine or an analysis runs: both end it in order."""
 
 from __future__ import annotations
 
@@ -6,49 +6,60 @@ import signal
 import threading
 from contextlib import contextmanager
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-def _in_main_thread() -> bool:
-    return threading.current_thread() is threading.main_thread()  # signals come nowhere else
+
+@contextmanager
+def _handled_by(handler):
+    """Give both signals to `handler`; nothing changes outside the main thread, which alone receives signals.
+
+    A signal that is ignored stays ignored, as in a job that the shell has put into the background.
+    """
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        handled = {number: signal.getsignal(number) for number in SIGNALS}
+        before = {number: old for number, old in handled.items() if old not in (signal.SIG_IGN, None)}
+    try:
+        for number in before:
+            signal.signal(number, handler)
+        yield
+    finally:
+        for number, old in before.items():
+            signal.signal(number, old)
 
 
 @contextmanager
 def terminate_as_interrupt():
-    """SIGTERM does what Ctrl-C does, whatever that is at the time; outside the main thread nothing changes."""
-    if not _in_main_thread():
-        yield
-        return
+    """Let SIGTERM raise a KeyboardInterrupt, as Ctrl-C does."""
 
-    def hand_on(number, stack) -> None:
-        handler = signal.getsignal(signal.SIGINT)
-        if not callable(handler):  # ignored, as in a job that the shell put into the background
-            raise KeyboardInterrupt
-        handler(signal.SIGINT, stack)
+    def interrupt(number, stack) -> None:
+        raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, hand_on)
-    try:
+    with _handled_by(interrupt):
         yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
-def deferred_interrupt():
-    """Ctrl-C waits until it is asked about, so that no array is left half sorted; a second one does not wait.
+def counted_interrupts(most: float = 1):
+    """Count the signals, so that none ends a step half way.
 
-    Yields a function that tells whether it was pressed. Outside the main thread nothing changes.
+    Parameters
+    ----------
+    most : float
+        A signal after so many raises a KeyboardInterrupt at once.
+
+    Yields
+    ------
+    callable
+        Returns the number of signals so far.
     """
-    pressed: list[int] = []
+    seen = 0
 
-    def remember(number, stack) -> None:
-        if pressed:
+    def count(number, stack) -> None:
+        nonlocal seen
+        seen += 1
+        if seen > most:
             raise KeyboardInterrupt
-        pressed.append(number)
 
-    if not _in_main_thread():
-        yield lambda: False
-        return
-    before = signal.signal(signal.SIGINT, remember)
-    try:
-        yield lambda: bool(pressed)
-    finally:
-        signal.signal(signal.SIGINT, before)
+    with _handled_by(count):
+        yield lambda: seen

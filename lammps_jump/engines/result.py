@@ -16,11 +16,6 @@ class Progress:
     discs: int
 
 
-DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
-"""File of the dump in a run folder, by its format."""
-FORCES_HEADER = "time,structure,fx,fy,moment"
-"""First line of ``forces.csv``."""
-
 ProgressCallback = Callable[[Progress], None]
 
 

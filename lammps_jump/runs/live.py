@@ -8,8 +8,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from lammps_jump.errors import DumpError
 from lammps_jump.engines.result import Progress, ProgressCallback
+from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
 
 SECONDS = 1.5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from math import isnan
 from typing import TextIO
 
@@ -26,14 +27,25 @@ class ProgressLine:
         Default stderr.
     first_step : int
         Where this part of the run begins.
+    clock : callable
+        Seconds from any origin.
     """
 
-    def __init__(self, end_time: float, *, quiet: bool = False, stream: TextIO | None = None, first_step: int = 0):
+    def __init__(
+        self,
+        end_time: float,
+        *,
+        quiet: bool = False,
+        stream: TextIO | None = None,
+        first_step: int = 0,
+        clock: Callable[[], float] = time.perf_counter,
+    ):
         self.end_time = end_time
         self.quiet = quiet
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
-        self.begin = time.perf_counter()
+        self.clock = clock
+        self.begin = clock()
         self.shown = self.begin
         self.first_step = first_step
         self.previous = (self.begin, first_step)
@@ -41,7 +53,7 @@ class ProgressLine:
 
     def __call__(self, report: Progress) -> None:
         """Show one report."""
-        now = time.perf_counter()
+        now = self.clock()
         interval = 0.5 if self.live else PLAIN_INTERVAL
         if self.quiet or now - self.shown < interval:
             return

@@ -7,11 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from . import summary as summaries
 from lammps_jump.case import resolved_yaml
-from lammps_jump.errors import CaseError, DumpError
-from .start import Prepared, analyse, analysis_of, compose, prepare, report
 from lammps_jump.engines.result import RunResult
+from lammps_jump.errors import CaseError, DumpError
+
+from . import summary as summaries
+from .start import Prepared, analyse, analysis_of, compose, prepare, report
 
 
 def reopen(folder: Path, assignments: list[str] | None = None) -> Prepared:
@@ -107,8 +108,8 @@ def reached_end(prepared: Prepared) -> bool:
 def _without_summary(prepared: Prepared) -> RunResult:
     """What can be said of a run that was killed before it wrote a summary: from its log, else from its dump."""
     from lammps_jump.dump.find import open_run_dump
-    from lammps_jump.engines.lammps.log import read_log
     from lammps_jump.engines.lammps.drive import gather_forces
+    from lammps_jump.engines.lammps.log import read_log
 
     scene, folder = prepared.scene, prepared.folder
     log = read_log(folder / "log.lammps")

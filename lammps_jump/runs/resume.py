@@ -7,13 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from . import start as pipeline
-from . import summary as summaries
 from lammps_jump.case import resolved_yaml
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, Checkpoint, fingerprint, read_checkpoint
 from lammps_jump.errors import CaseError, ResumeError
-from .start import Prepared
+
+from . import start as pipeline
+from . import summary as summaries
 from .reopen import reached_end
+from .start import Prepared
 
 ANEW = "the same command without --resume starts anew"
 

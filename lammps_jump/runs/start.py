@@ -9,18 +9,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from . import summary as summaries
-from lammps_jump.engines.accuracy import load_with_accuracy
 from lammps_jump.case import LoadedCase, case_hash, resolved_yaml
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.case.derived import inflow_theory
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.engines.accuracy import load_with_accuracy
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
-from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
 from lammps_jump.engines.interrupts import terminate_as_interrupt
-from .progress import ProgressLine
-from lammps_jump.files import OWN_FILES, RESULT_FILES, clear
 from lammps_jump.engines.result import ProgressCallback, RunResult
+from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
+from lammps_jump.files import OWN_FILES, RESULT_FILES, clear
+from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
+
+from . import summary as summaries
+from .progress import ProgressLine
 
 Say = Callable[[str], None]
 
@@ -175,7 +177,7 @@ def write_folder(prepared: Prepared) -> None:
 
 def _header(prepared: Prepared) -> tuple[str, ...]:
     c = prepared.scene.coefficients
-    version = summaries.versions().get("lammps_jump", "?")
+    version = versions().get("lammps_jump", "?")
     return (
         f"written by lammps-jump {version} from case {prepared.hash}; run it with: lmp -in in.lammps",
         f"d = {prepared.scene.diameter:g} m, m = {c.mass:g} kg/m, k = {c.stiffness:g} N/m, e = "
@@ -264,6 +266,7 @@ def _steady_watch(prepared: Prepared):
     if not run.stop_when_steady or not prepared.scene.inlets:
         return None
     from lammps_jump.analysis.flow import from_scene
+
     from .steady_watch import SteadyWatch, studied_reach
 
     return SteadyWatch(prepared.scene, prepared.folder, studied_reach(from_scene(prepared.scene)))
@@ -331,7 +334,7 @@ def _write_continuation(prepared: Prepared, checkpoint: Checkpoint) -> None:
 
 def analysis_request(prepared: Prepared):
     """What the case asks of the analysis."""
-    from lammps_jump.analysis.analyze import AnalysisRequest
+    from lammps_jump.analysis.passes import AnalysisRequest
 
     case = prepared.loaded.case
     asked = case.analysis
@@ -354,7 +357,8 @@ def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any
     """Analyse the dump of a run folder as its case asks; the parts of the summary that came of it."""
     from lammps_jump.analysis.analyze import analyze_run
 
-    return analyze_run(prepared.folder, prepared.scene, analysis_request(prepared), result=result, quiet=quiet)
+    wanted = analysis_request(prepared)
+    return analyze_run(prepared.folder, prepared.scene, wanted, engine=result.engine, quiet=quiet)
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.scene.scene import Scene
+
 from .steady import SteadyDetector, flow_state
 
 PASSAGES = 1.5

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import json
-import math
-import platform
-from dataclasses import asdict
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from lammps_jump.errors import DumpError
+from lammps_jump.case.derived import coefficients
 from lammps_jump.engines.result import RunResult
+from lammps_jump.errors import DumpError
+from lammps_jump.files import plain
+from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
 SUMMARY_FILE = "summary.json"
@@ -24,39 +21,6 @@ FIELD_TYPES = {
 }  # fmt: skip
 """What is read back of a summary; each may be null or missing."""
 NO_SUMMARY = "it is no summary of a run: delete it, and `lammps-jump analyze` makes it anew from what the run wrote"
-
-
-def plain(value: Any) -> Any:
-    """Numpy scalars and arrays to Python, NaN and infinities to None, tuples to lists."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Path):
-        return value.name
-    return value
-
-
-def versions() -> dict[str, str]:
-    """Versions that a result depends on."""
-    found = {"python": platform.python_version()}
-    for package in ("lammps-jump", "numpy", "numba"):
-        try:
-            found[package.replace("-", "_")] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            continue
-    return found
-
-
-def coefficients(scene: Scene) -> dict[str, float]:
-    """The derived contact coefficients as they stand in the summary."""
-    return asdict(scene.coefficients)
 
 
 def compose(

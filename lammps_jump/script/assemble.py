@@ -97,15 +97,33 @@ def first_step(scene: Scene) -> int:
 def polite_end(scene: Scene, ranks: int) -> list[str]:
     """Ranks of their own have no caller who could end them in order: they end where there is a file that asks for it.
 
-    At the end of a window of the probes, whose sums no restart file keeps. The first rank's answer counts for all.
+    The first rank's answer counts for all.
     """
     if ranks == 1:
         return []
-    every = scene.probe_steps if scene.probes else min(scene.output_steps, STOP_STEPS)
     return [
         f"variable        asked equal is_file({STOP_FILE})",
-        f"fix             stop all halt {every} v_asked != 0 error soft",
+        f"fix             stop all halt {_stop_steps(scene, ranks)} v_asked != 0 error soft",
     ]
+
+
+def _stop_steps(scene: Scene, ranks: int) -> int:
+    """How often ranks can be stopped: at the ends of windows of the probes, whose sums no restart file keeps."""
+    if ranks == 1:
+        return 1
+    return scene.probe_steps if scene.probes else min(scene.output_steps, STOP_STEPS)
+
+
+def stop_at_step(script: str, scene: Scene, ranks: int, step: int) -> str:
+    """The text of a script that ends at a step as it does on request; ranks go on to the end of the window."""
+    every = _stop_steps(scene, ranks)
+    step = -(-step // every) * every
+    head, run, rest = script.partition("\nrun ")
+    # equal, not beyond: what saves the state goes on for some steps
+    halt = (
+        f"\nvariable        here equal step=={step}\nfix             stop_here all halt {every} v_here != 0 error soft"
+    )
+    return head + halt + run + rest
 
 
 def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:

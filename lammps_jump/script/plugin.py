@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lammps_jump.engines.result import FORCES_HEADER
+from lammps_jump.files import FORCES_HEADER
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Block, Plane, Wall
 

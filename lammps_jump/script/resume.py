@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lammps_jump.engines.result import DUMP_NAMES
+from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 
 from . import plugin as compiled

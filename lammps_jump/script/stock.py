@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lammps_jump.engines.result import DUMP_NAMES, FORCES_HEADER
+from lammps_jump.files import DUMP_NAMES, FORCES_HEADER
 from lammps_jump.scene.scene import Gate, Scene
 from lammps_jump.scene.walls import Block, Box, Plane, Wall
 

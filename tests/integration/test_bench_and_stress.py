@@ -24,7 +24,7 @@ def test_bench_of_the_energy_box(tmp_path):
     table = run_bench(INPUTS / "energy_box_16.yaml", **options)
     data = json.loads((tmp_path / "bench.json").read_text())
     assert "energy deviation" in data["quantities"] and "| stock f=0.05 |" in table
-    assert all(row["seconds"] > 0 and not row["failed"] for row in data["rows"])
+    assert all(row["seconds"] >= 0 and not row["failed"] for row in data["rows"])
     assert (tmp_path / "bench_energy_deviation.png").stat().st_size > 5000
     assert "/" not in json.dumps(data["machine"]), "no paths in what is published"
     times = {key: run["cpu_seconds"] for key, run in data["pieces"].items()}

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from children import run_program
 from made_up import INPUTS, plugin_or_skip
 
 from lammps_jump.case import load_case, parse_case
@@ -187,9 +187,8 @@ def test_stored_result_is_returned_and_force_runs_again(tmp_path):
 def test_interrupted_run_keeps_its_frames(tmp_path):
     scene = build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=20000"]))
     write_script(scene, tmp_path)
-    seen = []
-    result = run_lammps(scene, tmp_path, progress=seen.append, should_stop=lambda: len(seen) > 2)
-    assert result.status == "interrupted" and "starts anew" in result.message
+    result = run_lammps(scene, tmp_path, stop_at=20_000)
+    assert result.status == "interrupted" and result.steps == 20_000
     assert 0 < result.steps < scene.steps
     assert result.inserted == result.present == 16 and result.lost == 0
     frames = list(open_dump(tmp_path / "dump.lammpstrj"))
@@ -268,26 +267,11 @@ def test_other_dump_formats_hold_the_same_frames(tmp_path, dump_format, name):
 
 
 def test_command_line_exit_status(tmp_path):
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "lammps_jump",
-            "build-and-run",
-            str(INPUTS / "energy_box_7.yaml"),
-            "--out",
-            str(tmp_path / "run"),
-            "--set",
-            "run.duration=0.5",
-            "--kernel",
-            "stock",
-        ],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-    )
-    assert done.returncode == 0, done.stderr
-    assert "0 lost" in done.stdout and "report.html" in done.stdout
+    case = INPUTS / "energy_box_7.yaml"
+    options = ["--out", tmp_path / "run", "--set", "run.duration=0.5", "--kernel", "stock"]
+    status, output = run_program("build-and-run", case, *options, cwd=tmp_path)
+    assert status == 0
+    assert "0 lost" in output and "report.html" in output
 
 
 def test_build_then_run(tmp_path):

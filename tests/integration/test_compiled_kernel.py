@@ -461,7 +461,7 @@ def run_on_ranks(folder, lines, ranks, steps=1000):
     program_file.write_text(RANKS_PROGRAM)
     command = [str(mpiexec), "-n", str(ranks), sys.executable, str(program_file), str(script)]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, env=environment)
     return done, np.loadtxt(dump, skiprows=9) if dump.exists() else None
 
 

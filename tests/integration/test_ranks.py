@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
-import time
+from pathlib import Path
 
 import numpy as np
 import pytest
+from children import run_program
 from made_up import INPUTS
 
 from lammps_jump.case.load import load_case
@@ -17,6 +16,7 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.lammps import run_lammps
 from lammps_jump.engines.lammps.loader import program
+from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
@@ -69,13 +69,9 @@ def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
 
 
 def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
-    seen = []
-    scene, result = run(
-        "energy_box_16", tmp_path, plugin, 2, "run.duration=20000",
-        progress=seen.append, should_stop=lambda: bool(seen) and seen[-1].step > 0,
-    )  # fmt: skip
-    assert result.status == "interrupted" and "kept" in result.message and "starts anew" in result.message
-    assert 0 < result.steps < scene.steps
+    scene, result = run("energy_box_16", tmp_path, plugin, 2, stop_at=2000)
+    assert result.status == "interrupted" and "kept" in result.message
+    assert 2000 <= result.steps < scene.steps
     assert result.present == 16 and result.lost == 0
     assert frames(tmp_path)
 
@@ -83,19 +79,25 @@ def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
 @pytest.mark.parametrize(("ranks", "number"), [(1, signal.SIGINT), (1, signal.SIGTERM), (2, signal.SIGTERM)])
 def test_a_signal_ends_a_run_and_leaves_no_rank(plugin, tmp_path, ranks, number):
     """Ctrl-C, and SIGTERM of a batch system whose time is up: status 1, what there is is kept, nothing runs on."""
-    command = [sys.executable, "-m", "lammps_jump", "build-and-run", str(INPUTS / "energy_box_16.yaml"), "--out"]
-    command += [str(tmp_path), "--kernel", "compiled", "--ranks", str(ranks), "--set", "run.duration=20000", "--quiet"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    log = tmp_path / "log.lammps"
-    deadline = time.monotonic() + 60
-    while not (log.exists() and log.read_text().count("\n") > 60):
-        assert process.poll() is None and time.monotonic() < deadline
-        time.sleep(0.1)
-    process.send_signal(number)
-    output, _ = process.communicate(timeout=60)
-    assert process.returncode == 1
+    options = ["--kernel", "compiled", "--ranks", ranks, "--set", "run.duration=20000", "--quiet"]
+    status, output = run_program(
+        "build-and-run", INPUTS / "energy_box_16.yaml", "--out", tmp_path, *options, signal_at=(number, 1000)
+    )
+    assert status == 1
     assert "the run was ended at t =" in output and "kept" in output
-    size = log.stat().st_size
-    time.sleep(0.5)
-    assert log.stat().st_size == size
+    assert read_log(tmp_path / "log.lammps").step >= 1000
+    assert not running_in(tmp_path)
     assert not [name for name in os.listdir(tmp_path) if name.endswith(".raw")]
+
+
+def running_in(folder) -> list[str]:
+    """Processes whose working folder this is: ranks run there."""
+    places = {path.parent.name: path for path in Path("/proc").glob("[0-9]*/cwd")}
+    found = []
+    for number, place in places.items():
+        try:
+            if place.readlink() == folder:
+                found.append(number)
+        except OSError:  # it has ended, or is not ours to look at
+            continue
+    return found

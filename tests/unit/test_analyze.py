@@ -6,11 +6,12 @@ from functools import partial
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.analyze import AnalysisRequest, analyze_dump, plain, with_velocities
-from lammps_jump.analysis.guess import from_dump
-from lammps_jump.analysis.profiles import read_profiles
 from made_up import columns_of_discs, flow_context
 
+from lammps_jump.analysis.analyze import analyze_dump, plain
+from lammps_jump.analysis.guess import from_dump
+from lammps_jump.analysis.passes import AnalysisRequest, with_velocities
+from lammps_jump.analysis.profiles import read_profiles
 from lammps_jump.cli.analyze import analyze_target
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter

@@ -5,11 +5,11 @@ import subprocess
 
 import numpy as np
 import pytest
+from made_up import flow_context
+
 from lammps_jump.analysis.draw import painter
 from lammps_jump.analysis.draw.film import animate, still
 from lammps_jump.analysis.draw.painter import View, blank, coloured, paint_arrow, paint_discs, paint_walls
-from made_up import flow_context
-
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter

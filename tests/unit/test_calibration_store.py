@@ -6,12 +6,12 @@ from dataclasses import replace
 import pytest
 
 from lammps_jump.case import parse_case
-from lammps_jump.case.fields import parse_accuracy
 from lammps_jump.engines import accuracy
 from lammps_jump.engines.accuracy import Calibrated
 from lammps_jump.errors import CaseError
 from lammps_jump.studies.calibration import search
 from lammps_jump.studies.calibration_store import make_store
+from lammps_jump.units import parse_accuracy
 
 BOX = """
 name: box

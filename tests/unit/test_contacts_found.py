@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import disc_frame, flow_context
+
 from lammps_jump.analysis import cell_grid
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
 from lammps_jump.analysis.contacts import face_contacts, find_contacts
 from lammps_jump.analysis.flow import from_scene
-from made_up import disc_frame, flow_context
-
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.walls import Block, Plane
@@ -31,7 +31,7 @@ def as_set(pairs):
     return {(min(pair), max(pair)) for pair in zip(*(part.tolist() for part in pairs), strict=True)}
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seed=st.integers(0, 2**31), count=st.integers(0, 80), width=st.sampled_from([0.1, 1.0, 50.0, 1e6]))
 def test_pairs_are_those_of_trying_all(seed, count, width):
     """From all within reach of each other (more pairs than there is room for at first) to far strays."""

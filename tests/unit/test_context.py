@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from lammps_jump.analysis.flow import FlowContext, from_scene
 from lammps_jump.analysis.guess import from_dump
-
-from lammps_jump.dump.read import make_frame, open_dump
+from lammps_jump.dump.frame import make_frame
+from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.build import handmade_scene

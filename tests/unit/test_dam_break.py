@@ -4,6 +4,8 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from made_up import collected, disc_frame, flow_context
+
 from lammps_jump.analysis.front import (
     FrontHistory,
     FrontTracker,
@@ -15,9 +17,7 @@ from lammps_jump.analysis.front import (
     stack_top,
     summarise_front,
 )
-from made_up import collected, disc_frame, flow_context
-
-from lammps_jump.dump.read import make_frame
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
 from lammps_jump.scene.walls import Block, Box, Plane

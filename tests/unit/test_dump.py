@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lammps_jump.dump.read import make_frame, open_dump
+from lammps_jump.dump.frame import make_frame
+from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 
@@ -67,7 +68,7 @@ def test_the_writer_gives_the_bytes_of_lammps(tmp_path, source, fmt):
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     frames=st.lists(st.lists(st.tuples(numbers, numbers), max_size=5), min_size=1, max_size=4),
     fmt=st.sampled_from(["text", "gz", "binary"]),
@@ -91,7 +92,7 @@ def test_what_was_written_is_read_back_bit_by_bit(tmp_path_factory, frames, fmt,
     assert dump.warnings == [] and dump.count() == len(frames)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(
     token=st.one_of(
         numbers.map(repr),
@@ -218,7 +219,7 @@ def test_damaged_binary_is_an_error(tmp_path):
         list(open_dump(write(tmp_path, bytes(good))))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(
     source=st.sampled_from(["lammps_dump.lammpstrj", "lammps_dump.lammpsbin", "lammps_dump_scaled.lammpstrj"]),
     changes=st.lists(st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 255)), min_size=1, max_size=4),

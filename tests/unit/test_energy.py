@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import collected, disc_frame, flow_context
+
 from lammps_jump.analysis import contact_sums
 from lammps_jump.analysis.contact_series import ContactCollector
 from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
 from lammps_jump.analysis.energy import EnergyLedger, drift, summarise_energy
-from made_up import collected, disc_frame, flow_context
-
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D, K = 0.2, 1.0e6
@@ -82,7 +82,7 @@ def test_kernel_without_jit_gives_the_same(monkeypatch):
     assert slow.thrust == pytest.approx(fast.thrust, rel=1e-9)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 2**31), count=st.integers(0, 60))
 def test_thrust_is_the_virial_and_mirrors(seed, count):
     """Over all bins, thrust times width is the sum of force times branch; mirrored, the bins turn round."""

@@ -6,13 +6,14 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.fields import compute_fields
-from lammps_jump.analysis.profiles import compute_profiles
 from made_up import flow_context
 
+from lammps_jump.analysis.fields import compute_fields
+from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.exports import write_pictures, write_profiles_csv, write_pvd, write_table, write_vti, write_vtp
 from lammps_jump.dump.find import find_dump, open_run_dump, read_forces
-from lammps_jump.dump.read import make_frame, open_dump, ten_indices
+from lammps_jump.dump.frame import make_frame, ten_indices
+from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Plane

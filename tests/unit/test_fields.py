@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import disc_frame, flow_context
+
 from lammps_jump.analysis import fields as module
 from lammps_jump.analysis.contacts import find_contacts, spring_force
 from lammps_jump.analysis.fields import compute_fields, mean_fields
-from made_up import disc_frame, flow_context
-
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block, Box, Plane
 
@@ -31,7 +31,7 @@ def frame(x, y, u=0.0, v=0.0, time=0.0):
 points = st.lists(st.tuples(st.floats(0.01, 3.99), st.floats(0.01, 5.5)), min_size=1, max_size=40)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     points=points,
     spacing=st.sampled_from([0.05, 0.1, 0.2, 0.5]),

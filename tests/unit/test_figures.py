@@ -3,13 +3,13 @@
 import matplotlib as mpl
 import numpy as np
 import pytest
-from lammps_jump.analysis.draw import painter, snapshots
-from lammps_jump.analysis.draw import style as figures
-from lammps_jump.analysis.profiles import compute_profiles
 from made_up import flow_context
 from matplotlib._pylab_helpers import Gcf
 
-from lammps_jump.dump.read import make_frame
+from lammps_jump.analysis.draw import painter, snapshots
+from lammps_jump.analysis.draw import style as figures
+from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block
 

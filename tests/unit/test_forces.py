@@ -8,14 +8,14 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from made_up import collected, disc_frame, flow_context
+
 from lammps_jump.analysis.forces.history import analyse_forces, moving_mean
 from lammps_jump.analysis.forces.impulse import MomentumLedger, impulse_identity, window_lengths
 from lammps_jump.analysis.forces.reflection import track_reflection
 from lammps_jump.analysis.profiles import compute_profiles
-from made_up import collected, disc_frame, flow_context
-
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.read import make_frame
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Gate
 from lammps_jump.scene.walls import Block, Plane

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import columns_of_discs, disc_frame, flow_context
+
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
 from lammps_jump.analysis.jump.state import growth_rate
 from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.jump.track import equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.profiles import compute_profiles
-from made_up import columns_of_discs, disc_frame, flow_context
-
-from lammps_jump.dump.read import make_frame
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Block, Plane
 
@@ -195,7 +195,7 @@ def test_reach_is_the_longest_level_stretch():
     assert level_reach(profiles, there, -1) == slice(10, 60)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     toe=st.floats(5, 25),
     length=st.floats(0, 20),

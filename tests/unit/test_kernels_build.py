@@ -4,14 +4,13 @@ A shell script stands for the compiler here: these tests are about the cache, an
 """
 
 import json
-import os
 import stat
-import subprocess
 import sys
 import threading
 from pathlib import Path
 
 import pytest
+from children import run_child
 
 from lammps_jump.engines.plugin import availability, build, plugin_path
 from lammps_jump.errors import SetupError
@@ -111,12 +110,12 @@ def test_two_builds_at_once_compile_once(make_believe):
     threads = [threading.Thread(target=lambda: found.append(plugin_path())) for _ in range(3)]
     # a process of its own must wait at the same lock
     code = "from lammps_jump.engines.plugin import plugin_path; print(plugin_path())"
-    other = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=os.environ.copy())
     for thread in threads:
         thread.start()
+    status, said = run_child([sys.executable, "-c", code])
     for thread in threads:
         thread.join()
-    said, _ = other.communicate(timeout=60)
+    assert status == 0
     assert {str(path) for path in found} == {said.strip()}
     assert len(found) == 3 and runs(log) == 1
 

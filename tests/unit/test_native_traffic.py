@@ -2,12 +2,12 @@
 
 import dataclasses
 import signal
-import threading
 from math import floor
 
 import numpy as np
 import pytest
 
+from lammps_jump.engines import step_hook
 from lammps_jump.engines.native import NativeSimulation, run_native, simulate
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.errors import CaseError, RunError
@@ -195,15 +195,16 @@ def test_stop_on_request_keeps_what_there_is():
     result = run_native(scene, None, should_stop=lambda: True, report_every=0.0)
     assert result.status == "interrupted"
     assert 0 < result.steps < 10**9
+    assert run_native(scene, None, stop_at=1234).steps == 1234
 
 
 def test_keyboard_interrupt_is_an_interruption():
-    presses = iter([True])
-
     def pressed(report):
-        if next(presses, False):
+        if report.step == 1000 and not seen:
+            seen.append(report)
             raise KeyboardInterrupt
 
+    seen = []
     scene = handmade_scene([[0, 0]], [[0, 0]], gravity=(0.0, 0.0), steps=5000, output_steps=1000)
     result = run_native(scene, None, progress=pressed, report_every=0.0)
     assert result.status == "interrupted"
@@ -244,17 +245,14 @@ def test_few_discs_far_apart_need_no_large_grid():
     assert simulation.velocities[2, 1] > 0  # the touching pair was found in the wide cells
 
 
-def test_control_c_in_the_loops_waits_for_a_whole_step():
-    """The signal comes while compiled code runs: status, step count and balance are those of a whole step."""
+def test_control_c_waits_for_a_whole_step(monkeypatch):
+    """Status, step count and balance are those of a whole step."""
     scene = channel(steps=10**7, output_steps=10**7)
-    run_native(dataclasses.replace(scene, steps=200), None)  # compiled before the signal comes
     before = signal.getsignal(signal.SIGINT)
-    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
-    timer.start()
+    monkeypatch.setattr(step_hook, "at_step", lambda step: step == 700 and signal.raise_signal(signal.SIGINT))
     result = run_native(scene, None)
-    timer.join()
     assert result.status == "interrupted"
-    assert 0 < result.steps < 10**7
+    assert result.steps == 700
     assert result.inserted == result.present + result.removed
     assert abs(result.ledger["residual"]) < 1e-3 * result.ledger["throughput"]
     assert signal.getsignal(signal.SIGINT) is before

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import columns_of_discs, disc_frame, flow_context
+
 from lammps_jump.analysis import profile_kernels
 from lammps_jump.analysis.profiles import add_means, bin_edges, compute_profiles, read_profiles, write_profiles
 from lammps_jump.analysis.statistics import block_average
-from made_up import columns_of_discs, disc_frame, flow_context
-
-from lammps_jump.dump.read import make_frame
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block, Plane
 
@@ -115,7 +115,7 @@ points = st.lists(
 )
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(points=points, width=st.floats(0.03, 5.0), diameter=st.floats(0.05, 2.0))
 def test_mass_over_bins_and_outside_is_the_mass_of_the_discs(points, width, diameter):
     x, y, u, v = np.array(points, float).reshape(-1, 4).T
@@ -128,7 +128,7 @@ def test_mass_over_bins_and_outside_is_the_mass_of_the_discs(points, width, diam
     assert float(ds["count"].min()) >= -1e-15
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(points=points, width=st.sampled_from([0.25, 0.5, 1.0, 2.5]))
 def test_mirror_symmetry(points, width):
     x, y, u, v = np.array(points, float).reshape(-1, 4).T

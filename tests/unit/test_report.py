@@ -6,8 +6,9 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from lammps_jump.analysis.report.page import LARGEST, table, text, write_report
 
+from lammps_jump.analysis.report.page import LARGEST, write_report
+from lammps_jump.analysis.report.tables import table, text
 from lammps_jump.errors import DumpError
 
 VOID = {"meta", "link", "img", "br", "!doctype"}

@@ -5,22 +5,21 @@ from __future__ import annotations
 import json
 import os
 import signal
-import subprocess
 import sys
-import threading
-import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from children import run_program
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli import app as cli
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, fingerprint, read_checkpoint
-from lammps_jump.engines.interrupts import deferred_interrupt, terminate_as_interrupt
+from lammps_jump.engines.interrupts import counted_interrupts, terminate_as_interrupt
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
@@ -67,18 +66,14 @@ SCENES = {
 
 def run_in_parts(scene, folder: Path, fractions=(0.3, 0.7), **options):
     """Run a scene, interrupted at the given fractions of its steps and continued."""
-    seen: list[Progress] = []
     checkpoint = None
-    for fraction in (*fractions, 2.0):
-        seen.clear()
-        result = run_native(
-            scene, folder, progress=seen.append, report_every=0.0, resume=checkpoint, **options,
-            should_stop=lambda limit=fraction * scene.steps: seen[-1].step > limit,
-        )  # fmt: skip
+    for fraction in (*fractions, 1.0):
+        stop = int(fraction * scene.steps)
+        result = run_native(scene, folder, stop_at=stop, resume=checkpoint, **options)
         checkpoint = read_checkpoint(folder)
         if fraction < 1:
             assert result.status == "interrupted" and "--resume" in result.message
-            assert checkpoint.step == result.steps > fraction * scene.steps
+            assert checkpoint.step == result.steps == stop
     return result
 
 
@@ -124,9 +119,8 @@ def test_state_holds_every_bit(tmp_path):
 def test_what_a_killed_part_wrote_is_cut_off(tmp_path):
     scene = SCENES["inlets and outlets"]()
     run_native(scene, tmp_path / "whole")
-    folder, seen = tmp_path / "parts", []
-    stop = {"progress": seen.append, "should_stop": lambda: seen[-1].step > 2000, "report_every": 0.0}
-    run_native(scene, folder, **stop)
+    folder = tmp_path / "parts"
+    run_native(scene, folder, stop_at=2000)
     dump = folder / "dump.lammpstrj"
     with dump.open("ab") as file:  # a frame, and half of one more
         file.write(dump.read_bytes()[:1500])
@@ -136,8 +130,7 @@ def test_what_a_killed_part_wrote_is_cut_off(tmp_path):
 
 def test_a_new_run_forgets_the_checkpoint_of_another(tmp_path):
     scene = SCENES["inlets and outlets"]()
-    seen = []
-    run_native(scene, tmp_path, progress=seen.append, should_stop=lambda: bool(seen), report_every=0.0)
+    run_native(scene, tmp_path, stop_at=1000)
     assert read_checkpoint(tmp_path) is not None
     run_native(replace(scene, steps=10), tmp_path)
     assert read_checkpoint(tmp_path) is None and not list(tmp_path.glob("checkpoint*"))
@@ -163,25 +156,12 @@ def test_a_full_disk_is_told(tmp_path, monkeypatch):
 
     monkeypatch.setattr("lammps_jump.engines.native.engine.save_state", full)
     scene = SCENES["inlets and outlets"]()
-    result = run_native(scene, tmp_path, should_stop=lambda: True, report_every=0.0)
+    result = run_native(scene, tmp_path, stop_at=1000)
     assert result.status == "interrupted" and "cannot go on: its state could not be saved" in result.message
     assert "No space left" in result.message and read_checkpoint(tmp_path) is None
 
 
 # --- the whole job -----------------------------------------------------------------------------------------------
-
-
-class StopAt:
-    """In place of the steady watch: ends the run when it is asked the n-th time."""
-
-    reason = ""
-
-    def __init__(self, calls: int):
-        self.left = calls
-
-    def __call__(self) -> bool:
-        self.left -= 1
-        return self.left <= 0
 
 
 CHANGES = ["engine.name=native", "run.duration=1.2", "run.output_interval=0.05"]
@@ -209,9 +189,7 @@ def light(monkeypatch):
 def interrupted(tmp_path, monkeypatch, light):
     """A run folder of a run that was interrupted half way."""
     with monkeypatch.context() as patch:
-        patch.setattr("lammps_jump.engines.native.simulation.WORK_PER_CALL", 100_000)
-        patch.setattr(run_native, "__kwdefaults__", dict(run_native.__kwdefaults__, report_every=0.0))
-        patch.setattr(pipeline, "_steady_watch", lambda prepared: StopAt(9))
+        patch.setattr("lammps_jump.engines.native.run_native", partial(run_native, stop_at=2500))
         with pytest.raises(RunInterrupted, match=r"lammps-jump run .* --resume"):
             job(tmp_path / "run")
     return tmp_path / "run"
@@ -229,7 +207,7 @@ def resume(folder: Path, changes=CHANGES):
 
 def test_folder_afterwards_is_that_of_an_uninterrupted_run(tmp_path, interrupted):
     first = json.loads((interrupted / "summary.json").read_text())
-    assert first["status"] == "interrupted" and first["steps"] < 5640
+    assert first["status"] == "interrupted" and first["steps"] == 2500
     (interrupted / "fields.vti").write_bytes(b"")  # of the analysis of the part
     summary = resume(interrupted)
     whole = job(tmp_path / "whole")
@@ -298,22 +276,16 @@ def test_without_resume_an_interrupted_run_starts_anew(interrupted):
 def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypatch, light, capsys):
     """The signal of a batch system; then `lammps-jump run FOLDER --resume`, and the frames to the last digit."""
     changes = ["run.duration=40", "run.output_interval=0.5"]
-    command = [sys.executable, "-m", "lammps_jump", "build-and-run", str(INPUTS / "energy_box_16.yaml"), "--quiet"]
-    command += ["--out", str(tmp_path), "--engine", "native", *(word for text in changes for word in ("--set", text))]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    dump = tmp_path / "dump.lammpstrj"
-    deadline = time.monotonic() + 60
-    while not (dump.exists() and dump.read_text().count("TIMESTEP") > 2):
-        assert process.poll() is None and time.monotonic() < deadline
-        time.sleep(0.01)
-    process.send_signal(signal.SIGTERM)
-    output, _ = process.communicate(timeout=60)
-    assert process.returncode == 1 and "--resume" in output
+    options = ["--engine", "native", *(word for text in changes for word in ("--set", text)), "--quiet"]
+    status, output = run_program(
+        "build-and-run", INPUTS / "energy_box_16.yaml", "--out", tmp_path, *options, signal_at=(signal.SIGTERM, 30_000)
+    )
+    assert status == 1 and "--resume" in output
     scene = case_scene("energy_box_16", *changes)
-    assert 0 < read_checkpoint(tmp_path).step < scene.steps
+    assert read_checkpoint(tmp_path).step == 30_000 < scene.steps
     cli.run(tmp_path, resume=True, quiet=True)
     run_native(scene, tmp_path / "whole")
-    assert dump.read_bytes() == (tmp_path / "whole/dump.lammpstrj").read_bytes()
+    assert (tmp_path / "dump.lammpstrj").read_bytes() == (tmp_path / "whole/dump.lammpstrj").read_bytes()
     monkeypatch.setattr(sys, "argv", ["lammps-jump", "run", str(tmp_path), "--resume"])
     with pytest.raises(SystemExit) as end:
         cli.main()
@@ -323,22 +295,33 @@ def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypa
 # --- small parts -------------------------------------------------------------------------------------------------
 
 
-def test_sigterm_does_what_ctrl_c_does_at_the_time():
-    if threading.current_thread() is not threading.main_thread():
-        pytest.skip("signals come to the main thread only")
-    before = signal.getsignal(signal.SIGTERM)
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_are_counted_or_raised(number):
+    before = signal.getsignal(number)
     with terminate_as_interrupt():
-        with deferred_interrupt() as pressed:
-            assert not pressed()
-            os.kill(os.getpid(), signal.SIGTERM)
-            assert pressed()
-            with pytest.raises(KeyboardInterrupt):  # the second one does not wait
-                os.kill(os.getpid(), signal.SIGTERM)
-                time.sleep(1)
+        with counted_interrupts(most=2) as pressed:
+            for k in range(3):
+                assert pressed() == k
+                if k < 2:
+                    signal.raise_signal(number)
+            with pytest.raises(KeyboardInterrupt):  # one too many does not wait
+                signal.raise_signal(number)
         with pytest.raises(KeyboardInterrupt):
-            os.kill(os.getpid(), signal.SIGTERM)
-            time.sleep(1)
-    assert signal.getsignal(signal.SIGTERM) is before
+            signal.raise_signal(number)
+    assert signal.getsignal(number) is before
+
+
+def test_an_ignored_signal_stays_ignored():
+    """A shell ignores Ctrl-C in jobs that it puts into the background."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with counted_interrupts() as pressed:
+            signal.raise_signal(signal.SIGINT)
+            assert pressed() == 0
+            signal.raise_signal(signal.SIGTERM)
+            assert pressed() == 1
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_fingerprint_is_of_the_numbers():
@@ -356,9 +339,7 @@ def test_message_says_how_to_go_on():
 
 
 def test_progress_of_a_part_tells_its_own_speed(capsys):
-    line = ProgressLine(10.0, stream=sys.stdout, first_step=900)
-    line.begin -= 20
-    line.shown -= 20
-    line.previous = (line.begin, 900)
+    clock = iter((0.0, 20.0))
+    line = ProgressLine(10.0, stream=sys.stdout, first_step=900, clock=lambda: next(clock))
     line(Progress(step=950, steps=1000, time=9.5, discs=10**6))
     assert "95 %" in (text := capsys.readouterr().out) and "2.5 M disc-steps/s" in text and "20 s left" in text

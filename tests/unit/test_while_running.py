@@ -13,6 +13,7 @@ from PIL import Image
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.engines.lammps.drive import Watch
 from lammps_jump.engines.lammps.job import job_text
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
@@ -197,19 +198,60 @@ def test_a_screen_that_does_not_answer_leads_to_the_file(tmp_path, scene, monkey
 
 def test_progress_line_tells_time_discs_and_time_left():
     stream = io.StringIO()
-    line = ProgressLine(10.0, stream=stream)
-    line.begin -= 20
-    line.shown -= 20
-    line.previous = (line.begin, 0)
+    clock = iter((0.0, 20.0))
+    line = ProgressLine(10.0, stream=stream, clock=lambda: next(clock))
     line(Progress(step=500, steps=1000, time=5.0, discs=1234))
     text = stream.getvalue()
     assert "t = 5.000 of 10 s" in text and "50 %" in text and "1234 discs" in text and "20 s left" in text
     quiet = io.StringIO()
-    silent = ProgressLine(10.0, quiet=True, stream=quiet)
-    silent.shown -= 20
+    silent = ProgressLine(10.0, quiet=True, stream=quiet, clock=iter((0.0, 20.0)).__next__)
     silent(Progress(1, 2, 1.0, 1))
     silent.finish()
     assert quiet.getvalue() == ""
+
+
+class FakeRun:
+    """A run in place of an engine: ten looks long, and a look is all the time there is."""
+
+    def __init__(self, looks: int = 10, hears: bool = True):
+        self.looks, self.hears = looks, hears
+        self.step, self.asked = 0, []
+
+    def ended(self) -> bool:
+        self.step += 100
+        return self.step >= 100 * self.looks
+
+    def report(self):
+        return (self.step, 7) if self.step > 100 else None  # no line of the log yet
+
+    def stop(self, number: int) -> None:
+        self.asked.append((number, self.step))
+        if self.hears:
+            self.looks = 0
+
+
+def test_watcher_reports_and_asks_once_for_each_signal(scene):
+    run, seen = FakeRun(), []
+    watch = Watch(scene, lambda: 0, seen.append)
+    assert watch.until(run.ended, run.report, run.stop) is False
+    assert [report.step for report in seen] == [200, 300, 400, 500, 600, 700, 800, 900] and not run.asked
+    assert seen[0] == Progress(200, scene.steps, scene.time(200), 7)
+
+    run = FakeRun()
+    assert Watch(scene, lambda: run.step >= 500).until(run.ended, run.report, run.stop) is True
+    assert run.asked == [(1, 500)]
+
+    run = FakeRun(hears=False)  # two signals between two looks, one later
+    pressed = Watch(scene, lambda: 2 * (run.step >= 300) + (run.step >= 700))
+    assert pressed.until(run.ended, run.report, run.stop) is True
+    assert run.asked == [(1, 300), (2, 300), (3, 700)]
+
+
+def test_watcher_asks_once_where_the_flow_is_steady(scene):
+    run, answers = FakeRun(hears=False), iter([False, False, True])
+    watch = Watch(scene, lambda: 0, None, lambda: next(answers))  # not asked again once it has said yes
+    assert watch.until(run.ended, run.report, run.stop) is True
+    assert run.asked == [(1, 300)]
 
 
 LOG = """\

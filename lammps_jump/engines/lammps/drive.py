@@ -9,17 +9,19 @@ import subprocess
 import threading
 import time
 from collections.abc import Callable
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lammps_jump.engines import step_hook
 from lammps_jump.engines.checkpoint import Checkpoint, cut_back, remove_checkpoint
-from lammps_jump.engines.interrupts import terminate_as_interrupt
-from lammps_jump.engines.result import FORCES_HEADER, Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.interrupts import counted_interrupts
+from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.errors import SetupError
+from lammps_jump.files import FORCES_HEADER
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import resume as continuation
-from lammps_jump.script.assemble import STOP_FILE, first_step
+from lammps_jump.script.assemble import STOP_FILE, first_step, stop_at_step
 from lammps_jump.script.stock import raw_forces
 
 from .diagnose import explain
@@ -28,8 +30,11 @@ from .log import LogSummary, read_log
 from .save import LOG, forget_part, join_parts, keep_checkpoint, save_state
 
 POLL_SECONDS = 0.1
+RANKS_POLL_SECONDS = 0.5
 PATIENCE = 20.0
 """Seconds that ranks of their own get to end in order."""
+STOPPED_SCRIPT = "in.stopped.lammps"
+"""The script with the stop that `run_lammps` was asked for; it is deleted after the run."""
 
 
 @dataclass
@@ -52,6 +57,7 @@ def run_lammps(
     plugin: Path | None = None,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
+    stop_at: int | None = None,
     resume: Checkpoint | None = None,
 ) -> RunResult:
     """Run ``in.lammps`` in `folder` (written by `lammps_jump.script.write_script` from the same scene).
@@ -73,6 +79,8 @@ def run_lammps(
         Called about ten times a second.
     should_stop : callable, optional
         Asked at the same rate; True ends the run as an interruption does.
+    stop_at : int, optional
+        End the run as an interruption does at this step, or at the end of the window of the probes that holds it.
     resume : Checkpoint, optional
         Go on with the interrupted run that left it in `folder`, by ``in.resume.lammps`` (written by
         `lammps_jump.script.resume.write_continuation`); the result is of all parts.
@@ -96,28 +104,30 @@ def run_lammps(
     else:  # what an earlier run may have left is not this one's beginning
         remove_checkpoint(folder)
         (folder / "forces.csv").unlink(missing_ok=True)
+    if stop_at is not None:
+        text = stop_at_step((folder / script).read_text(), scene, ranks, stop_at)
+        script = STOPPED_SCRIPT
+        (folder / script).write_text(text)
     arguments = ["-log", log, "-screen", "none", "-nocite", *(["-var", "plugin", str(plugin)] if plugin else [])]
     first = first_step(scene) if resume is None else resume.step
     begin = time.perf_counter()
-    with terminate_as_interrupt():
+    with counted_interrupts(most=float("inf")) as pressed:
+        watch = Watch(scene, pressed, progress, should_stop)
         if ranks == 1:
             outcome = _in_process(
-                scene,
-                folder,
-                script,
-                arguments,
-                progress,
-                should_stop,
-                lambda engine: save_state(engine, scene, kernel, first),
+                folder, script, arguments, watch, lambda engine: save_state(engine, scene, kernel, first)
             )
         else:
-            outcome = _under_mpiexec(scene, folder, script, log, arguments, ranks, progress, should_stop)
+            outcome = _under_mpiexec(folder, script, log, arguments, ranks, watch)
+    (folder / STOPPED_SCRIPT).unlink(missing_ok=True)
     seconds = time.perf_counter() - begin + (resume.result.seconds if resume else 0.0)
     gather_forces(scene, folder)
     join_parts(folder)
     found = read_log(folder / LOG)
     if found.step >= scene.steps:
         outcome.interrupted = False  # asked for when there was nothing left to end
+    elif stop_at is not None and not outcome.error:
+        outcome.interrupted = True
     result = _result(scene, folder, kernel, outcome, found, seconds, resume)
     return _interrupted(scene, folder, outcome, found, result, resume) if outcome.interrupted else result
 
@@ -144,7 +154,51 @@ def _inside(folder: Path):
         os.chdir(before)
 
 
-def _in_process(scene, folder, script, arguments, progress, should_stop, save) -> _Outcome:
+class Watch:
+    """What the caller wants of a run while it goes on.
+
+    Parameters
+    ----------
+    scene : Scene
+    pressed : callable
+        Number of signals so far.
+    progress, should_stop : callable, optional
+        As of `run_lammps`.
+    """
+
+    def __init__(self, scene: Scene, pressed: Callable[[], int], progress=None, should_stop=None):
+        self.scene = scene
+        self.pressed = pressed
+        self.progress = progress
+        self.should_stop = should_stop
+
+    def until(self, ended: Callable[[], bool], report: Callable[[], tuple[int, int] | None], stop: Callable) -> bool:
+        """Look after a run until it has ended; True where it was asked to stop.
+
+        Parameters
+        ----------
+        ended : callable
+            Waits a moment; True once the run has ended.
+        report : callable
+            Returns the step and the number of discs now, None where they are not known.
+        stop : callable
+            Asks the run to stop; called with the number of requests so far, once for each.
+        """
+        heard, steady = 0, False
+        while not ended():
+            steady = steady or bool(self.should_stop and self.should_stop())
+            asked = self.pressed() + steady
+            for number in range(heard, asked):
+                stop(number + 1)
+            heard = asked
+            found = report() if self.progress is not None else None
+            if found is not None:
+                step, discs = found
+                self.progress(Progress(step, self.scene.steps, self.scene.time(step), discs))
+        return heard > 0
+
+
+def _in_process(folder: Path, script: str, arguments: list[str], watch: Watch, save: Callable) -> _Outcome:
     """The script in a thread of its own (ctypes lets the interpreter go on), this thread watches."""
     lammps = load_lammps()
     outcome = _Outcome()
@@ -158,47 +212,57 @@ def _in_process(scene, folder, script, arguments, progress, should_stop, save) -
 
         def work() -> None:
             try:
-                engine.file(script)
-                if outcome.interrupted and not outcome.error:
-                    outcome.unsaved = save(engine)
+                _read_script(engine, script)
+                outcome.unsaved = save(engine)
             except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
                 outcome.error = str(error)
             finally:
                 ended.set()
 
+        def stop(number: int) -> None:
+            engine.lib.lammps_force_timeout(engine.lmp)
+
         thread = threading.Thread(target=work, name="lammps", daemon=True)
         thread.start()
-        while True:
-            try:
-                if ended.wait(POLL_SECONDS):
-                    break
-                _report(scene, engine, progress, outcome)
-                if should_stop and should_stop() and not outcome.interrupted:
-                    raise KeyboardInterrupt
-            except KeyboardInterrupt:
-                outcome.interrupted = True
-                engine.lib.lammps_force_timeout(engine.lmp)
         try:
-            if outcome.error:
-                outcome.state = _state(engine)
+            outcome.interrupted = watch.until(
+                lambda: ended.wait(POLL_SECONDS), lambda: _steps_and_discs(engine, outcome), stop
+            )
         finally:
-            engine.close()
+            if not ended.is_set():
+                stop(1)
+                ended.wait()
+            try:
+                if outcome.error:
+                    outcome.state = _state(engine)
+            finally:
+                engine.close()
     return outcome
 
 
-def _report(scene: Scene, engine, progress: ProgressCallback | None, outcome: _Outcome) -> None:
-    if progress is None:
+def _read_script(engine, script: str) -> None:
+    """Run a script; where a test has set a step hook, `fix external` calls it."""
+    if step_hook.at_step is None:
+        engine.file(script)
         return
+    head, run, rest = Path(script).read_text().partition("\nrun ")
+    engine.commands_string(head + "\nfix step_hook all external pf/callback 1 1\n")
+
+    def call(_, step, *arrays) -> None:
+        step_hook.at_step(step)
+
+    engine.set_fix_external_callback("step_hook", call)
+    engine.commands_string(run + rest)
+
+
+def _steps_and_discs(engine, outcome: _Outcome) -> tuple[int, int] | None:
+    """Step and discs of the last log line, None before the first."""
     try:
         values = engine.last_thermo()
-    except (
-        Exception
-    ) as error:  # LAMMPS tells an error once, to the thread that asks first: the script's would not see it
+    except Exception as error:  # LAMMPS tells an error once, to the first thread that asks
         outcome.error = str(error)
-        return
-    if values and "Step" in values:
-        step = int(values["Step"])
-        progress(Progress(step, scene.steps, scene.time(step), int(values["Atoms"])))
+        return None
+    return (int(values["Step"]), int(values["Atoms"])) if values and "Step" in values else None
 
 
 def _state(engine) -> tuple | None:
@@ -210,10 +274,10 @@ def _state(engine) -> tuple | None:
     return ids[:count].copy(), places[:count].copy()
 
 
-def _under_mpiexec(scene, folder, script, log, arguments, ranks, progress, should_stop) -> _Outcome:
+def _under_mpiexec(folder: Path, script: str, log: str, arguments: list[str], ranks: int, watch: Watch) -> _Outcome:
     """The wheel's ``lmp`` under its ``mpiexec``; progress is read from the log.
 
-    The ranks are asked to end by a file that their script looks for; a second interruption does not wait for them.
+    The ranks are asked to end by a file that their script looks for; a second request does not wait for them.
     """
     mpiexec, lmp = program("mpiexec"), program("lmp")
     if mpiexec is None or lmp is None:
@@ -227,26 +291,39 @@ def _under_mpiexec(scene, folder, script, log, arguments, ranks, progress, shoul
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        start_new_session=True,  # Ctrl-C comes to us alone; we end the ranks
+        start_new_session=True,  # Ctrl-C comes to this process alone, which ends the ranks
     )
-    deadline = float("inf")
-    while process.poll() is None:
+    patience = PATIENCE
+
+    def ended() -> bool:
+        nonlocal patience
+        if step_hook.at_step is not None:
+            step_hook.at_step(read_log(folder / log).step)
+        if (folder / STOP_FILE).exists():
+            patience -= RANKS_POLL_SECONDS
         try:
-            with suppress(subprocess.TimeoutExpired):
-                process.wait(5 * POLL_SECONDS)
-            if time.monotonic() > deadline:
-                _end(process)
-            if progress:
-                summary = read_log(folder / log)
-                progress(Progress(summary.step, scene.steps, scene.time(summary.step), summary.discs))
-            if should_stop and not outcome.interrupted and should_stop() and process.poll() is None:
-                raise KeyboardInterrupt
-        except KeyboardInterrupt:
-            if outcome.interrupted:
-                _end(process)
-            outcome.interrupted, deadline = True, time.monotonic() + PATIENCE
-            (folder / STOP_FILE).touch()
-    (folder / STOP_FILE).unlink(missing_ok=True)
+            process.wait(RANKS_POLL_SECONDS)
+        except subprocess.TimeoutExpired:
+            if patience > 0:
+                return False
+            _end(process)
+        return True
+
+    def report() -> tuple[int, int]:
+        summary = read_log(folder / log)
+        return summary.step, summary.discs
+
+    def stop(number: int) -> None:
+        if number > 1:
+            _end(process)
+        (folder / STOP_FILE).touch()
+
+    try:
+        outcome.interrupted = watch.until(ended, report, stop)
+    finally:
+        if process.poll() is None:
+            _end(process)
+        (folder / STOP_FILE).unlink(missing_ok=True)
     output, _ = process.communicate()
     if process.returncode and not outcome.interrupted:
         outcome.error = (

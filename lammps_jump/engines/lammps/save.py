@@ -6,7 +6,8 @@ import shutil
 from pathlib import Path
 
 from lammps_jump.engines.checkpoint import Checkpoint, file_sizes, fingerprint, write_checkpoint
-from lammps_jump.engines.result import DUMP_NAMES, RunResult
+from lammps_jump.engines.result import RunResult
+from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import resume as continuation
 from lammps_jump.script.assemble import STATE, first_step

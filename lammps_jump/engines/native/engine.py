@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
+from lammps_jump.engines import step_hook
 from lammps_jump.engines.checkpoint import (
     Checkpoint,
     cut_back,
@@ -15,9 +16,10 @@ from lammps_jump.engines.checkpoint import (
     remove_checkpoint,
     write_checkpoint,
 )
-from lammps_jump.engines.interrupts import deferred_interrupt, terminate_as_interrupt
-from lammps_jump.engines.result import DUMP_NAMES, Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.interrupts import counted_interrupts
+from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 
 from .cells import CellSimulation
@@ -71,6 +73,7 @@ def simulate(
     *,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
+    stop_at: int | None = None,
     dump_format: str = "text",
     report_every: float = 0.5,
     keep_frames: bool = False,
@@ -105,19 +108,24 @@ def simulate(
         if progress is not None:
             progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
 
+    last = scene.steps if stop_at is None else min(stop_at, scene.steps)
     status, message = "complete", ""
     seconds = writing = 0.0
     between_steps = False  # an interruption that did not wait may leave arrays half sorted, or half a frame
     try:
-        with terminate_as_interrupt(), deferred_interrupt() as pressed:
+        with counted_interrupts() as pressed:
             if resume is None:
                 output()
             reported = perf_counter()
-            while simulation.step < scene.steps:
-                target = min(scene.steps, (simulation.step // scene.output_steps + 1) * scene.output_steps)
+            while simulation.step < last:
+                target = min(last, (simulation.step // scene.output_steps + 1) * scene.output_steps)
                 started = perf_counter()
                 between_steps = False
-                simulation.run_some(target)
+                if step_hook.at_step is None:
+                    simulation.run_some(target)
+                else:
+                    simulation.run_some(simulation.step + 1)
+                    step_hook.at_step(simulation.step)
                 now = perf_counter()
                 seconds += now - started
                 if simulation.step == target:
@@ -132,6 +140,8 @@ def simulate(
                     report()
                 if simulation.step < scene.steps and (pressed() or (due and should_stop is not None and should_stop())):
                     raise KeyboardInterrupt
+            if simulation.step < scene.steps:
+                raise KeyboardInterrupt
     except KeyboardInterrupt:
         status = "interrupted"
     except RunError as error:
@@ -209,6 +219,7 @@ def run_native(
     *,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
+    stop_at: int | None = None,
     dump_format: str = "text",
     report_every: float = 0.5,
     keep_frames: bool = False,
@@ -228,6 +239,8 @@ def run_native(
         Called with a `Progress` every `report_every` seconds of wall time, and once at the end.
     should_stop : callable, optional
         Asked at the same times; True ends the run as 'interrupted'.
+    stop_at : int, optional
+        End the run as 'interrupted' at this step.
     dump_format : {'text', 'gz', 'binary'}
     keep_frames : bool
         Here without effect on the result; see `simulate`, which returns the frames.
@@ -249,6 +262,7 @@ def run_native(
         folder,
         progress=progress,
         should_stop=should_stop,
+        stop_at=stop_at,
         dump_format=dump_format,
         report_every=report_every,
         keep_frames=keep_frames,

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.dump import write as dump_write
-from lammps_jump.engines.result import DUMP_NAMES, FORCES_HEADER
 from lammps_jump.errors import CaseError
+from lammps_jump.files import DUMP_NAMES, FORCES_HEADER
 from lammps_jump.scene.scene import Scene
 
 

@@ -2,7 +2,7 @@
 
 Order of operations of a step, LAMMPS' own: half kick, drift, [outlets, arrivals, gates, neighbour list], forces with
 the velocities of the half step, half kick. The last half kick of one step and the first of the next are done as one,
-so that between steps the arrays hold v_(n-1/2) (see `kernels`); what this class hands out is v_n.
+so that between steps the arrays hold v_(n-1/2) (see `loops`); what this class hands out is v_n.
 
 Start: forces at step 0 see v_0, and v_(-1/2) = v_0 - dt F_0 / (2 m), so that the thesis' extrapolation
 1.5 v_(n-1/2) - 0.5 v_(n-3/2) has its older value from the first step on. A disc that enters at step n has
@@ -208,7 +208,7 @@ class NativeSimulation:
         )  # fmt: skip
 
     def _list(self) -> tuple:
-        """What `kernels.advance` takes as start, neighbours, owner, grid."""
+        """What `loops.advance` takes as start, neighbours, owner, grid."""
         return self.discs.start, self.discs.neighbours, None, None
 
     def _rows(self) -> tuple:
@@ -392,7 +392,7 @@ class NativeSimulation:
 
     @property
     def ledger(self) -> dict[str, float] | None:
-        """Energy books since the start, J per m of width (see `books.close`); None where they are not kept."""
+        """Energy books since the start, J per m of width (see `ledger.close`); None where they are not kept."""
         if not self._ledger_on:
             return None
         work = self._work + self._half_work() - self._start_work

@@ -11,14 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lammps_jump.studies.measure import Measured
-
-if TYPE_CHECKING:
-    from .study import Row
 
 EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""
@@ -46,6 +42,47 @@ class QuantityError:
     def of_reference(self) -> QuantityError:
         """Return the entry of the reference itself, which has no error."""
         return replace(self, error=None, floor=None)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One setting of a benchmark.
+
+    Attributes
+    ----------
+    label, family : str
+        Of the setting; a figure gives each family a mark.
+    setting : dict
+        Its values.
+    plain : bool
+        Whether only kernel, touch and step are varied.
+    runs : int
+        Complete runs.
+    failed : list of str
+        Messages of the others.
+    seconds, wall_seconds : float or None
+        Medians over the complete runs, s.
+    disc_steps_per_second : float or None
+    breakdown : dict of str to float
+        Median seconds by kind of work.
+    reference : bool
+        Whether the errors of the others are measured against this setting.
+    errors : dict of str to QuantityError
+    """
+
+    label: str
+    family: str
+    setting: dict
+    plain: bool
+    runs: int
+    failed: list[str]
+    seconds: float | None
+    seconds_all: list[float]
+    wall_seconds: float | None
+    disc_steps_per_second: float | None
+    breakdown: dict[str, float | None]
+    reference: bool
+    errors: dict[str, QuantityError]
 
 
 def _stack(members: Sequence[Value]) -> np.ndarray:

@@ -19,7 +19,7 @@ from lammps_jump.studies.settings import (
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.timing import in_turn, middle, versions
 
-from .errors import EXACT, QuantityError, cheapest, names_of, pareto, setting_errors
+from .errors import EXACT, Row, cheapest, names_of, pareto, setting_errors
 from .figures import draw_all
 from .table import page
 
@@ -53,47 +53,6 @@ class Axes:
     fractions: tuple[float, ...] | None = None
     kernels: tuple[str, ...] | None = None
     diameters: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True)
-class Row:
-    """One setting of a benchmark.
-
-    Attributes
-    ----------
-    label, family : str
-        Of the setting; a figure gives each family a mark.
-    setting : dict
-        Its values.
-    plain : bool
-        Whether only kernel, touch and step are varied.
-    runs : int
-        Complete runs.
-    failed : list of str
-        Messages of the others.
-    seconds, wall_seconds : float or None
-        Medians over the complete runs, s.
-    disc_steps_per_second : float or None
-    breakdown : dict of str to float
-        Median seconds by kind of work.
-    reference : bool
-        Whether the errors of the others are measured against this setting.
-    errors : dict of str to QuantityError
-    """
-
-    label: str
-    family: str
-    setting: dict
-    plain: bool
-    runs: int
-    failed: list[str]
-    seconds: float | None
-    seconds_all: list[float]
-    wall_seconds: float | None
-    disc_steps_per_second: float | None
-    breakdown: dict[str, float | None]
-    reference: bool
-    errors: dict[str, QuantityError]
 
 
 def bench_case(

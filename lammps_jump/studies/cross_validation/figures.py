@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -11,11 +10,9 @@ from matplotlib.figure import Figure
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, new_figure, save, style
 
 from .divergence import Divergence
+from .outcome import Study
 from .quantities import Comparison, relative_size
 from .trajectories import AGREEMENT, CONTACT_STEPS, Growth
-
-if TYPE_CHECKING:
-    from .study import Study
 
 SHOWN = {"lammps_stock": "LAMMPS (stock)", "lammps_compiled": "LAMMPS (compiled kernel)", "native": "native engine"}
 LABELS = {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from lammps_jump.runs.summary import versions
 from lammps_jump.studies.page import Picture, Section, Table, Text, render
@@ -13,12 +12,10 @@ from lammps_jump.studies.store import as_json
 from .divergence import Divergence
 from .ensembles import JITTER
 from .figures import DIVERGENCE, LAW_FIGURES, SHOWN
+from .outcome import Criterion, Study
 from .quantities import Comparison
 from .statistics import CONFIDENCE, FAMILY_ERROR
 from .trajectories import CONTACT_STEPS
-
-if TYPE_CHECKING:
-    from .study import Criterion, Study
 
 
 def as_dict(

@@ -1,0 +1,189 @@
+"""One time of a dump: the discs as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from lammps_jump.errors import DumpError
+
+TEXT_COLUMNS = frozenset({"element", "typelabel"})
+"""Columns that LAMMPS fills with words: left out of a frame, with a warning."""
+
+
+BUFFER = 1 << 22
+
+
+LARGEST_FRAME = 1 << 33
+"""A count of discs beyond this is taken for garbage rather than believed."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One time of a dump.
+
+    Attributes
+    ----------
+    step : int
+    time : float or None
+        Simulated time, s, where the file carries it (``dump_modify time yes``).
+    box : ndarray, shape (3, 2)
+        Low and high bound of x, y, z, m.
+    columns : mapping of str to ndarray, shape (n,)
+        Every numeric column of the file, float64, read-only, in the file's order of discs.
+    """
+
+    step: int
+    time: float | None
+    box: np.ndarray
+    columns: Mapping[str, np.ndarray]
+
+    def column(self, name: str) -> np.ndarray:
+        """One column; DumpError naming the columns there are where it is missing."""
+        try:
+            return self.columns[name]
+        except KeyError:
+            raise DumpError(
+                f"the dump has no column '{name}' at step {self.step}; it has: {' '.join(self.columns) or 'none'}. "
+                f"Write it with 'dump … custom … {name}'."
+            ) from None
+
+    def _coordinate(self, axis: str, row: int) -> np.ndarray:
+        for name in (axis, axis + "u"):
+            if name in self.columns:
+                return self.columns[name]
+        for name in (axis + "s", axis + "su"):
+            if name in self.columns:
+                low, high = self.box[row]
+                return low + self.columns[name] * (high - low)
+        return self.column(axis)
+
+    @property
+    def n(self) -> int:
+        """Number of discs."""
+        return len(next(iter(self.columns.values()))) if self.columns else 0
+
+    @property
+    def ids(self) -> np.ndarray:
+        """Disc ids, int64; 1 … n where the file has none."""
+        if "id" in self.columns:
+            return self.columns["id"].astype(np.int64)
+        return np.arange(1, self.n + 1)
+
+    @property
+    def x(self) -> np.ndarray:
+        """Horizontal position, m, from ``x``, ``xu`` or (scaled by the box) ``xs``."""
+        return self._coordinate("x", 0)
+
+    @property
+    def y(self) -> np.ndarray:
+        """Vertical position, m, from ``y``, ``yu`` or (scaled by the box) ``ys``."""
+        return self._coordinate("y", 1)
+
+    @property
+    def vx(self) -> np.ndarray:
+        """Horizontal velocity, m/s."""
+        return self.column("vx")
+
+    @property
+    def vy(self) -> np.ndarray:
+        """Vertical velocity, m/s."""
+        return self.column("vy")
+
+    def sorted(self) -> Frame:
+        """The same frame with its discs in the order of their ids."""
+        if "id" not in self.columns or np.all(np.diff(self.columns["id"]) > 0):
+            return self
+        order = np.argsort(self.columns["id"], kind="stable")
+        return replace(self, columns=read_only({name: values[order] for name, values in self.columns.items()}))
+
+
+@dataclass(frozen=True, slots=True)
+class FrameHeader:
+    """What stands above the discs of one frame."""
+
+    step: int
+    time: float | None
+    n: int
+
+
+class DumpFile:
+    """What is known of a dump file, and what a walk through it notes.
+
+    Attributes
+    ----------
+    path : Path
+    format : {'text', 'binary'}
+    compressed : bool
+    columns : tuple of str
+        Column names of the first frame, words included.
+    units : str or None
+        LAMMPS unit style where the file tells.
+    warnings : list of str
+        What the last pass found odd: a truncated last frame, columns of words.
+    """
+
+    def __init__(self, path: Path, format: str, compressed: bool):
+        self.path, self.format, self.compressed = path, format, compressed
+        self.columns: tuple[str, ...] = ()
+        self.units: str | None = None
+        self.warnings: list[str] = []
+
+    @property
+    def most_bytes(self) -> int:
+        """More bytes than the file can hold once unpacked (deflate never shrinks below 1/1032)."""
+        return self.path.stat().st_size * (1100 if self.compressed else 1)
+
+    def warn(self, message: str) -> None:
+        """Note something odd once per pass."""
+        if message not in self.warnings:
+            self.warnings.append(message)
+
+
+def read_only(columns: dict[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+    """The same columns, and none of them can be changed."""
+    for values in columns.values():
+        values.flags.writeable = False
+    return MappingProxyType(columns)
+
+
+def make_frame(step: int, time: float | None, box, columns: Mapping[str, np.ndarray]) -> Frame:
+    """A frame from plain arrays (copied to float64): for made-up dumps and converters.
+
+    Parameters
+    ----------
+    step, time : int, float or None
+    box : array_like, shape (3, 2) or (2, 2)
+        Bounds, m; z defaults to (-0.1, 0.1).
+    columns : mapping of str to array_like, shape (n,)
+    """
+    bounds = np.array([[0.0, 0.0], [0.0, 0.0], [-0.1, 0.1]])
+    given = np.asarray(box, float)
+    bounds[: len(given)] = given
+    arrays = {name: np.array(values, dtype=float).reshape(-1) for name, values in columns.items()}
+    if len({len(values) for values in arrays.values()}) > 1:
+        lengths = ", ".join(f"{name} {len(values)}" for name, values in arrays.items())
+        raise DumpError(f"the columns of step {step} differ in length: {lengths}.")
+    return Frame(int(step), None if time is None else float(time), bounds, read_only(arrays))
+
+
+def require_finite(frame: Frame, source: object) -> Frame:
+    """The frame itself; DumpError where a position or velocity is no number, naming step and disc."""
+    for name in ("x", "y", "vx", "vy"):
+        values = frame.columns.get(name)
+        if values is not None and not np.isfinite(values).all():
+            row = int(np.flatnonzero(~np.isfinite(values))[0])
+            raise DumpError(
+                f"{source}: step {frame.step}, row {row + 1} of the frame: {name} is {values[row]}, not a number; the "
+                "run that wrote it blew up: lower its time step, or analyse the frames before"
+            )
+    return frame
+
+
+def ten_indices(count: int, pictures: int = 10) -> list[int]:
+    """Indices of equally spaced frames out of `count`, the first and the last among them."""
+    return sorted({round(i) for i in np.linspace(0, count - 1, min(pictures, count))}) if count else []

@@ -1,0 +1,63 @@
+"""Processes that tests start: one way, and none outlives its test."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+HOOK = Path(__file__).parent / "hook"
+LIMIT = 600
+"""Seconds; ends a hang and nothing else."""
+
+
+def _start_clean() -> None:
+    """Ctrl-C is heard, also where the tests run in the background of a shell, which ignores it there."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+@contextmanager
+def child(command, **options):
+    """A process in a session of its own; whatever happens, it and its children are killed and reaped."""
+    process = subprocess.Popen(
+        [str(word) for word in command], text=True, start_new_session=True, preexec_fn=_start_clean, **options
+    )
+    try:
+        yield process
+    finally:
+        try:
+            os.killpg(process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        process.wait()
+
+
+def run_child(command, *, signal_at: tuple[int, int] | None = None, env=None, **options) -> tuple[int, str]:
+    """Status and output of a command; pytest shows the output where the test fails.
+
+    Parameters
+    ----------
+    command : sequence
+    signal_at : (number, step), optional
+        The process sends itself this signal at a step of its engine.
+    env : dict of str, optional
+        Added to the environment.
+    """
+    environment = {**os.environ, **(env or {})}
+    if signal_at is not None:
+        environment["JUMP_TEST_SIGNAL"] = "{:d}@{:d}".format(*signal_at)
+    environment["PYTHONPATH"] = os.pathsep.join([str(HOOK), *filter(None, [environment.get("PYTHONPATH")])])
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, **options}
+    with child(command, env=environment, **pipes) as process:
+        output, errors = process.communicate(timeout=LIMIT)
+    output = (output or "") + (errors or "")
+    print(f"$ {' '.join(str(word) for word in command)}\n{output}[status {process.returncode}]")
+    return process.returncode, output
+
+
+def run_program(*arguments, **options) -> tuple[int, str]:
+    """Status and output of the command line program; options as of `run_child`."""
+    return run_child([sys.executable, "-m", "lammps_jump", *arguments], **options)
