@@ -375,8 +375,8 @@ def stress(
     from lammps_jump.studies.stress.study import stress as study
 
     found = study(out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=_say(quiet))
-    if found["bad"]:
-        print("\n".join(["ended badly:", *found["bad"]]))
+    if found:
+        print("\n".join(["ended badly:", *found]))
         raise typer.Exit(1)
     print(f"every scene ended properly; see {out or 'runs/stress'}/stress.md")
 

@@ -10,7 +10,11 @@ from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.studies.bench import skips as bench_skips
 from lammps_jump.studies.bench.command import run_bench
+from lammps_jump.studies.calibration import START, distances
+from lammps_jump.studies.sensitivity import run_sensitivity
+from lammps_jump.studies.store import Store
 from lammps_jump.studies.stress import limits as stress_limits
+from lammps_jump.studies.stress.study import Stress
 
 pytestmark = pytest.mark.lammps
 
@@ -75,22 +79,15 @@ def test_periodic_crystal_brackets_the_limit():
 
 
 def test_stress_quick(tmp_path):
-    from lammps_jump.studies.stress.study import measure_limits, resting_bed, run_random
-    from lammps_jump.studies.store import Store
-
-    store = Store(tmp_path / "stress.json")
-    rows = measure_limits(store, ["stock"], True, silent)
+    study = Stress(Store(tmp_path / "stress.json"), ["stock", "native"], silent, quick=True)
+    rows = study.limits()
     packings = [row for row in rows if row["engine"] == "stock" and row["arrangement"] in ("square", "hexagonal")]
     assert packings and all(abs(row["deviation"]) < 0.03 for row in packings)
-    assert run_random(store, ["stock"], 3, 40, silent)["bad"] == []
-    assert all(row["right"] for row in resting_bed(store, ["stock"], 5000, silent))
+    assert study.random_scenes(3, 40)["bad"] == []
+    assert all(bed.right for bed in study.beds(5000))
 
 
 def test_sensitivity_and_calibration_smoke(tmp_path):
-    from lammps_jump.studies.calibration import START, distances
-    from lammps_jump.studies.sensitivity import run_sensitivity
-    from lammps_jump.studies.store import Store
-
     text = run_sensitivity(tmp_path, quick=True, only="friction", say=silent)
     assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()
     row = distances(START, Store(tmp_path / "c.json"), quick=True, members=1)

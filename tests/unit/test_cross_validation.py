@@ -11,10 +11,9 @@ from lammps_jump.case import load_case
 from lammps_jump.case.load import parse_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import SetupError
-from lammps_jump.studies.cross_validation import ensembles
+from lammps_jump.studies.cross_validation import ensembles, trajectories
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
-from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import (
