@@ -46,17 +46,13 @@ IMPORTS_INSIDE: dict[str, int] = {
     "analysis/passes.py": 6,
     "analysis/result_figures.py": 4,
     "lammps_jump/cli/analyze.py": 19,
-    "lammps_jump/cli/app.py": 23,
+    "lammps_jump/cli/app.py": 24,
     "lammps_jump/cli/doctor.py": 1,
     "lammps_jump/dump/formats.py": 1,
     "lammps_jump/engines/lammps/diagnose.py": 2,
     "lammps_jump/runs/live.py": 3,
     "lammps_jump/runs/reopen.py": 5,
     "lammps_jump/runs/start.py": 13,
-    "lammps_jump/studies/stress/limits.py": 7,
-    "lammps_jump/studies/stress/report.py": 2,
-    "lammps_jump/studies/stress/scenes.py": 8,
-    "lammps_jump/studies/stress/study.py": 12,
 }
 """Imports of our own modules inside functions, by file."""
 

@@ -351,12 +351,16 @@ def bench(
     quiet: QuietStudy = False,
 ) -> None:
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
-    from lammps_jump.studies.bench.command import read_axes, run_bench
+    from lammps_jump.studies.bench.command import read_axes, run_bench, stored_table
+    from lammps_jump.studies.runs import StudyCase
 
     part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
-    varied = read_axes(axes, fractions, kernels, diameters)
-    options = {"members": members, "table": table, "assignments": set_ or [], "quick": quick, "fresh": fresh}
-    show(run_bench(case, out=out, part=part, axes=varied, say=_say(quiet), **options))
+    options = {"members": members, "quick": quick, "fresh": fresh, "say": _say(quiet)}
+    options["axes"] = read_axes(axes, fractions, kernels, diameters)
+    if table and part is None:
+        show(stored_table(case, out))
+    else:
+        show(run_bench(StudyCase(case, tuple(set_ or ())), out=out, part=part, **options))
 
 
 @app.command()

@@ -4,52 +4,57 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
-import jinja2
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 
-@dataclass(frozen=True)
-class Text:
-    """A paragraph; `kind` is 'p', 'h3' (a heading), 'verdict' or 'bad' (a box)."""
+class Text(NamedTuple):
+    """A paragraph; `kind` is empty, or 'verdict' or 'bad' for a box."""
 
     text: str
-    kind: str = "p"
+    kind: str = ""
+    block = "text"
 
 
-@dataclass(frozen=True)
-class Table:
-    """A table; cells whose text is in `marked` stand out."""
+class Mark(NamedTuple):
+    """Text of a cell with a class of the page's style."""
 
-    head: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    marked: frozenset[str] = frozenset()
+    text: str
+    kind: str
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A PNG file with its title."""
+class Table(NamedTuple):
+    """A table; a cell is text or a `Mark`."""
+
+    rows: Sequence[Sequence[str | Mark]]
+    header: Sequence[str] = ()
+    block = "table"
+
+
+class Picture(NamedTuple):
+    """A picture as a data URI."""
+
+    caption: str
+    source: str
+    block = "picture"
+
+
+class Section(NamedTuple):
+    """Part of a page under a heading; without a title the blocks follow what stands before."""
 
     title: str
-    path: Path
-
-    @property
-    def source(self) -> str:
-        """The file as a URL that holds its data."""
-        return f"data:image/png;base64,{base64.b64encode(self.path.read_bytes()).decode()}"
-
-
-@dataclass(frozen=True)
-class Section:
-    """Blocks under a heading, which may be empty."""
-
-    heading: str
     blocks: Sequence[Text | Table | Picture]
+
+
+def picture(path: Path, caption: str) -> Picture:
+    """Return a PNG file for the page."""
+    return Picture(caption, f"data:image/png;base64,{base64.b64encode(path.read_bytes()).decode()}")
 
 
 def render(title: str, sections: Sequence[Section]) -> str:
     """Return the page as HTML text; everything in it is escaped."""
-    loader = jinja2.FileSystemLoader(Path(__file__).parent)
-    template = jinja2.Environment(loader=loader, autoescape=True).get_template("page.html.j2")
-    return template.render(title=title, sections=sections)
+    loader = FileSystemLoader(Path(__file__).parent)
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
+    return environment.get_template("page.html.j2").render(title=title, sections=sections)

@@ -7,7 +7,7 @@ starts. Finished runs are kept in ``sensitivity.json``; an interrupted study con
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
@@ -220,9 +220,9 @@ def draw_study(study: Study, rows: list[Row], path: Path) -> Path:
     with style():
         figure, axes = new_figure(8.6, 2.9, 1, 3)
         _draw_points(axes[0], rows, "sequent_ratio", "sequent depths y2/y1")
-        _draw_theory(axes[0], [(row["value"], row["belanger_ratio"]) for row in rows if row["sequent_ratio"]], "Bélanger")
+        _draw_theory(axes[0], rows, "sequent_ratio", "belanger_ratio", "Bélanger")
         _draw_points(axes[1], rows, "length_over_y2", "length over y2")
-        _draw_theory(axes[1], [(row["value"], row["usbr"]) for row in rows if row["length_over_y2"]], "USBR curve")
+        _draw_theory(axes[1], rows, "length_over_y2", "usbr", "USBR curve")
         _draw_points(axes[2], rows, "speed", "speed of the front (m/s)")
         axes[2].axhline(0, color="#999999", linewidth=0.8)
         for panel in axes:
@@ -248,7 +248,7 @@ def _draw_points(panel, rows: list[Row], name: str, title: str) -> None:
     panel.set_title(title)
 
 
-def _draw_theory(panel, points: Iterable[tuple[float, float | None]], label: str) -> None:
-    found = [(x, y) for x, y in points if y is not None]
-    line = {"color": GREY, "markerfacecolor": "white", "label": label}
-    panel.plot([x for x, _ in found], [y for _, y in found], "s--", **line)
+def _draw_theory(panel, rows: list[Row], name: str, theory_name: str, label: str) -> None:
+    found = [row for row in rows if row[name] is not None and row[theory_name] is not None]
+    x, y = [row["value"] for row in found], [row[theory_name] for row in found]
+    panel.plot(x, y, "s--", color=GREY, markerfacecolor="white", label=label)

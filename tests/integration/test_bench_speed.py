@@ -10,6 +10,7 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.studies.bench.command import run_bench
 from lammps_jump.studies.bench.speed import Timed, make_row, make_variants, speed_table, started_from
 from lammps_jump.studies.cross_validation.trajectories import developed_scene
+from lammps_jump.studies.runs import StudyCase
 
 
 def test_variants_follow_the_case_and_the_machine():
@@ -45,9 +46,8 @@ def test_every_variant_starts_from_the_developed_discs():
 
 @pytest.mark.lammps
 def test_bench_speed_of_a_jet(tmp_path):
-    texts = ["contact.friction=0.1", "run.duration=1"]
-    options = {"out": tmp_path, "quick": True, "assignments": texts, "say": lambda text: None}
-    table = run_bench(INPUTS / "quick_jump.yaml", part="speed", **options)
+    case = StudyCase(INPUTS / "quick_jump.yaml").replace({"contact.friction": 0.1, "run.duration": 1})
+    table = run_bench(case, out=tmp_path, part="speed", quick=True, say=lambda text: None)
     stored = json.loads((tmp_path / "speed.json").read_text())
     names = [row["name"] for row in stored["rows"]]
     assert names[0] == "stock" and "native" in names and "| stock |" in table

@@ -16,7 +16,7 @@ from lammps_jump.engines.native import run_native
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.runs import StudyCase
 from lammps_jump.studies.store import Store
-from lammps_jump.studies.table import markdown
+from lammps_jump.studies.table import markdown, number
 from lammps_jump.studies.timing import Stopwatch, in_turn, middle, versions
 
 SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
@@ -66,8 +66,8 @@ def bench_cells(case: StudyCase, store: Store, *, quick: bool = False, say: Call
     for size in (None, 2.0):  # compile both searches before the clock starts
         cell_time(replace(scene, steps=2, output_steps=2), size)
     times: dict[float | None, list[list[float]]] = {size: [] for size in sizes}
-    for number, size in in_turn(sizes, rounds):
-        key = f"{size} {number} {scene.steps} {case.hash} {versions()}"
+    for turn, size in in_turn(sizes, rounds):
+        key = f"{size} {turn} {scene.steps} {case.hash} {versions()}"
         times[size].append(store.piece(key, lambda s=size: cell_time(scene, s)))
         say(f"  {Row(size, 0, 0).name}: {times[size][-1][0]:.2f} s")
     rows = [
@@ -82,9 +82,7 @@ def bench_cells(case: StudyCase, store: Store, *, quick: bool = False, say: Call
 def cell_table(rows: list[Row]) -> str:
     """Return the Markdown table."""
     best = min(row.seconds for row in rows if row.size is not None)
-    lines = [
-        [row.name, f"{row.seconds:.2f}", f"{row.seconds / best:.2f}", f"{row.rate / 1e6:.1f}"] for row in rows
-    ]  # fmt: skip
+    lines = [[row.name, number(row.seconds), number(row.seconds / best), number(row.rate / 1e6, 1)] for row in rows]
     head = ["contact search", "CPU time (s)", "over the best cells", "M disc-steps/s"]
     return markdown(head, "lrrr", lines) + "\n"
 
@@ -101,8 +99,7 @@ def draw_cells(rows: list[Row], name: str, path: Path) -> Path:
         axes.axvline(2.0, color="#bbbbbb", linewidth=0.8)
         axes.annotate("thesis", (2.0, 0.02), xycoords=("data", "axes fraction"), fontsize=7, color="#666666")
         axes.set_ylim(bottom=0)
-        axes.set_xlabel("cell size over disc diameter")
-        axes.set_ylabel("CPU time (s)")
-        axes.set_title(f"{name}: contact search of the native engine")
+        title = f"{name}: contact search of the native engine"
+        axes.set(xlabel="cell size over disc diameter", ylabel="CPU time (s)", title=title)
         axes.legend()
         return save(figure, path)

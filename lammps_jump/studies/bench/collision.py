@@ -210,9 +210,7 @@ def draw_collisions(rows: list[Row], path: Path) -> Path:
                         color=colours[i % 5], label=way, linewidth=1.0, capsize=2,
                     )  # fmt: skip
             panel.axhline(0, color="#555555", linewidth=0.8)
-            panel.set_xscale("log")
-            panel.set_xlabel("f, step over 2/omega")
-            panel.set_title(f"e = {e:g}")
+            panel.set(xscale="log", xlabel="f, step over 2/omega", title=f"e = {e:g}")
             panel.legend(fontsize=7)
         axes.flat[0].set_ylabel("error of restitution (%),\nbars: scatter over entry phases")
         return save(figure, path)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 from lammps_jump.errors import CaseError
@@ -17,20 +17,19 @@ from .speed import bench_speed
 from .study import BENCH_FILE, Axes, bench_case
 from .table import page
 
-COLLISION = "collision"
+COLLISION = Path("collision")
+FOLDER = Path("runs") / "bench"
 PARTS = {"cells": bench_cells, "skips": bench_skips, "speed": bench_speed}
 """Benchmarks beside that of the settings: option, which is also the stem of the JSON file, and function."""
 
 
 def run_bench(
-    path: Path,
+    case: StudyCase,
     *,
     out: Path | None = None,
     part: str | None = None,
     axes: Axes | None = None,
     members: int | None = None,
-    table: bool = False,
-    assignments: Sequence[str] = (),
     quick: bool = False,
     fresh: bool = False,
     say: Callable[[str], None] = print,
@@ -39,18 +38,14 @@ def run_bench(
 
     Parameters
     ----------
-    path : Path
-        Case file, or ``collision``.
+    case : StudyCase
+        Its file may be ``collision``, for two discs against their closed forms.
     out : Path, optional
         Folder; default ``runs/bench/<name>``.
     part : str, optional
         One of `PARTS`; without it, the benchmark of the settings.
     axes, members
         See `study.bench_case`.
-    table : bool
-        Return the table of what is stored and run nothing.
-    assignments : sequence of str
-        ``--set`` texts.
     quick, fresh : bool
         Few and short runs; measure again what is stored.
     say : callable
@@ -58,22 +53,33 @@ def run_bench(
     Raises
     ------
     CaseError
-        No such case, axis or number; ``table`` without a stored benchmark.
+        No such case, axis or number.
     """
-    if str(path) == COLLISION:
-        return bench_collisions(out or Path("runs") / "bench" / COLLISION, quick=quick)
-    case = StudyCase(path, tuple(assignments))
-    if table and part is None:
-        return page(stored(path, (out or _default_folder(StudyCase(path))) / BENCH_FILE))
-    folder = out or _default_folder(case)
+    if case.source == COLLISION:
+        return bench_collisions(out or FOLDER / COLLISION, quick=quick)
+    folder = out or FOLDER / case.name
     if part:
         return PARTS[part](case, Store(folder / f"{part}.json", fresh=fresh), quick=quick, say=say)
     store = Store(folder / BENCH_FILE, fresh=fresh)
     return bench_case(case, store, axes=axes or Axes(), quick=quick, members=members, say=say)
 
 
-def _default_folder(case: StudyCase) -> Path:
-    return Path("runs") / "bench" / case.name
+def stored_table(path: Path, out: Path | None = None) -> str:
+    """Return the table of a finished benchmark of a case file.
+
+    Raises
+    ------
+    CaseError
+        Where there is none.
+    """
+    file = (out or FOLDER / StudyCase(path).name) / BENCH_FILE
+    try:
+        data = json.loads(file.read_text())
+    except (OSError, ValueError):
+        raise CaseError(f"{file}: no benchmark is stored there; run `lammps-jump bench {path}` first") from None
+    if "rows" not in data:
+        raise CaseError(f"{file}: the benchmark is not finished; `lammps-jump bench {path}` continues it")
+    return page(data)
 
 
 def read_axes(names: str | None, fractions: str | None, kernels: str | None, diameters: str | None) -> Axes:
@@ -100,20 +106,3 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
     if not all(0 < value < float("inf") for value in values):
         raise CaseError(f"{option} {text!r}: every value must be above 0")
     return values
-
-
-def stored(case: Path, path: Path) -> dict:
-    """Return the content of a finished ``bench.json``.
-
-    Raises
-    ------
-    CaseError
-        Where there is none.
-    """
-    try:
-        data = json.loads(path.read_text())
-    except (OSError, ValueError):
-        raise CaseError(f"{path}: no benchmark is stored there; run `lammps-jump bench {case}` first") from None
-    if "rows" not in data:
-        raise CaseError(f"{path}: the benchmark is not finished; `lammps-jump bench {case}` continues it")
-    return data

@@ -32,8 +32,7 @@ def draw_quantity(data: dict, name: str, folder: Path) -> Path:
         front = [row for label in summary["pareto"] for row in rows if row["label"] == label]
         if front:
             axes.step(*_points(front, name), where="post", color="#b03a2e", linewidth=1.0, label="Pareto front")
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        axes.set(xscale="log", yscale="log", xlabel="processor time of the run (s)", ylabel="error (%)")
         if summary["floor"]:
             low = min(axes.get_ylim()[0], 50 * summary["floor"])
             axes.set_ylim(bottom=low)
@@ -47,8 +46,6 @@ def draw_quantity(data: dict, name: str, folder: Path) -> Path:
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter("")
         _name_choices(axes, summary, rows, name)
-        axes.set_xlabel("processor time of the run (s)")
-        axes.set_ylabel("error (%)")
         axes.set_title(f"{data['case']}: {name}")
         axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
         return save(figure, folder / f"bench_{name.replace(' ', '_')}.png")

@@ -11,7 +11,6 @@ import re
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -38,89 +37,62 @@ class Skip:
     Attributes
     ----------
     name : str
-    edit : callable
-        (script, scene) -> script with the thing in it; the same text where the scene needs it anyway.
+    edits : tuple of (pattern, replacement)
+        Put the thing into the script. Lines that match a pattern are replaced; `numbers` fill the replacement.
     exact : bool
         Trajectories are equal bit by bit, else to 1e-12 m after `EARLY_STEPS` steps.
+    weightless : bool
+        Only for scenes without gravity.
     """
 
     name: str
-    edit: Callable[[str, Scene], str]
+    edits: tuple[tuple[str, str], ...]
     exact: bool = True
+    weightless: bool = False
+
+    def edit(self, text: str, scene: Scene) -> str:
+        """Return the script with the thing in it; the same text where the scene needs it anyway."""
+        if self.weightless and any(scene.gravity):
+            return text
+        for pattern, replacement in self.edits:
+            text = re.sub(f"(?m)^{pattern}$", replacement.format(**numbers(scene)), text)
+        return text
 
 
-def _after(text: str, pattern: str, line: str) -> str:
-    """Return the text with `line` behind the first line that matches."""
-    return re.sub(f"(?m)^({pattern}.*)$", rf"\1\n{line}", text, count=1)
+def numbers(scene: Scene) -> dict[str, str]:
+    """Return the numbers of a scene that the edits of `SKIPS` need."""
+    c, d = scene.coefficients, scene.diameter
+    return {
+        "rate": f"{3.0 * c.omega:.6g}",
+        "hooke": f"hooke {c.stiffness!r} NULL {max(c.gamma_normal_wall, 1e-12)!r} 0 0 0",
+        "far": repr(scene.domain[1][0] - 100.0),
+        "often": str(max(1, scene.output_steps // 10)),
+        "thin": repr(0.1 * d),
+        "thick": repr(0.6 * d),
+    }
 
 
-def _friction(text: str, scene: Scene) -> str:
-    # a coefficient of 0 with a tangential dashpot: computed in every contact, and worth nothing
-    rate = 3.0 * scene.coefficients.omega
-    text = re.sub(r"(?m)^(pair_style +gran/hooke \S+ \S+ \S+) 0 0 0$", rf"\1 {rate:.6g} 0 1", text)
-    return re.sub(r"(wall/gran(?:/region)? hooke \S+ \S+ \S+) 0 0 0", rf"\1 {rate:.6g} 0 1", text)
-
-
-def _spin(text: str, scene: Scene) -> str:
-    return re.sub(r"(?m)^(fix +motion all) nve$", r"\1 nve/sphere disc", text)
-
-
-def _gravity(text: str, scene: Scene) -> str:
-    return text if any(scene.gravity) else _after(text, "fix +motion", "fix gravity all gravity 0 vector 0 -1 0")
-
-
-def _wall(text: str, scene: Scene) -> str:
-    c, (low, _) = scene.coefficients, scene.domain[1]
-    law = f"hooke {c.stiffness!r} NULL {max(c.gamma_normal_wall, 1e-12)!r} 0 0 0"
-    return _after(text, "fix +motion", f"fix far all wall/gran {law} yplane {low - 100.0!r} NULL")
-
-
-def _plane_constraint(text: str, scene: Scene) -> str:
-    return re.sub(r"(?m)^(# --- guards)$", r"fix flat all enforce2d\n\1", text)
-
-
-def _probe(text: str, scene: Scene) -> str:
-    lines = "compute push all reduce sum fx fy\nfix push all ave/time 1 100 100 c_push[1] c_push[2]"
-    return re.sub(r"(?m)^(# --- guards)$", lines + r"\n\1", text)
-
-
-def _columns(text: str, scene: Scene) -> str:
-    return re.sub(r"(?m)^(dump +frames all \S+ \d+ \S+) id x y vx vy.*$", rf"\1 {FULL_COLUMNS}", text)
-
-
-def _thermo(text: str, scene: Scene) -> str:
-    return re.sub(r"(?m)^thermo +\d+$", "thermo 10", text)
-
-
-def _frames(text: str, scene: Scene) -> str:
-    # into a second file, so that the frames that are compared stay the same
-    every = max(1, scene.output_steps // 10)
-    more = rf"\1\ndump more all custom {every} more.lammpstrj id x y vx vy"
-    return re.sub(r"(?m)^(dump +frames .*)$", more, text)
-
-
-def _skin(text: str, scene: Scene, share: float) -> str:
-    return re.sub(r"(?m)^neighbor +\S+ bin$", f"neighbor {share * scene.diameter!r} bin", text)
-
-
-def _lists(text: str, scene: Scene) -> str:
-    return re.sub(r"(?m)^neigh_modify.*$", "neigh_modify delay 0 every 5 check no", text)
-
-
+MOTION, GUARDS, FRAMES, SKIN = r"(fix +motion .*)", "(# --- guards)", r"(dump +frames .*)", r"neighbor +\S+ bin"
 SKIPS = (
-    Skip("friction terms (ks = 0)", _friction),
-    Skip("integration of spin", _spin),
-    Skip("gravity of 0", _gravity),
-    Skip("a wall out of reach", _wall),
-    Skip("constraint to z = 0", _plane_constraint),
-    Skip("sums over forces at every step", _probe),
-    Skip("dump columns that no analysis reads", _columns),
-    Skip("ten times as many frames", _frames),
-    Skip("log lines every 10 steps", _thermo),
-    Skip("neighbour lists every 5 steps, needed or not", _lists, exact=False),
-    Skip("skin of 0.1 d", partial(_skin, share=0.1), exact=False),
-    Skip("skin of 0.6 d", partial(_skin, share=0.6), exact=False),
-)
+    # a coefficient of 0 with a tangential dashpot: computed in every contact without effect
+    Skip("friction terms (ks = 0)", ((r"(pair_style +gran/hooke \S+ \S+ \S+) 0 0 0", r"\1 {rate} 0 1"),
+                                     (r"(.*wall/gran(?:/region)? hooke \S+ \S+ \S+) 0 0 0(.*)", r"\1 {rate} 0 1\2"))),
+    Skip("integration of spin", ((r"(fix +motion all) nve", r"\1 nve/sphere disc"),)),
+    Skip("gravity of 0", ((MOTION, r"\1\nfix gravity all gravity 0 vector 0 -1 0"),), weightless=True),
+    Skip("a wall out of reach", ((MOTION, r"\1\nfix far all wall/gran {hooke} yplane {far} NULL"),)),
+    Skip("constraint to z = 0", ((GUARDS, r"fix flat all enforce2d\n\1"),)),
+    Skip("sums over forces at every step", ((GUARDS, r"compute push all reduce sum fx fy\n"
+                                             r"fix push all ave/time 1 100 100 c_push[1] c_push[2]\n\1"),)),
+    Skip("dump columns that no analysis reads",
+         ((r"(dump +frames all \S+ \d+ \S+) id x y vx vy.*", rf"\1 {FULL_COLUMNS}"),)),
+    # into a second file, so that the frames that are compared stay the same
+    Skip("ten times as many frames", ((FRAMES, r"\1\ndump more all custom {often} more.lammpstrj id x y vx vy"),)),
+    Skip("log lines every 10 steps", ((r"thermo +\d+", "thermo 10"),)),
+    Skip("neighbour lists every 5 steps, needed or not",
+         ((r"neigh_modify.*", "neigh_modify delay 0 every 5 check no"),), exact=False),
+    Skip("skin of 0.1 d", ((SKIN, "neighbor {thin} bin"),), exact=False),
+    Skip("skin of 0.6 d", ((SKIN, "neighbor {thick} bin"),), exact=False),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 from pathlib import Path
 
 from lammps_jump.errors import SetupError
@@ -159,7 +160,7 @@ def _agreement(developed: Scene, case: StudyCase, variants: Sequence[Variant]) -
     short = started_from(developed, named["stock"].scene(case), CONTACT_STEPS, 100)
     part = separation(trajectory(short, "stock"), trajectory(short, "compiled"), developed.diameter)
     whole = part.other_discs is None
-    found = {"compiled and stock": float(part.largest.max(initial=0.0)) if whole else float("inf")}
+    found = {"compiled and stock": float(part.largest.max(initial=0.0)) if whole else inf}
     if "compiled, law sign" in named:
         sign = started_from(developed, named["compiled, law sign"].scene(case), CONTACT_STEPS)
         found["compiled and native, law sign"] = check_scene(sign, kernel="compiled").worst
@@ -174,8 +175,8 @@ def speed_table(rows: list[Row], agreement: dict[str, float]) -> str:
         for row in rows
     ]  # fmt: skip
     notes = [
-        f"Largest difference of positions after {CONTACT_STEPS} steps, {name}: {'inf' if value is None else f'{value:.1e}'} d."
-        for name, value in agreement.items()
+        f"Largest difference of positions after {CONTACT_STEPS} steps, {name}: {inf if d is None else d:.1e} d."
+        for name, d in agreement.items()
     ]
     table = markdown(["", "M disc-steps/s", "speed against stock (range)"], "lrr", lines)
     return "\n".join([table, "", *notes]).rstrip() + "\n"

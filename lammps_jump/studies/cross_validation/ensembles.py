@@ -180,7 +180,7 @@ def run_member(ensemble: Ensemble, seed: int, progress: ProgressCallback | None 
         result, _ = execute(start, folder, ensemble.kernel, dump_format="binary", progress=progress)
         if result.status == "interrupted":
             raise RunInterrupted(
-                f"ended in {name}, member {seed}; finished members are kept in {store}: the same command continues there"
+                f"ended in {name}, member {seed}; finished members are kept in {store}: the same command continues"
             )
         if result.status != "complete":
             raise RunError(f"{name}, member {seed}: {result.message}")

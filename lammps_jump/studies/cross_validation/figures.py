@@ -80,9 +80,8 @@ def divergence(study: Study, part: Divergence) -> Figure:
         axes.axvspan(scene.time(own.first_contact), end, color="#e9edf4", zorder=0)
         axes.annotate(f"first {CONTACT_STEPS} steps\nwith contacts", (end, 0.97), xycoords=("data", "axes fraction"),
                       va="top", fontsize=8, color=GREY)  # fmt: skip
-    axes.set_ylim(1e-17, 10 * top)
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel("largest distance between\nthe two places of a disc [d]")
+    ylabel = "largest distance between\nthe two places of a disc [d]"
+    axes.set(ylim=(1e-17, 10 * top), xlabel="time [s]", ylabel=ylabel)
     axes.legend(loc="lower right")
     return figure
 
@@ -92,7 +91,7 @@ def _rate(growth: Growth) -> str:
 
 
 def curves(found: Comparison, names: list[str]) -> Figure:
-    """Draw the mean of each ensemble, banded by one standard deviation among members, and the difference with its interval."""
+    """Draw the mean of each ensemble with a band of one standard deviation, and the difference with its interval."""
     count = max(1, len(names))
     figure, axes = new_figure(9.6, 2.1 * count + 0.5, rows=count, columns=2, squeeze=False, width_ratios=(3, 2))
     for row, name in zip(axes, names, strict=False):
@@ -150,8 +149,8 @@ def forest(comparisons: dict[str, Comparison]) -> Figure:
             widest = max(widest, float(np.max(np.abs(x) + np.minimum(half, 3 * np.abs(x) + 5))))
     axes.axvline(0.0, color=GREY, lw=0.8)
     axes.set_yticks([height - k - 0.4 * (1 - shift / 0.8) for k in range(len(names))], names)
-    axes.set_xlim(-1.1 * widest, 1.1 * widest)
-    axes.set_xlabel("difference, % of the quantity, with its 95 % interval (red ring: differs)")
+    xlabel = "difference, % of the quantity, with its 95 % interval (red ring: differs)"
+    axes.set(xlim=(-1.1 * widest, 1.1 * widest), xlabel=xlabel)
     if any(comparisons):
         axes.legend(loc="best")
     return figure
@@ -173,7 +172,6 @@ def law_profiles(laws: dict[str, Comparison]) -> Figure:
         if "mass_depth profile" in found.bands:
             curve, band = found.bands["mass_depth profile"]
             axes.plot(curve.at, band.mean_2, ls=dash, color=colour, label=label)
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("depth by mass [m]")
+    axes.set(xlabel="x [m]", ylabel="depth by mass [m]")
     axes.legend(loc="best")
     return figure

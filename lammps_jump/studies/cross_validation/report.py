@@ -6,7 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from lammps_jump.runs.summary import versions
-from lammps_jump.studies.page import Picture, Section, Table, Text, render
+from lammps_jump.studies.page import Mark, Picture, Section, Table, Text, picture, render
 from lammps_jump.studies.store import as_json
 
 from .divergence import Divergence
@@ -104,12 +104,10 @@ def write_report(report: dict, description: str, figures: dict[str, Path], path:
         f"{len(report['seeds'])} members in each ensemble."
     )
     verdict = Text(verdict_text(report), "verdict" if report["passed"] else "bad")
-    pictures = {title: Picture(title, file) for title, file in figures.items()}
-    statistics = [picture for title, picture in pictures.items() if title not in (DIVERGENCE, *LAW_FIGURES)]
-    sections = [Section("", [Text(about), verdict]), _checks(report, pictures), _statistics(report, statistics)]
-    if report["laws"]:
-        sections.append(_laws(report, [picture for title, picture in pictures.items() if title in LAW_FIGURES]))
-    sections.append(_how(report))
+    shown = {title: picture(file, title) for title, file in figures.items()}
+    first, laws = ([shown.pop(title) for title in some if title in shown] for some in ((DIVERGENCE,), LAW_FIGURES))
+    sections = [Section("", [Text(about), verdict]), _checks(report, first), _statistics(report, [*shown.values()])]
+    sections += [*_laws(report["laws"], laws), _how(report)]
     path.write_text(render(f"Cross-validation: {report['name']}", sections), encoding="utf-8")
     return path
 
@@ -132,7 +130,7 @@ def verdict_text(report: dict) -> str:
     return "The engines differ. " + "; ".join(f"{part}: {', '.join(of)}" for part, of in found.items() if of) + "."
 
 
-def _checks(report: dict, pictures: dict[str, Picture]) -> Section:
+def _checks(report: dict, pictures: list[Picture]) -> Section:
     rows = []
     for c in report["disc_by_disc"]:
         reason = c["expected_difference"]
@@ -145,8 +143,7 @@ def _checks(report: dict, pictures: dict[str, Picture]) -> Section:
         f"first {CONTACT_STEPS} steps from the first contact."
     )
     head = ["scene", "kernel", "discs", "first contact", "largest distance [d]", "verdict"]
-    after = [pictures[DIVERGENCE]] if DIVERGENCE in pictures else []
-    return Section("Disc by disc", [intro, Table(head, rows), _growth(report["divergence"]), *after])
+    return Section("Disc by disc", [intro, Table(rows, head), _growth(report["divergence"]), *pictures])
 
 
 def _growth(part: dict) -> Text:
@@ -182,7 +179,7 @@ def _statistics(report: dict, pictures: list[Picture]) -> Section:
         ]
         for item in report["criteria"]
     ]
-    limits = [Table(["limit set beforehand", "found", "limit", ""], rows)] if rows else []
+    limits = [Table(rows, ["limit set beforehand", "found", "limit", ""])] if rows else []
     one, two = (SHOWN.get(name, name) for name in report["statistics"]["ensembles"])
     return Section("Statistics", [intro, *_verdicts(report["statistics"], one, two), *limits, *pictures])
 
@@ -193,7 +190,7 @@ def _verdicts(part: dict, one: str, two: str) -> list[Text | Table]:
         [
             f"{q['name']}{' at ' + q['place'] if q['place'] else ''} [{q['unit']}]",
             *(f"{_number(q[f'mean_{k}'], 4)} ± {_number(q[f'deviation_{k}'], 4)}" for k in (1, 2)),
-            q["text"],
+            Mark(q["text"], "differ") if q["verdict"] == "differ" else q["text"],
             _number(q["p_adjusted"], 2),
         ]
         for q in part["quantities"]
@@ -203,20 +200,16 @@ def _verdicts(part: dict, one: str, two: str) -> list[Text | Table]:
         texts = [", ".join(f"{word} ({n})" for word, n in side.items()) for side in part["jump_verdicts"]]
         said = [Text(f"Jump: {one}: {texts[0]}; {two}: {texts[1]}.")]
     head = ["quantity", f"{one}, mean ± s.d.", f"{two}, mean ± s.d.", "verdict", "p (Holm)"]
-    differ = frozenset(q["text"] for q in part["quantities"] if q["verdict"] == "differ")
-    return [*said, Table(head, rows, differ)]
+    return [*said, Table(rows, head)]
 
 
-def _laws(report: dict, pictures: list[Picture]) -> Section:
-    blocks = [
-        Text(
-            "Native engine, same starts, against hooke with velocity Verlet and corrected restitution. "
-            "A difference here is a finding, not a failure."
-        )
-    ]
-    for label, law in report["laws"].items():
-        blocks += [Text(f"{label}: {law['what']}", "h3"), *_verdicts(law, "base", label)]
-    return Section("What each choice changes", [*blocks, *pictures])
+def _laws(laws: dict, pictures: list[Picture]) -> list[Section]:
+    intro = Text(
+        "Native engine, same starts, against hooke with velocity Verlet and corrected restitution. "
+        "A difference here is a finding, not a failure."
+    )
+    parts = [Section(f"{label}: {law['what']}", _verdicts(law, "base", label)) for label, law in laws.items()]
+    return [Section("What each choice changes", [intro]), *parts, Section("", pictures)] if laws else []
 
 
 def _how(report: dict) -> Section:

@@ -96,7 +96,7 @@ def predicted_limit(arrangement: str, restitution: float, integrator: str) -> fl
 
 
 def _scene(positions, velocities, walls=(), **settings) -> Scene:
-    """Return discs with closed contacts, without the correction of restitution: the damping ratio is the nominal one."""
+    """Return discs with closed contacts; restitution is not corrected, so the damping ratio is the nominal one."""
     positions = np.asarray(positions, float)
     low, high = positions.min(axis=0) - 5 * DIAMETER, positions.max(axis=0) + 5 * DIAMETER
     settings = {"gravity": (0.0, 0.0), "diameter": DIAMETER, "density": DENSITY, **settings}
@@ -157,7 +157,10 @@ def _square(side: int) -> tuple[np.ndarray, np.ndarray, list[Box]]:
 
 @lru_cache(maxsize=8)
 def _settled(arrangement: str, side: int) -> tuple[np.ndarray, list[Box], tuple[float, float]]:
-    """Return positions, box and gravity of a hexagonal crystal in a tight box, or a deep hexagonal column under its weight, come to rest."""
+    """Return positions, box and gravity of a hexagonal crystal in a tight box, or of a deep column under its weight.
+
+    Both have come to rest.
+    """
     radius = 0.5 * DIAMETER
     if arrangement == "hexagonal":
         overlap, gravity, rows = 1e-3 * DIAMETER, (0.0, 0.0), side + 1 - side % 2
@@ -167,7 +170,8 @@ def _settled(arrangement: str, side: int) -> tuple[np.ndarray, list[Box], tuple[
         gravity, rows, side = (0.0, -9.81), 4 * side, 10
         spacing, wall_x, wall_y = DIAMETER, 0.0, 0.0
     height = spacing * sqrt(3.0) / 2
-    positions = np.array([(spacing * (i + 0.5 * (j % 2)), height * j) for j in range(rows) for i in range(side - j % 2)])
+    places = ((i, j) for j in range(rows) for i in range(side - j % 2))
+    positions = np.array([(spacing * (i + 0.5 * (j % 2)), height * j) for i, j in places])
     right, top = positions.max(axis=0)
     high = top + radius - wall_y if arrangement == "hexagonal" else top + 5 * DIAMETER
     box = Box("box", (wall_x - radius, right + radius - wall_x), (wall_y - radius, high))
@@ -257,7 +261,7 @@ def measure_limit(
 
 
 def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> float:
-    """Return the growth of a 2 % compressed hexagonal crystal with periodic boundaries on stock LAMMPS (script of its own).
+    """Return the growth of a 2 % compressed hexagonal crystal with periodic boundaries, in a LAMMPS script of its own.
 
     Raises
     ------

@@ -96,9 +96,7 @@ def draw_map(limits: list[dict], path: Path) -> Path:
                         )  # fmt: skip
             panel.axhline(0.05, color="#999999", linewidth=0.8)
             panel.annotate("thesis' step", (0.02, 0.055), fontsize=7, color="#666666")
-            panel.set_xlabel("restitution coefficient")
-            panel.set_title(title)
+            panel.set(xlabel="restitution coefficient", title=title)
             panel.legend(fontsize=7)
-        axes[0].set_ylabel("largest stable step over 2/omega of a pair")
-        axes[0].set_ylim(0, 1.05)
+        axes[0].set(ylabel="largest stable step over 2/omega of a pair", ylim=(0, 1.05))
         return save(figure, path)

@@ -105,7 +105,8 @@ class Stress:
                 if self.quick and name.startswith("ks") and name not in ("ks 2, e 0.01, spin", "ks 0.5, e 0.5"):
                     continue
                 longer = self.long and name == "inlet drowned"
-                rows += self._judged(name, "scene {} {} " + str(longer), right, worker, judge, case, 10 if longer else 1)
+                key, patience = f"scene {{}} {{}} {longer}", 10 if longer else 1
+                rows += self._judged(name, key, right, worker, judge, case, patience)
             for name, start in BYPASSED.items():
                 rows += self._judged(name, "bypassed {} {}", ("stopped",), worker, judge_bypassed, start)
         return rows
@@ -131,7 +132,8 @@ class Stress:
         with Worker() as worker:
             for number in range(seed, seed + count):
                 case, key = random_case(number), f"random {number}"
-                pieces[key] = pieces.get(key) or as_json({e: worker.call(judge, case, e, timeout=TIMEOUT) for e in tally})
+                if key not in pieces:
+                    pieces[key] = as_json({e: worker.call(judge, case, e, timeout=TIMEOUT) for e in tally})
                 right = GOOD + (("heated",) if may_heat(case) else ())
                 for engine, result in pieces[key].items():
                     tally[engine][result["outcome"]] += 1
@@ -194,8 +196,9 @@ def stress(
     limits, crystal, growth, scenes = study.limits(), study.periodic(), study.growth_per_contact(), study.scenes()
     drawn = study.random_scenes(random if random is not None else (10 if quick else 200), seed)
     beds = study.beds(20_000 if quick else (10_000_000 if long else 200_000))
-    bad = [f"{row['scene']} ({row['engine']}): {row['outcome']}: {row['message']}" for row in scenes if not row["right"]]
-    bad += [f"random scene {row['seed']} ({row['engine']}): {row['outcome']}: {row['message']}" for row in drawn["bad"]]
+    found = [(row["scene"], row) for row in scenes if not row["right"]]
+    found += [(f"random scene {row['seed']}", row) for row in drawn["bad"]]
+    bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in found]
     bad += [f"resting bed ({bed.engine}): {bed.message}" for bed in beds if not bed.right]
     results = {"limits": limits, "periodic": crystal, "growth": growth, "scenes": scenes, "random": drawn, "bed": beds}
     store.finish(**results, bad=bad, notes=notes)
@@ -224,8 +227,8 @@ def describe_limit(row: dict) -> str:
     friction = f", ks = {row['friction']:g}" if row["friction"] else ""
     spin = ", spin" if row["rotation"] else ""
     return (
-        f"{row['arrangement']}, e = {row['restitution']:g}{friction}{spin}, {row['engine']}: f = {row['measured']:.4f}, "
-        f"closed form {row['predicted']:.4f} ({100 * row['deviation']:+.1f} %)"
+        f"{row['arrangement']}, e = {row['restitution']:g}{friction}{spin}, {row['engine']}: "
+        f"f = {row['measured']:.4f}, closed form {row['predicted']:.4f} ({100 * row['deviation']:+.1f} %)"
     )
 
 
