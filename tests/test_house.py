@@ -46,7 +46,7 @@ IMPORTS_INSIDE: dict[str, int] = {
     "analysis/passes.py": 6,
     "analysis/result_figures.py": 4,
     "lammps_jump/cli/analyze.py": 19,
-    "lammps_jump/cli/app.py": 24,
+    "lammps_jump/cli/app.py": 23,
     "lammps_jump/cli/doctor.py": 1,
     "lammps_jump/dump/formats.py": 1,
     "lammps_jump/engines/lammps/diagnose.py": 2,

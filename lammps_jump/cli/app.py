@@ -351,16 +351,14 @@ def bench(
     quiet: QuietStudy = False,
 ) -> None:
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
-    from lammps_jump.studies.bench.command import read_axes, run_bench, stored_table
-    from lammps_jump.studies.runs import StudyCase
+    from lammps_jump.studies import bench, runs
 
     part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
-    options = {"members": members, "quick": quick, "fresh": fresh, "say": _say(quiet)}
-    options["axes"] = read_axes(axes, fractions, kernels, diameters)
+    varied = bench.read_axes(axes, fractions, kernels, diameters)
+    options = {"axes": varied, "members": members, "quick": quick, "fresh": fresh, "say": _say(quiet)}
     if table and part is None:
-        show(stored_table(case, out))
-    else:
-        show(run_bench(StudyCase(case, tuple(set_ or ())), out=out, part=part, **options))
+        return show(bench.stored_table(case, out))
+    show(bench.run_bench(runs.StudyCase(case, tuple(set_ or ())), out=out, part=part, **options))
 
 
 @app.command()

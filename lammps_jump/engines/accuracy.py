@@ -166,7 +166,7 @@ def fits(row: Calibrated, case: Case, usable: set[str]) -> bool:
 
 
 def _reason(row: Calibrated, base: Calibrated | None, entry: dict, case: Case, accuracy: float) -> str:
-    """Return which setting, how sure, how much quicker than the thesis' step, and what the calibration does not have."""
+    """Return which setting, how sure, how much quicker than the thesis' step, and what the calibration lacks."""
     words, quantity = KINDS[scene_kind(case)]
     quicker = f", {base.seconds / row.seconds:.1f} times quicker than stock LAMMPS at f = 0.05" if base else ""
     text = (
