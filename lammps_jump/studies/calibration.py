@@ -140,9 +140,7 @@ def run_calibration(
     return store.write_table(calibration_table(rows))
 
 
-def search(
-    distance: Callable[[Candidate], float], start: Candidate, grids: Mapping[str, Sequence[float]]
-) -> Candidate:
+def search(distance: Callable[[Candidate], float], start: Candidate, grids: Mapping[str, Sequence[float]]) -> Candidate:
     """Return the candidate of least distance, found by one coordinate of the grids at a time."""
     best = dict(start)
     while True:

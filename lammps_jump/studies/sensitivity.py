@@ -43,8 +43,8 @@ class Study:
         Parameter's value to changed values of the case.
     base : float
         Value of the base case.
-    dear : float
-        From this value on a run takes so long that two starts must do.
+    costly : float
+        From this value on a run takes minutes, and two starts are made at most.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Study:
     quick: tuple[float, ...]
     changes: Callable[[float], dict[str, object]]
     base: float
-    dear: float = float("inf")
+    costly: float = float("inf")
 
 
 Row = dict[str, float | dict[str, int] | None]
@@ -92,7 +92,7 @@ STUDIES = {
     study.name: study
     for study in (
         Study("diameter", "inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,),
-              lambda rows: {"discs.diameter": DEPTH / rows}, 4.0, dear=20.0),
+              lambda rows: {"discs.diameter": DEPTH / rows}, 4.0, costly=20.0),
         Study("restitution", "restitution coefficient", (0.05, 0.2, 0.4, 0.6, 0.8, 0.95), (0.2,),
               lambda e: {"contact.restitution": e}, 0.2),
         Study("friction", "friction coefficient ks", (0.0, 0.01, 0.02, 0.05, 0.1, 0.2), (0.1,),
@@ -100,7 +100,7 @@ STUDIES = {
         Study("stiffness", "penetration fraction n", (5.0, 10.0, 20.0, 40.0), (5.0,),
               lambda n: {"contact.penetration_fraction": n}, 10.0),
         Study("froude", "inflow Froude number", (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), (3.0,), _froude, BASE_FROUDE,
-              dear=7.0),
+              costly=7.0),
         Study("sill", "sill height over inflow depth", (1.0, 1.5, 2.0, 2.5, 3.0), (2.0,),
               lambda s: {"walls.sill.y": [-5, s * DEPTH]}, 2.0),
     )
@@ -140,7 +140,7 @@ def run_sensitivity(
     only : str, optional
         Names of `STUDIES`, comma-separated.
     members : int, optional
-        Starts of every value; default 4 (1 if quick), 2 for the dearest values.
+        Starts of every value; default 4 (1 if quick), 2 for costly values.
     fresh : bool
         Run again what is stored.
     say : callable
@@ -169,7 +169,7 @@ def run_study(study: Study, store: Store, *, quick: bool, members: int, say: Cal
     base = jump_case().replace(QUICK_CHANGES if quick else {})
     runs: dict[float, list[Measured]] = {value: [] for value in (study.quick if quick else study.values)}
     for member, value in in_turn(list(runs), members):
-        if value >= study.dear and member >= 2:
+        if value >= study.costly and member >= 2:
             continue  # minutes each; large numbers of discs scatter less
         case = base.replace(study.changes(value))
         run = stored_run(store, f"{study.name} {value}", case, member)

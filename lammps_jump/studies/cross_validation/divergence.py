@@ -1,4 +1,4 @@
-"""How two runs of a case part after they have agreed: the engines, and the native engine from itself."""
+"""Divergence of two runs of a case after they have agreed: of the engines, and of the native engine from itself."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from .trajectories import (
 
 FRAMES = 400
 TWIN_JITTER = 1e-15
-"""The twin of the native run starts this far off (diameters, and relative speeds): a few last digits."""
+"""The twin of the native run starts this far off (diameters, and shares of speeds): a few last digits."""
 LEVELS = (1e-12, AGREEMENT, 1e-6, 1e-3, 1e-1)
 
 
 @dataclass(frozen=True)
 class Divergence:
-    """How two runs of the case part after they have agreed.
+    """Divergence of two runs of a case after they have agreed.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Divergence:
 
 
 def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
-    """Follow both engines, and the native engine against itself, until discs have parted or `work` is done."""
+    """Compare both engines, and the native engine with its twin, until discs have parted or `work` is done."""
     bare = replace(scene, probes=())
     steps = parting_step(bare, work)
     interval = max(1, steps // FRAMES)
@@ -64,7 +64,7 @@ def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
 
 
 def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:
-    """Some steps after the native engine and its twin have parted by `level` diameters; at most `work` disc-steps."""
+    """Return a step soon after the native engine and its twin have parted by `level` d; at most `work` disc-steps."""
     one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene, 1, TWIN_JITTER)))
     while one.step < scene.steps and one.disc_steps < work:
         chunk = min(200, scene.steps - one.step)

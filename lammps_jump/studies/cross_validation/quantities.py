@@ -1,4 +1,4 @@
-"""What is compared of two ensembles: numbers and curves of each member, by name, with units."""
+"""Numbers and curves of each member, by name and with units, and the comparison of two ensembles."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from .ensembles import Binning, Member
 from .statistics import Band, Difference, block_means, compare_curves, holm, welch
 
 TIME_BLOCKS = 12
-"""Series are compared by their means over this many equal parts of the run: neighbouring frames tell the same."""
+"""Series are compared by their means over this many equal parts of the run; neighbouring frames are correlated."""
 MOST_BINS = 40
 """Profiles are compared on at most this many bins (neighbours averaged)."""
 FORCE_MEAN = 0.1
-"""The largest force is that of means over this time, s: the peak of single steps is a matter of chance contacts."""
+"""The largest force is that of means over this time, s. The peak of single steps depends on chance contacts."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Curve:
-    """One member's curve; `axis` is 'x' (m) or 't' (s)."""
+    """Curve of one member; `axis` is 'x' (m) or 't' (s)."""
 
     axis: str
     at: np.ndarray
@@ -45,7 +45,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Quantities:
-    """One member's numbers and curves by name.
+    """Numbers and curves of one member, by name.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Quantities:
 
 
 def measure(member: Member, scene: Scene, wanted: Wanted, binning: Binning) -> Quantities:
-    """Everything that is compared of one member."""
+    """Return all numbers and curves of one member that are compared."""
     profiles, series = member.profiles, member.series
     scalars: dict[str, tuple[float, str]] = {}
     curves: dict[str, Curve] = {}
@@ -156,7 +156,7 @@ def _jump(member: Member, scene: Scene, binning: Binning, scalars: dict, curves:
 
 
 def _toe(time: np.ndarray, toe: np.ndarray) -> Curve:
-    """The toe by parts of the whole run; a part in which fewer than half of the frames have a jump has no number."""
+    """Return the toe by parts of the run; NaN for a part in which fewer than half of the frames have a jump."""
     cuts = np.linspace(0, len(time), TIME_BLOCKS + 1).astype(int)
     at, values = [], []
     for a, b in pairwise(cuts):
@@ -196,7 +196,7 @@ class Verdict:
 
     @property
     def text(self) -> str:
-        """The verdict in words."""
+        """Verdict in words."""
         d = self.difference
         if self.word == "not comparable":
             return "not comparable"
@@ -207,7 +207,7 @@ class Verdict:
 
 
 def relative_size(d: Difference) -> float | None:
-    """What a difference can be a share of: the larger mean; None where it does not stand out of its own scatter."""
+    """Return the larger mean, of which a difference is a share; None where it is within twice its scatter."""
     size = max(abs(d.mean_1), abs(d.mean_2))
     spread = max(d.deviation_1, d.deviation_2)
     return size if size > 0 and not size < 2.0 * spread else None
@@ -215,7 +215,7 @@ def relative_size(d: Difference) -> float | None:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two ensembles held against each other: one verdict a quantity, and the bands of the curves."""
+    """Comparison of two ensembles: one verdict a quantity, and the bands of the curves."""
 
     name_1: str
     name_2: str
@@ -225,16 +225,16 @@ class Comparison:
 
     @property
     def agrees(self) -> bool:
-        """No quantity differs."""
+        """Whether no quantity differs."""
         return all(verdict.word != "differ" for verdict in self.verdicts)
 
     def find(self, name: str) -> Verdict | None:
-        """The verdict of that name."""
+        """Return the verdict of that name, None where there is none."""
         return next((verdict for verdict in self.verdicts if verdict.name == name), None)
 
 
 def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantities], family_error: float) -> Comparison:
-    """Welch for each number, Welch with Bonferroni over the points for each curve, Holm over all quantities."""
+    """Compare each number (Welch), each curve (Welch, Bonferroni over its points), and all together (Holm)."""
     drafts: list[tuple[str, str, str, Difference, str, float, int]] = []
     bands: dict[str, tuple[Curve, Band]] = {}
     for name in _common(one, two, "scalars"):

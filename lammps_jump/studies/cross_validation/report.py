@@ -18,9 +18,7 @@ from .statistics import CONFIDENCE, FAMILY_ERROR
 from .trajectories import CONTACT_STEPS
 
 
-def as_dict(
-    study: Study, divergence: Divergence, found: Comparison, criteria: list[Criterion], seconds: float
-) -> dict:
+def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: list[Criterion], seconds: float) -> dict:
     """Return what goes into ``cross_validation.json``.
 
     Parameters

@@ -1,4 +1,4 @@
-"""The same scene on both engines, disc by disc: how far the positions part, from when on, and how fast."""
+"""One scene on both engines, disc by disc: how far positions differ, from which step on, and how fast that grows."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.runs import execute
 
 AGREEMENT = 1e-9
-"""Positions that must agree agree to this many diameters."""
+"""Positions that must agree do so to this many diameters."""
 CONTACT_STEPS = 1_000
 """They must do so over this many steps from the first contact on."""
 ROUND_OFF = 1e-13
-"""Separations (in diameters) below this are the last digits of the coordinates, not yet growth."""
+"""Separations (diameters) below this are rounding of the coordinates, not yet growth."""
 SATURATED = 1e-2
-"""Above this a separation is no longer small against a disc and grows no more like a small one."""
+"""Above this a separation (diameters) is not small against a disc, and its growth slows down."""
 KNOWN_LIMIT = 1e-3
 """A difference that chaos explains is still a failure beyond this many diameters."""
 CHAOS_SHARE = 0.1
@@ -36,7 +36,7 @@ Trajectory = dict[int, tuple[np.ndarray, np.ndarray]]
 
 @dataclass(frozen=True)
 class Separation:
-    """Two trajectories of one scene held against each other.
+    """Differences between two trajectories of one scene.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ def trajectory(scene: Scene, kernel: str) -> Trajectory:
 
 
 def separation(one: Trajectory, other: Trajectory, diameter: float) -> Separation:
-    """Distance between two trajectories in the frames they share.
+    """Return the distances between two trajectories in the frames they share.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def separation(one: Trajectory, other: Trajectory, diameter: float) -> Separatio
 
 
 def first_contact(scene: Scene, limit: int) -> int | None:
-    """First step (looked at every tenth) at which any disc is in contact on the native engine; None up to `limit`."""
+    """Return the first step (every tenth is tried) with a contact on the native engine; None up to `limit`."""
     simulation = NativeSimulation(replace(scene, probes=()), ledger=False)
     while simulation.energy().elastic <= 0.0:
         if simulation.step >= limit:
@@ -135,7 +135,7 @@ def first_contact(scene: Scene, limit: int) -> int | None:
 def fit_growth(
     steps: np.ndarray, values: np.ndarray, time_step: float, low: float = ROUND_OFF, high: float = SATURATED
 ) -> Growth:
-    """Rate of growth of a separation: least squares through ln(values) between two levels.
+    """Return the rate of growth of a separation: least squares through ln(values) between two levels.
 
     The frames used run from the last time the values were below `low` to the first time they reach `high`.
 
@@ -162,14 +162,14 @@ def fit_growth(
 
 
 def crossing_step(part: Separation, level: float) -> int | None:
-    """First step at which the largest separation exceeds a level; None where it never does."""
+    """Return the first step at which the largest separation exceeds a level; None where it never does."""
     beyond = np.flatnonzero(part.largest > level)
     return int(part.steps[beyond[0]]) if beyond.size else None
 
 
 @dataclass(frozen=True)
 class DeterministicCheck:
-    """Outcome of one scene: do the engines walk the same path over the first steps with contacts?
+    """Outcome of one scene: whether both engines follow the same path over the first steps with contacts.
 
     Attributes
     ----------
@@ -223,15 +223,15 @@ def twin_separation(scene: Scene, twin: Scene, steps: int, output_steps: int = 1
 
 
 def plain_scene(scene: Scene, steps: int, output_steps: int) -> Scene:
-    """The scene without force probes, with other numbers of steps."""
+    """Return the scene without force probes and with other numbers of steps."""
     return replace(scene, probes=(), steps=steps, output_steps=output_steps)
 
 
 def developed_scene(scene: Scene, share: float = 0.6, work: float = 3e8) -> Scene:
-    """The scene as it stands on the native engine after a share of its run: a start full of contacts.
+    """Return the scene with the discs of the native engine after a share of its run: a start full of contacts.
 
-    Both engines then start from these positions and velocities (discs without spin); gates that have opened are gone,
-    the inlets' turns count anew from the first step.
+    Both engines then start from these positions and velocities, without spin. Open gates are removed, and the inlets
+    count their intervals from the first step.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ BYPASSED = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a scene.
+    """Outcome of a scene.
 
     Attributes
     ----------
@@ -197,7 +197,7 @@ def random_case(seed: int) -> dict:
 
 
 def judge(case: dict, engine: str) -> Outcome:
-    """Build a case for an engine of `ENGINE_CHANGES`, run it and look at everything that came out."""
+    """Build a case for an engine of `ENGINE_CHANGES`, run it and judge all that it wrote."""
     try:
         scene = StudyCase(case).replace(ENGINE_CHANGES[engine]).scene()
     except SetupError as error:
@@ -218,7 +218,7 @@ def judge_bypassed(positions: tuple[tuple[float, float], ...], engine: str) -> O
 
 
 def judge_scene(scene: Scene, engine: str) -> Outcome:
-    """Run a scene and look at everything that came out; the engines must catch what a case's checks would refuse."""
+    """Run a scene and judge all that it wrote; the engines must find what the checks of a case would refuse."""
     kernel = "native" if engine.startswith("native") else engine
     scene = replace(scene, probe_steps=max(1, scene.probe_steps))
     with tempfile.TemporaryDirectory() as folder, np.errstate(all="ignore"):
