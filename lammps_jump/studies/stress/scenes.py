@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import re
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from math import nan
 from pathlib import Path
 
 import numpy as np
@@ -55,11 +56,11 @@ class Outcome:
         One of `GOOD`; 'absent' where the engine is missing; or a bad one: 'nan', 'lost', 'heated', 'wordless', 'hang',
         'crash', 'bug'.
     message : str
-    steps : int
+    steps : int or None
     seconds : float or None
         Wall time, s; None without a run.
     gain : float or None
-        Energy out of nothing, over what moved; closed scenes only.
+        Largest rise of energy over the energy that moved; NaN for open scenes, None for runs that are not complete.
     """
 
     outcome: str
@@ -67,6 +68,10 @@ class Outcome:
     steps: int | None = None
     seconds: float | None = None
     gain: float | None = None
+
+    def stored(self) -> dict[str, str | float]:
+        """Return the fields that are not None."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
 
 
 def base_case(**changes: object) -> dict:
@@ -236,18 +241,18 @@ def judge_scene(scene: Scene, engine: str) -> Outcome:
         if result.status != "complete":
             return Outcome("stopped" if REASONS.search(message) else "wordless", message, **done)
         gain = energy_gain(Path(folder), scene)
-    if gain is not None and gain > HEATED:
+    if gain > HEATED:
         return Outcome("heated", f"the energy rose by {100 * gain:.1f} %", **done, gain=gain)
     return Outcome("stable", message, **done, gain=gain)
 
 
-def energy_gain(folder: Path, scene: Scene) -> float | None:
-    """Return the largest rise of energy in any frame over the energy that moved; None where discs come or go.
+def energy_gain(folder: Path, scene: Scene) -> float:
+    """Return the largest rise of energy in any frame over the energy that moved; NaN where discs come or go.
 
     What moved: kinetic and elastic energy at the start, and the largest fall of the gravitational energy.
     """
     if scene.inlets or scene.outlets or scene.pours or not len(scene.positions):
-        return None
+        return nan
     flow = from_scene(scene)
     ledger = EnergyLedger(flow)
     for frame in open_run_dump(folder):

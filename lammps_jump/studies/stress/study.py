@@ -116,7 +116,8 @@ class Stress:
         rows = []
         for engine in self.scene_engines:
             found = self.store.piece(
-                key.format(name, engine), lambda e=engine: worker.call(function, case, e, timeout=patience * TIMEOUT)
+                key.format(name, engine),
+                lambda e=engine: worker.call(function, case, e, timeout=patience * TIMEOUT).stored(),
             )
             row = {"scene": name, "engine": engine, **found, "right": found["outcome"] in right}
             rows.append(row)
@@ -133,7 +134,7 @@ class Stress:
             for number in range(seed, seed + count):
                 case, key = random_case(number), f"random {number}"
                 if key not in pieces:
-                    pieces[key] = as_json({e: worker.call(judge, case, e, timeout=TIMEOUT) for e in tally})
+                    pieces[key] = as_json({e: worker.call(judge, case, e, timeout=TIMEOUT).stored() for e in tally})
                 right = GOOD + (("heated",) if may_heat(case) else ())
                 for engine, result in pieces[key].items():
                     tally[engine][result["outcome"]] += 1
