@@ -57,7 +57,12 @@ def handmade_scene(
     k = stiffness(density, penetration_fraction, impact_speed)
     law = {name: others.get(name, value) for name, value in CONTACT.items()}
     coefficients = derive(
-        density=density, diameter=diameter, stiffness=k, stiffness_wall=stiffness_wall or k, impact_speed=impact_speed, **law
+        density=density,
+        diameter=diameter,
+        stiffness=k,
+        stiffness_wall=stiffness_wall or k,
+        impact_speed=impact_speed,
+        **law,
     )
     fields = {
         "name": "handmade",
