@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+import lammps_jump.studies as studies
+
 from .options import CaseFile, Quiet, QuietStudy, Sets, place, sayer
 from .progress import ProgressLine
 
@@ -28,16 +30,9 @@ def cross_validate(
     quiet: Quiet = False,
 ) -> None:
     """Hold LAMMPS and the native engine against each other; exit status 1 where they must agree and do not."""
-    from lammps_jump.studies.cross_validation.study import run_command
-
-    options = {
-        "members": members,
-        "kernel": kernel,
-        "quick": quick,
-        "quiet": quiet,
-        "line": partial(ProgressLine, quiet=quiet),
-    }
-    if not run_command(case, out=out, assignments=set_ or [], say=sayer(quiet), **options):
+    line = partial(ProgressLine, quiet=quiet)
+    options = {"members": members, "kernel": kernel, "quick": quick, "quiet": quiet, "line": line}
+    if not studies.cross_validation.run_command(case, out=out, assignments=set_ or [], say=sayer(quiet), **options):
         raise typer.Exit(1)
 
 
@@ -70,15 +65,14 @@ def bench(
     quiet: QuietStudy = False,
 ) -> None:
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
-    from lammps_jump.studies.bench.command import run_bench
-
-    print(
-        run_bench(
-            case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, speed=speed,
-            table=table, diameters=diameters, fractions=fractions, kernels=kernels, assignments=set_ or [], fresh=fresh,
-            say=sayer(quiet),
-        )
-    )  # fmt: skip
+    part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
+    varied = studies.bench.read_axes(axes, fractions, kernels, diameters)
+    options = {"axes": varied, "members": members, "quick": quick, "fresh": fresh, "say": sayer(quiet)}
+    if table and part is None:
+        return studies.table.show(studies.bench.stored_table(case, out))
+    studies.table.show(
+        studies.bench.run_bench(studies.runs.StudyCase(case, tuple(set_ or ())), out=out, part=part, **options)
+    )
 
 
 @app.command()
@@ -92,11 +86,9 @@ def stress(
     quiet: QuietStudy = False,
 ) -> None:
     """Numerical stability: limits of the step, hard and random scenes; exit status 1 where one ends badly."""
-    from lammps_jump.studies.stress.study import stress as study
-
-    found = study(out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=sayer(quiet))
-    if found["bad"]:
-        print("\n".join(["ended badly:", *found["bad"]]))
+    found = studies.stress.stress(out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=sayer(quiet))
+    if found:
+        print("\n".join(["ended badly:", *found]))
         raise typer.Exit(1)
     print(f"every scene ended properly; see {out or 'runs/stress'}/stress.md")
 
@@ -110,9 +102,7 @@ def sensitivity(
     quiet: QuietStudy = False,
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
-    from lammps_jump.studies.sensitivity import run_sensitivity
-
-    print(run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=sayer(quiet)))
+    studies.table.show(studies.run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=sayer(quiet)))
 
 
 @app.command()
@@ -123,6 +113,4 @@ def calibrate(
     quiet: QuietStudy = False,
 ) -> None:
     """Contact coefficients that make discs behave most like water; the distances are printed."""
-    from lammps_jump.studies.calibration import run_calibration
-
-    print(run_calibration(out, quick=quick, fresh=fresh, say=sayer(quiet)))
+    studies.table.show(studies.run_calibration(out, quick=quick, fresh=fresh, say=sayer(quiet)))

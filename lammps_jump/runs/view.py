@@ -6,7 +6,6 @@ import html
 from dataclasses import asdict
 
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Box, Plane, Wall
 
 COEFFICIENTS = {
     "mass": "kg/m",
@@ -29,19 +28,14 @@ def case_html(name: str, scene: Scene) -> str:
 
 def _drawing(scene: Scene) -> str:
     """SVG of the walls within the domain, y upwards."""
-    (left, right), (bottom, top) = scene.domain
-    walls = "".join(_shape(wall, scene.domain) for wall in scene.walls)
+    x, y = scene.domain
+    shapes = [
+        f"<polygon points='{' '.join(f'{px:g},{py:g}' for px, py in corners)}' fill='{fill}'/>"
+        for wall in scene.walls
+        for fill in ("none" if wall.hollow else "#bbb",)
+        for corners in wall.outline(x, y)
+    ]
     return (
-        f"<svg width='640' viewBox='{left:g} {-top:g} {right - left:g} {top - bottom:g}' fill='#bbb' stroke='#333' "
-        f"stroke-width='{(right - left) / 500:g}'><g transform='scale(1 -1)'>{walls}</g></svg>"
+        f"<svg width='640' viewBox='{x[0]:g} {-y[1]:g} {x[1] - x[0]:g} {y[1] - y[0]:g}' stroke='#333' "
+        f"stroke-width='{(x[1] - x[0]) / 500:g}'><g transform='scale(1 -1)'>{''.join(shapes)}</g></svg>"
     )
-
-
-def _shape(wall: Wall, domain: tuple[tuple[float, float], tuple[float, float]]) -> str:
-    (left, right), (bottom, top) = domain
-    if isinstance(wall, Plane):
-        x1, x2, y1, y2 = (wall.at, wall.at, bottom, top) if wall.axis == "x" else (left, right, wall.at, wall.at)
-        return f"<line x1='{x1:g}' x2='{x2:g}' y1='{y1:g}' y2='{y2:g}'/>"
-    (x1, x2), (y1, y2) = wall.x, wall.y
-    fill = "none" if isinstance(wall, Box) else "#bbb"
-    return f"<rect x='{x1:g}' y='{y1:g}' width='{x2 - x1:g}' height='{y2 - y1:g}' fill='{fill}'/>"
