@@ -12,13 +12,11 @@ from lammps_jump.dump.read import open_dump
 from lammps_jump.files import plain
 from lammps_jump.scene.scene import Scene
 
-from .flow import FlowContext, from_scene
+from .flow import Flow, from_scene
 from .passes import AnalysisRequest, Gathered, gather
 
 
-def analyze_run(
-    folder: Path, scene: Scene, wanted: AnalysisRequest, *, engine: str | None = None, quiet: bool = False
-) -> dict:
+def analyze_run(folder: Path, scene: Scene, wanted: AnalysisRequest, *, quiet: bool = False) -> dict:
     """Analyse the dump (and ``forces.csv``) of a run folder; tables and figures are written into it.
 
     Parameters
@@ -26,8 +24,6 @@ def analyze_run(
     folder : Path
     scene : Scene
     wanted : AnalysisRequest
-    engine : {'lammps', 'native'}, optional
-        The engine that ran the scene.
     quiet : bool
         Say nothing while rendering the animation.
 
@@ -36,24 +32,23 @@ def analyze_run(
     dict
         See `analyze_dump`.
     """
-    context = from_scene(
+    flow = from_scene(
         scene,
         bin_width=wanted.bin_width,
         window=wanted.window,
         inflow_depth=wanted.inflow_depth,
         inflow_speed=wanted.inflow_speed,
-        engine=engine,
     )
-    return analyze_dump(find_dump(folder), context, wanted, Path(folder), quiet=quiet)
+    return analyze_dump(find_dump(folder), flow, wanted, Path(folder), quiet=quiet)
 
 
-def analyze_dump(path: Path, context: FlowContext, request: AnalysisRequest, out: Path, *, quiet: bool = False) -> dict:
+def analyze_dump(path: Path, flow: Flow, request: AnalysisRequest, out: Path, *, quiet: bool = False) -> dict:
     """Analyse a dump file.
 
     Parameters
     ----------
     path : Path
-    context : FlowContext
+    flow : Flow
         Of `flow.from_scene` or `guess.from_dump`.
     request : AnalysisRequest
     out : Path
@@ -73,7 +68,7 @@ def analyze_dump(path: Path, context: FlowContext, request: AnalysisRequest, out
     """
     out = Path(out)
     warnings: list[str] = []
-    gathered = gather(open_dump(path), context, request, warnings, places=(out, Path(path).parent))
+    gathered = gather(open_dump(path), flow, request, warnings, places=(out, Path(path).parent))
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
     parts, shown = summarise(gathered, request, warnings)
     from .profiles import write_profiles
@@ -108,25 +103,25 @@ def summarise(gathered: Gathered, request: AnalysisRequest, warnings: list[str])
     """Summary parts, and the full results of each analysis for tables and figures."""
     parts: dict[str, Any] = {}
     shown: dict[str, Any] = {}
-    context = gathered.context
+    flow = gathered.flow
     if gathered.energy is not None:
         from .energy import summarise_energy
 
-        parts["energy"] = summarise_energy(gathered.energy, context)
+        parts["energy"] = summarise_energy(gathered.energy, flow)
     if gathered.front is not None:
         from .front import summarise_front
 
-        parts["front"] = summarise_front(gathered.front, context)
+        parts["front"] = summarise_front(gathered.front, flow)
     if request.jump:
         from lammps_jump.analysis.jump.result import analyse_jump
         from lammps_jump.analysis.jump.summary import summarise_jump
 
-        shown["jump"] = analyse_jump(gathered.profiles, context, gathered.contacts)
+        shown["jump"] = analyse_jump(gathered.profiles, flow, gathered.contacts)
         parts["jump"] = summarise_jump(shown["jump"])
     if gathered.forces:
         from lammps_jump.analysis.forces.history import analyse_forces
 
-        shown["force"] = analyse_forces(gathered.forces, context, gathered.momentum, gathered.profiles)
+        shown["force"] = analyse_forces(gathered.forces, flow, gathered.momentum, gathered.profiles)
         parts["force"] = shown["force"].summary
     return parts, shown
 

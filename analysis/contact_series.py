@@ -9,7 +9,7 @@ import numpy as np
 from lammps_jump.dump.frame import Frame
 
 from .contact_sums import pair_sums, wall_sums
-from .flow import FlowContext
+from .flow import Flow
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class ContactSeries:
 class ContactCollector:
     """Collects a `ContactSeries`; with `edges` None only the elastic energy."""
 
-    def __init__(self, context: FlowContext, edges: np.ndarray | None):
-        self.context, self.edges = context, edges
+    def __init__(self, flow: Flow, edges: np.ndarray | None):
+        self.flow, self.edges = flow, edges
         self.latest = 0.0
         self._time: list[float] = []
         self._elastic: list[float] = []
@@ -46,13 +46,13 @@ class ContactCollector:
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame; its elastic energy stands in ``latest`` until the next one."""
-        context, edges = self.context, self.edges
-        pairs = pair_sums(frame, context, edges)
+        flow, edges = self.flow, self.edges
+        pairs = pair_sums(frame, flow, edges)
         self.latest = pairs.energy
         bins = np.zeros((3, len(pairs.thrust)))
         bins[0] = pairs.thrust
-        for wall in context.walls_at(time):
-            sums = wall_sums(frame, wall, context, velocity=edges is not None)
+        for wall in flow.walls_at(time):
+            sums = wall_sums(frame, wall, flow, velocity=edges is not None)
             self.latest += sums.energy
             if edges is not None and sums.index.size:
                 place = np.floor((frame.x[sums.index] - edges[0]) / (edges[1] - edges[0])).astype(int)

@@ -15,7 +15,7 @@ from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
 from .contacts import dashpot_share, face_contacts, spring_force
-from .flow import FlowContext
+from .flow import Flow
 
 
 def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, width, low, bin_width, pressure):
@@ -83,14 +83,14 @@ class PairSums:
     thrust: np.ndarray
 
 
-def pair_sums(frame: Frame, context: FlowContext, edges: np.ndarray | None = None) -> PairSums:
+def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> PairSums:
     """Elastic energy and thrust of the disc-disc contacts of a frame.
 
     Parameters
     ----------
     frame : Frame
         With x, y, and vx, vy where `edges` are given.
-    context : FlowContext
+    flow : Flow
         With a stiffness.
     edges : ndarray, shape (bins + 1,), optional
         Bins of equal width for the thrust, m.
@@ -103,9 +103,9 @@ def pair_sums(frame: Frame, context: FlowContext, edges: np.ndarray | None = Non
     thrust = np.zeros(0 if edges is None else len(edges) - 1)
     vx, vy = (x, y) if edges is None else (np.ascontiguousarray(v, float) for v in (frame.vx, frame.vy))
     low, step = (0.0, 1.0) if edges is None else (float(edges[0]), float(edges[-1] - edges[0]) / len(thrust))
-    width = context.touch_width if context.touch == "smooth" else 0.0
-    first, second = close_pairs(x, y, context.diameter)
-    law = (context.diameter, context.stiffness, context.dashpot, width)
+    width = flow.touch_width
+    first, second = close_pairs(x, y, flow.scene.diameter)
+    law = (flow.scene.diameter, flow.scene.coefficients.stiffness, flow.dashpots[0], width)
     energy = _pair_sums(x, y, vx, vy, first, second, *law, low, step, thrust)
     return PairSums(float(energy), len(first), thrust)
 
@@ -136,37 +136,36 @@ class WallSums:
     sideways: bool
 
 
-def wall_sums(frame: Frame, wall: Wall, context: FlowContext, *, velocity: bool = True) -> WallSums:
+def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) -> WallSums:
     """Contacts of a frame's discs with one wall, from positions (and velocities where `velocity`).
 
     Normal force k delta - c v_n, friction min(m gamma_t abs(v_t), ks abs(F_n)) of the `hooke` law or the thesis' ramp
     (4.18-4.21) of the `sign` law.
     """
-    width = context.touch_width if context.touch == "smooth" else 0.0
+    c, width = flow.scene.coefficients, flow.touch_width
     energy, indices, fxs, fys, sideways = 0.0, [], [], [], False
     top_speed = None
-    for index, overlap, nx, ny in face_contacts(frame, wall, context.radius):
-        k = context.stiffness_wall
-        normal = spring_force(overlap, k, context.touch, width)
+    for index, overlap, nx, ny in face_contacts(frame, wall, flow.scene.radius):
+        normal = spring_force(overlap, c.stiffness_wall, width)
         stored = 0.5 * overlap**2 - 0.5 * width * overlap + width**2 / 6.0
-        energy += k * float(np.sum(np.where(overlap < width, overlap**3 / (6.0 * width or 1.0), stored)))
+        energy += c.stiffness_wall * float(np.sum(np.where(overlap < width, overlap**3 / (6.0 * width or 1.0), stored)))
         tangential = np.zeros_like(normal)
         if velocity:
             vx, vy = frame.vx[index], frame.vy[index]
-            share = dashpot_share(overlap, context.touch, width)
-            normal = normal - share * context.dashpot_wall * (vx * nx + vy * ny)
-            if context.friction:
+            share = dashpot_share(overlap, width)
+            normal = normal - share * flow.dashpots[1] * (vx * nx + vy * ny)
+            if c.friction:
                 slip = -vx * ny + vy * nx
-                if context.rotation and "omegaz" in frame.columns:
-                    slip = slip - frame.column("omegaz")[index] * context.radius
-                if context.friction_law == "sign":
+                if flow.scene.rotation and "omegaz" in frame.columns:
+                    slip = slip - frame.column("omegaz")[index] * flow.scene.radius
+                if flow.scene.friction_law == "sign":
                     if top_speed is None:
                         top_speed = float(np.sqrt(np.max(frame.vx**2 + frame.vy**2)))
                     share = np.clip(slip / max(0.01 * top_speed, 1e-300), -1.0, 1.0)
-                    tangential = -context.friction * np.abs(normal) * share
+                    tangential = -c.friction * np.abs(normal) * share
                 else:
-                    ramp = context.mass * context.gamma_tangential * np.abs(slip)
-                    tangential = -np.minimum(ramp, context.friction * np.abs(normal)) * np.sign(slip)
+                    ramp = c.mass * c.gamma_tangential_wall * np.abs(slip)
+                    tangential = -np.minimum(ramp, c.friction * np.abs(normal)) * np.sign(slip)
         indices.append(index)
         fxs.append(normal * nx - tangential * ny)
         fys.append(normal * ny + tangential * nx)

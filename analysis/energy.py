@@ -10,7 +10,7 @@ from lammps_jump.dump.frame import Frame
 
 from .contact_series import ContactCollector
 from .contact_sums import pair_sums, wall_sums
-from .flow import FlowContext
+from .flow import Flow
 
 
 @dataclass(frozen=True)
@@ -46,30 +46,30 @@ class EnergyHistory:
 class EnergyLedger:
     """Collects the energy of one frame after the other; ask for `result` at the end."""
 
-    def __init__(self, context: FlowContext, contacts: ContactCollector | None = None):
+    def __init__(self, flow: Flow, contacts: ContactCollector | None = None):
         """`contacts` saw the same frame just before: its elastic energy is used instead of a second pair search."""
-        self.context, self.contacts = context, contacts
+        self.flow, self.contacts = flow, contacts
         self._rows: list[tuple[float, ...]] = []
         self._ids: np.ndarray | None = None
         self._same = True
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        context = self.context
-        mass, (gx, gy) = context.mass, context.gravity
+        flow = self.flow
+        mass, (gx, gy) = flow.scene.mass, flow.scene.gravity
         x, y = frame.x, frame.y
         kinetic = 0.5 * mass * float(np.dot(frame.vx, frame.vx) + np.dot(frame.vy, frame.vy))
         rotational = 0.0
         if "omegaz" in frame.columns:
             spin = frame.column("omegaz")
-            rotational = 0.25 * mass * context.radius**2 * float(np.dot(spin, spin))
+            rotational = 0.25 * mass * flow.scene.radius**2 * float(np.dot(spin, spin))
         potential = -mass * float(gx * x.sum() + gy * y.sum())
         elastic = np.nan
         if self.contacts is not None:
             elastic = self.contacts.latest
-        elif context.stiffness is not None:
-            walls = sum(wall_sums(frame, wall, context, velocity=False).energy for wall in context.walls_at(time))
-            elastic = pair_sums(frame, context).energy + walls
+        elif flow.knows_contacts:
+            walls = sum(wall_sums(frame, wall, flow, velocity=False).energy for wall in flow.walls_at(time))
+            elastic = pair_sums(frame, flow).energy + walls
         ids = np.sort(frame.ids)
         if self._ids is None:
             self._ids = ids
@@ -80,7 +80,7 @@ class EnergyLedger:
     def result(self) -> EnergyHistory:
         """The history of all frames added."""
         rows = np.array(self._rows, float).reshape(-1, 6)
-        elastic = rows[:, 4] if len(rows) and self.context.stiffness is not None else None
+        elastic = rows[:, 4] if len(rows) and self.flow.knows_contacts else None
         return EnergyHistory(*rows[:, :4].T, elastic, rows[:, 5].astype(int), self._same)
 
 
@@ -92,13 +92,13 @@ def drift(time: np.ndarray, energy: np.ndarray) -> float:
     return float(slope * (time[-1] - time[0]) / energy[0])
 
 
-def summarise_energy(history: EnergyHistory, context: FlowContext) -> dict:
+def summarise_energy(history: EnergyHistory, flow: Flow) -> dict:
     """Numbers for the summary.
 
     Parameters
     ----------
     history : EnergyHistory
-    context : FlowContext
+    flow : Flow
 
     Returns
     -------
@@ -112,7 +112,7 @@ def summarise_energy(history: EnergyHistory, context: FlowContext) -> dict:
     total = history.total
     start = float(total[0])
     relative = (total - start) / abs(start) if start else np.full_like(total, np.nan)
-    conservative = context.restitution == 1.0 and not context.friction and history.same_discs
+    conservative = flow.conservative and history.same_discs
     return {
         "initial": start,
         "final": float(total[-1]),

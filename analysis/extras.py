@@ -66,7 +66,7 @@ def _fields(gathered: Gathered, request: AnalysisRequest, path: Path, out: Path,
 
     from .fields import mean_fields
 
-    context, profiles = gathered.context, gathered.profiles
+    flow, profiles = gathered.flow, gathered.profiles
     time = profiles["time"].values
     begin, end = profiles.attrs["window_begin"], profiles.attrs["window_end"]
     indices = np.flatnonzero((time >= begin - 1e-9) & (time <= end + 1e-9))
@@ -75,9 +75,9 @@ def _fields(gathered: Gathered, request: AnalysisRequest, path: Path, out: Path,
     x = (profiles.attrs["x_low"], profiles.attrs["x_high"])
     bed, surface = profiles["bed"].values, profiles["surface_depth"].values[indices] + profiles["bed"].values
     known = surface[np.isfinite(surface)]
-    low = float(np.nanmin(bed)) if np.isfinite(bed).any() else context.domain[1][0]
-    high = max(float(known.max(initial=low)), low) + 5 * context.diameter
-    fields = mean_fields(open_dump(path).select(indices.tolist()), context, x=x, y=(low, high))
+    low = float(np.nanmin(bed)) if np.isfinite(bed).any() else flow.scene.domain[1][0]
+    high = max(float(known.max(initial=low)), low) + 5 * flow.scene.diameter
+    fields = mean_fields(open_dump(path).select(indices.tolist()), flow, x=x, y=(low, high))
     try:
         fields.to_netcdf(out / "fields.nc", engine="h5netcdf")
     except OSError as error:
@@ -91,15 +91,15 @@ def _fields(gathered: Gathered, request: AnalysisRequest, path: Path, out: Path,
     if request.figures:
         (out / "figures").mkdir(exist_ok=True)
         for variable in ("density", *(("pressure",) if stress else ())):
-            written = save(field_map(fields, context, variable), out / "figures" / f"field_{variable}.png")
+            written = save(field_map(fields, flow, variable), out / "figures" / f"field_{variable}.png")
             files.append(f"figures/{written.name}")
         if stress:
-            written = save(bed_pressure_figure(fields, context), out / "figures" / "bed_pressure.png")
+            written = save(bed_pressure_figure(fields, flow), out / "figures" / "bed_pressure.png")
             files.append(f"figures/{written.name}")
     summary: dict = {"file": "fields.nc", "frames": len(indices), "reach": float(fields.attrs["reach"])}
     if stress:
         bottom = bed_pressure(fields)
-        covered = bottom["hydrostatic"].values > context.density * context.g * context.diameter
+        covered = bottom["hydrostatic"].values > flow.scene.density * flow.g * flow.scene.diameter
         if covered.any():
             ratio = bottom["stress"].values[covered].sum() / bottom["hydrostatic"].values[covered].sum()
             summary["bed_stress_over_weight"] = float(ratio)
@@ -110,12 +110,12 @@ def _discs_for_paraview(gathered: Gathered, path: Path, out: Path) -> list[str]:
     """Ten frames of discs as .vtp with a .pvd that holds their times."""
     from lammps_jump.dump.exports import write_pvd, write_vtp
 
-    context = gathered.context
+    flow = gathered.flow
     dump = open_dump(path)
     written = []
     for number, frame in enumerate(dump.select(ten_indices(dump.count()))):
-        name = write_vtp(frame, out / f"discs{number}.vtp", context.diameter)
-        written.append((context.time(frame), name))
+        name = write_vtp(frame, out / f"discs{number}.vtp", flow.scene.diameter)
+        written.append((flow.time(frame), name))
     collection = write_pvd(written, out / "discs.pvd")
     return [*(name.name for _, name in written), collection.name]
 
@@ -130,7 +130,7 @@ def _film(gathered: Gathered, path: Path, out: Path, warnings: list[str], quiet:
     try:
         made = animate(
             open_dump(path),
-            gathered.context,
+            gathered.flow,
             out / "animation.mp4",
             forces=gathered.forces or None,
             progress=None if quiet or not sys.stdout.isatty() else shown,

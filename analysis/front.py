@@ -16,7 +16,7 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
 from lammps_jump.scene.walls import Box, Plane
 
-from .flow import FlowContext
+from .flow import Flow
 
 GAP = 2.0
 """Diameters of empty x that end the bulk."""
@@ -53,9 +53,9 @@ class FrontHistory:
     column: tuple[float, float]
 
 
-def back_wall(context: FlowContext) -> float | None:
+def back_wall(flow: Flow) -> float | None:
     """Position of the vertical wall that the column leans on, m; None where there is none."""
-    for wall in context.walls:
+    for wall in flow.scene.walls:
         if isinstance(wall, Plane) and wall.axis == "x" and wall.side == "above":
             return wall.at
         if isinstance(wall, Box):
@@ -89,21 +89,21 @@ def stack_top(y: np.ndarray, diameter: float, bed: float) -> float:
 class FrontTracker:
     """Follows the front from frame to frame; ask for `result` at the end."""
 
-    def __init__(self, context: FlowContext):
-        self.context = context
-        self.back = back_wall(context)
+    def __init__(self, flow: Flow):
+        self.flow = flow
+        self.back = back_wall(flow)
         self._rows: list[tuple[float, ...]] = []
         self._column: tuple[float, float] | None = None
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        d, x, y = self.context.diameter, frame.x, frame.y
+        d, x, y = self.flow.scene.diameter, frame.x, frame.y
         if not frame.n:
             self._rows.append((time, nan, nan, nan, nan, nan))
             return
         if self.back is None:  # no wall: the column's own left edge at the start
             self.back = float(x.min()) - 0.5 * d
-        bed = float(self.context.bed_height(np.array([self.back + 0.5 * d]))[0])
+        bed = float(self.flow.bed_height(np.array([self.back + 0.5 * d]))[0])
         if not np.isfinite(bed):
             bed = float(y.min()) - 0.5 * d
         near = x - self.back < 1.5 * d
@@ -172,28 +172,30 @@ def dimensionless(history: FrontHistory, gravity: float) -> dict[str, np.ndarray
     }
 
 
-def free_length(context: FlowContext, history: FrontHistory) -> float:
+def free_length(flow: Flow, history: FrontHistory) -> float:
     """Distance from the back wall to the first thing in the way of the front, m; infinite where there is none."""
     base = history.back + history.column[0]
-    bed = float(context.bed_height(np.array([base]))[0])
-    faces = [wall.x[0] for wall in context.walls if getattr(wall, "x", None) and wall.x[0] > base + context.diameter]
-    faces += [w.at for w in context.walls if isinstance(w, Plane) and w.axis == "x" and w.side == "below"]
-    faces += [w.x[1] for w in context.walls if isinstance(w, Box)]
+    bed = float(flow.bed_height(np.array([base]))[0])
+    faces = [
+        wall.x[0] for wall in flow.scene.walls if getattr(wall, "x", None) and wall.x[0] > base + flow.scene.diameter
+    ]
+    faces += [w.at for w in flow.scene.walls if isinstance(w, Plane) and w.axis == "x" and w.side == "below"]
+    faces += [w.x[1] for w in flow.scene.walls if isinstance(w, Box)]
     # the floor may end before anything stands in the way
-    probe = np.linspace(base, context.domain[0][1], 2000)
-    level = context.bed_height(probe)
+    probe = np.linspace(base, flow.scene.domain[0][1], 2000)
+    level = flow.bed_height(probe)
     changed = np.flatnonzero(~(np.abs(level - bed) < 1e-9))
     faces += [float(probe[changed[0]])] if changed.size else []
     return min(faces, default=float("inf")) - history.back
 
 
-def summarise_front(history: FrontHistory, context: FlowContext) -> dict:
+def summarise_front(history: FrontHistory, flow: Flow) -> dict:
     """Numbers for the summary: fronts at the end, against Ritter while it holds, against Martin & Moyce.
 
     Parameters
     ----------
     history : FrontHistory
-    context : FlowContext
+    flow : Flow
 
     Returns
     -------
@@ -209,8 +211,8 @@ def summarise_front(history: FrontHistory, context: FlowContext) -> dict:
     if not good.any() or not base > 0:
         return {**nothing, "reason": "no frame holds a disc, so there is no front"}
     last = np.flatnonzero(good)[-1]
-    gravity = -context.gravity[1]
-    free = free_length(context, history)
+    gravity = -flow.scene.gravity[1]
+    free = free_length(flow, history)
     summary = {
         "time": float(history.time[last]),
         "position": float(history.back + history.bulk[last]),
@@ -226,7 +228,7 @@ def summarise_front(history: FrontHistory, context: FlowContext) -> dict:
         "martin_moyce": None,
     }
     running = good & (history.time >= 0) & (history.bulk > base + 0.1 * (free - base if np.isfinite(free) else base))
-    hit = np.flatnonzero(good & (history.time >= 0) & (history.bulk >= free - 0.5 * context.diameter))
+    hit = np.flatnonzero(good & (history.time >= 0) & (history.bulk >= free - 0.5 * flow.scene.diameter))
     if hit.size:
         summary["arrival_time"] = float(history.time[hit[0]])
         running[hit[0] :] = False

@@ -13,7 +13,7 @@ from lammps_jump.dump.frame import Frame, make_frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 
-from .flow import FlowContext
+from .flow import Flow
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,7 +62,7 @@ class Gathered:
 
     Attributes
     ----------
-    context : FlowContext
+    flow : Flow
     profiles : xarray.Dataset
     contacts : ContactSeries or None
         Thrust and bed forces by frame and bin.
@@ -72,7 +72,7 @@ class Gathered:
     forces : dict of str to ForceHistory
     """
 
-    context: FlowContext
+    flow: Flow
     profiles: xr.Dataset
     contacts: Any = None
     energy: Any = None
@@ -82,7 +82,7 @@ class Gathered:
 
 
 def gather(
-    dump: Dump, context: FlowContext, request: AnalysisRequest, warnings: list[str], places: tuple[Path, ...] = ()
+    dump: Dump, flow: Flow, request: AnalysisRequest, warnings: list[str], places: tuple[Path, ...] = ()
 ) -> Gathered:
     """One pass over a dump: profiles and, as asked for, contacts, energy, front and momentum.
 
@@ -90,54 +90,54 @@ def gather(
     """
     from .profiles import add_means, bin_edges, compute_profiles
 
-    warnings += context.notes
+    warnings += flow.notes
     takers, collectors = [], {}
-    edges = bin_edges(context.x_range, request.bin_width or context.bin_width)
-    if context.stiffness is not None and (request.jump or request.energy):
+    edges = bin_edges(flow.x_range, request.bin_width or flow.bin_width)
+    if flow.knows_contacts and (request.jump or request.energy):
         from .contact_series import ContactCollector
 
-        collectors["contacts"] = ContactCollector(context, edges if request.jump else None)
+        collectors["contacts"] = ContactCollector(flow, edges if request.jump else None)
         takers.append(collectors["contacts"])
     if request.energy:
         from .energy import EnergyLedger
 
-        collectors["energy"] = EnergyLedger(context, collectors.get("contacts"))
+        collectors["energy"] = EnergyLedger(flow, collectors.get("contacts"))
         takers.append(collectors["energy"])
     if request.front:
         from .front import FrontTracker
 
-        collectors["front"] = FrontTracker(context)
+        collectors["front"] = FrontTracker(flow)
         takers.append(collectors["front"])
-    forces = _find_forces(places, warnings) if request.forces or context.probes else {}
+    forces = _find_forces(places, warnings) if request.forces or flow.scene.probes else {}
     if forces:
         from lammps_jump.analysis.forces.impulse import MomentumLedger
 
-        collectors["momentum"] = MomentumLedger(context)
+        collectors["momentum"] = MomentumLedger(flow)
         takers.append(collectors["momentum"])
-    frames = with_velocities(dump, context, warnings)
-    free = replace(context, window=None)
-    profiles = compute_profiles(_feed(frames, context, takers), free, bin_width=request.bin_width)
+    frames = with_velocities(dump, flow, warnings)
+    free = replace(flow, window=None)
+    profiles = compute_profiles(_feed(frames, flow, takers), free, bin_width=request.bin_width)
     warnings += dump.warnings
-    window = request.window or context.window
+    window = request.window or flow.window
     if window is not None:
         try:
             profiles = add_means(profiles, window)
         except DumpError as error:
             warnings.append(f"Means are over the second half of the frames instead: {error}")
-    return Gathered(context, profiles, forces=forces, **{k: v.result() for k, v in collectors.items()})
+    return Gathered(flow, profiles, forces=forces, **{k: v.result() for k, v in collectors.items()})
 
 
-def _feed(frames: Iterator[Frame], context: FlowContext, takers: list) -> Iterator[Frame]:
+def _feed(frames: Iterator[Frame], flow: Flow, takers: list) -> Iterator[Frame]:
     """The same frames, shown to every taker on the way."""
     for frame in frames:
-        require_finite(frame, context.name)
-        time = context.time(frame)
+        require_finite(frame, flow.scene.name)
+        time = flow.time(frame)
         for taker in takers:
             taker.add(frame, time)
         yield frame
 
 
-def with_velocities(dump: Dump, context: FlowContext, warnings: list[str]) -> Iterator[Frame]:
+def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Frame]:
     """The frames; where the file has no vx, vy they are differences of the positions since the frame before.
 
     A disc that was not there before gets velocity 0, as do all discs of the first frame.
@@ -151,7 +151,7 @@ def with_velocities(dump: Dump, context: FlowContext, warnings: list[str]) -> It
     )
     before: tuple[np.ndarray, np.ndarray, np.ndarray, float] | None = None
     for frame in dump:
-        ids, time = frame.ids, context.time(frame)
+        ids, time = frame.ids, flow.time(frame)
         order = np.argsort(ids, kind="stable")
         vx, vy = np.zeros(frame.n), np.zeros(frame.n)
         if before is not None and time > before[3]:

@@ -16,7 +16,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 
-from .flow import FlowContext
+from .flow import Flow
 from .profile_kernels import LINES_PER_DIAMETER, bin_frame, surface_frame
 from .statistics import LEAST_SAMPLES, block_average
 
@@ -59,7 +59,7 @@ def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
 
 def compute_profiles(
     frames: Iterable[Frame],
-    context: FlowContext,
+    flow: Flow,
     *,
     bin_width: float | None = None,
     x_range: Interval | None = None,
@@ -76,13 +76,13 @@ def compute_profiles(
     ----------
     frames : iterable of Frame
         Streamed: one at a time in memory.
-    context : FlowContext
+    flow : Flow
     bin_width : float, optional
-        m; default ``context.bin_width``.
+        m; default ``flow.bin_width``.
     x_range : (float, float), optional
-        m; default ``context.x_range``.
+        m; default ``flow.x_range``.
     window : (float, float), optional
-        First and last time of the means, s; default ``context.window``, else the second half of the times.
+        First and last time of the means, s; default ``flow.window``, else the second half of the times.
 
     Returns
     -------
@@ -98,14 +98,14 @@ def compute_profiles(
     DumpError
         No frame at all, a missing column, a wrong range or width.
     """
-    width = context.bin_width if bin_width is None else bin_width
-    edges = bin_edges(context.x_range if x_range is None else x_range, width)
-    bins, radius = len(edges) - 1, context.radius
-    bed = context.mean_bed(edges)
-    depth_unit = context.mass / (context.density * width)
+    width = flow.bin_width if bin_width is None else bin_width
+    edges = bin_edges(flow.x_range if x_range is None else x_range, width)
+    bins, radius = len(edges) - 1, flow.scene.radius
+    bed = flow.mean_bed(edges)
+    depth_unit = flow.scene.mass / (flow.scene.density * width)
     disc_area = np.pi * radius**2
-    lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / context.diameter - 1e-9)))
-    bed_lines = context.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
+    lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
+    bed_lines = flow.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
     rows: dict[str, list] = {name: [] for name in VARIABLES}
     times, steps, discs, outside = [], [], [], []
     for frame in frames:
@@ -119,16 +119,16 @@ def compute_profiles(
         sums = np.zeros((6, bins))
         beyond = np.zeros(2)
         bin_frame(x, y, vx, vy, edges[0], width, radius, sums, beyond)
-        surface = surface_frame(x, y, vx, context.bed_height(x), bed_lines, edges[0], width, bins, radius)
+        surface = surface_frame(x, y, vx, flow.bed_height(x), bed_lines, edges[0], width, bins, radius)
         _append(rows, sums, *surface, bed, depth_unit, disc_area, width)
-        times.append(context.time(frame))
+        times.append(flow.time(frame))
         steps.append(frame.step)
         discs.append(frame.n)
         outside.append(beyond)
     if not times:
         raise DumpError("there is no frame to make profiles of.")
-    dataset = _dataset(rows, times, steps, discs, outside, edges, bed, context)
-    return add_means(dataset, window or context.window)
+    dataset = _dataset(rows, times, steps, discs, outside, edges, bed, flow)
+    return add_means(dataset, window or flow.window)
 
 
 def _append(rows, sums, surface, top_speed, bed, depth_unit, disc_area, width) -> None:
@@ -154,11 +154,11 @@ def _append(rows, sums, surface, top_speed, bed, depth_unit, disc_area, width) -
         rows[name].append(value)
 
 
-def _dataset(rows, times, steps, discs, outside, edges, bed, context) -> xr.Dataset:
+def _dataset(rows, times, steps, discs, outside, edges, bed, flow) -> xr.Dataset:
     def described(values, units, long_name, dims=("time",)):
         return dims, np.asarray(values), {"units": units, "long_name": long_name}
 
-    mass = context.mass
+    mass = flow.scene.mass
     variables = {name: described(rows[name], *VARIABLES[name], ("time", "x")) for name in VARIABLES}
     variables |= {
         "bed": described(bed, "m", "height of the bed (mean over the bin)", ("x",)),
@@ -175,19 +175,19 @@ def _dataset(rows, times, steps, discs, outside, edges, bed, context) -> xr.Data
             "x": ("x", 0.5 * (edges[1:] + edges[:-1]), {"units": "m", "long_name": "distance along the channel"}),
         },
         attrs={
-            "title": f"depth profiles of {context.name}",
+            "title": f"depth profiles of {flow.scene.name}",
             "Conventions": "CF-1.8",
             "bin_width": float(edges[1] - edges[0]),
             "x_low": float(edges[0]),
             "x_high": float(edges[-1]),
-            "disc_diameter": context.diameter,
-            "disc_mass": context.mass,
-            "density": context.density,
-            "gravity_x": context.gravity[0],
-            "gravity_y": context.gravity[1],
+            "disc_diameter": flow.scene.diameter,
+            "disc_mass": flow.scene.mass,
+            "density": flow.scene.density,
+            "gravity_x": flow.scene.gravity[0],
+            "gravity_y": flow.scene.gravity[1],
             "surface_definition": "mean over vertical lines of the top edge of the highest disc connected to the bed; "
             f"{LINES_PER_DIAMETER} lines a diameter; connected: a chain of centres at most 2 diameters apart",
-            "notes": " ".join(context.notes),
+            "notes": " ".join(flow.notes),
         },
     )
 

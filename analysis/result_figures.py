@@ -16,7 +16,7 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
 
 from .energy import EnergyHistory
-from .flow import FlowContext
+from .flow import Flow
 from .front import FrontHistory, dimensionless
 from .passes import Gathered
 
@@ -39,7 +39,7 @@ def draw_all(gathered: Gathered, shown: dict, folder: Path, dump: Path) -> list[
 
 
 def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[], Figure | None]]:
-    profiles, context = gathered.profiles, gathered.context
+    profiles, flow = gathered.profiles, gathered.flow
     # a picture has a thousand rows of pixels at most: long records are thinned for the maps
     thinned = profiles.isel(time=slice(None, None, max(1, profiles.sizes["time"] // 600)))
     jump = shown.get("jump")
@@ -49,7 +49,7 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
     if jump is not None:
         from lammps_jump.analysis.jump.summary import inflow_theory, summarise_jump
 
-        inflow, found = inflow_theory(context), summarise_jump(jump)
+        inflow, found = inflow_theory(flow), summarise_jump(jump)
         if inflow:
             lines[f"inflow y₁ = {inflow['depth']:.3g} m"] = inflow["depth"]
             lines[f"Bélanger of the inflow y₂ = {inflow['belanger_y2']:.3g} m"] = inflow["belanger_y2"]
@@ -59,9 +59,9 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
             good = jump.track.found
             track = (jump.direction * jump.track.toe[good], jump.track.time[good])
     wanted: dict[str, Callable[[], Figure | None]] = {
-        "depth_profile.png": lambda: depth_profile(profiles, context, lines=lines, marks=marks),
+        "depth_profile.png": lambda: depth_profile(profiles, flow, lines=lines, marks=marks),
         "depth_map.png": lambda: xt_map(thinned, toe=track),
-        "snapshots.png": lambda: snapshots(open_dump(dump), context),
+        "snapshots.png": lambda: snapshots(open_dump(dump), flow),
     }
     if jump is not None:
         from .jump import figures as jump_figures
@@ -71,10 +71,10 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
         wanted["jump_balance.png"] = lambda: jump_figures.balance_figure(jump)
         wanted["energy_head.png"] = lambda: jump_figures.head_figure(profiles, jump)
     if gathered.front is not None:
-        wanted["front.png"] = lambda: front_figure(gathered.front, context)
-        wanted["martin_moyce.png"] = lambda: martin_moyce_figure(gathered.front, context)
+        wanted["front.png"] = lambda: front_figure(gathered.front, flow)
+        wanted["martin_moyce.png"] = lambda: martin_moyce_figure(gathered.front, flow)
     if gathered.energy is not None:
-        wanted["energy.png"] = lambda: energy_figure(gathered.energy, context)
+        wanted["energy.png"] = lambda: energy_figure(gathered.energy, flow)
     if "force" in shown:
         from .forces import figures as force_figures
 
@@ -84,13 +84,13 @@ def _wanted(gathered: Gathered, shown: dict, dump: Path) -> dict[str, Callable[[
     return wanted
 
 
-def front_figure(history: FrontHistory, context: FlowContext) -> Figure | None:
+def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
     """Front, column height and surface speed against time; Ritter's front while it holds."""
     good = np.isfinite(history.bulk)
     if not good.any():
         return None
     base, depth = history.column
-    gravity = -context.gravity[1]
+    gravity = -flow.scene.gravity[1]
     with style():
         figure, (upper, middle, lower) = new_figure(7.2, 6.4, 3, 1, sharex=True, height_ratios=[1.5, 1, 1])
         upper.plot(history.time, history.bulk, color=BLUE, label="bulk front")
@@ -101,7 +101,7 @@ def front_figure(history: FrontHistory, context: FlowContext) -> Figure | None:
             label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
             upper.plot(t, base + 2 * t * np.sqrt(gravity * depth), color=BLACK, ls=":", label=label)
         upper.set_ylabel("Distance from\nthe back wall [m]")
-        upper.set_title(f"{context.name}: front and column")
+        upper.set_title(f"{flow.scene.name}: front and column")
         upper.legend()
         middle.plot(history.time, history.height, color=BLUE)
         middle.set_ylabel("Column at the\nback wall [m]")
@@ -115,9 +115,9 @@ def front_figure(history: FrontHistory, context: FlowContext) -> Figure | None:
     return figure
 
 
-def martin_moyce_figure(history: FrontHistory, context: FlowContext) -> Figure | None:
+def martin_moyce_figure(history: FrontHistory, flow: Flow) -> Figure | None:
     """Front and column height in Martin & Moyce's variables with their measurements beside them."""
-    gravity = -context.gravity[1]
+    gravity = -flow.scene.gravity[1]
     base, depth = history.column
     if not np.isfinite(history.bulk).any() or gravity <= 0 or not base > 0 or not depth > 0:
         return None
@@ -127,7 +127,7 @@ def martin_moyce_figure(history: FrontHistory, context: FlowContext) -> Figure |
     live = history.time >= 0
     if live.sum() < 2:
         return None
-    free = free_length(context, history) / base
+    free = free_length(flow, history) / base
     with style():
         figure, (left, right) = new_figure(8.4, 3.8, 1, 2)
         front, tall = reference_data.MARTIN_MOYCE_FRONT, reference_data.MARTIN_MOYCE_HEIGHT
@@ -154,12 +154,12 @@ def martin_moyce_figure(history: FrontHistory, context: FlowContext) -> Figure |
     return figure
 
 
-def energy_figure(history: EnergyHistory, context: FlowContext) -> Figure | None:
+def energy_figure(history: EnergyHistory, flow: Flow) -> Figure | None:
     """Parts of the energy against time; where nothing dissipates the deviation from the start below."""
     if not len(history.time):
         return None
     total = history.total
-    conservative = context.restitution == 1.0 and not context.friction and history.same_discs and total[0] != 0
+    conservative = flow.conservative and history.same_discs and total[0] != 0
     with style():
         figure, axes = new_figure(7.2, 5.2 if conservative else 3.6, 2 if conservative else 1, 1, sharex=True)
         upper = axes[0] if conservative else axes
@@ -173,7 +173,7 @@ def energy_figure(history: EnergyHistory, context: FlowContext) -> Figure | None
         if history.elastic is not None:
             upper.plot(history.time, history.elastic / scale, color=RED, ls=":", label="elastic")
         upper.set_ylabel(f"Energy [{unit}]")
-        upper.set_title(f"{context.name}: energy of the discs")
+        upper.set_title(f"{flow.scene.name}: energy of the discs")
         upper.legend(ncols=2)
         if conservative:
             axes[1].plot(history.time, 100 * (total / total[0] - 1), color=BLUE)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
@@ -44,7 +44,7 @@ class _Stage:
 
 def animate(
     dump: Dump,
-    context: FlowContext,
+    flow: Flow,
     out: str | Path,
     *,
     fps: float = 20.0,
@@ -61,7 +61,7 @@ def animate(
     Parameters
     ----------
     dump : Dump
-    context : FlowContext
+    flow : Flow
     out : str or Path
         Ends in ``.mp4`` (H.264, plays everywhere) or ``.gif``.
     fps : float
@@ -102,7 +102,7 @@ def animate(
     if not indices or indices[-1] >= dump.count():
         raise DumpError(f"{dump.path}: no such frames to show; it has {dump.count()}.")
     sample = list(dump.select({indices[round(i)] for i in np.linspace(0, len(indices) - 1, SAMPLE)}))
-    painter = _Painter(_stage(sample, context, x, y, width, top_speed), context, forces or {})
+    painter = _Painter(_stage(sample, flow, x, y, width, top_speed), flow, forces or {})
     pictures = _counted((painter.paint(frame) for frame in dump.select(indices)), len(indices), progress)
     try:
         if kind == ".mp4":
@@ -114,7 +114,7 @@ def animate(
     return out
 
 
-def still(frame: Frame, context: FlowContext, out: str | Path, *, width: int = 1280, **view) -> Path:
+def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280, **view) -> Path:
     """One frame as the animation shows it, as a PNG: for watching a run where there is no screen.
 
     The file is replaced at once, so that a viewer never sees half a picture. Keywords: x, y, top_speed, forces.
@@ -123,10 +123,10 @@ def still(frame: Frame, context: FlowContext, out: str | Path, *, width: int = 1
 
     out = Path(out)
     forces = view.pop("forces", None) or {}
-    stage = _stage([frame], context, view.get("x"), view.get("y"), width, view.get("top_speed"))
+    stage = _stage([frame], flow, view.get("x"), view.get("y"), width, view.get("top_speed"))
     part = out.with_name(out.name + ".part")
     try:
-        Image.fromarray(_Painter(stage, context, forces).paint(frame)).save(part, format="PNG")
+        Image.fromarray(_Painter(stage, flow, forces).paint(frame)).save(part, format="PNG")
         part.replace(out)
     except OSError as error:
         raise DumpError(f"{out}: the picture cannot be written ({error.strerror or error}).") from error
@@ -143,12 +143,12 @@ def _counted(pictures, total, progress):
 class _Painter:
     """Paints frames onto copies of the stage."""
 
-    def __init__(self, stage: _Stage, context: FlowContext, forces: Mapping[str, ForceHistory]):
-        self.stage, self.context = stage, context
+    def __init__(self, stage: _Stage, flow: Flow, forces: Mapping[str, ForceHistory]):
+        self.stage, self.flow = stage, flow
         self.forces = {}
         for name, history in forces.items():
             try:
-                self.forces[name] = (_anchor(context.wall(name), stage.view), history)
+                self.forces[name] = (_anchor(flow.scene.wall(name), stage.view), history)
             except KeyError:
                 continue  # a force on something that is no wall of this scene
         biggest = max(
@@ -161,12 +161,14 @@ class _Painter:
 
     def paint(self, frame: Frame) -> np.ndarray:
         """The picture of a frame, shape (height, width, 3), uint8."""
-        stage, view, time = self.stage, self.stage.view, self.context.time(frame)
-        picture = self._ground(self.context.shut_gates(time)).copy()
+        stage, view, time = self.stage, self.stage.view, self.flow.time(frame)
+        picture = self._ground(self.flow.shut_gates(time)).copy()
         inner = picture[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
         moving = "vx" in frame.columns and "vy" in frame.columns
         speed = np.hypot(frame.vx, frame.vy) if moving else np.zeros(frame.n)
-        paint_discs(inner, view, frame.x, frame.y, self.context.radius, coloured(speed, stage.top_speed, stage.table))
+        paint_discs(
+            inner, view, frame.x, frame.y, self.flow.scene.radius, coloured(speed, stage.top_speed, stage.table)
+        )
         for anchor, history in self.forces.values():
             if not len(history.time):
                 continue
@@ -184,7 +186,7 @@ class _Painter:
             stage, view = self.stage, self.stage.view
             ground = stage.picture.copy()
             inner = ground[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
-            paint_walls(inner, view, self.context.walls, gates)
+            paint_walls(inner, view, self.flow.scene.walls, gates)
             self.grounds[gates] = ground
         return self.grounds[gates]
 
@@ -206,7 +208,7 @@ def _anchor(wall, view: View) -> tuple[float, float]:
     return tuple(float(np.mean(np.clip(side, *seen))) for side, seen in ((wall.x, view.x), (wall.y, view.y)))
 
 
-def _stage(sample, context, x, y, width, top_speed) -> _Stage:
+def _stage(sample, flow, x, y, width, top_speed) -> _Stage:
     """Axes, labels and colour bar around an empty place for the discs; everything in whole, even pixels."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
@@ -216,8 +218,8 @@ def _stage(sample, context, x, y, width, top_speed) -> _Stage:
     from .snapshots import disc_speeds, seen_heights, seen_range, top_of
     from .style import style
 
-    x = x or seen_range(sample, context)
-    y = y or seen_heights(sample, context, x)
+    x = x or seen_range(sample, flow)
+    y = y or seen_heights(sample, flow, x)
     top_speed = top_speed or top_of([disc_speeds(frame) for frame in sample])
     left, right, above, below = 62, 92, 34, 46
     inner = width - left - right
@@ -252,7 +254,9 @@ def _stage(sample, context, x, y, width, top_speed) -> _Stage:
         bar = figure.colorbar(ScalarMappable(Normalize(0, top_speed), "cividis"), cax=bar_axes)
         bar.set_label("Speed [m/s]")
         bar.outline.set_visible(False)
-        figure.text(1 - 8 / total_width, 1 - 20 / total_height, context.name, ha="right", fontsize=9, color="#555555")
+        figure.text(
+            1 - 8 / total_width, 1 - 20 / total_height, flow.scene.name, ha="right", fontsize=9, color="#555555"
+        )
         canvas.draw()
         picture = np.asarray(canvas.buffer_rgba())[..., :3].copy()
     return _Stage(picture, view, above, left, (9, left), _glyphs(), colour_table(), top_speed)

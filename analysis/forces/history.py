@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics import jump as theory
@@ -45,7 +45,7 @@ class StructureForce:
     Attributes
     ----------
     wall : Wall or None
-        None where the context does not know the name.
+        None where the flow does not know the name.
     history : ForceHistory
     smooth : dict of ndarray
         fx, fy, moment behind the low-pass; the moment of upright faces is about their foot at the bed.
@@ -75,7 +75,7 @@ class StructureForce:
 class ForceResult:
     """Everything about forces: see `analyse_forces`."""
 
-    context: FlowContext
+    flow: Flow
     structures: dict[str, StructureForce]
     identities: tuple[Identity, ...]
     reflected: ReflectedWave | None
@@ -104,7 +104,7 @@ class ForceResult:
 
 def analyse_forces(
     forces: dict[str, ForceHistory],
-    context: FlowContext,
+    flow: Flow,
     momentum: MomentumHistory | None,
     profiles: xr.Dataset,
 ) -> ForceResult:
@@ -114,7 +114,7 @@ def analyse_forces(
     ----------
     forces : dict of str to ForceHistory
         Of ``forces.csv``.
-    context : FlowContext
+    flow : Flow
     momentum : MomentumHistory, optional
     profiles : xarray.Dataset
 
@@ -123,14 +123,14 @@ def analyse_forces(
     ForceResult
         ``summary`` holds a dict for every structure (peak, impulse …) and ``identity``, ``reflected_wave``, ``notes``.
     """
-    structures = {name: _structure(name, history, context, profiles) for name, history in forces.items()}
+    structures = {name: _structure(name, history, flow, profiles) for name, history in forces.items()}
     identities = ()
     if momentum is not None:
-        identities = tuple(impulse_identity(forces, momentum, context, axis) for axis in ("x", "y"))
-    reflected = _reflected(structures, context, profiles)
+        identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in ("x", "y"))
+    reflected = _reflected(structures, flow, profiles)
     window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
     summary: dict = {name: _numbers(force, window) for name, force in structures.items()}
-    summary |= _settled(structures, context, profiles, momentum)
+    summary |= _settled(structures, flow, profiles, momentum)
     notes = [identity_sentence(identity) for identity in identities]
     if reflected is not None:
         summary["reflected_wave"] = reflected.summary()
@@ -138,7 +138,7 @@ def analyse_forces(
     summary["identity"] = {identity.axis: identity_numbers(identity) for identity in identities}
     summary["low_pass"] = LOW_PASS
     summary["notes"] = notes
-    return ForceResult(context, structures, identities, reflected, summary)
+    return ForceResult(flow, structures, identities, reflected, summary)
 
 
 def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
@@ -150,9 +150,9 @@ def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
     return None
 
 
-def _structure(name: str, history: ForceHistory, context: FlowContext, profiles: xr.Dataset) -> StructureForce:
+def _structure(name: str, history: ForceHistory, flow: Flow, profiles: xr.Dataset) -> StructureForce:
     try:
-        wall = context.wall(name)
+        wall = flow.scene.wall(name)
     except KeyError:
         wall = None
     lengths = window_lengths(history.time)
@@ -165,11 +165,11 @@ def _structure(name: str, history: ForceHistory, context: FlowContext, profiles:
     nothing = np.full(len(history.time), nan)
     depth, hydrostatic, oncoming = nothing, nothing, nothing
     face = _face(wall)
-    gravity = -context.gravity[1]
+    gravity = -flow.scene.gravity[1]
     if face is not None and gravity > 0:
         at, foot, top, side = face
-        near = _station(profiles, at, side, 1, context)
-        far = _station(profiles, at, side, 2, context)
+        near = _station(profiles, at, side, 1, flow)
+        far = _station(profiles, at, side, 2, flow)
         if near is not None:
             bed = float(profiles["bed"].values[near])
             # the record's point is the block's corner, or y = 0 of a plane: moved up to where the face leaves the bed
@@ -178,18 +178,18 @@ def _structure(name: str, history: ForceHistory, context: FlowContext, profiles:
             high = top - max(foot, bed)
             depth = _at_times(history.time, profiles, profiles["mass_depth"].values[:, near])
             wetted = np.clip(depth, 0, high)
-            hydrostatic = context.density * gravity * wetted * (depth - 0.5 * wetted)
+            hydrostatic = flow.scene.density * gravity * wetted * (depth - 0.5 * wetted)
         if far is not None:
             flux = profiles["momentum_flux"].values[:, far]
             towards = side * profiles["discharge"].values[:, far] < 0
             still = 0.5 * gravity * profiles["mass_depth"].values[:, far] ** 2
-            oncoming = _at_times(history.time, profiles, context.density * (np.where(towards, flux, 0.0) + still))
+            oncoming = _at_times(history.time, profiles, flow.scene.density * (np.where(towards, flux, 0.0) + still))
     smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
     smooth = {key: moving_mean(values, samples) for key, values in smooth.items()}
     return StructureForce(wall, history, smooth, impulse, component, depth, hydrostatic, oncoming)
 
 
-def _station(profiles: xr.Dataset, at: float, side: int, bins: int, context: FlowContext) -> int | None:
+def _station(profiles: xr.Dataset, at: float, side: int, bins: int, flow: Flow) -> int | None:
     """The bin that lies `bins` bins before a face, or None outside the profiles."""
     width = profiles.attrs["bin_width"]
     place = at + side * (bins - 0.5) * width
@@ -253,10 +253,10 @@ def _numbers(force: StructureForce, window: tuple[float, float]) -> dict:
     }
 
 
-def _settled(structures: dict, context: FlowContext, profiles: xr.Dataset, momentum: MomentumHistory | None) -> dict:
+def _settled(structures: dict, flow: Flow, profiles: xr.Dataset, momentum: MomentumHistory | None) -> dict:
     """Mean force over the last quarter of the time before the gate opens, against hydrostatics and the weight."""
     times = profiles["time"].values
-    gravity = -context.gravity[1]
+    gravity = -flow.scene.gravity[1]
     if gravity <= 0 or not (times < 0).any():
         return {}
     start = 0.25 * float(times[0])
@@ -268,12 +268,12 @@ def _settled(structures: dict, context: FlowContext, profiles: xr.Dataset, momen
             continue
         mean_x, mean_y = float(force.history.fx[chosen].mean()), float(force.history.fy[chosen].mean())
         if isinstance(force.wall, Plane) and force.wall.axis == "x":
-            index = _station(profiles, *_face(force.wall)[::3], 2, context)
+            index = _station(profiles, *_face(force.wall)[::3], 2, flow)
             depth = nan if index is None else float(profiles["mass_depth"].values[frames, index].mean())
-            expected = theory.hydrostatic_force(depth, context.density, gravity)
+            expected = theory.hydrostatic_force(depth, flow.scene.density, gravity)
             result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": _ratio(mean_x, expected)}
         elif momentum is not None and abs(mean_y) > abs(mean_x):
-            weight = context.mass * gravity * float(momentum.discs[frames].mean())
+            weight = flow.scene.mass * gravity * float(momentum.discs[frames].mean())
             result[name] = {"force": mean_y, "weight": weight, "ratio": _ratio(mean_y, weight)}
     return {"settled": result} if result else {}
 
@@ -283,9 +283,9 @@ def _ratio(force: float, expected: float) -> float:
     return abs(force) / expected if expected > 0 else nan
 
 
-def _reflected(structures: dict, context: FlowContext, profiles: xr.Dataset) -> ReflectedWave | None:
+def _reflected(structures: dict, flow: Flow, profiles: xr.Dataset) -> ReflectedWave | None:
     """The wave thrown back by the first block that stands in a stream towards +x."""
     blocks = [force.wall for force in structures.values() if isinstance(force.wall, Block) and force.component == "fx"]
-    if not blocks or -context.gravity[1] <= 0 or context.inlets:
+    if not blocks or -flow.scene.gravity[1] <= 0 or flow.scene.inlets:
         return None
-    return track_reflection(profiles, min(blocks, key=lambda wall: wall.x[0]), context)
+    return track_reflection(profiles, min(blocks, key=lambda wall: wall.x[0]), flow)

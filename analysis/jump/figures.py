@@ -37,7 +37,7 @@ def track_figure(result: JumpResult) -> Figure | None:
         axes.axvspan(*result.window, color="#eeeeee", zorder=0)
         axes.set_xlabel("Time t [s]")
         axes.set_ylabel("Distance x [m]")
-        axes.set_title(f"{result.context.name}: {result.verdict}")
+        axes.set_title(f"{result.flow.scene.name}: {result.verdict}")
         axes.legend(fontsize=8)
     return figure
 
@@ -72,7 +72,7 @@ def frame_figure(result: JumpResult) -> Figure | None:
             for place, dash in ((result.surface_toe, ":"), (result.surface_end, "-.")):
                 axes.axvline(place, color=GREY, lw=1, ls=dash)
         theory_length = "" if found["length_theory"] is None else f"; thesis (4.27) {found['length_theory']:.1f} m"
-        upper.set_title(f"{result.context.name}, front's frame: length {found['length']:.1f} m{theory_length}")
+        upper.set_title(f"{result.flow.scene.name}, front's frame: length {found['length']:.1f} m{theory_length}")
         upper.set_ylim(bottom=0, top=1.1 * max(np.nanmax(depth), found["belanger_y2"] or 0))
         upper.set_ylabel("Depth [m]")
         upper.legend(loc="lower right", frameon=True, framealpha=0.95, edgecolor="none")
@@ -125,14 +125,14 @@ def balance_figure(result: JumpResult) -> Figure | None:
 
 def head_figure(profiles: xr.Dataset, result: JumpResult) -> Figure | None:
     """Energy head along the channel, averaged over the window, and its loss against theory."""
-    context = result.context
-    gravity = -context.gravity[1]
+    flow = result.flow
+    gravity = -flow.scene.gravity[1]
     if gravity <= 0:
         return None
     x, depth, bed = profiles["x"].values, profiles["mass_depth_mean"].values, profiles["bed"].values
     with np.errstate(invalid="ignore", divide="ignore"):
         discharge = profiles["discharge_mean"].values
-        flowing = (depth > 0.5 * context.diameter) & (np.abs(discharge) > 1e-3 * np.nanmax(np.abs(discharge)))
+        flowing = (depth > 0.5 * flow.scene.diameter) & (np.abs(discharge) > 1e-3 * np.nanmax(np.abs(discharge)))
         kinetic = np.where(flowing, profiles["energy_flux_mean"].values / discharge / gravity, np.nan)
         uniform = np.where(flowing, (discharge / depth) ** 2 / (2 * gravity), np.nan)
     if not flowing.any():
@@ -160,6 +160,6 @@ def head_figure(profiles: xr.Dataset, result: JumpResult) -> Figure | None:
         axes.set_ylim(bottom=min(0.0, np.nanmin(bed)))
         axes.set_xlabel("Distance x [m]")
         axes.set_ylabel("Energy head [m]")
-        axes.set_title(f"{context.name}: energy head, mean of the window (laboratory frame)")
+        axes.set_title(f"{flow.scene.name}: energy head, mean of the window (laboratory frame)")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.12), frameon=True, framealpha=0.95, edgecolor="none")
     return figure

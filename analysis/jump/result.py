@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 
 from .state import (
     END_SHARE,
@@ -73,7 +73,7 @@ class JumpResult:
 
     verdict: str
     reason: str
-    context: FlowContext
+    flow: Flow
     direction: int
     track: JumpTrack | None = None
     in_window: np.ndarray | None = None
@@ -122,25 +122,25 @@ class JumpResult:
         return result
 
 
-def level_reach(profiles: xr.Dataset, context: FlowContext, direction: int) -> slice:
+def level_reach(profiles: xr.Dataset, flow: Flow, direction: int) -> slice:
     """Bins, in the stream's order, of the longest stretch of level bed: up to a sill or a fall."""
     bed = profiles["bed"].values[::direction]
     with np.errstate(invalid="ignore"):
-        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * context.diameter)) + 1
+        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * flow.scene.diameter)) + 1
     ends = np.concatenate([[0], breaks, [len(bed)]])
     runs = [(stop - start, -start) for start, stop in itertools.pairwise(ends) if np.isfinite(bed[start])]
     length, start = max(runs, default=(0, 0))
     return slice(int(-start), int(-start + length))
 
 
-def analyse_jump(profiles: xr.Dataset, context: FlowContext, contacts: ContactSeries | None = None) -> JumpResult:
+def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> JumpResult:
     """Find the jump in depth profiles, follow it, measure it in its own frame.
 
     Parameters
     ----------
     profiles : xarray.Dataset
         Of `profiles.compute_profiles`; its window is used.
-    context : FlowContext
+    flow : Flow
     contacts : ContactSeries, optional
         On the same bins; adds contact pressure and the force of the bed to the momentum account.
 
@@ -155,11 +155,11 @@ def analyse_jump(profiles: xr.Dataset, context: FlowContext, contacts: ContactSe
     in_window = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
     total = float(np.nansum(profiles["discharge"].values[in_window]))
     direction = -1 if total < 0 else 1
-    common = {"context": context, "direction": direction, "window": window, "bin_width": width, "in_window": in_window}
-    gravity = -context.gravity[1]
+    common = {"flow": flow, "direction": direction, "window": window, "bin_width": width, "in_window": in_window}
+    gravity = -flow.scene.gravity[1]
     if gravity <= 0:
         return JumpResult("no jump found", "there is no gravity towards the bed", **common)
-    reach = level_reach(profiles, context, direction)
+    reach = level_reach(profiles, flow, direction)
     if reach.stop - reach.start < 8:
         return JumpResult("no jump found", "fewer than eight bins of level bed to look at", **common)
     x = direction * profiles["x"].values[::direction][reach]
@@ -167,14 +167,14 @@ def analyse_jump(profiles: xr.Dataset, context: FlowContext, contacts: ContactSe
     for name in ("discharge", "energy_flux", "surface_velocity"):
         data[name] = direction * data[name]
     if contacts is not None:
-        scale = 1.0 / context.density
+        scale = 1.0 / flow.scene.density
         data["thrust"] = scale * contacts.thrust[:, ::direction][:, reach]
         data["bed"] = direction * scale / width * contacts.wall_fx[:, ::direction][:, reach]
     edges = np.concatenate([x - 0.5 * width, [x[-1] + 0.5 * width]])
-    track = track_jump(edges, time, data["mass_depth"], data["discharge"], gravity, context.diameter, in_window)
+    track = track_jump(edges, time, data["mass_depth"], data["discharge"], gravity, flow.scene.diameter, in_window)
     used = track.found & in_window
     if used.sum() < max(2, 0.5 * in_window.sum()):
-        return replace(_none_found(track, in_window, data, edges, gravity, context, common), track=track)
+        return replace(_none_found(track, in_window, data, edges, gravity, flow, common), track=track)
     motions = {
         "toe_motion": straight_motion(time[used], track.toe[used]),
         "end_motion": straight_motion(time[used], track.end[used]),
@@ -203,8 +203,8 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
         two = measure_state(moving, behind, speed, gravity)
         toe, end = _ends(moving.xi, depth, one.mass_depth.value, two.mass_depth.value, toe, end)
     ends = _ends(moving.xi, surface, one.surface_depth.value, two.surface_depth.value, toe, end)
-    context = result.context
-    along = result.direction * context.gravity[0]
+    flow = result.flow
+    along = result.direction * flow.scene.gravity[0]
     return replace(
         result,
         moving=moving,
@@ -249,11 +249,11 @@ def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, 
 
 def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
     """Jump, locked heap or drowned inlet."""
-    track, context = result.track, result.context
+    track, flow = result.track, result.flow
     late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
     heap = _heap(edges, data, used, track.end[used], gravity)
     result = replace(result, heap=heap)
-    inflow = context.inflow_depth or 0.0
+    inflow = flow.inflow_depth or 0.0
     distance = float(np.median(track.toe[late])) - edges[0]
     drowned = distance < INLET_REACH * max(inflow, result.bin_width)
     if _locked(heap):
@@ -283,7 +283,7 @@ def _locked(heap: dict) -> bool:
     return (heap["standing_share"] or 0.0) > 0.5 and slope is not None and isfinite(slope) and abs(slope) > HEAP_SLOPE
 
 
-def _none_found(track, in_window, data, edges, gravity, context, common) -> JumpResult:
+def _none_found(track, in_window, data, edges, gravity, flow, common) -> JumpResult:
     """Say why: the commonest reason of the window, and whether the inlet is drowned or the flow locked."""
     reasons = Counter(reason.split(" (")[0] for reason, inside in zip(track.why, in_window, strict=True) if inside)
     reasons.pop("", None)
@@ -292,7 +292,7 @@ def _none_found(track, in_window, data, edges, gravity, context, common) -> Jump
     first = slice(0, 3)
     start = np.full(int(in_window.sum()), edges[0])
     heap = _heap(edges, data, in_window, start, gravity) if in_window.any() else None
-    inflow = context.inflow_depth
+    inflow = flow.inflow_depth
     if heap and _locked(heap):
         share, slope = heap["standing_share"], heap["surface_slope"]
         reason = f"{100 * share:.0f} % of the discs stand still under a surface that slopes by {slope:+.3f}; {counted}"

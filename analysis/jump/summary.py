@@ -6,7 +6,7 @@ from math import isfinite, sqrt
 
 import numpy as np
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.physics import jump as theory
 
 from .result import JumpResult
@@ -15,10 +15,10 @@ DEVELOPED_SHARE = 0.7
 """A front whose depth ratio stays below this share of Bélanger's is still on its way to be a jump."""
 
 
-def inflow_theory(context: FlowContext) -> dict | None:
+def inflow_theory(flow: Flow) -> dict | None:
     """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
-    depth, speed = context.inflow_depth, context.inflow_speed
-    gravity = -context.gravity[1]
+    depth, speed = flow.inflow_depth, flow.inflow_speed
+    gravity = -flow.scene.gravity[1]
     if not depth or not speed or gravity <= 0:
         return None
     froude = theory.froude(abs(speed), depth, gravity)
@@ -43,8 +43,8 @@ def _absent() -> dict:
 
 def summarise_jump(result: JumpResult) -> dict:
     """Numbers for the summary; None where there is none. Keys are explained in docs/analysis.md."""
-    context = result.context
-    summary = {"verdict": result.verdict, "reason": result.reason, **_absent(), "inflow": inflow_theory(context)}
+    flow = result.flow
+    summary = {"verdict": result.verdict, "reason": result.reason, **_absent(), "inflow": inflow_theory(flow)}
     summary["window"] = list(result.window)
     if result.track is not None and result.in_window is not None:
         summary["frames_found"] = int((result.track.found & result.in_window).sum())
@@ -52,7 +52,7 @@ def summarise_jump(result: JumpResult) -> dict:
     summary["heap"] = result.heap
     if result.upstream is None:
         return summary
-    gravity, sign = -context.gravity[1], result.direction
+    gravity, sign = -flow.scene.gravity[1], result.direction
     one, two, track = result.upstream, result.downstream, result.track
     used = np.flatnonzero(track.found & result.in_window)
     s1, s2 = one.mass_depth.value, two.mass_depth.value
@@ -103,8 +103,8 @@ def summarise_jump(result: JumpResult) -> dict:
     summary |= _energy(result, gravity)
     terms = result.balance
     summary |= {
-        "momentum_upstream": context.density * terms.upstream,
-        "momentum_downstream": context.density * terms.downstream,
+        "momentum_upstream": flow.scene.density * terms.upstream,
+        "momentum_downstream": flow.scene.density * terms.downstream,
         "momentum_residual": terms.classical / terms.downstream,
         "momentum_terms": {
             name: getattr(terms, name) / terms.downstream

@@ -358,7 +358,7 @@ def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any
     from lammps_jump.analysis.analyze import analyze_run
 
     wanted = analysis_request(prepared)
-    return analyze_run(prepared.folder, prepared.scene, wanted, engine=result.engine, quiet=quiet)
+    return analyze_run(prepared.folder, prepared.scene, wanted, quiet=quiet)
 
 
 @contextmanager

@@ -26,11 +26,11 @@ def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
     return max(PASSAGES * passage, FEWEST_FRAMES * scene.output_steps * scene.time_step)
 
 
-def studied_reach(context) -> tuple[float, float]:
+def studied_reach(flow) -> tuple[float, float]:
     """The part of the studied range that has one and the same floor from its upstream end on (up to a sill), m."""
-    low, high = context.x_range
+    low, high = flow.x_range
     x = np.linspace(low, high, 2001)[1:-1]
-    bed = context.bed_height(x)
+    bed = flow.bed_height(x)
     other = np.flatnonzero(~(np.abs(bed - bed[0]) < 1e-9))
     return (low, float(x[other[0]])) if other.size and np.isfinite(bed[0]) else (low, high)
 

@@ -65,7 +65,7 @@ def test_sums_are_those_over_the_contacts_found():
     # bins of half a metre; what is left is the rounding of sums of 1e7 N
     across = found.force * np.abs(found.normal[:, 0])
     assert thrust.sum() * 0.5 == pytest.approx(np.sum((across * extent)[pairs]), rel=1e-10)
-    push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.walls)
+    push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.scene.walls)
     assert push == pytest.approx((found.force[:, None] * found.normal)[found.is_wall].sum(axis=0), rel=1e-12)
 
 
@@ -89,6 +89,24 @@ def test_forces_are_those_of_the_engine(width):
     np.add.at(total, [at[tuple(place)] for place in found.start], push)
     np.subtract.at(total, [at[tuple(place)] for place in found.end[~found.is_wall]], push[~found.is_wall])
     np.testing.assert_allclose(total, expected, atol=1e-10 * np.abs(expected).max())  # sums in another order
+
+
+def test_friction_at_a_wall_is_that_of_the_engine():
+    """A wall has its own viscous ramp, gamma_t of the wall: with that of a pair the force would be 1.4 times this."""
+    rng = np.random.default_rng(9)
+    x, y, vx = 0.3 * np.arange(20), rng.uniform(0.085, 0.095, 20), rng.normal(0, 2, 20)
+    scene = handmade_scene(
+        np.column_stack([x, y]), np.column_stack([vx, 0 * vx]), (FLOOR,), gravity=(0.0, 0.0), friction=0.3,
+        impact_speed=160.0,
+    )  # fmt: skip
+    c = scene.coefficients
+    assert c.gamma_tangential != c.gamma_tangential_wall
+    engine = NativeSimulation(scene)
+    expected = float(engine.discs.fx[:20].sum())
+    sums = wall_sums(disc_frame(x, y, vx, box=BOX), FLOOR, from_scene(scene))
+    assert sums.force[0] == pytest.approx(expected, rel=1e-12)
+    ramp = c.mass * c.gamma_tangential_wall * np.abs(vx)
+    assert np.any(ramp < 0.3 * np.abs(engine.discs.fy[:20]))  # some discs are below the slip speed
 
 
 def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_it_is_not():

@@ -123,11 +123,11 @@ def test_wall_contacts():
     [("hooke", min(40.0 * 500.0 * 2.0, 0.3 * K * 0.01)), ("sign", 0.3 * K * 0.01)],
 )
 def test_wall_friction(law, expected):
-    rough = context(friction=0.3, gamma_tangential=500.0, friction_law=law)
+    rough = context(friction=0.3, gamma_tangential_wall=500.0, friction_law=law)
     sums = wall_sums(frame([0], [0.09], vx=2.0), Plane("floor", "y", 0.0, "above"), rough)
     assert sums.force[0] == pytest.approx(-expected)
     slow = wall_sums(
-        frame([0], [0.09], vx=1e-3), Plane("floor", "y", 0.0, "above"), context(friction=0.3, gamma_tangential=5.0)
+        frame([0], [0.09], vx=1e-3), Plane("floor", "y", 0.0, "above"), context(friction=0.3, gamma_tangential_wall=5.0)
     )
     assert slow.force[0] == pytest.approx(-40.0 * 5.0 * 1e-3)  # below the slip speed the ramp holds
 
