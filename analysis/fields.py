@@ -15,18 +15,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import ceil, exp, floor, sqrt
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numba import njit
 
 from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 
 from .contacts import find_contacts
+from .draw.maps import bed_pressure, bed_pressure_figure, field_map
+from .draw.style import save
 from .flow import Flow
 
+FIELD_FRAMES = 20
+"""Frames of the window that the mean fields use at most: contact stress rings, one frame says little."""
 KERNELS = {"lucy": 0, "gaussian": 1}
 GAUSS = np.polynomial.legendre.leggauss(4)
 """Points along a contact's branch: exact to degree 7 for a polynomial kernel."""
@@ -202,6 +208,54 @@ def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval
             mean[name].attrs = {"units": units, "long_name": f"time mean of {long_name}"}
     mean.attrs = {**fields.attrs, "frames": count}
     return mean
+
+
+def write_fields(
+    flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path, figures: bool
+) -> tuple[list[str], dict[str, object]]:
+    """Mean fields of the window of the profiles: ``fields.nc``, maps, pressure at the bed.
+
+    Returns
+    -------
+    files : list of str
+        Names written.
+    summary : dict
+        As under ``fields`` in ``summary.json``.
+
+    Raises
+    ------
+    DumpError
+        A place that cannot be written.
+    """
+    time = profiles["time"].values
+    begin, end = profiles.attrs["window_begin"], profiles.attrs["window_end"]
+    indices = np.flatnonzero((time >= begin - 1e-9) & (time <= end + 1e-9))
+    if len(indices) > FIELD_FRAMES:
+        indices = indices[np.round(np.linspace(0, len(indices) - 1, FIELD_FRAMES)).astype(int)]
+    bed = profiles["bed"].values
+    surface = profiles["surface_depth"].values[indices] + bed
+    low = float(np.nanmin(bed)) if np.isfinite(bed).any() else flow.scene.domain[1][0]
+    high = max(float(surface[np.isfinite(surface)].max(initial=low)), low) + 5 * flow.scene.diameter
+    extent = {"x": (profiles.attrs["x_low"], profiles.attrs["x_high"]), "y": (low, high)}
+    fields = mean_fields(dump.select(indices.tolist()), flow, **extent)
+    try:
+        fields.to_netcdf(out / "fields.nc", engine="h5netcdf")
+    except OSError as error:
+        raise DumpError(f"{out / 'fields.nc'}: cannot be written ({error.strerror or error}).") from error
+    files, stress = ["fields.nc"], "contact_yy" in fields
+    if figures:
+        (out / "figures").mkdir(exist_ok=True)
+        drawn = {f"field_{name}": field_map(fields, flow, name) for name in ("density", *["pressure"][: int(stress)])}
+        drawn |= {"bed_pressure": bed_pressure_figure(fields, flow)} if stress else {}
+        files += [f"figures/{save(figure, out / 'figures' / f'{name}.png').name}" for name, figure in drawn.items()]
+    summary: dict[str, object] = {"file": "fields.nc", "frames": len(indices), "reach": float(fields.attrs["reach"])}
+    if stress:
+        bottom = bed_pressure(fields)
+        covered = bottom["hydrostatic"].values > flow.scene.density * flow.g * flow.scene.diameter
+        if covered.any():
+            ratio = bottom["stress"].values[covered].sum() / bottom["hydrostatic"].values[covered].sum()
+            summary["bed_stress_over_weight"] = float(ratio)
+    return files, summary
 
 
 def _heights(frame: Frame, flow: Flow, x: Interval) -> Interval:

@@ -1,62 +1,41 @@
-"""One pass over the frames of a dump feeds every analysis that was asked for."""
+"""One pass over the frames of a dump, which feeds every analysis that was asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Protocol
 
 import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
 
+from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame, make_frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 
+from .contacts import ContactSeries
 from .flow import Flow
+from .profiles import add_means, compute_profiles
 
-if TYPE_CHECKING:
-    import xarray as xr
+Tables = dict[str, Mapping[str, np.ndarray]]
+"""Columns of CSV files by the name of the file."""
+Drawings = dict[str, Callable[[], Figure | None]]
+"""Figures by the name of the file; None where there is nothing to draw."""
+
+
+class Collector(Protocol):
+    """What takes in one frame after the other, and gives its history at the end."""
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+
+    def result(self) -> object:
+        """The history of all frames taken in."""
 
 
 @dataclass(frozen=True)
-class AnalysisRequest:
-    """What is asked of a dump.
-
-    Attributes
-    ----------
-    bin_width : float, optional
-        Width of the profile bins, m; default five diameters.
-    window : (float, float), optional
-        Times of the means, s; default the last quarter of the run.
-    jump, energy, front, forces, fields : bool
-        Which analyses run; profiles are always made.
-    animate : bool
-        Write ``animation.mp4``.
-    figures : bool
-        Write ``figures/*.png``.
-    exports : tuple of str
-        Of 'csv' (profiles as tables), 'vtk' (discs, and fields where asked for), 'pictures' (the thesis' picture0.dat
-        … picture9.dat).
-    inflow_depth, inflow_speed : float, optional
-        y1, m, and Va, m/s, where the scene does not tell.
-    """
-
-    bin_width: float | None = None
-    window: tuple[float, float] | None = None
-    jump: bool = False
-    energy: bool = False
-    front: bool = False
-    forces: bool = False
-    fields: bool = False
-    animate: bool = False
-    figures: bool = True
-    exports: tuple[str, ...] = ()
-    inflow_depth: float | None = None
-    inflow_speed: float | None = None
-
-
-@dataclass
 class Gathered:
     """What one pass over a dump has left: input of the analyses and their figures.
 
@@ -66,74 +45,57 @@ class Gathered:
     profiles : xarray.Dataset
     contacts : ContactSeries or None
         Thrust and bed forces by frame and bin.
-    energy : EnergyHistory or None
-    front : FrontHistory or None
-    momentum : MomentumHistory or None
-    forces : dict of str to ForceHistory
+    histories : mapping of str to object
+        Results of the collectors, by the name of their quantity.
+    forces : mapping of str to ForceHistory
+        Of ``forces.csv``.
     """
 
     flow: Flow
     profiles: xr.Dataset
-    contacts: Any = None
-    energy: Any = None
-    front: Any = None
-    momentum: Any = None
-    forces: Any = None
+    contacts: ContactSeries | None
+    histories: Mapping[str, object]
+    forces: Mapping[str, ForceHistory]
+
+    @property
+    def thinned(self) -> xr.Dataset:
+        """The profiles with at most 1200 times: a picture has a thousand rows of pixels."""
+        return self.profiles.isel(time=slice(None, None, max(1, self.profiles.sizes["time"] // 600)))
 
 
-def gather(
-    dump: Dump, flow: Flow, request: AnalysisRequest, warnings: list[str], places: tuple[Path, ...] = ()
-) -> Gathered:
-    """One pass over a dump: profiles and, as asked for, contacts, energy, front and momentum.
+def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: list[str]) -> xr.Dataset:
+    """Profiles of a dump; every collector is shown every frame on the way.
 
     Memory holds one frame and what is kept of it (sums over bins), so dumps of any size can be read.
+
+    Parameters
+    ----------
+    dump : Dump
+    flow : Flow
+    collectors : iterable of Collector
+        Fed in this order.
+    warnings : list of str
+        Notes of the pass are added to it.
     """
-    from .profiles import add_means, bin_edges, compute_profiles
-
-    warnings += flow.notes
-    takers, collectors = [], {}
-    edges = bin_edges(flow.x_range, request.bin_width or flow.bin_width)
-    if flow.knows_contacts and (request.jump or request.energy):
-        from .contact_series import ContactCollector
-
-        collectors["contacts"] = ContactCollector(flow, edges if request.jump else None)
-        takers.append(collectors["contacts"])
-    if request.energy:
-        from .energy import EnergyLedger
-
-        collectors["energy"] = EnergyLedger(flow, collectors.get("contacts"))
-        takers.append(collectors["energy"])
-    if request.front:
-        from .front import FrontTracker
-
-        collectors["front"] = FrontTracker(flow)
-        takers.append(collectors["front"])
-    forces = _find_forces(places, warnings) if request.forces or flow.scene.probes else {}
-    if forces:
-        from lammps_jump.analysis.forces.impulse import MomentumLedger
-
-        collectors["momentum"] = MomentumLedger(flow)
-        takers.append(collectors["momentum"])
+    collectors = list(collectors)
     frames = with_velocities(dump, flow, warnings)
-    free = replace(flow, window=None)
-    profiles = compute_profiles(_feed(frames, flow, takers), free, bin_width=request.bin_width)
+    profiles = compute_profiles(_feed(frames, flow, collectors), replace(flow, window=None))
     warnings += dump.warnings
-    window = request.window or flow.window
-    if window is not None:
+    if flow.window is not None:
         try:
-            profiles = add_means(profiles, window)
+            profiles = add_means(profiles, flow.window)
         except DumpError as error:
             warnings.append(f"Means are over the second half of the frames instead: {error}")
-    return Gathered(flow, profiles, forces=forces, **{k: v.result() for k, v in collectors.items()})
+    return profiles
 
 
-def _feed(frames: Iterator[Frame], flow: Flow, takers: list) -> Iterator[Frame]:
-    """The same frames, shown to every taker on the way."""
+def _feed(frames: Iterator[Frame], flow: Flow, collectors: list[Collector]) -> Iterator[Frame]:
+    """The same frames, shown to every collector on the way."""
     for frame in frames:
         require_finite(frame, flow.scene.name)
         time = flow.time(frame)
-        for taker in takers:
-            taker.add(frame, time)
+        for collector in collectors:
+            collector.add(frame, time)
         yield frame
 
 
@@ -161,16 +123,3 @@ def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Fra
         before = (ids[order], frame.x[order], frame.y[order], time)
         columns = dict(frame.columns) | {"vx": vx, "vy": vy}
         yield make_frame(frame.step, frame.time, frame.box, columns)
-
-
-def _find_forces(places: tuple[Path, ...], warnings: list[str]) -> dict:
-    from lammps_jump.dump.find import read_forces
-
-    for place in places:
-        if (place / "forces.csv").is_file():
-            try:
-                return read_forces(place / "forces.csv")
-            except DumpError as error:
-                warnings.append(str(error))
-                return {}
-    return {}

@@ -64,15 +64,18 @@ def numbers_of(result: object) -> dict[str, Number]:
 
 
 def as_summary(result: object) -> dict[str, object]:
-    """Fields of a result by key, results inside it as mappings; fields whose name starts with ``_`` are left out.
+    """Fields of a result as they stand in ``summary.json``, results inside it as mappings.
 
-    Fields with ``metadata={"summary": False}`` (arrays, inputs of figures) are left out too.
+    Fields with ``metadata={"summary": False}`` (arrays, inputs of figures) are left out; ``metadata={"key": …}`` names
+    a field that Python cannot name.
     """
     found: dict[str, object] = {}
     for field in dataclasses.fields(result):  # type: ignore[arg-type]
-        if field.metadata.get("summary", True) and not field.name.startswith("_"):
+        if field.metadata.get("summary", True):
             value = getattr(result, field.name)
-            found[field.name] = as_summary(value) if dataclasses.is_dataclass(value) else value
+            found[field.metadata.get("key", field.name)] = (
+                as_summary(value) if dataclasses.is_dataclass(value) else value
+            )
     return found
 
 

@@ -10,7 +10,9 @@ import pytest
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.guess import known_coefficients
 from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.files import plain
 from lammps_jump.scene.scene import Scene
+from lammps_jump.units import as_summary
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
@@ -43,6 +45,11 @@ def disc_frame(x, y, vx=0.0, vy=0.0, *, box, step=0, time=0.0, **more) -> Frame:
     x, y = np.asarray(x, float), np.asarray(y, float)
     columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x + vx, "vy": 0 * x + vy, **more}
     return make_frame(step, time, box, columns)
+
+
+def numbers(result) -> dict:
+    """A result of the analysis as it stands in ``summary.json``."""
+    return plain(as_summary(result))
 
 
 def columns_of_discs(layers, low, high, *, d=0.2, bed=0.0) -> tuple[np.ndarray, np.ndarray]:

@@ -1,14 +1,12 @@
 """Animated colour output: discs as true circles coloured by speed, force arrows on structures, simulated time.
 
 The frame around the moving picture (axes, labels, colour bar) is drawn once with matplotlib; each frame then paints
-its discs in software straight into it and goes to ffmpeg through a pipe (mp4) or into Pillow (gif).
+its discs in software straight into it and goes to ffmpeg (mp4) or into Pillow (gif).
 """
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,6 +21,8 @@ from lammps_jump.scene.walls import Interval, Plane
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
 
+NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
+"""What to tell users where a GIF took the place of an MP4."""
 ARROW = (179, 38, 58)
 SAMPLE = 12
 """Frames that are looked at to find the heights and the speeds worth showing."""
@@ -63,7 +63,8 @@ def animate(
     dump : Dump
     flow : Flow
     out : str or Path
-        Ends in ``.mp4`` (H.264, plays everywhere) or ``.gif``.
+        Ends in ``.mp4`` (H.264, plays everywhere) or ``.gif``. Without ffmpeg a GIF of the same name takes the place
+        of an MP4.
     fps : float
         Frames of the dump shown a second.
     forces : mapping of structure to ForceHistory, optional
@@ -88,7 +89,7 @@ def animate(
     DumpError
         No frame, an ending other than mp4 and gif, a place that cannot be written.
     SetupError
-        mp4 without a working ffmpeg.
+        ffmpeg failed.
     """
     out = Path(out)
     kind = out.suffix.lower()
@@ -102,6 +103,8 @@ def animate(
     if not indices or indices[-1] >= dump.count():
         raise DumpError(f"{dump.path}: no such frames to show; it has {dump.count()}.")
     sample = list(dump.select({indices[round(i)] for i in np.linspace(0, len(indices) - 1, SAMPLE)}))
+    if kind == ".mp4" and not has_ffmpeg():
+        kind, out = ".gif", out.with_suffix(".gif")
     painter = _Painter(_stage(sample, flow, x, y, width, top_speed), flow, forces or {})
     pictures = _counted((painter.paint(frame) for frame in dump.select(indices)), len(indices), progress)
     try:
@@ -282,36 +285,37 @@ def _font_file() -> str:
     return font_manager.findfont("DejaVu Sans")
 
 
-def _mp4(pictures, out: Path, fps: float, shape) -> None:
-    from imageio_ffmpeg import get_ffmpeg_exe
+def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int, ...]) -> None:
+    from imageio_ffmpeg import write_frames
 
-    height, width = shape[:2]
-    try:
-        program = get_ffmpeg_exe()
-    except RuntimeError as error:
-        raise SetupError(f"no ffmpeg for {out.name}: reinstall imageio-ffmpeg, or write a .gif ({error}).") from error
-    out.parent.joinpath(out.name).open("ab").close()  # a place that cannot be written is found before ffmpeg starts
-    command = [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
-    command += ["-r", f"{fps:g}", "-i", "-", "-an", "-c:v", "libx264", "-preset", "fast", "-crf", "20"]
+    out.open("ab").close()  # a place that cannot be written is found before ffmpeg starts
     # yuv420p and the index in front: plays in every browser while loading
-    command += ["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(out)]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+    options = ["-preset", "fast", "-crf", "20", "-movflags", "+faststart", "-f", "mp4"]
     try:
-        for picture in pictures:
-            process.stdin.write(picture.tobytes())
-    except BrokenPipeError:
-        pass  # ffmpeg ended early; its message says why
-    except BaseException:
-        process.kill()
-        raise
-    finally:
-        with suppress(OSError):
-            process.stdin.close()
-        message = process.stderr.read().decode(errors="replace").strip()
-        process.stderr.close()
-        process.wait()
-    if process.returncode:
-        raise SetupError(f"{out}: ffmpeg failed ({message.splitlines()[-1] if message else process.returncode}).")
+        writer = write_frames(
+            str(out), (shape[1], shape[0]), fps=fps, codec="libx264", quality=None, macro_block_size=2,
+            ffmpeg_log_level="error", output_params=options,
+        )  # fmt: skip
+        writer.send(None)
+        try:
+            for picture in pictures:
+                writer.send(np.ascontiguousarray(picture))
+        finally:
+            writer.close()
+    except (RuntimeError, OSError) as error:
+        last = str(error).strip().splitlines()[-1:]
+        raise SetupError(f"{out}: ffmpeg failed ({''.join(last)}).") from error
+
+
+def has_ffmpeg() -> bool:
+    """Whether MP4 files can be written."""
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        get_ffmpeg_exe()
+    except (ImportError, RuntimeError):
+        return False
+    return True
 
 
 def _gif(pictures, out: Path, fps: float) -> None:

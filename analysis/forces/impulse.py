@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
 
 import numpy as np
 
-from lammps_jump.analysis.contact_sums import wall_sums
+from lammps_jump.analysis.contacts import ContactCollector, wall_sums
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
@@ -41,7 +42,7 @@ class MomentumHistory:
 class MomentumLedger:
     """Collects a `MomentumHistory`."""
 
-    def __init__(self, flow: Flow):
+    def __init__(self, flow: Flow, _: ContactCollector | None = None):
         self.flow = flow
         self._rows: list[tuple] = []
         self._ids: np.ndarray | None = None
@@ -136,7 +137,7 @@ class Identity:
         return abs(self.difference) / self.scale if self.scale else nan
 
 
-def impulse_identity(forces: dict[str, ForceHistory], momentum: MomentumHistory, flow: Flow, axis: str) -> Identity:
+def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHistory, flow: Flow, axis: str) -> Identity:
     """Hold the walls' impulse and gravity's against the change of the discs' momentum.
 
     Over the longest run of frames with the same discs, whose ends fall on ends of force windows, after all gates have

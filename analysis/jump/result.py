@@ -14,12 +14,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.units import number
 
-from .state import (
+from .frame import (
     END_SHARE,
     TOE_SHARE,
     Balance,
+    Mass,
     MovingProfile,
+    Roller,
     State,
     account_of_mass,
     balance,
@@ -34,7 +37,7 @@ from .track import JumpTrack, Motion, straight_motion, track_jump
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lammps_jump.analysis.contact_series import ContactSeries
+    from lammps_jump.analysis.contacts import ContactSeries
 
 FIELDS = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity")
 STILL = 0.02
@@ -43,6 +46,19 @@ HEAP_SLOPE = 0.02
 """A standing surface steeper than this is a heap: water at rest is level."""
 INLET_REACH = 2.0
 """The inlet is drowned when the toe is closer than this many inflow depths (or bins) to it."""
+
+
+@dataclass(frozen=True)
+class Heap:
+    """Discs behind the jump that stand still."""
+
+    standing_share: float = number("", "share of the discs behind the toe that stand still", default=nan)
+    surface_slope: float = number("", "slope of the surface behind the crest", default=nan)
+
+    @property
+    def locked(self) -> bool:
+        """Most discs stand still under a sloping surface: friction has locked them."""
+        return self.standing_share > 0.5 and abs(self.surface_slope) > HEAP_SLOPE
 
 
 @dataclass(frozen=True)
@@ -68,7 +84,9 @@ class JumpResult:
     developed : bool
         A level stretch behind the end was there to be measured.
     balance : Balance or None
-    mass, roller, heap, theory : dict
+    mass : Mass or None
+    roller : Roller or None
+    heap : Heap or None
     """
 
     verdict: str
@@ -89,9 +107,9 @@ class JumpResult:
     downstream: State | None = None
     developed: bool = False
     balance: Balance | None = None
-    mass: dict | None = None
-    roller: dict | None = None
-    heap: dict | None = None
+    mass: Mass | None = None
+    roller: Roller | None = None
+    heap: Heap | None = None
     window: tuple[float, float] = (nan, nan)
     bin_width: float = nan
 
@@ -230,13 +248,13 @@ def _ends(xi, values, level_1, level_2, toe, end) -> tuple[float, float]:
     return new_toe, max(new_end if isfinite(new_end) else end, new_toe)
 
 
-def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, gravity: float) -> dict:
+def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, gravity: float) -> Heap:
     """How much of the discs behind the jump stands still, and how steep their surface is."""
     middle = 0.5 * (edges[1:] + edges[:-1])
     depth, discharge = data["mass_depth"][chosen].mean(axis=0), data["discharge"][chosen].mean(axis=0)
     behind = (middle > float(np.mean(start))) & (depth > 0)
     if behind.sum() < 3:
-        return {"standing_share": None, "surface_slope": None}
+        return Heap()
     s, q = depth[behind], discharge[behind]
     standing = np.abs(q / s) < STILL * np.sqrt(gravity * s)
     share = float(s[standing].sum() / s.sum())
@@ -244,7 +262,7 @@ def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, 
     slope = nan
     if len(s) - crest >= 3:
         slope = float(np.polyfit(middle[behind][crest:], s[crest:], 1)[0])
-    return {"standing_share": share, "surface_slope": slope}
+    return Heap(share, slope)
 
 
 def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
@@ -256,13 +274,13 @@ def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, 
     inflow = flow.inflow_depth or 0.0
     distance = float(np.median(track.toe[late])) - edges[0]
     drowned = distance < INLET_REACH * max(inflow, result.bin_width)
-    if _locked(heap):
+    if heap.locked:
         also = " It has reached the inlet." if drowned else ""
         return replace(
             result,
             verdict="locked heap",
-            reason=f"behind the toe {100 * heap['standing_share']:.0f} % of the discs stand still under a surface that "
-            f"slopes by {heap['surface_slope']:+.3f}: friction has locked them, this is no hydraulic jump.{also}",
+            reason=f"behind the toe {100 * heap.standing_share:.0f} % of the discs stand still under a surface that "
+            f"slopes by {heap.surface_slope:+.3f}: friction has locked them, this is no hydraulic jump.{also}",
         )
     if drowned:
         return replace(
@@ -278,11 +296,6 @@ def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, 
     return replace(result, reason=f"the front {words} at {result.speed:+.2f} m/s.{tail}")
 
 
-def _locked(heap: dict) -> bool:
-    slope = heap["surface_slope"]
-    return (heap["standing_share"] or 0.0) > 0.5 and slope is not None and isfinite(slope) and abs(slope) > HEAP_SLOPE
-
-
 def _none_found(track, in_window, data, edges, gravity, flow, common) -> JumpResult:
     """Say why: the commonest reason of the window, and whether the inlet is drowned or the flow locked."""
     reasons = Counter(reason.split(" (")[0] for reason, inside in zip(track.why, in_window, strict=True) if inside)
@@ -293,8 +306,8 @@ def _none_found(track, in_window, data, edges, gravity, flow, common) -> JumpRes
     start = np.full(int(in_window.sum()), edges[0])
     heap = _heap(edges, data, in_window, start, gravity) if in_window.any() else None
     inflow = flow.inflow_depth
-    if heap and _locked(heap):
-        share, slope = heap["standing_share"], heap["surface_slope"]
+    if heap and heap.locked:
+        share, slope = heap.standing_share, heap.surface_slope
         reason = f"{100 * share:.0f} % of the discs stand still under a surface that slopes by {slope:+.3f}; {counted}"
         return JumpResult("locked heap", reason, heap=heap, **common)
     if inflow and depth[first].mean() > 0:

@@ -332,33 +332,25 @@ def _write_continuation(prepared: Prepared, checkpoint: Checkpoint) -> None:
     )
 
 
-def analysis_request(prepared: Prepared):
-    """What the case asks of the analysis."""
-    from lammps_jump.analysis.passes import AnalysisRequest
+def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
+    """Analyse the dump of a run folder as its case asks; the parts of the summary that came of it."""
+    from lammps_jump.analysis.flow import from_scene
+    from lammps_jump.analysis.quantities import analyse
+    from lammps_jump.dump.find import find_dump
 
     case = prepared.loaded.case
     asked = case.analysis
     inflow = case.inflow if case.inflow is not None and case.inflow.kind == "rows" else None
-    return AnalysisRequest(
+    flow = from_scene(
+        prepared.scene,
         bin_width=asked.bin_width,
         window=asked.window,
-        jump=asked.jump,
-        energy=asked.energy,
-        front=asked.front,
-        fields=asked.fields,
-        animate=asked.animation,
-        forces=bool(prepared.scene.probes),
         inflow_depth=inflow.depth if inflow else None,
         inflow_speed=inflow.mean_speed if inflow else None,
     )
-
-
-def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
-    """Analyse the dump of a run folder as its case asks; the parts of the summary that came of it."""
-    from lammps_jump.analysis.analyze import analyze_run
-
-    wanted = analysis_request(prepared)
-    return analyze_run(prepared.folder, prepared.scene, wanted, quiet=quiet)
+    wanted = [name for name in ("jump", "energy", "front", "fields") if getattr(asked, name)]
+    folder = prepared.folder
+    return analyse(flow, find_dump(folder), folder, wanted, film=asked.animation, quiet=quiet)
 
 
 @contextmanager
@@ -375,6 +367,6 @@ def analysis_of(folder: Path):
 
 def report(prepared: Prepared, summary: dict[str, Any]) -> None:
     """Write ``report.html``."""
-    from lammps_jump.analysis.report.page import write_report
+    from lammps_jump.analysis.report.run import write_report
 
     write_report(prepared.folder, summary, resolved_yaml(prepared.loaded.case))

@@ -8,8 +8,7 @@ from made_up import disc_frame, flow_context
 
 from lammps_jump.analysis import cell_grid
 from lammps_jump.analysis.cell_grid import close_pairs
-from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
-from lammps_jump.analysis.contacts import face_contacts, find_contacts
+from lammps_jump.analysis.contacts import find_contacts, pair_sums, wall_contacts, wall_sums
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
@@ -111,10 +110,11 @@ def test_friction_at_a_wall_is_that_of_the_engine():
 
 def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_it_is_not():
     frame = disc_frame([0.5, 3.0], [-0.01, -0.01], box=BOX)
-    (behind,) = face_contacts(frame, FLOOR, 0.5 * D)
+    flow = flow_context(domain=((0, 4), (0, 4)), x_range=(0, 4), stiffness=K)
+    (behind,) = wall_contacts(frame, FLOOR, flow)
     assert behind.index.tolist() == [0, 1] and behind.ny.tolist() == [1, 1]
     assert behind.overlap == pytest.approx(0.11)
-    assert not list(face_contacts(frame, Block("bed", (0, 4), (-1, 0)), 0.5 * D))
+    assert not list(wall_contacts(frame, Block("bed", (0, 4), (-1, 0)), flow))
 
 
 def test_discs_at_one_place_are_no_contact():

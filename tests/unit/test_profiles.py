@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context
 
-from lammps_jump.analysis import profile_kernels
+from lammps_jump.analysis import profiles as profile_kernels
 from lammps_jump.analysis.profiles import add_means, bin_edges, compute_profiles, read_profiles, write_profiles
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.frame import make_frame

@@ -13,8 +13,10 @@ from lammps_jump.case.load import LoadedCase
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines.result import RunResult
 from lammps_jump.errors import DumpError, JumpError, RunInterrupted
+from lammps_jump.files import plain
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.timing import Stopwatch
+from lammps_jump.units import as_summary
 
 from .settings import Setting
 
@@ -166,27 +168,27 @@ def measure(folder: Path, scene: Scene, loaded: LoadedCase, result: RunResult) -
 
 
 def _energy(dump, context) -> dict[str, Any]:
-    from lammps_jump.analysis.energy import EnergyLedger, summarise_energy
+    from lammps_jump.analysis.energy import EnergyLedger, analyse_energy
 
     ledger = EnergyLedger(context)
     for frame in dump:
         ledger.add(frame, context.time(frame))
-    summary = summarise_energy(ledger.result(), context)
-    return {"energy deviation": summary["max_deviation"]}
+    return plain({"energy deviation": analyse_energy(ledger.result(), context).max_deviation})
 
 
 def _front(dump, context, duration: float) -> dict[str, Any]:
-    from lammps_jump.analysis.front import FrontTracker, summarise_front
+    from lammps_jump.analysis.front import FrontTracker, analyse_front
 
     tracker = FrontTracker(context)
     for frame in dump:
         tracker.add(frame, context.time(frame))
     history = tracker.result()
+    moyce = analyse_front(history, context).martin_moyce
     times = np.linspace(0.1, 1.0, CURVE_POINTS) * duration
     return {
         "front position": np.interp(times, history.time, history.quantile).tolist(),
         "column height": np.interp(times, history.time, history.height).tolist(),
-        "martin_moyce": summarise_front(history, context).get("martin_moyce"),
+        "martin_moyce": moyce and plain(as_summary(moyce)),
     }
 
 
@@ -196,7 +198,7 @@ def _jump(dump, context) -> dict[str, Any]:
     from lammps_jump.analysis.profiles import compute_profiles
 
     profiles = compute_profiles(dump, context)
-    summary = summarise_jump(analyse_jump(profiles, context))
+    summary = plain(as_summary(summarise_jump(analyse_jump(profiles, context))))
     depth = profiles["mass_depth_mean"].values
     good = np.isfinite(depth)
     return {

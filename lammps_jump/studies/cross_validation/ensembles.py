@@ -99,7 +99,7 @@ def _digest(*parts: bytes) -> str:
 
 
 REDUCING = (
-    "profiles", "profile_kernels", "front", "energy", "contact_sums", "contacts", "cell_grid", "flow",
+    "profiles", "front", "energy", "contacts", "cell_grid", "flow",
 )  # fmt: skip
 """Modules of the analysis that make a member's numbers."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,12 +12,14 @@ import numpy as np
 
 from lammps_jump.errors import DumpError
 
+from .find import open_run_dump
 from .frame import Frame, ten_indices
 from .read import Dump
 
 if TYPE_CHECKING:
     import xarray as xr
 
+EXPORTS = ("csv", "vtk", "pictures")
 PICTURES = 10
 
 
@@ -54,6 +56,70 @@ def _cell(value) -> str:
     if isinstance(value, float):
         return "" if value != value else f"{value:.10g}"
     return str(value)
+
+
+def export(place: str | Path, kinds: Collection[str], out: str | Path | None = None) -> list[Path]:
+    """Write what lies in a run folder for other programs.
+
+    Parameters
+    ----------
+    place : str or Path
+        A run folder or a folder of results: its dump, ``profiles.nc`` and ``fields.nc`` are read.
+    kinds : collection of str
+        Of 'csv' (profiles as tables), 'vtk' (discs at ten equal times, and ``fields.nc`` where it is there) and
+        'pictures' (the thesis' picture0.dat … picture9.dat).
+    out : str or Path, optional
+        Folder for the files; default `place`.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    DumpError
+        A kind that is not known, no dump or no profiles, a place that cannot be written.
+    """
+    unknown = [kind for kind in kinds if kind not in EXPORTS]
+    if unknown:
+        raise DumpError(f"export '{unknown[0]}' is not known: use one of {', '.join(EXPORTS)}.")
+    place = Path(place)
+    out = place if out is None else Path(out)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DumpError(f"{out}: cannot be made ({error.strerror}); name another folder.") from error
+    written = write_profiles_csv(_dataset(place / "profiles.nc"), out) if "csv" in kinds else []
+    if "pictures" in kinds:
+        written += write_pictures(open_run_dump(place), out)
+    if "vtk" in kinds:
+        written += _discs_for_paraview(open_run_dump(place), _dataset(place / "profiles.nc"), out)
+        if (place / "fields.nc").is_file():
+            written.append(write_vti(_dataset(place / "fields.nc"), out / "fields.vti"))
+    return written
+
+
+def _dataset(path: Path) -> xr.Dataset:
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            return dataset.load()
+    except (OSError, ValueError) as error:
+        raise DumpError(
+            f"{path}: cannot be read ({error}); `lammps-jump analyze {path.parent}` makes it from the dump."
+        ) from error
+
+
+def _discs_for_paraview(dump: Dump, profiles: xr.Dataset, out: Path) -> list[Path]:
+    """Ten frames of discs as .vtp with a .pvd that holds their times."""
+    diameter = profiles.attrs["disc_diameter"]
+    times = dict(zip(profiles.step.values, profiles.time.values, strict=True))
+    frames = list(dump.select(ten_indices(dump.count(), PICTURES)))
+    files = [write_vtp(frame, out / f"discs{number}.vtp", diameter) for number, frame in enumerate(frames)]
+    seconds = [float(times.get(frame.step, frame.time or frame.step)) for frame in frames]
+    return [*files, write_pvd(zip(seconds, files, strict=True), out / "discs.pvd")]
 
 
 def write_profiles_csv(profiles: xr.Dataset, folder: str | Path) -> list[Path]:
