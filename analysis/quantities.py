@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from lammps_jump.dump.export import write_table
+from lammps_jump.dump.exports import write_table
 from lammps_jump.dump.find import ForceHistory, read_forces
 from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import DumpError, SetupError

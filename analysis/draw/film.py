@@ -20,6 +20,8 @@ from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.scene.walls import Interval, Plane
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
+from .snapshots import disc_speeds, seen_heights, seen_range, top_of
+from .style import style
 
 NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
 """What to tell users where a GIF took the place of an MP4."""
@@ -217,9 +219,6 @@ def _stage(sample, flow, x, y, width, top_speed) -> _Stage:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
-
-    from .snapshots import disc_speeds, seen_heights, seen_range, top_of
-    from .style import style
 
     x = x or seen_range(sample, flow)
     y = y or seen_heights(sample, flow, x)

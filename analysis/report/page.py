@@ -87,9 +87,11 @@ class Section(NamedTuple):
     blocks: Sequence[Text | Table | Boxes | Items | Code | Picture]
 
 
-def render(title: str, sections: Sequence[Section | None]) -> str:
-    """One self-contained HTML page; None among the sections is left out."""
-    return _template().render(title=title, sections=[section for section in sections if section is not None])
+def render(title: str, sections: Sequence[Section | None], *, tab: str = "") -> str:
+    """One self-contained HTML page; None among the sections is left out; `tab` is the browser's title."""
+    return _template().render(
+        title=title, tab=tab or title, sections=[section for section in sections if section is not None]
+    )
 
 
 @lru_cache(maxsize=1)

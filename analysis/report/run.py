@@ -57,14 +57,15 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     DumpError
         The file cannot be written.
     """
-    title = str(summary.get("name", "run")).replace("_", " ")
+    name_of_run = str(summary.get("name", "run"))
+    title, tab = name_of_run.replace("_", " "), f"{name_of_run}: report"
     before = [Section("", [*_lead(summary), *_key_numbers(summary), *_notes(summary)])]
     before += [quantity.section(summary[key]) for key, quantity in QUANTITIES.items() if summary.get(key)]
     after = [_coefficients(summary), _skipped(summary), _case(case_yaml), _how(summary)]
-    room = LARGEST - len(render(title, [*before, *after]).encode())
+    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode())
     path = Path(folder) / name
     try:
-        path.write_text(render(title, [*before, _figures(Path(folder), room), *after]), encoding="utf-8")
+        path.write_text(render(title, [*before, _figures(Path(folder), room), *after], tab=tab), encoding="utf-8")
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from lammps_jump import analysis, dump
 from lammps_jump.case import LoadedCase, case_hash, resolved_yaml
 from lammps_jump.case.derived import inflow_theory
 from lammps_jump.case.to_scene import build_scene
@@ -265,11 +266,10 @@ def _steady_watch(prepared: Prepared):
     run = prepared.loaded.case.run
     if not run.stop_when_steady or not prepared.scene.inlets:
         return None
-    from lammps_jump.analysis.flow import from_scene
 
     from .steady_watch import SteadyWatch, studied_reach
 
-    return SteadyWatch(prepared.scene, prepared.folder, studied_reach(from_scene(prepared.scene)))
+    return SteadyWatch(prepared.scene, prepared.folder, studied_reach(analysis.from_scene(prepared.scene)))
 
 
 def _run_engine(
@@ -334,14 +334,10 @@ def _write_continuation(prepared: Prepared, checkpoint: Checkpoint) -> None:
 
 def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
     """Analyse the dump of a run folder as its case asks; the parts of the summary that came of it."""
-    from lammps_jump.analysis.flow import from_scene
-    from lammps_jump.analysis.quantities import analyse
-    from lammps_jump.dump.find import find_dump
-
     case = prepared.loaded.case
     asked = case.analysis
     inflow = case.inflow if case.inflow is not None and case.inflow.kind == "rows" else None
-    flow = from_scene(
+    flow = analysis.from_scene(
         prepared.scene,
         bin_width=asked.bin_width,
         window=asked.window,
@@ -350,7 +346,7 @@ def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any
     )
     wanted = [name for name in ("jump", "energy", "front", "fields") if getattr(asked, name)]
     folder = prepared.folder
-    return analyse(flow, find_dump(folder), folder, wanted, film=asked.animation, quiet=quiet)
+    return analysis.analyse(flow, dump.find_dump(folder), folder, wanted, film=asked.animation, quiet=quiet)
 
 
 @contextmanager

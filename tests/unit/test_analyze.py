@@ -14,7 +14,7 @@ from lammps_jump.analysis.passes import with_velocities
 from lammps_jump.analysis.profiles import read_profiles
 from lammps_jump.analysis.quantities import analyse, main_numbers
 from lammps_jump.cli.analyze import analyze_target
-from lammps_jump.dump.export import export
+from lammps_jump.dump.exports import export
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError

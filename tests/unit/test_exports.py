@@ -10,7 +10,7 @@ from made_up import flow_context
 
 from lammps_jump.analysis.fields import compute_fields
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.dump.export import write_pictures, write_profiles_csv, write_pvd, write_table, write_vti, write_vtp
+from lammps_jump.dump.exports import write_pictures, write_profiles_csv, write_pvd, write_table, write_vti, write_vtp
 from lammps_jump.dump.find import find_dump, open_run_dump, read_forces
 from lammps_jump.dump.frame import make_frame, ten_indices
 from lammps_jump.dump.read import open_dump
