@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLACK, BLUE, DASHES, GOLD, GREY, RED, new_figure, style, xt_map
 from lammps_jump.analysis.passes import Drawings, Gathered
-from lammps_jump.analysis.report.page import Section, Table, Text, heading
+from lammps_jump.analysis.report.page import Section, Table, Text
 from lammps_jump.scene.walls import Block
 from lammps_jump.units import numbers_of
 
@@ -50,7 +50,7 @@ def section(found: Mapping) -> Section:
             known = (values.get(key) for key in keys)
             rows.append((name, *(None if v is None else v / scale for v, scale in zip(known, scales, strict=True))))
     units = [numbers[key].unit if key == "peak_time" else f"k{numbers[key].unit}" for key in keys]
-    heads = [heading(numbers[key].meaning, unit) for key, unit in zip(keys, units, strict=True)]
+    heads = [f"{numbers[key].label} [{unit}]" for key, unit in zip(keys, units, strict=True)]
     notes = [Text(note) for note in found.get("notes") or []]
     return Section("Forces", [Table(rows, ("Structure", *heads)), *notes])
 

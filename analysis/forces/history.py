@@ -83,8 +83,8 @@ class Force:
     """
 
     component: str | None = None
-    peak: float = number("N/m", "peak force", default=nan)
-    peak_time: float = number("s", "time of the peak", default=nan)
+    peak: float = number("N/m", "peak force", default=nan, label="peak")
+    peak_time: float = number("s", "time of the peak", default=nan, label="at")
     peak_unfiltered: float = number("N/m", "peak of the record without low-pass", default=nan)
     impulse: float = number("N s/m", "impulse", default=nan)
     impulse_x: float = number("N s/m", "impulse along x", default=nan)

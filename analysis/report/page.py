@@ -126,7 +126,8 @@ def described(result: type, found: Mapping[str, Value], *keys: str) -> list[tupl
 
 def heading(meaning: str, unit: str) -> str:
     """Head of a row: the meaning, first letter large, with the unit in brackets."""
-    return f"{meaning[:1].upper()}{meaning[1:]}" + (f" [{unit}]" if unit else "")
+    first = meaning[:1].upper() if meaning[:1].isascii() else meaning[:1]  # a capital gamma would be another symbol
+    return f"{first}{meaning[1:]}" + (f" [{unit}]" if unit else "")
 
 
 def percent(share: float | None, digits: int = 1) -> str:
