@@ -54,7 +54,7 @@ ALLOWED: dict[str, str] = {
     "*/summary.json:force.* is new": "every key of a quantity is there, null where it was not measured",
     "*/summary.json:files.*": "order of the names: tables and figures in the order of the report",
 }
-"""Pattern of ``entry/file:path`` (for `fnmatch`) -> reason why this difference is intended."""
+"""Pattern (for `fnmatch`) of ``entry/file:path``, or of that with what is told of it -> why it is intended."""
 
 MASKED_KEYS = {
     "versions": "versions of the program and its libraries; no result",
@@ -344,7 +344,8 @@ def main() -> int:
             found = compare(stored, Path(temporary), entry) if stored.is_dir() else [(entry, "number", "is not stored")]
         counted, lines = 0, []
         for path, kind, told in sorted(found, key=lambda one: one[1]):
-            reasons = [reason for pattern, reason in ALLOWED.items() if fnmatch(path, pattern) or fnmatch(f"{path} {told}", pattern)]
+            both = (path, f"{path} {told}")
+            reasons = [reason for pattern, reason in ALLOWED.items() if any(fnmatch(one, pattern) for one in both)]
             if kind == "number" or not arguments.numbers_only:
                 counted += not reasons
                 note = f"allowed: {reasons[0]}" if reasons else told

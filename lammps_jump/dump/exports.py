@@ -156,15 +156,9 @@ def write_vti(fields: xr.Dataset, path: str | Path) -> Path:
     extent = f"0 {len(x)} 0 {len(y)} 0 1"
     origin = f"{x[0] - spacing / 2:.17g} {y[0] - spacing / 2:.17g} 0"
     steps = " ".join([f"{spacing:.17g}"] * 3)
-    with _writing(path) as file:
-        file.write('<?xml version="1.0"?>\n')
-        file.write('<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
-        file.write(f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{steps}">\n')
-        file.write(f'<Piece Extent="{extent}">\n<CellData>\n')
-        for name, values in arrays.items():
-            file.write(_data_array(name, values))
-        file.write("</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n")
-    return Path(path)
+    cells = "".join(_data_array(name, values) for name, values in arrays.items())
+    image = f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{steps}">\n<Piece Extent="{extent}">\n'
+    return _vtk(path, "ImageData", f"{image}<CellData>\n{cells}</CellData>\n</Piece>\n</ImageData>\n")
 
 
 def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
@@ -173,17 +167,12 @@ def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
     arrays = {"id": frame.ids.astype(float), "diameter": np.full(frame.n, float(diameter))}
     if "vx" in frame.columns and "vy" in frame.columns:
         arrays["velocity"] = np.column_stack([frame.vx, frame.vy, np.zeros(frame.n)])
-    with _writing(path) as file:
-        file.write('<?xml version="1.0"?>\n')
-        file.write('<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
-        file.write(f'<PolyData>\n<Piece NumberOfPoints="{frame.n}" NumberOfVerts="{frame.n}">\n<PointData>\n')
-        for name, values in arrays.items():
-            file.write(_data_array(name, values))
-        file.write(f"</PointData>\n<Points>\n{_data_array('points', points)}</Points>\n<Verts>\n")
-        file.write(_data_array("connectivity", np.arange(frame.n), "Int64"))
-        file.write(_data_array("offsets", np.arange(1, frame.n + 1), "Int64"))
-        file.write("</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n")
-    return Path(path)
+    data = "".join(_data_array(name, values) for name, values in arrays.items())
+    verts = _data_array("connectivity", np.arange(frame.n), "Int64")
+    verts += _data_array("offsets", np.arange(1, frame.n + 1), "Int64")
+    piece = f'<Piece NumberOfPoints="{frame.n}" NumberOfVerts="{frame.n}">\n<PointData>\n{data}</PointData>\n'
+    piece += f"<Points>\n{_data_array('points', points)}</Points>\n<Verts>\n{verts}</Verts>\n</Piece>\n"
+    return _vtk(path, "PolyData", f"<PolyData>\n{piece}</PolyData>\n")
 
 
 def write_pvd(files: Iterable[tuple[float, str | Path]], path: str | Path) -> Path:
@@ -215,6 +204,14 @@ def write_pictures(dump: Dump, folder: str | Path) -> list[Path]:
             file.write((row * frame.n) % tuple(values.ravel().tolist()))
         written.append(path)
     return written
+
+
+def _vtk(path: str | Path, kind: str, body: str) -> Path:
+    with _writing(path) as file:
+        file.write('<?xml version="1.0"?>\n')
+        file.write(f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
+        file.write(f"{body}</VTKFile>\n")
+    return Path(path)
 
 
 def _data_array(name: str, values: np.ndarray, kind: str = "Float64") -> str:

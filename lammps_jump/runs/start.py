@@ -344,7 +344,7 @@ def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any
         inflow_depth=inflow.depth if inflow else None,
         inflow_speed=inflow.mean_speed if inflow else None,
     )
-    wanted = [name for name in ("jump", "energy", "front", "fields") if getattr(asked, name)]
+    wanted = [name for name in (*analysis.QUANTITIES, "fields") if getattr(asked, name, False)]
     folder = prepared.folder
     return analysis.analyse(flow, dump.find_dump(folder), folder, wanted, film=asked.animation, quiet=quiet)
 
