@@ -97,7 +97,7 @@ class EnergyLedger:
 class Energy:
     """Energy of the discs at the start and the end, and how far it strayed.
 
-    Deviations tell of the engine only where nothing dissipates and no disc comes or goes (`conservative`).
+    Deviations are errors of the engine only where nothing dissipates and no disc enters or leaves (`conservative`).
     """
 
     initial: float = number("J/m", "energy at the start", default=nan, label="at the start")

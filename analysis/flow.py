@@ -90,7 +90,7 @@ class Flow:
         """Height of the floor at x, m; NaN where nothing lies below.
 
         The floor is the highest solid that the solids below it carry without a gap a disc could pass: planes and
-        boxes first, then blocks from the lowest up. What hangs above such a gap (a sluice gate) is no floor.
+        boxes first, then blocks from the lowest up. A block above such a gap (a sluice gate) is no floor.
 
         Parameters
         ----------

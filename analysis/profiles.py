@@ -309,7 +309,7 @@ def _bin_frame_py(x, y, vx, vy, low, width, radius, sums, beyond):
 
 
 def _connected_py(x, y, bed, reach, radius):
-    """Which discs hang together with the bed: a flag each (breadth first over a cell grid of side `reach`)."""
+    """Whether each disc is connected to the bed (breadth-first search over a cell grid of side `reach`)."""
     n = len(x)
     joined = np.zeros(n, np.bool_)
     if n == 0:

@@ -1,4 +1,4 @@
-"""Figures of the hydraulic jump: its track, its mean shape, its momentum account, the energy head."""
+"""Figures of the hydraulic jump: its track, its mean shape, its momentum balance, the energy head."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
@@ -89,7 +89,7 @@ def frame_figure(jump: Jump) -> Figure | None:
 
 
 def balance_figure(jump: Jump) -> Figure | None:
-    """Terms of the momentum account across the jump, in per cent of the downstream momentum function."""
+    """Terms of the momentum balance across the jump, in per cent of the downstream momentum function."""
     terms = jump.measured.balance
     if terms is None:
         return None

@@ -212,7 +212,7 @@ class Balance:
     unsteady : float
         Growth of the momentum between the two stations, taken off.
     unexplained : float
-        Sum of all of them: 0 for a perfect account; contains the pressure where that is not known.
+        Sum of all of them: 0 for a perfect balance; contains the pressure where that is not known.
     pressure_error : float
         Standard error of `pressure` from the scatter between frames.
     """
@@ -231,7 +231,7 @@ class Balance:
 
 
 def balance(moving: MovingProfile, one: State, two: State, speed: float, gravity: float, along: float) -> Balance:
-    """The momentum account between the middles of the two states' zones.
+    """Momentum balance between the middles of the two states' zones.
 
     Parameters
     ----------
@@ -298,7 +298,7 @@ class Mass:
     speed_from_mass: float = number("m/s", "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁)")
 
 
-def account_of_mass(moving: MovingProfile, one: State, two: State, speed: float) -> Mass:
+def mass_balance(moving: MovingProfile, one: State, two: State, speed: float) -> Mass:
     """Mass fluxes through the moving front, their relative difference, storage in between."""
     flux_1 = one.discharge.value - speed * one.mass_depth.value
     flux_2 = two.discharge.value - speed * two.mass_depth.value

@@ -24,9 +24,9 @@ from .frame import (
     MovingProfile,
     Roller,
     State,
-    account_of_mass,
     balance,
     crossing,
+    mass_balance,
     measure_state,
     move_along,
     roller,
@@ -160,7 +160,7 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         Of `profiles.compute_profiles`; its window is used.
     flow : Flow
     contacts : ContactSeries, optional
-        On the same bins; adds contact pressure and the force of the bed to the momentum account.
+        On the same bins; adds contact pressure and the force of the bed to the momentum balance.
 
     Returns
     -------
@@ -207,7 +207,7 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
     """Average in the moving frame; toe, end, states, balances."""
     track, speed = result.track, result.motion.speed
     shifted = {name: values[used] for name, values in data.items()}
-    # the fitted straight motion carries the frame: a control volume at a steady speed has an exact account
+    # the frame moves with the fitted straight motion: a control volume at a steady speed has an exact balance
     front = result.motion.start + speed * track.time[used]
     moving = move_along(x, track.time[used], shifted, front, track.reach_end[used])
     toe = float(np.median(track.toe[used] - front))
@@ -234,7 +234,7 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
         downstream=two,
         developed=enough,
         balance=balance(moving, one, two, speed, gravity, along),
-        mass=account_of_mass(moving, one, two, speed),
+        mass=mass_balance(moving, one, two, speed),
         roller=roller(moving, speed, toe, end),
     )
 

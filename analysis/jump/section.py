@@ -76,7 +76,7 @@ def figures(jump: Jump, gathered: Gathered) -> Drawings:
 
 
 def section(jump: Mapping) -> Section:
-    """Verdict, states, ratios, momentum account, lengths; `jump` as in ``summary.json``."""
+    """Verdict, states, ratios, momentum balance, lengths; `jump` as in ``summary.json``."""
     blocks = [Text(jump["reason"], "verdict" if jump["verdict"] == "jump" else "warn", jump["verdict"])]
     if inflow := jump.get("inflow"):
         blocks.append(

@@ -35,7 +35,7 @@ class Inflow:
 
 @dataclass(frozen=True)
 class MomentumTerms:
-    """Parts of the momentum account over the downstream momentum function."""
+    """Terms of the momentum balance over the downstream momentum function."""
 
     profile: float = number("", "uneven velocities and their fluctuations")
     packing: float = number("", "surface depth in place of mass depth")

@@ -41,8 +41,8 @@ class ForceHistory:
 def find_dump(place: str | Path) -> Path:
     """The dump of a folder, or the file itself.
 
-    A folder's dump is the first of `KNOWN_NAMES` in it, else its only file ``dump.*``: in a folder of ours the run's
-    own dump whatever else lies there, in anybody's the one that can be meant.
+    A folder's dump is the first of `KNOWN_NAMES` in it, else its only file ``dump.*``. A run folder may so
+    hold other dumps beside its own.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from .formats import walk_text
 from .frame import DumpFile, Frame
 
 MARKER = b"ITEM: TIME\n"
-"""First line of a frame that an engine of ours writes."""
+"""First line of each frame that our engines write."""
 
 
 class Tail:
