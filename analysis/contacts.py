@@ -11,7 +11,7 @@ from numba import njit
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.walls import Block, Wall
+from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
 from .flow import Flow
@@ -79,10 +79,7 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True)
     """
     radius, width, stiffness = flow.scene.radius, flow.touch_width, flow.scene.coefficients.stiffness_wall
     for distance, nx, ny in wall.contacts(frame.x, frame.y):
-        touching = distance < radius
-        if isinstance(wall, Block):
-            touching &= distance > 0
-        index = np.flatnonzero(touching)
+        index = np.flatnonzero((distance < radius) & ((nx != 0) | (ny != 0)))
         if index.size:
             overlap, nx, ny = radius - distance[index], nx[index], ny[index]
             force = spring_force(overlap, stiffness, width)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from math import nan, sqrt
+from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -20,7 +20,6 @@ from lammps_jump.analysis.report.page import Section, Table, Text, described, pe
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured
-from lammps_jump.scene.walls import Box, Plane
 from lammps_jump.units import number, shown
 
 from .contacts import ContactCollector
@@ -110,12 +109,8 @@ class Front:
 
 def back_wall(flow: Flow) -> float | None:
     """Position of the vertical wall that the column leans on, m; None where there is none."""
-    for wall in flow.scene.walls:
-        if isinstance(wall, Plane) and wall.axis == "x" and wall.side == "above":
-            return wall.at
-        if isinstance(wall, Box):
-            return wall.x[0]
-    return None
+    starts = (wall.room("x")[0] for wall in flow.scene.walls)
+    return next((start for start in starts if isfinite(start)), None)
 
 
 def bulk_front(x: np.ndarray, diameter: float) -> float:
@@ -231,17 +226,15 @@ def free_length(flow: Flow, history: FrontHistory) -> float:
     """Distance from the back wall to the first thing in the way of the front, m; infinite where there is none."""
     base = history.back + history.column[0]
     bed = float(flow.bed_height(np.array([base]))[0])
-    faces = [
-        wall.x[0] for wall in flow.scene.walls if getattr(wall, "x", None) and wall.x[0] > base + flow.scene.diameter
-    ]
-    faces += [w.at for w in flow.scene.walls if isinstance(w, Plane) and w.axis == "x" and w.side == "below"]
-    faces += [w.x[1] for w in flow.scene.walls if isinstance(w, Box)]
+    starts = [wall.extent[0][0] for wall in flow.scene.walls if wall.finite]
+    faces = [start for start in starts if start > base + flow.scene.diameter]
+    faces += [wall.room("x")[1] for wall in flow.scene.walls]
     # the floor may end before anything stands in the way
     probe = np.linspace(base, flow.scene.domain[0][1], 2000)
     level = flow.bed_height(probe)
     changed = np.flatnonzero(~(np.abs(level - bed) < 1e-9))
     faces += [float(probe[changed[0]])] if changed.size else []
-    return min(faces, default=float("inf")) - history.back
+    return min(faces, default=inf) - history.back
 
 
 def analyse_front(history: FrontHistory, flow: Flow) -> Front:

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from lammps_jump.analysis.draw.style import BLACK, BLUE, DASHES, GOLD, GREY, RED, new_figure, style, xt_map
 from lammps_jump.analysis.passes import Drawings, Gathered
 from lammps_jump.analysis.report.page import Section, Table, Text
-from lammps_jump.scene.walls import Block
 from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
@@ -74,7 +73,7 @@ def history_figure(result: Forces) -> Figure | None:
             if force.component == "fx" and np.isfinite(series.hydrostatic).any():
                 sign = np.sign(force.peak) or 1.0
                 axes.plot(time, sign * series.hydrostatic / 1e3, color=BLACK, lw=1, ls=":", label="hydrostatic, ρgh²/2")
-                if isinstance(series.wall, Block):
+                if series.wall.finite:
                     axes.plot(
                         time, sign * series.oncoming / 1e3, color=GREY, lw=1, ls="-.", label="oncoming, ρhu² + ρgh²/2"
                     )
@@ -132,6 +131,6 @@ def reflected_figure(result: Forces, profiles: xr.Dataset) -> Figure | None:
         line = wave.motion.start + wave.motion.speed * ends
         label = f"fit {wave.motion.speed:+.2f} ± {wave.motion.error:.2f} m/s; bore theory {wave.bore_speed:+.2f} m/s"
         axes.plot(line, ends, color=RED, lw=1.8, ls="--", label=label)
-        axes.set_xlim(right=float(result.structures[wave.structure].series.wall.x[1]) + 1)
+        axes.set_xlim(right=float(result.structures[wave.structure].series.wall.extent[0][1]) + 1)
         axes.legend(loc="upper left", frameon=True, framealpha=0.9)
     return figure

@@ -22,7 +22,7 @@ from lammps_jump.files import FORCES_HEADER
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import resume as continuation
 from lammps_jump.script.assemble import STOP_FILE, first_step, stop_at_step
-from lammps_jump.script.stock import raw_forces
+from lammps_jump.script.probes import raw_forces
 
 from .diagnose import explain
 from .loader import load_lammps, program, wheel_version
