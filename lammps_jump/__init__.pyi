@@ -1,3 +1,7 @@
+from .analysis.energy import Energy as Energy
+from .analysis.forces.history import Force as Force
+from .analysis.front import Front as Front
+from .analysis.jump.summary import Jump as Jump
 from .dump.find import read_dump as read_dump
 from .dump.frame import Frame as Frame
 from .dump.read import Dump as Dump
@@ -11,10 +15,6 @@ from .errors import RunError as RunError
 from .errors import RunInterrupted as RunInterrupted
 from .errors import SetupError as SetupError
 from .provenance import __version__ as __version__
-from .runs.results import Energy as Energy
-from .runs.results import Force as Force
-from .runs.results import Front as Front
-from .runs.results import Jump as Jump
 from .runs.run import Case as Case
 from .runs.run import Run as Run
 from .runs.run import load_case as load_case

@@ -36,18 +36,11 @@ MOST_FILES = 12
 
 LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
-FULL_FOLDERS: dict[str, int] = {"analysis": 17}
+FULL_FOLDERS: dict[str, int] = {}
 """Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()
 """(file, private name) that a file takes from another."""
 IMPORTS_INSIDE: dict[str, int] = {
-    "analysis/analyze.py": 9,
-    "analysis/contacts.py": 1,
-    "analysis/draw/film.py": 2,
-    "analysis/extras.py": 8,
-    "analysis/passes.py": 6,
-    "analysis/result_figures.py": 4,
-    "lammps_jump/dump/formats.py": 1,
     "lammps_jump/engines/lammps/diagnose.py": 2,
 }
 """Imports of our own modules inside functions, by file."""

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 import lammps_jump as lj
+import lammps_jump.dump as dump
 import lammps_jump.runs as runs
 from lammps_jump.errors import CaseError
 
@@ -72,7 +73,8 @@ def animate(
     """Moving picture of a run: discs as true circles coloured by speed, forces on structures, time."""
     if not 1 <= fps <= 120:
         raise CaseError(f"--fps {fps}: allowed is 1 to 120")
-    print(runs.results.animate(folder, out, fps))
+    with told(quiet=False):
+        print(runs.results.animate(folder, out, fps))
 
 
 @app.command()
@@ -83,11 +85,11 @@ def export(
     ] = False,
     csv: Annotated[bool, typer.Option("--csv", help="Profiles as tables.")] = False,
     pictures: Annotated[bool, typer.Option("--pictures", help="picture0.dat … picture9.dat of the thesis.")] = False,
-    out: Annotated[Path | None, place("Folder for the files (default: the folder of the dump).")] = None,
+    out: Annotated[Path | None, place("Folder for the files (default: the folder itself).")] = None,
 ) -> None:
     """Write what other programs read; prints the names of the files."""
     kinds = [name for name, wanted in (("vtk", vtk), ("csv", csv), ("pictures", pictures)) if wanted]
     if not kinds:
         raise CaseError("export: nothing to write; name one or more of --vtk, --csv and --pictures")
-    for path in runs.results.export(target, kinds, out):
+    for path in dump.export(target, kinds, out):
         print(path)

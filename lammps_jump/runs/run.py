@@ -7,11 +7,12 @@ import html
 import io
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
+import lammps_jump.analysis as analysis
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.case import load_case as read_case
@@ -20,22 +21,23 @@ from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.errors import RunError
-from lammps_jump.files import is_written, plain
+from lammps_jump.files import is_written
 from lammps_jump.scene.scene import Scene
 
 from .engine import Setting
 from .folder import default_folder, require_case, result_of_files, result_of_summary
 from .summary import compose, read_summary
-from .view import case_html
+from .view import case_html, number_table
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from .results import Energy, Force, Found, Front, Jump
+    from lammps_jump.analysis import Energy, Force, Front, Jump
+    from lammps_jump.analysis.forces.history import Forces
 
-SHOWN = ("froude", "y1", "y2", "belanger_y2", "speed", "position", "initial", "max_deviation", "drift")
-"""Numbers of the short view of a run, as far as there are any."""
+    from .results import Found
+
 Status = Literal["complete", "interrupted", "failed", "running"]
 
 
@@ -228,43 +230,31 @@ class Run:
     @cached_property
     def profiles(self) -> xr.Dataset:
         """Profiles over time (s) and x (m): mass_depth (m), velocity (m/s), discharge (m^2/s) …, means and errors."""
-        stored = None if self._changes else runs.results.read_profiles(self.folder)
-        return self._found.gathered.profiles if stored is None else stored
+        path = self.folder / "profiles.nc"
+        if self._changes or not path.exists():
+            return self._found.gathered.profiles
+        return analysis.profiles.read_profiles(path)
 
-    def _part(self, part: str) -> Mapping[str, Any]:
-        """Numbers of an analysis: the stored ones, else made in memory."""
-        stored = None if self._changes else self._stored.get(part)
-        return plain(self._found.parts[part]) if stored is None else stored
-
-    def _series(self, part: str, structure: str = "") -> Mapping[str, Any]:
-        return runs.results.series_of(self._found, part, structure)
-
-    @cached_property
+    @property
     def jump(self) -> Jump:
         """The hydraulic jump; `verdict` and `reason` say whether there is one."""
-        return runs.results.Jump(self._part("jump"), partial(self._series, "jump"))
+        return cast("Jump", self._found.results["jump"])
 
-    @cached_property
+    @property
     def front(self) -> Front:
-        """The front of a collapsing column."""
-        return runs.results.Front(self._part("front"), partial(self._series, "front"))
+        """The front of a collapsing column; `reason` says why there is none."""
+        return cast("Front", self._found.results["front"])
 
-    @cached_property
+    @property
     def energy(self) -> Energy:
-        """Energy of the discs over time."""
-        return runs.results.Energy(self._part("energy"), partial(self._series, "energy"))
+        """Energy of the discs; over time in `history`."""
+        return cast("Energy", self._found.results["energy"])
 
-    @cached_property
+    @property
     def forces(self) -> Mapping[str, Force]:
-        """Force on each probed structure, by its name."""
-        if not self.scene.probes:
-            return {}
-        part = self._part("force")
-        return {
-            name: runs.results.Force(part[name], partial(self._series, "force", name))
-            for name in self.scene.probes
-            if name in part
-        }
+        """Force on each probed structure, by its name; over time in `history`."""
+        found = cast("Forces | None", self._found.results.get("force"))
+        return {} if found is None else found.structures
 
     def frames(self, start: int | None = None, stop: int | None = None, step: int | None = None) -> Iterator[Frame]:
         """The frames of the dump, one by one; numbers as of a slice.
@@ -319,8 +309,7 @@ class Run:
         if asked.jump:
             lead.append(f"<p>{html.escape(self.jump.verdict)}: {html.escape(self.jump.reason)}</p>")
         parts = [getattr(self, name) for name in ("jump", "front", "energy") if getattr(asked, name)]
-        rows = [row for part in parts for row in part.rows() if row[0] in SHOWN][:5]
-        return "\n".join([*lead, runs.results.table(rows), _picture(self.figure())])
+        return "\n".join([*lead, number_table(parts), _picture(self.figure())])
 
 
 def _picture(figure: Figure) -> str:

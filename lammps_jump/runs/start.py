@@ -138,7 +138,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
             result = result_of_files(case.scene(), folder, engine, setting.kernel)
         else:
             result = result_of_summary(stored, engine, setting.kernel)
-        parts = runs.results.analyse(case, folder, result.engine)
+        parts = runs.results.analyse(case, folder)
     seconds = {"build": 0.0, "run": result.seconds, **((stored or {}).get("wall_seconds") or {})}
     seconds["analysis"] = time.perf_counter() - begin
     if result.status in ("interrupted", "complete") and result.message:
@@ -209,7 +209,7 @@ def _execute(
         trouble = ""
         try:
             with _analysis_of(folder):
-                parts = runs.results.analyse(case, folder, result.engine)
+                parts = runs.results.analyse(case, folder)
         except DumpError as error:
             trouble = str(error)
         if result.status != "complete" and trouble:
@@ -260,7 +260,7 @@ def steady_watch(case: ReadCase, folder: Path) -> runs.steady.SteadyWatch | None
     scene = case.scene()
     if not case.fields.run.stop_when_steady or not scene.inlets:
         return None
-    return runs.steady.SteadyWatch(scene, folder, runs.results.level_range(scene))
+    return runs.steady.SteadyWatch(scene, folder, runs.steady.studied_reach(runs.results.flow_of(case)))
 
 
 @contextmanager

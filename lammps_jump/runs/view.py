@@ -1,11 +1,13 @@
-"""A case as HTML, for notebooks: its coefficients, and its walls drawn."""
+"""Cases and results as HTML, for notebooks."""
 
 from __future__ import annotations
 
 import html
+from collections.abc import Sequence
 from dataclasses import asdict
 
 from lammps_jump.scene.scene import Scene
+from lammps_jump.units import numbers_of, shown
 
 COEFFICIENTS = {
     "mass": "kg/m",
@@ -24,6 +26,18 @@ def case_html(name: str, scene: Scene) -> str:
     values = asdict(scene.coefficients)
     rows = "".join(f"<tr><td>{key}</td><td>{values[key]:.4g} {unit}</td></tr>" for key, unit in COEFFICIENTS.items())
     return f"<p><b>{html.escape(name)}</b>: {html.escape(scene.description)}</p><table>{rows}</table>{_drawing(scene)}"
+
+
+def number_table(results: Sequence[object]) -> str:
+    """The labelled numbers of some results, at most five, each with its standard error."""
+    rows = [
+        (number.meaning, shown(value, number.unit, getattr(result, f"{number.key}_error", None)))
+        for result in results
+        for number in numbers_of(result).values()
+        if number.label != number.meaning and (value := getattr(result, number.key)) == value
+    ]
+    cells = (f"<tr><td>{html.escape(name)}</td><td>{html.escape(text)}</td></tr>" for name, text in rows[:5])
+    return f"<table>{''.join(cells)}</table>"
 
 
 def _drawing(scene: Scene) -> str:

@@ -241,7 +241,7 @@ def test_whole_job(tmp_path, monkeypatch):
     """Interrupted, refused for another case, gone on with, and then a folder like any other."""
     case, changes = INPUTS / "dam_break.yaml", ["engine.kernel=stock", *COLLAPSE]
     folder = tmp_path / "run"
-    monkeypatch.setattr(results, "analyse", lambda case, folder, engine: {})  # seconds, and the same as ever
+    monkeypatch.setattr(results, "analyse", lambda case, folder: {})  # seconds, and the same as ever
     monkeypatch.setattr(results, "write_report", lambda folder, summary, case: (folder / "report.html").write_text(""))
     with monkeypatch.context() as patch:
         patch.setattr("lammps_jump.engines.lammps.run_lammps", partial(run_lammps, stop_at=3000))

@@ -177,7 +177,7 @@ def job(folder: Path, changes=CHANGES, **options):
 def light(monkeypatch):
     """No figures: seconds for each folder, and other tests look at them."""
 
-    def analyse(case, folder, engine):
+    def analyse(case, folder):
         (folder / "profiles.nc").write_text(f"of {case.name}")
         return {}
 

@@ -6,7 +6,6 @@ import it where it is used.
 
 from .engine import NativeRun, run_native, simulate
 from .ledger import Energy
-from .output import Frame
 from .simulation import NativeSimulation
 
-__all__ = ["Energy", "Frame", "NativeRun", "NativeSimulation", "run_native", "simulate"]
+__all__ = ["Energy", "NativeRun", "NativeSimulation", "run_native", "simulate"]
