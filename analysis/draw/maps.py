@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.flow import FlowContext
 
-from .style import BLUE, GOLD, _label, draw_walls, new_figure, style
+from .style import BLUE, GOLD, axis_label, draw_walls, new_figure, style
 
 
 def field_map(
@@ -44,7 +44,7 @@ def field_map(
         image = axes.pcolormesh(x, y, shown, vmin=min(low, 0.0), vmax=max(high, 1e-12), rasterized=True)
         axes.set_aspect("equal")
         bar = figure.colorbar(image, ax=axes, pad=0.02, orientation="horizontal" if wide > 3 else "vertical", aspect=40)
-        bar.set_label(_label(quantity).replace(", compression positive", ""))
+        bar.set_label(axis_label(quantity).replace(", compression positive", ""))
         bar.outline.set_visible(False)
         axes.set_xlabel("Distance x [m]")
         axes.set_ylabel("Height y [m]")

@@ -113,7 +113,8 @@ def draw_walls(axes, walls, x: Interval, y: Interval) -> None:
     axes.set_ylim(*y)
 
 
-def _label(quantity: xr.DataArray) -> str:
+def axis_label(quantity: xr.DataArray) -> str:
+    """Name and unit of a quantity for an axis, from its attributes ``long_name`` and ``units``."""
     name = quantity.attrs.get("long_name", quantity.name).removeprefix("time mean of ")
     units = quantity.attrs.get("units", "")
     for text, nice in (("m2 s-1", "m²/s"), ("m3 s-2", "m³/s²"), ("m4 s-3", "m⁴/s³"), ("m s-1", "m/s")):
@@ -243,7 +244,7 @@ def xt_map(
             x, _edges(time), values, vmin=low if signed else 0.0, vmax=max(high, 1e-12), rasterized=True
         )
         bar = figure.colorbar(image, ax=axes, pad=0.02)
-        bar.set_label(_label(profiles[variable]))
+        bar.set_label(axis_label(profiles[variable]))
         bar.outline.set_visible(False)
         if finite.size and high > 0 and not signed and min(values.shape) > 1:
             axes.contour(

@@ -10,7 +10,7 @@ import numpy as np
 
 from lammps_jump.errors import DumpError
 
-from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, _frozen
+from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
 
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
@@ -215,7 +215,7 @@ def _text_rows(dump: DumpFile, buffer: _Buffer, header: FrameHeader, box, names,
     if not wanted:
         return None
     columns = {name: out[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
-    return Frame(header.step, header.time, box, _frozen(columns))
+    return Frame(header.step, header.time, box, read_only(columns))
 
 
 def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) -> list[float]:
@@ -326,4 +326,4 @@ def _binary_rows(dump, header, box, names, chunks, number, take, wanted, start) 
     if not wanted:
         return None
     columns = {name: out[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
-    return Frame(header.step, header.time, box, _frozen(columns))
+    return Frame(header.step, header.time, box, read_only(columns))

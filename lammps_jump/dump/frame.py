@@ -99,7 +99,7 @@ class Frame:
         if "id" not in self.columns or np.all(np.diff(self.columns["id"]) > 0):
             return self
         order = np.argsort(self.columns["id"], kind="stable")
-        return replace(self, columns=_frozen({name: values[order] for name, values in self.columns.items()}))
+        return replace(self, columns=read_only({name: values[order] for name, values in self.columns.items()}))
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,8 @@ class DumpFile:
             self.warnings.append(message)
 
 
-def _frozen(columns: dict[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+def read_only(columns: dict[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+    """The same columns, and none of them can be changed."""
     for values in columns.values():
         values.flags.writeable = False
     return MappingProxyType(columns)
@@ -167,7 +168,7 @@ def make_frame(step: int, time: float | None, box, columns: Mapping[str, np.ndar
     if len({len(values) for values in arrays.values()}) > 1:
         lengths = ", ".join(f"{name} {len(values)}" for name, values in arrays.items())
         raise DumpError(f"the columns of step {step} differ in length: {lengths}.")
-    return Frame(int(step), None if time is None else float(time), bounds, _frozen(arrays))
+    return Frame(int(step), None if time is None else float(time), bounds, read_only(arrays))
 
 
 def require_finite(frame: Frame, source: object) -> Frame:

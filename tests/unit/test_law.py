@@ -129,11 +129,10 @@ def test_the_table_of_the_documentation(e, f, w):
     sharp = mean_restitution(damping_ratio(e) * factor, h, None, 1.0)
     smooth = [mean_restitution(softer, h, w * h, u) for u in SPEEDS]
     means = [mean for mean, _ in smooth]
-    row = (
-        f"| {e} | {f} | {w:g} | {sharp[0]:.3f} ± {sharp[1]:.3f} | {min(means):.3f} to {max(means):.3f} "
-        f"| {smooth[SPEEDS.index(1.0)][1]:.4f} |"
-    )
-    assert row in (PACKAGE.parent / "docs" / "kernels.md").read_text()
+    begin = f"| {e} | {f} | {w:g} | {sharp[0]:.3f} ± {sharp[1]:.3f} | "
+    end = f" | {min(means):.3f} to {max(means):.3f} | {smooth[SPEEDS.index(1.0)][1]:.4f} |"
+    rows = (PACKAGE.parent / "docs" / "kernels.md").read_text().splitlines()
+    assert any(row.startswith(begin) and row.endswith(end) for row in rows)
 
 
 def test_constants_of_the_plugin_are_those_of_the_package():

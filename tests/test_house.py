@@ -1,0 +1,249 @@
+"""The house keeps its floors: which folder imports which, how large files and folders are.
+
+The tables at the top list what does not keep to the rules yet. They may only shrink: a test fails too where a table
+lists what is no longer there.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import tokenize
+import tomllib
+from collections import Counter
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+FLOORS = (
+    "errors", "files", "units", "provenance", "physics", "scene", "case", "script", "dump", "engines", "analysis",
+    "runs", "studies", "cli",
+)  # fmt: skip
+"""What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
+AT_THE_ROOT = {"__init__.py", "__main__.py", "errors.py", "files.py", "units.py", "provenance.py"}
+NOT_FOR_ANALYSIS = {"case", "engines"}
+LARGEST_FILE = 300
+"""Lines of code; docstrings, comments and blank lines do not count."""
+LOOPS = {"lammps_jump/engines/native/loops.py"}
+"""Jitted loops may be longer."""
+MOST_FILES = 12
+"""Python files of a folder, ``__init__.py`` included."""
+
+LARGE_FILES: dict[str, int] = {"lammps_jump/cli/app.py": 345}
+"""Files over `LARGEST_FILE`, with their lines of code today."""
+FULL_FOLDERS: dict[str, int] = {"analysis": 17}
+"""Folders over `MOST_FILES`, with their files today."""
+PRIVATE_NAMES: set[tuple[str, str]] = set()
+"""(file, private name) that a file takes from another."""
+IMPORTS_INSIDE: dict[str, int] = {
+    "analysis/analyze.py": 9,
+    "analysis/contacts.py": 1,
+    "analysis/draw/film.py": 2,
+    "analysis/extras.py": 8,
+    "analysis/passes.py": 6,
+    "analysis/result_figures.py": 4,
+    "lammps_jump/cli/analyze.py": 19,
+    "lammps_jump/cli/app.py": 23,
+    "lammps_jump/cli/doctor.py": 1,
+    "lammps_jump/dump/formats.py": 1,
+    "lammps_jump/engines/accuracy.py": 3,
+    "lammps_jump/engines/lammps/diagnose.py": 2,
+    "lammps_jump/runs/live.py": 3,
+    "lammps_jump/runs/reopen.py": 5,
+    "lammps_jump/runs/start.py": 13,
+    "lammps_jump/studies/bench/cells.py": 4,
+    "lammps_jump/studies/bench/collision.py": 5,
+    "lammps_jump/studies/bench/command.py": 7,
+    "lammps_jump/studies/bench/figures.py": 1,
+    "lammps_jump/studies/bench/runs.py": 12,
+    "lammps_jump/studies/bench/settings.py": 3,
+    "lammps_jump/studies/bench/skips.py": 7,
+    "lammps_jump/studies/bench/speed.py": 3,
+    "lammps_jump/studies/bench/study.py": 2,
+    "lammps_jump/studies/calibration_store.py": 1,
+    "lammps_jump/studies/cross_validation/divergence.py": 1,
+    "lammps_jump/studies/cross_validation/ensembles.py": 12,
+    "lammps_jump/studies/cross_validation/quantities.py": 3,
+    "lammps_jump/studies/cross_validation/study.py": 6,
+    "lammps_jump/studies/cross_validation/trajectories.py": 7,
+    "lammps_jump/studies/sensitivity.py": 4,
+    "lammps_jump/studies/sensitivity_figures.py": 1,
+    "lammps_jump/studies/stress/limits.py": 7,
+    "lammps_jump/studies/stress/report.py": 2,
+    "lammps_jump/studies/stress/scenes.py": 8,
+    "lammps_jump/studies/stress/study.py": 12,
+    "lammps_jump/studies/timing.py": 3,
+}
+"""Imports of our own modules inside functions, by file."""
+
+
+@cache
+def trees() -> dict[str, ast.Module]:
+    """Syntax tree of every file of the program, by its path from the root."""
+    paths = [path for name in ("lammps_jump", "analysis") for path in (ROOT / name).rglob("*.py")]
+    return {str(path.relative_to(ROOT)): ast.parse(path.read_text()) for path in sorted(paths)}
+
+
+def module_of(file: str) -> str:
+    """Dotted name under which a file is imported."""
+    parts = list(Path(file).with_suffix("").parts)
+    parts = ["lammps_jump", *parts] if parts[0] == "analysis" else parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def modules() -> dict[str, str]:
+    """File of every module."""
+    return {module_of(file): file for file in trees()}
+
+
+def named_module(file: str, node: ast.ImportFrom) -> str:
+    """The module after ``from``, in full."""
+    if not node.level:
+        return node.module
+    package = module_of(file).split(".")
+    package = package if file.endswith("__init__.py") else package[:-1]
+    return ".".join(package[: len(package) - node.level + 1] + ([node.module] if node.module else []))
+
+
+def imported(file: str, node: ast.AST) -> list[tuple[str, str]]:
+    """(module, name) of an import of our own modules; the name is empty where the module itself is imported."""
+    if isinstance(node, ast.Import):
+        return [(alias.name, "") for alias in node.names if alias.name.split(".")[0] == "lammps_jump"]
+    if not isinstance(node, ast.ImportFrom) or named_module(file, node).split(".")[0] != "lammps_jump":
+        return []
+    base = named_module(file, node)
+    inside = [(f"{base}.{alias.name}", alias.name) for alias in node.names]
+    return [(module, "") if module in modules() else (base, name) for module, name in inside]
+
+
+@cache
+def imports() -> dict[str, set[str]]:
+    """Modules that each module imports, at its top or inside functions."""
+    return {
+        module_of(file): {module for node in ast.walk(tree) for module, _ in imported(file, node)}
+        for file, tree in trees().items()
+    }
+
+
+def floor(module: str) -> str:
+    """The part of ``lammps_jump`` that a module belongs to."""
+    return module.partition(".")[2].partition(".")[0]
+
+
+def test_what_lies_at_the_root():
+    entries = {path.name for path in (ROOT / "lammps_jump").iterdir() if path.name != "__pycache__"}
+    folders = {name for name in entries if (ROOT / "lammps_jump" / name).is_dir()}
+    assert entries - folders - {"py.typed", "__init__.pyi"} <= AT_THE_ROOT
+    assert folders <= set(FLOORS)
+
+
+def test_every_folder_is_packed():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    packages = {name for name, file in modules().items() if file.endswith("__init__.py")}
+    assert packages == set(settings["packages"]) - {"lammps_jump.inputs"}
+    assert {Path(file).parent for file in modules().values()} == {Path(modules()[name]).parent for name in packages}
+    for name in packages:
+        if name.startswith("lammps_jump.analysis"):
+            assert settings["package-dir"][name] == str(Path(modules()[name]).parent)
+
+
+def test_imports_lead_to_floors_above():
+    upward = [
+        f"{module} imports {other}"
+        for module, others in imports().items()
+        for other in others
+        if module not in ("lammps_jump", "lammps_jump.__main__")
+        if floor(other) not in FLOORS or FLOORS.index(floor(other)) > FLOORS.index(floor(module))
+    ]
+    assert not upward
+
+
+def test_analysis_knows_neither_cases_nor_engines():
+    wrong = [
+        f"{module} imports {other}"
+        for module, others in imports().items()
+        for other in others
+        if floor(module) == "analysis" and floor(other) in NOT_FOR_ANALYSIS
+    ]
+    assert not wrong
+
+
+def test_no_import_runs_in_a_circle():
+    left = {module: {other for other in others if other != module} for module, others in imports().items()}
+    while True:  # what imports nothing that is left is in no circle
+        free = {module for module, others in left.items() if not others & left.keys()}
+        if not free:
+            break
+        left = {module: others for module, others in left.items() if module not in free}
+    assert not left, f"these import each other, or what does: {sorted(left)}"
+
+
+def test_no_private_name_is_taken_from_another_file():
+    found = set()
+    for file, tree in trees().items():
+        nodes = list(ast.walk(tree))
+        aliases = {
+            alias.asname or alias.name
+            for node in nodes
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+            if (f"{named_module(file, node)}.{alias.name}") in modules()
+        }
+        taken = [name for node in nodes for _, name in imported(file, node)]
+        taken += [
+            node.attr
+            for node in nodes
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in aliases
+        ]
+        found |= {(file, name) for name in taken if name.startswith("_") and not name.startswith("__")}
+    assert found == PRIVATE_NAMES
+
+
+def test_own_modules_are_not_imported_inside_functions():
+    found = Counter()
+    for file, tree in trees().items():
+        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+        inside = {node for function in functions for node in ast.walk(function) if imported(file, node)}
+        found[file] = len(inside)
+    assert dict(+found) == IMPORTS_INSIDE
+
+
+def lines_of_code(text: str) -> int:
+    """Lines that hold code: no blank line, comment, docstring or other string that stands alone."""
+    none = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in none:
+            lines.update(range(token.start[0], token.end[0] + 1))
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            lines.difference_update(range(node.lineno, node.end_lineno + 1))
+    return len(lines)
+
+
+def over(found: dict[str, int], limit: int) -> dict[str, int]:
+    return {name: size for name, size in found.items() if size > limit}
+
+
+def shrinks(found: dict[str, int], known: dict[str, int]) -> None:
+    """Nothing is over its limit but what is known, which is not larger than it was."""
+    assert found.keys() == known.keys()
+    assert all(size <= known[name] for name, size in found.items()), found
+
+
+def test_files_are_small():
+    sizes = {file: lines_of_code((ROOT / file).read_text()) for file in trees() if file not in LOOPS}
+    shrinks(over(sizes, LARGEST_FILE), LARGE_FILES)
+
+
+def test_folders_are_small():
+    shrinks(over(Counter(str(Path(file).parent) for file in trees()), MOST_FILES), FULL_FOLDERS)
+
+
+@pytest.mark.parametrize(("text", "lines"), [('"""Doc."""\n\nx = (\n    1,\n)\n# note\n"""About x."""\n', 3), ("", 0)])
+def test_how_lines_are_counted(text, lines):
+    assert lines_of_code(text) == lines
