@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.engines.choose import choose
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
@@ -49,3 +51,13 @@ def plugin_or_skip() -> Path:
         return plugin_path()
     except SetupError as error:
         pytest.skip(f"no compiled kernel here: {error}")
+
+
+def choose_to_stop_at(step: int):
+    """In place of `lammps_jump.engines.choose.choose`: what it chooses, ended as by an interruption at a step."""
+
+    def stopping(*arguments):
+        setting, notes = choose(*arguments)
+        return replace(setting, stop_at=step), notes
+
+    return stopping

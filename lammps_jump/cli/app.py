@@ -11,6 +11,7 @@ import typer
 
 from lammps_jump.errors import CaseError, JumpError, SetupError
 
+from .early import start_engine_early
 from .streams import patient_output
 
 app = typer.Typer(
@@ -418,6 +419,7 @@ def main() -> None:
     """Entry point: errors of ours become one paragraph and an exit status, never a traceback."""
     # imports leave a million objects that stay: looking through them again and again took a tenth of an analysis
     gc.set_threshold(50_000, 20, 50)
+    start_engine_early(sys.argv[1:])
     with patient_output() as output:
         status = _status()
         output.flush()

@@ -29,7 +29,7 @@ def reopen(folder: Path, assignments: list[str] | None = None) -> Prepared:
     prepared = prepare(case_file, assignments or [], folder)
     stored = summaries.read_summary(folder)
     if stored and stored.get("kernel") in ("stock", "compiled") and prepared.kernel != "numba":
-        prepared = replace(prepared, kernel=stored["kernel"])
+        prepared = replace(prepared, setting=replace(prepared.setting, kernel=stored["kernel"]))
     return prepared
 
 
@@ -108,7 +108,7 @@ def reached_end(prepared: Prepared) -> bool:
 def _without_summary(prepared: Prepared) -> RunResult:
     """What can be said of a run that was killed before it wrote a summary: from its log, else from its dump."""
     from lammps_jump.dump.find import open_run_dump
-    from lammps_jump.engines.lammps.drive import gather_forces
+    from lammps_jump.engines.lammps.finish import gather_forces
     from lammps_jump.engines.lammps.log import read_log
 
     scene, folder = prepared.scene, prepared.folder

@@ -47,7 +47,7 @@ def resume_prepared(
     checkpoint = resumable(prepared)
     if live and prepared.loaded.case.run.dump_format != "text":
         raise CaseError(f"--live reads text dumps; run.dump_format is {prepared.loaded.case.run.dump_format}")
-    prepared = replace(prepared, kernel=checkpoint.result.kernel)
+    prepared = replace(prepared, setting=replace(prepared.setting, kernel=checkpoint.result.kernel))
     for note in (*prepared.scene.warnings, *prepared.notes):
         say(f"note: {note}")
     scene = prepared.scene
@@ -106,7 +106,7 @@ def resumable(prepared: Prepared) -> Checkpoint:
             f"run; go on with that one, or start anew"
         )
     kernel = checkpoint.result.kernel
-    if kernel == "compiled" and prepared.plugin is None:
+    if kernel == "compiled" and prepared.setting.plugin is None:
         raise ResumeError(
             f"{folder}: began with the compiled kernel, which cannot be used now: see `lammps-jump doctor`"
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import threading
 import time
 from collections.abc import Callable
 from contextlib import contextmanager
@@ -14,8 +16,11 @@ from lammps_jump.case.derived import inflow_theory
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines.accuracy import load_with_accuracy
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
+from lammps_jump.engines.choose import choose
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.result import ProgressCallback, RunResult
+from lammps_jump.engines.run import run, write_inputs
+from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
 from lammps_jump.files import OWN_FILES, RESULT_FILES, clear
 from lammps_jump.provenance import versions
@@ -34,10 +39,23 @@ class Prepared:
     loaded: LoadedCase
     scene: Scene
     folder: Path
-    kernel: str
-    ranks: int
-    plugin: Path | None
+    setting: Setting
     notes: tuple[str, ...]
+
+    @property
+    def kernel(self) -> str:
+        """Kernel of the engine."""
+        return self.setting.kernel
+
+    @property
+    def ranks(self) -> int:
+        """MPI ranks."""
+        return self.setting.ranks
+
+    @property
+    def job(self) -> Job:
+        """What the engine gets."""
+        return Job(self.scene, self.folder, replace(self.setting, header=_header(self)), Path.cwd())
 
     @property
     def hash(self) -> str:
@@ -55,36 +73,12 @@ def prepare(path: str | Path, assignments: list[str], out: Path | None) -> Prepa
     loaded, chosen = load_with_accuracy(path, assignments)
     scene = build_scene(loaded)
     folder = out or Path("runs") / loaded.case.name
-    kernel, plugin, ranks, notes = _engine_choice(loaded, scene)
-    return Prepared(loaded, scene, folder, kernel, ranks, plugin, (*chosen, *notes))
-
-
-def _engine_choice(loaded: LoadedCase, scene: Scene) -> tuple[str, Path | None, int, list[str]]:
     engine = loaded.case.engine
-    if engine.name == "native":
-        if engine.ranks not in (1, "auto"):
-            raise loaded.source.error("engine.ranks", f"{engine.ranks} ranks; the native engine runs on one core")
-        return "numba", None, 1, []
-    from lammps_jump.engines.lammps.loader import load_lammps
-    from lammps_jump.engines.ranks import choose_ranks
-
-    load_lammps()
-    ranks, notes = choose_ranks(engine.ranks, scene)
-    if engine.kernel == "stock":
-        return "stock", None, ranks, notes
-    from lammps_jump.engines.plugin.build import availability, plugin_path
-
-    needed = engine.kernel == "compiled" or scene.touch == "smooth"
-    needed = needed or (scene.friction_law == "sign" and scene.coefficients.friction > 0)
-    try:
-        status = availability()
-        if not status.available:
-            raise SetupError(status.reason)
-        return "compiled", plugin_path(), ranks, notes
-    except SetupError as error:
-        if needed:
-            raise SetupError(f"the compiled kernel is needed here and cannot be used: {error}") from None
-        return "stock", None, ranks, [*notes, f"stock LAMMPS styles are used: {error}"]
+    if engine.name == "native" and engine.ranks not in (1, "auto"):
+        raise loaded.source.error("engine.ranks", f"{engine.ranks} ranks; the native engine runs on one core")
+    setting, notes = choose(engine.name, engine.kernel, engine.ranks, scene)
+    setting = replace(setting, dump_format=loaded.case.run.dump_format)
+    return Prepared(loaded, scene, folder, setting, (*chosen, *notes))
 
 
 def build_and_run(
@@ -156,18 +150,7 @@ def write_folder(prepared: Prepared) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         clear(folder, OWN_FILES)
         (folder / "case.yaml").write_text(resolved_yaml(prepared.loaded.case))
-        if prepared.loaded.case.engine.name == "lammps":
-            from lammps_jump.script import write_script
-
-            write_script(
-                prepared.scene,
-                folder,
-                kernel=prepared.kernel,
-                ranks=prepared.ranks,
-                dump_format=prepared.loaded.case.run.dump_format,
-                header=_header(prepared),
-                plugin=prepared.plugin,
-            )
+        write_inputs(prepared.job)
     except OSError as error:
         raise SetupError(
             f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
@@ -272,6 +255,12 @@ def _steady_watch(prepared: Prepared):
     return SteadyWatch(prepared.scene, prepared.folder, studied_reach(from_scene(prepared.scene)))
 
 
+def _load_analysis() -> None:
+    """Import what the analysis needs, 0.7 s."""
+    importlib.import_module("lammps_jump.analysis.analyze")
+    importlib.import_module("matplotlib.backends.backend_agg")
+
+
 def _run_engine(
     prepared: Prepared, quiet: bool, live: bool = False, resume: Checkpoint | None = None
 ) -> tuple[RunResult, str]:
@@ -285,51 +274,15 @@ def _run_engine(
 
         view = LiveView(scene, prepared.folder, line)
     shown: ProgressCallback = view or line
-    dump_format = prepared.loaded.case.run.dump_format
-    if prepared.loaded.case.engine.name == "native":
-        from lammps_jump.engines.native import run_native
-
-        result = run_native(
-            scene, prepared.folder, progress=shown, should_stop=watch, dump_format=dump_format, resume=resume
-        )
-    else:
-        from lammps_jump.engines.lammps import run_lammps
-
-        if resume is not None:
-            _write_continuation(prepared, resume)
-        result = run_lammps(
-            scene,
-            prepared.folder,
-            kernel=prepared.kernel,
-            ranks=prepared.ranks,
-            plugin=prepared.plugin,
-            progress=shown,
-            should_stop=watch,
-            resume=resume,
-        )
+    job = prepared.job
+    threading.Thread(target=_load_analysis).start()  # meanwhile
+    result = run(scene, prepared.folder, job.setting, progress=shown, should_stop=watch, resume=resume)
     line.finish()
     if view is not None:
         view.finish()
     if watch is not None and watch.reason and result.status == "interrupted":
         return replace(result, status="complete", message=""), watch.reason
     return result, ""
-
-
-def _write_continuation(prepared: Prepared, checkpoint: Checkpoint) -> None:
-    from lammps_jump.script.resume import write_continuation
-
-    write_continuation(
-        prepared.scene,
-        prepared.folder,
-        state=checkpoint.state,
-        step=checkpoint.step,
-        removed=checkpoint.removed,
-        kernel=prepared.kernel,
-        ranks=prepared.ranks,
-        dump_format=prepared.loaded.case.run.dump_format,
-        header=tuple(line.replace("in.lammps", "in.resume.lammps") for line in _header(prepared)),
-        plugin=prepared.plugin,
-    )
 
 
 def analysis_request(prepared: Prepared):

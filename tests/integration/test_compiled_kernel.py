@@ -294,21 +294,20 @@ NATIVE = {
 
 @pytest.mark.parametrize("name", NATIVE)
 def test_every_law_equals_the_native_engine(lammps, plugin, tmp_path, name):
-    from lammps_jump.engines.native.engine import simulate
+    from lammps_jump.engines.native import NativeSimulation
 
     walls = (*CORNERS[:2], Plane("left", "x", 0.1, "above"))
     case = scene(*CLOUD, walls, **NATIVE[name], probes=("ground", "sill"), probe_steps=250)
-    native = simulate(case, keep_frames=True)
-    last = native.frames[-1]
-    order = np.argsort(last.ids)
-    expected = np.column_stack([last.x, last.y])[order]
+    native = NativeSimulation(case)
+    native.run(1000)
+    expected = native.positions
     lines = compiled(case, plugin, tmp_path, ledger=True, probe="probe 250 ground sill")
     with Run(lammps, lines) as run:
         run.do("run 1000")
         found, values = run.discs()[:, :2], run.vector(15)
     assert np.abs(found - expected).max() < EQUAL * DIAMETER
     # the same books, to round-off of energies of 1e5 J/m
-    books = native.result.ledger
+    books = native.ledger
     assert values[0] + values[1] == pytest.approx(books["elastic"], rel=1e-6, abs=1e-5)
     assert values[2] == pytest.approx(books["dissipated_dashpots"], rel=1e-8)
     assert values[3] == pytest.approx(books["dissipated_friction"], rel=1e-8, abs=1e-6)
@@ -339,10 +338,7 @@ def restitution(lammps, plugin, folder, speed, *, at_wall):
 
 @pytest.mark.parametrize("at_wall", [False, True], ids=["pair", "wall"])
 def test_the_smooth_touch_keeps_restitution_at_every_speed(lammps, plugin, tmp_path, at_wall):
-    e = [
-        restitution(lammps, plugin, tmp_path, speed, at_wall=at_wall)
-        for speed in (0.8, 4.0, 16.0, 32.0)
-    ]
+    e = [restitution(lammps, plugin, tmp_path, speed, at_wall=at_wall) for speed in (0.8, 4.0, 16.0, 32.0)]
     # exact in continuous time; the lag of the dashpot is corrected in the mean over the speeds, and at f = 0.05
     # leaves 0.0025 (docs/kernels.md; 8 phases scatter by less than 0.002)
     assert np.abs(np.array(e) - 0.2).max() < 0.005

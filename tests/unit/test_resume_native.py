@@ -7,12 +7,12 @@ import os
 import signal
 import sys
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from children import run_program
+from made_up import choose_to_stop_at
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
@@ -189,7 +189,7 @@ def light(monkeypatch):
 def interrupted(tmp_path, monkeypatch, light):
     """A run folder of a run that was interrupted half way."""
     with monkeypatch.context() as patch:
-        patch.setattr("lammps_jump.engines.native.run_native", partial(run_native, stop_at=2500))
+        patch.setattr(pipeline, "choose", choose_to_stop_at(2500))
         with pytest.raises(RunInterrupted, match=r"lammps-jump run .* --resume"):
             job(tmp_path / "run")
     return tmp_path / "run"

@@ -4,9 +4,9 @@ Reads the same `Scene` and writes the same files as the LAMMPS engine. Importing
 import it where it is used.
 """
 
-from .engine import NativeRun, run_native, simulate
+from .engine import frames, run_native
 from .ledger import Energy
 from .output import Frame
 from .simulation import NativeSimulation
 
-__all__ = ["Energy", "Frame", "NativeRun", "NativeSimulation", "run_native", "simulate"]
+__all__ = ["Energy", "Frame", "NativeSimulation", "frames", "run_native"]

@@ -21,11 +21,11 @@ SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
 
 def cell_time(scene: Scene, size: float | None) -> tuple[float, float]:
     """(processor seconds, disc-steps) of a run with cells of `size` diameters, None for the neighbour list."""
-    from lammps_jump.engines.native import simulate
+    from lammps_jump.engines.native import run_native
 
-    search = {"search": "verlet"} if size is None else {"search": "cells", "cell_size": size * scene.diameter}
+    cell_size = None if size is None else size * scene.diameter
     with tempfile.TemporaryDirectory() as folder, Stopwatch() as watch:
-        result = simulate(scene, Path(folder), ledger=False, **search).result
+        result = run_native(scene, Path(folder), ledger=False, cell_size=cell_size)
     return watch.cpu, result.disc_steps
 
 

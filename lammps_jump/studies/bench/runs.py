@@ -111,19 +111,17 @@ def execute(
         with Stopwatch() as watch:
             result = run_native(scene, folder, dump_format=dump_format)
         return result, watch
-    from lammps_jump.engines.lammps import run_lammps
-    from lammps_jump.script import write_script
+    from lammps_jump.engines.run import Setting, run
 
     plugin = None
     if kernel == "compiled":
         from lammps_jump.engines.plugin.build import plugin_path
 
         plugin = plugin_path()
-    write_script(scene, folder, kernel=kernel, ranks=ranks, plugin=plugin, dump_format=dump_format)
-    with Stopwatch() as watch:
-        result = run_lammps(scene, folder, kernel=kernel, ranks=ranks, plugin=plugin)
-    if ranks > 1:  # the ranks are other processes: their processor time is not ours
-        watch.cpu = watch.wall * ranks
+    setting = Setting(kernel=kernel, ranks=ranks, plugin=plugin, dump_format=dump_format)
+    result = run(scene, folder, setting)
+    watch = Stopwatch()
+    watch.wall, watch.cpu = result.seconds, result.cpu_seconds
     return result, watch
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.timing import Stopwatch, Store, in_turn, machine, middle, versions
+from lammps_jump.studies.timing import Store, in_turn, machine, middle, versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
 PRECISE = ("format float %.10g", "format float %.17g")
@@ -137,20 +137,16 @@ def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
         Where it does not come to its end.
     """
     from lammps_jump.dump.read import open_dump
-    from lammps_jump.engines.lammps import run_lammps
-    from lammps_jump.script import write_script
+    from lammps_jump.engines.run import Setting, run
 
     with tempfile.TemporaryDirectory() as folder:
-        write_script(scene, Path(folder), kernel="stock")
-        (Path(folder) / "in.lammps").write_text(text)
-        with Stopwatch() as watch:
-            result = run_lammps(scene, Path(folder))
+        result = run(scene, Path(folder), Setting(script=text))
         if result.status != "complete":
             raise RunError(result.message)
         last = None
         for frame in open_dump(Path(folder) / "dump.lammpstrj"):
             last = frame.sorted()
-    return np.column_stack([last.ids, last.x, last.y, last.vx, last.vy]), watch.cpu
+    return np.column_stack([last.ids, last.x, last.y, last.vx, last.vy]), result.cpu_seconds
 
 
 def largest_difference(one: np.ndarray, two: np.ndarray) -> float:

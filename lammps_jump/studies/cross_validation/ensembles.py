@@ -193,11 +193,10 @@ def run_engine(scene: Scene, engine: EngineChoice, folder: Path, progress: Progr
         from lammps_jump.engines.native import run_native
 
         return run_native(scene, folder, progress=progress, dump_format="binary")
-    from lammps_jump.engines.lammps import run_lammps
-    from lammps_jump.script import write_script
+    from lammps_jump.engines.run import Setting, run
 
-    write_script(scene, folder, kernel=engine.kernel, dump_format="binary", plugin=engine.plugin)
-    return run_lammps(scene, folder, kernel=engine.kernel, plugin=engine.plugin, progress=progress)
+    setting = Setting(kernel=engine.kernel, plugin=engine.plugin, dump_format="binary")
+    return run(scene, folder, setting, progress=progress)
 
 
 def reduce_run(

@@ -81,12 +81,12 @@ def run_native_frames(scene: Scene) -> Trajectory:
     RunError
         Where a guard ended the run.
     """
-    from lammps_jump.engines.native import simulate
+    from lammps_jump.engines.native import frames
 
-    run = simulate(scene, keep_frames=True, ledger=False)
-    if run.result.status != "complete":
-        raise RunError(f"native engine, {scene.name}: {run.result.message}")
-    return {frame.step: (frame.ids, np.column_stack([frame.x, frame.y])) for frame in run.frames}
+    try:
+        return {frame.step: (frame.ids, np.column_stack([frame.x, frame.y])) for frame in frames(scene)}
+    except RunError as error:
+        raise RunError(f"native engine, {scene.name}: {error}") from None
 
 
 def run_lammps_frames(
@@ -100,14 +100,12 @@ def run_lammps_frames(
         Where the run failed.
     """
     from lammps_jump.dump.read import open_dump
-    from lammps_jump.engines.lammps import run_lammps
-    from lammps_jump.script import write_script
+    from lammps_jump.engines.run import Setting, run
     from lammps_jump.script.stock import DUMP_NAMES
 
     with tempfile.TemporaryDirectory(prefix="cross-validation-", dir=folder) as work:
         place = Path(work)
-        write_script(scene, place, kernel=kernel, dump_format="binary", plugin=plugin)
-        result = run_lammps(scene, place, kernel=kernel, plugin=plugin)
+        result = run(scene, place, Setting(kernel=kernel, plugin=plugin, dump_format="binary"))
         if result.status != "complete":
             raise RunError(f"LAMMPS ({kernel}), {scene.name}: {result.message}")
         trajectory: Trajectory = {}
