@@ -2,6 +2,7 @@
 
 import os
 import runpy
+import signal
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -19,6 +20,14 @@ from made_up import plugin_or_skip  # noqa: E402
 settings.register_profile("same_each_time", deadline=None, derandomize=True)
 settings.register_profile("random", deadline=None, print_blob=True)
 settings.load_profile("same_each_time")  # --hypothesis-profile=random, as in `make check`, comes later and wins
+
+
+@pytest.fixture
+def ctrl_c_heard():
+    """Ctrl-C raises a KeyboardInterrupt, also in the background of a shell, where it is ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="session")

@@ -242,7 +242,7 @@ def test_few_discs_far_apart_need_no_large_grid():
     assert simulation.velocities[2, 1] > 0  # the touching pair was found in the wide cells
 
 
-def test_control_c_waits_for_a_whole_step(monkeypatch):
+def test_control_c_waits_for_a_whole_step(monkeypatch, ctrl_c_heard):
     """Status, step count and balance are those of a whole step."""
     scene = channel(steps=10**7, output_steps=10**7)
     before = signal.getsignal(signal.SIGINT)

@@ -296,7 +296,7 @@ def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypa
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_signals_are_counted_or_raised(number):
+def test_signals_are_counted_or_raised(number, ctrl_c_heard):
     before = signal.getsignal(number)
     with terminate_as_interrupt():
         with counted_interrupts(most=2) as pressed:
