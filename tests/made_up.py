@@ -10,7 +10,7 @@ import pytest
 
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.dump.frame import Frame, make_frame
-from lammps_jump.engines.choose import choose
+from lammps_jump.engines.choice import choose
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
@@ -54,7 +54,7 @@ def plugin_or_skip() -> Path:
 
 
 def choose_to_stop_at(step: int):
-    """In place of `lammps_jump.engines.choose.choose`: what it chooses, ended as by an interruption at a step."""
+    """In place of `lammps_jump.engines.choice.choose`: what it chooses, ended as by an interruption at a step."""
 
     def stopping(*arguments):
         setting, notes = choose(*arguments)

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from lammps_jump.engines import plugin
 from lammps_jump.errors import CaseError, JumpError, SetupError
 
 from .early import start_engine_early
@@ -287,17 +288,13 @@ def kernels_build(
     force: Annotated[bool, typer.Option("--force", help="Build again even where a whole one is cached.")] = False,
 ) -> None:
     """Build the plugin into the cache, for administrators and for job files; prints its path."""
-    from lammps_jump.engines.plugin.build import plugin_path
-
-    print(plugin_path(build=True, force=force))
+    print(plugin.plugin_path(build=True, force=force))
 
 
 @kernels.command("status")
 def kernels_status() -> None:
     """Tell whether the plugin can be used here."""
-    from lammps_jump.engines.plugin.build import availability
-
-    status = availability()
+    status = plugin.availability()
     print(status.reason or "usable")
     if not status.available:
         raise typer.Exit(1)

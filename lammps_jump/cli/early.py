@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from lammps_jump.engines.child import prepare_worker
+from lammps_jump import engines
 
 COMMANDS = ("build-and-run", "run")
 
@@ -25,4 +25,4 @@ def start_engine_early(words: list[str]) -> None:
         native = "native" in words or re.search(r"(?m)^ *name: *native", path.read_text()) is not None
     except (OSError, ValueError):
         return  # the command says what is wrong
-    prepare_worker("native" if native else "lammps")
+    engines.prepare_worker("native" if native else "lammps")

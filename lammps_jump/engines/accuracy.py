@@ -15,8 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump.case import LoadedCase, load_case
+from lammps_jump.case.to_scene import contact_coefficients
+from lammps_jump.engines import plugin
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
+from lammps_jump.physics.slip import slip_warnings
 
 STORE = Path(__file__).with_name("calibration.json")
 KINDS = {
@@ -139,9 +142,6 @@ def _fits(row: dict[str, Any], case: Any, usable: set[str]) -> bool:
 
     The calibration is without friction: a step at which friction turns the slip round every time is not shown by it.
     """
-    from lammps_jump.case.to_scene import contact_coefficients
-    from lammps_jump.physics.slip import slip_warnings
-
     kernel = row["kernel"]
     if kernel not in usable or (case.engine.name == "native") != (kernel == "native"):
         return False
@@ -181,8 +181,6 @@ def load_with_accuracy(path: str | Path, assignments: list[str]) -> tuple[Loaded
     loaded = load_case(path, assignments)
     if loaded.case.run.accuracy is None:
         return loaded, ()
-    from lammps_jump.engines.plugin.build import availability
-
-    usable = ["stock", "native", *(["compiled"] if availability().available else [])]
+    usable = ["stock", "native", *(["compiled"] if plugin.availability().available else [])]
     choice = choose_setting(loaded.case, loaded.case.run.accuracy, usable=usable)
     return load_case(path, [*assignments, *choice.assignments]), (choice.reason,)

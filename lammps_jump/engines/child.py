@@ -79,10 +79,15 @@ class Child:
         self.listening = False
         self.output: list[str] = []
         self.last: Progress | None = None
+        heard, said = os.pipe()
+        # mpiexec also holds the end that this process reads: it would end its ranks, unsaved, where nothing reads them
+        kept = (heard,) if ranks > 1 else ()
         self.process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            errors="replace", env=environment, start_new_session=True,
+            command, stdin=subprocess.PIPE, stdout=said, stderr=subprocess.STDOUT, text=True, env=environment,
+            pass_fds=kept, start_new_session=True,
         )  # fmt: skip
+        os.close(said)
+        self.messages = os.fdopen(heard, errors="replace")
 
     def run(
         self, job: Job, progress: ProgressCallback | None, should_stop: Callable[[], bool] | None
@@ -90,7 +95,7 @@ class Child:
         """Run a job; None where the process ended without a result."""
         self._send(job)
         scene, steady = job.scene, False
-        for line in self.process.stdout:
+        for line in self.messages:
             begin, mark, text = line.partition(MARK)
             if begin.strip():
                 self.output.append(begin.strip())
@@ -100,7 +105,8 @@ class Child:
                 raise getattr(errors, kind)(said)
             if "result" in message:
                 if self.ranks > 1:
-                    self.process.communicate()
+                    self.output += self.messages
+                    self.process.wait()
                 return RunResult.from_json(message["result"])
             if message.get("report"):
                 step, discs = message["report"]
@@ -166,7 +172,7 @@ class Child:
         self.end()
         self.process.wait()
         self.process.stdin.close()
-        self.process.stdout.close()
+        self.messages.close()
 
 
 def _message(text: str) -> dict:

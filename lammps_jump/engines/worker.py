@@ -33,8 +33,13 @@ REPORT_SECONDS = 0.1
 _LOCK = threading.Lock()
 
 
+_orphaned = threading.Event()
+
+
 def say(**message: object) -> None:
     """Send a message to the parent; without a parent, go on."""
+    if _orphaned.is_set():
+        return
     try:
         with _LOCK:
             sys.stdout.write(MARK + json.dumps(message) + "\n")
@@ -64,6 +69,7 @@ class _Inbox:
                 self._jobs.put(pickle.loads(base64.b64decode(line)))
             elif int(line[5:]) == self.number:
                 stop_request.make()
+        _orphaned.set()
         stop_request.make()
         self._jobs.put(None)
 

@@ -16,10 +16,10 @@ from lammps_jump.case.derived import inflow_theory
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines.accuracy import load_with_accuracy
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
-from lammps_jump.engines.choose import choose
+from lammps_jump.engines.choice import choose
 from lammps_jump.engines.interrupts import terminate_as_interrupt
+from lammps_jump.engines.launch import run, write_inputs
 from lammps_jump.engines.result import ProgressCallback, RunResult
-from lammps_jump.engines.run import run, write_inputs
 from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted, SetupError
 from lammps_jump.files import OWN_FILES, RESULT_FILES, clear

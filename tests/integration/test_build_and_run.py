@@ -18,7 +18,7 @@ from lammps_jump.case.templates import scene_names
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.lammps.loader import program
-from lammps_jump.engines.run import Setting, run
+from lammps_jump.engines.launch import Setting, run
 from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.runs import start as pipeline
 from lammps_jump.runs.reopen import reopen

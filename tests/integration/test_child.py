@@ -20,8 +20,8 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines import child as children
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.child import Child, prepare_worker
+from lammps_jump.engines.launch import run
 from lammps_jump.engines.result import MARK, Progress, RunResult
-from lammps_jump.engines.run import run
 from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, SetupError
 
@@ -41,13 +41,12 @@ def endless():
 
 
 class FakeProcess:
-    """Says so many reports and a result; keeps what it is told."""
+    """Keeps what it is told."""
 
     returncode = 0
     pid = 0
 
-    def __init__(self, lines):
-        self.stdout = iter(lines)
+    def __init__(self):
         self.heard, write = os.pipe()
         self.stdin = os.fdopen(write, "w")
 
@@ -69,8 +68,11 @@ def fake_child(monkeypatch, reports=9, ends=True) -> Child:
     lines = [f"{MARK}{dumps({'report': None})}\n", "words of the engine\n", f"{MARK}torn", *lines]
     if ends:
         lines.append(f"{MARK}{dumps({'result': asdict(RESULT)})}\n")
-    monkeypatch.setattr(children.subprocess, "Popen", lambda *_, **__: FakeProcess(lines))
-    return Child("native")
+    monkeypatch.setattr(children.subprocess, "Popen", lambda *_, **__: FakeProcess())
+    child = Child("native")
+    child.messages.close()
+    child.messages = iter(lines)
+    return child
 
 
 def job(scene, folder=Path("nowhere")) -> Job:
@@ -175,7 +177,7 @@ from pathlib import Path
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines import child
-from lammps_jump.engines.run import Setting, run
+from lammps_jump.engines.launch import Setting, run
 
 case, folder, engine, kernel, ranks = sys.argv[1:]
 scene = build_scene(load_case(case, ["run.duration=200000"]))

@@ -16,8 +16,8 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.lammps.log import read_log
-from lammps_jump.engines.run import Setting
-from lammps_jump.engines.run import run as run_scene
+from lammps_jump.engines.launch import Setting
+from lammps_jump.engines.launch import run as run_scene
 
 pytestmark = pytest.mark.lammps
 

@@ -19,8 +19,8 @@ from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.launch import Setting, run
 from lammps_jump.engines.plugin import plugin_path
-from lammps_jump.engines.run import Setting, run
 from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
 from lammps_jump.runs import start as pipeline
 from lammps_jump.runs.resume import resume_case
@@ -238,7 +238,7 @@ def test_whole_job(tmp_path, monkeypatch):
         resume_case(case, assignments=[*changes, "run.seed=5"], **options)
     shutil.copytree(tmp_path / "run", tmp_path / "copy")
     with monkeypatch.context() as patch:  # a part that cannot begin, for want of a library say, spoils nothing
-        patch.setattr("lammps_jump.engines.run.write_continuation", lambda scene, folder, **options: folder)
+        patch.setattr("lammps_jump.engines.launch.write_continuation", lambda scene, folder, **options: folder)
         with pytest.raises(RunError, match="checkpoint is kept"):
             resume_case(case, assignments=changes, **options)
     summary = resume_case(case, assignments=changes, **options)

@@ -13,7 +13,7 @@ from PIL import Image
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.engines.choose import choose_ranks, expected_discs
+from lammps_jump.engines.choice import choose_ranks, expected_discs
 from lammps_jump.engines.lammps.job import job_text
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native

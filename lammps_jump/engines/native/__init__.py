@@ -1,12 +1,8 @@
 """The native engine: the thesis' disc model in compiled loops, independent of LAMMPS.
 
-Reads the same `Scene` and writes the same files as the LAMMPS engine. Importing it loads the compiler (numba), so
-import it where it is used.
+It reads the same `Scene` and writes the same files as the LAMMPS engine.
 """
 
-from .engine import frames, run_native
-from .ledger import Energy
-from .output import Frame
-from .simulation import NativeSimulation
+import lazy_loader
 
-__all__ = ["Energy", "Frame", "NativeSimulation", "frames", "run_native"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

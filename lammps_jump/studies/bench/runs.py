@@ -111,7 +111,7 @@ def execute(
         with Stopwatch() as watch:
             result = run_native(scene, folder, dump_format=dump_format)
         return result, watch
-    from lammps_jump.engines.run import Setting, run
+    from lammps_jump.engines.launch import Setting, run
 
     plugin = None
     if kernel == "compiled":

@@ -137,7 +137,7 @@ def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
         Where it does not come to its end.
     """
     from lammps_jump.dump.read import open_dump
-    from lammps_jump.engines.run import Setting, run
+    from lammps_jump.engines.launch import Setting, run
 
     with tempfile.TemporaryDirectory() as folder:
         result = run(scene, Path(folder), Setting(script=text))

@@ -193,7 +193,7 @@ def run_engine(scene: Scene, engine: EngineChoice, folder: Path, progress: Progr
         from lammps_jump.engines.native import run_native
 
         return run_native(scene, folder, progress=progress, dump_format="binary")
-    from lammps_jump.engines.run import Setting, run
+    from lammps_jump.engines.launch import Setting, run
 
     setting = Setting(kernel=engine.kernel, plugin=engine.plugin, dump_format="binary")
     return run(scene, folder, setting, progress=progress)

@@ -100,7 +100,7 @@ def run_lammps_frames(
         Where the run failed.
     """
     from lammps_jump.dump.read import open_dump
-    from lammps_jump.engines.run import Setting, run
+    from lammps_jump.engines.launch import Setting, run
     from lammps_jump.script.stock import DUMP_NAMES
 
     with tempfile.TemporaryDirectory(prefix="cross-validation-", dir=folder) as work:

@@ -1,0 +1,5 @@
+from .engine import frames as frames
+from .engine import run_native as run_native
+from .ledger import Energy as Energy
+from .output import Frame as Frame
+from .simulation import NativeSimulation as NativeSimulation
