@@ -49,7 +49,6 @@ IMPORTS_INSIDE: dict[str, int] = {
     "lammps_jump/cli/app.py": 21,
     "lammps_jump/cli/doctor.py": 1,
     "lammps_jump/dump/formats.py": 1,
-    "lammps_jump/engines/worker.py": 4,
     "lammps_jump/runs/live.py": 3,
     "lammps_jump/runs/reopen.py": 5,
     "lammps_jump/runs/start.py": 6,

@@ -10,6 +10,7 @@ Lines of standard output that begin with `MARK` are messages in JSON; other line
 from __future__ import annotations
 
 import base64
+import importlib
 import json
 import os
 import pickle
@@ -21,10 +22,11 @@ import traceback
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
+from types import ModuleType
 
 from lammps_jump.errors import JumpError
 
-from . import step_hook
+from . import lammps, native, step_hook  # the first two load on first use: LAMMPS 0.2 s, numba 0.25 s
 from .interrupts import stop_request
 from .result import MARK, Progress, RunResult
 from .setting import Job
@@ -90,12 +92,8 @@ def run_job(job: Job) -> RunResult:
     os.chdir(job.home)
     setting = job.setting
     if setting.engine == "lammps":
-        from .lammps.drive import run_lammps  # LAMMPS: 0.2 s
-
-        return run_lammps(job, report)
-    from .native.engine import run_native  # numba: 0.25 s
-
-    return run_native(
+        return lammps.run_lammps(job, report)
+    return native.run_native(
         job.scene,
         job.folder,
         progress=report,
@@ -109,17 +107,15 @@ def run_job(job: Job) -> RunResult:
     )
 
 
-def _load(engine: str) -> None:
-    """Load what the engine needs; where that fails, the first job tells."""
+def _load(engine: str) -> ModuleType | None:
+    """Import the engine; where that fails, the first job tells."""
     if engine == "native":
-        pass  # numba: 0.25 s
-    else:
-        from .lammps.drive import load_lammps  # LAMMPS: 0.2 s
-
-        try:
-            load_lammps()
-        except JumpError:
-            return
+        return importlib.import_module(".native.engine", __package__)
+    try:
+        lammps.load_lammps()
+    except JumpError:
+        return None
+    return importlib.import_module(".lammps.drive", __package__)
 
 
 def _serve(job: Job) -> None:
@@ -137,8 +133,6 @@ def _work(engine: str, job_file: str = "") -> None:
         for job in inbox:
             _serve(job)
         return
-    from .lammps.drive import leave_ranks, run_other_rank  # see `run_job`
-
     job = pickle.loads(Path(job_file).read_bytes())
     if os.environ["PMI_RANK"] == "0":
         _Inbox(number=1)
@@ -146,8 +140,8 @@ def _work(engine: str, job_file: str = "") -> None:
     else:
         step_hook.at_step = step_hook.at_step and (lambda step: None)  # the first rank calls it
         os.chdir(job.home)
-        run_other_rank(job)
-    leave_ranks()
+        lammps.run_other_rank(job)
+    lammps.leave_ranks()
 
 
 def main() -> None:
@@ -165,6 +159,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    from lammps_jump.engines import worker
-
-    worker.main()  # of the module under its own name
+    importlib.import_module("lammps_jump.engines.worker").main()  # under its own name
