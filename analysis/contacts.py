@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.dump.frame import Frame
-from lammps_jump.scene.walls import Block, Wall
+from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
 from .flow import FlowContext
@@ -78,10 +78,7 @@ def face_contacts(frame: Frame, wall: Wall, radius: float) -> Iterator[FaceConta
     As in the engines a disc behind a plane is pushed back, and one with its centre inside a block feels nothing.
     """
     for distance, nx, ny in wall.contacts(frame.x, frame.y):
-        touching = distance < radius
-        if isinstance(wall, Block):
-            touching &= distance > 0
-        index = np.flatnonzero(touching)
+        index = np.flatnonzero((distance < radius) & ((nx != 0) | (ny != 0)))
         if index.size:
             yield FaceContacts(index, radius - distance[index], nx[index], ny[index])
 

@@ -108,7 +108,7 @@ def compute_fields(
     mesh = np.meshgrid(centre_x, centre_y)
     open_ = np.ones(mesh[0].shape, bool)
     for wall in context.walls_at(context.time(frame)):
-        open_ &= wall.signed_distance(*mesh) > 0
+        open_ &= wall.distance(*mesh) > 0
     cell_weight = _cell_weight(open_, spacing, reach, KERNELS[kernel])
     geometry = (low_x, low_y, spacing, reach, KERNELS[kernel])
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Scene
-from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
+from lammps_jump.scene.walls import Floor, Interval, Wall
 
 
 @dataclass(frozen=True)
@@ -132,8 +132,8 @@ class FlowContext:
     def bed_height(self, x: np.ndarray | float) -> np.ndarray:
         """Height of the floor at x, m; NaN where nothing lies below.
 
-        The floor is the highest solid that the solids below it carry without a gap a disc could pass: planes and
-        boxes first, then blocks from the lowest up. What hangs above such a gap (a sluice gate) is no floor.
+        It is the highest of the walls' floors that those below carry without a gap that a disc could pass, tried from
+        the lowest underside up. A solid above such a gap (a sluice gate) is no floor.
 
         Parameters
         ----------
@@ -145,19 +145,14 @@ class FlowContext:
         """
         x = np.asarray(x, float)
         bed = np.full(x.shape, -np.inf)
-        blocks = []
-        for wall in self.walls:
-            if isinstance(wall, Plane) and wall.axis == "y" and wall.side == "above":
-                bed = np.maximum(bed, wall.at)
-            elif isinstance(wall, Box):
-                bed = np.where((x >= wall.x[0]) & (x <= wall.x[1]), np.maximum(bed, wall.y[0]), bed)
-            elif isinstance(wall, Block):
-                blocks.append(wall)
-        for block in sorted(blocks, key=lambda block: block.y[0]):
-            carried = np.isinf(bed) | (block.y[0] <= bed + self.diameter)
-            here = (x >= block.x[0]) & (x <= block.x[1]) & carried
-            bed = np.where(here, np.maximum(bed, block.y[1]), bed)
+        for floor in sorted(self._floors(), key=lambda floor: floor.underside):
+            carried = np.isinf(bed) | (floor.underside <= bed + self.diameter)
+            here = (x >= floor.x[0]) & (x <= floor.x[1]) & carried
+            bed = np.where(here, np.maximum(bed, floor.top), bed)
         return np.where(np.isinf(bed), np.nan, bed)
+
+    def _floors(self) -> list[Floor]:
+        return [floor for wall in self.walls for floor in wall.floors()]
 
     def mean_bed(self, edges: np.ndarray) -> np.ndarray:
         """Mean floor height of each bin, m: exact for piecewise level floors; NaN where any part has no floor.
@@ -170,8 +165,8 @@ class FlowContext:
         -------
         ndarray, shape (bins,), m
         """
-        corners = [x for wall in self.walls if isinstance(wall, (Block, Box)) for x in wall.x]
-        cuts = np.unique(np.concatenate([edges, [x for x in corners if edges[0] < x < edges[-1]]]))
+        ends = [x for floor in self._floors() for x in floor.x]
+        cuts = np.unique(np.concatenate([edges, [x for x in ends if edges[0] < x < edges[-1]]]))
         middle, width = 0.5 * (cuts[1:] + cuts[:-1]), np.diff(cuts)
         # rounding of a bin edge must not borrow a sliver of the next step
         middle, width = middle[width > 1e-9 * self.diameter], width[width > 1e-9 * self.diameter]
@@ -255,10 +250,8 @@ def _studied(domain, walls, inlets, outlets) -> Interval:
     """From the inlet to the outlet, else from wall to wall, else the domain."""
     low, high = domain[0]
     for wall in walls:
-        if isinstance(wall, Plane) and wall.axis == "x":
-            low, high = (max(low, wall.at), high) if wall.side == "above" else (low, min(high, wall.at))
-        elif isinstance(wall, Box):
-            low, high = max(low, wall.x[0]), min(high, wall.x[1])
+        start, end = wall.room("x")
+        low, high = max(low, start), min(high, end)
     for outlet in outlets:
         if outlet.axis == "x":
             low, high = (low, min(high, outlet.at)) if outlet.side == "above" else (max(low, outlet.at), high)

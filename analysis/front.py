@@ -7,14 +7,13 @@ two diameters or more between neighbours in x; the *99 % front* is the quantile 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan, sqrt
+from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
-from lammps_jump.scene.walls import Box, Plane
 
 from .flow import FlowContext
 
@@ -55,12 +54,8 @@ class FrontHistory:
 
 def back_wall(context: FlowContext) -> float | None:
     """Position of the vertical wall that the column leans on, m; None where there is none."""
-    for wall in context.walls:
-        if isinstance(wall, Plane) and wall.axis == "x" and wall.side == "above":
-            return wall.at
-        if isinstance(wall, Box):
-            return wall.x[0]
-    return None
+    starts = (wall.room("x")[0] for wall in context.walls)
+    return next((start for start in starts if isfinite(start)), None)
 
 
 def bulk_front(x: np.ndarray, diameter: float) -> float:
@@ -176,15 +171,15 @@ def free_length(context: FlowContext, history: FrontHistory) -> float:
     """Distance from the back wall to the first thing in the way of the front, m; infinite where there is none."""
     base = history.back + history.column[0]
     bed = float(context.bed_height(np.array([base]))[0])
-    faces = [wall.x[0] for wall in context.walls if getattr(wall, "x", None) and wall.x[0] > base + context.diameter]
-    faces += [w.at for w in context.walls if isinstance(w, Plane) and w.axis == "x" and w.side == "below"]
-    faces += [w.x[1] for w in context.walls if isinstance(w, Box)]
+    starts = [wall.extent[0][0] for wall in context.walls if wall.finite]
+    faces = [start for start in starts if start > base + context.diameter]
+    faces += [wall.room("x")[1] for wall in context.walls]
     # the floor may end before anything stands in the way
     probe = np.linspace(base, context.domain[0][1], 2000)
     level = context.bed_height(probe)
     changed = np.flatnonzero(~(np.abs(level - bed) < 1e-9))
     faces += [float(probe[changed[0]])] if changed.size else []
-    return min(faces, default=float("inf")) - history.back
+    return min(faces, default=inf) - history.back
 
 
 def summarise_front(history: FrontHistory, context: FlowContext) -> dict:

@@ -43,7 +43,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-ALLOWED: dict[str, str] = {}
+ALLOWED: dict[str, str] = {
+    "texts/screen/00_schema.out:$defs.Block*": "definitions of walls are named after the walls: Plane, Block, Box",
+    "texts/screen/00_schema.out:$defs.Box*": "the same",
+    "texts/screen/00_schema.out:$defs.Plane*": "the same",
+    "texts/screen/00_schema.out:properties.walls.items.*": "the same",
+    "cross-validate/run/members/*": "members are named after a hash of the code that makes their numbers",
+}
 """Pattern of ``entry/file:path`` (for `fnmatch`) -> reason why this difference is intended."""
 
 MASKED_KEYS = {

@@ -19,7 +19,7 @@ from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
-from lammps_jump.scene.walls import Interval, Plane
+from lammps_jump.scene.walls import Interval
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
 
@@ -201,9 +201,8 @@ class _Painter:
 
 def _anchor(wall, view: View) -> tuple[float, float]:
     """Where the arrow of a structure starts: its middle, of what is seen, m."""
-    if isinstance(wall, Plane):
-        return (wall.at, np.mean(view.y)) if wall.axis == "x" else (np.mean(view.x), wall.at)
-    return tuple(float(np.mean(np.clip(side, *seen))) for side, seen in ((wall.x, view.x), (wall.y, view.y)))
+    sides = zip(wall.extent, (view.x, view.y), strict=True)
+    return tuple(float(np.mean(np.clip(side, *seen))) if side[0] < side[1] else side[0] for side, seen in sides)
 
 
 def _stage(sample, context, x, y, width, top_speed) -> _Stage:

@@ -12,7 +12,7 @@ from math import ceil, floor, hypot, sqrt
 import numpy as np
 from numba import njit
 
-from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
+from lammps_jump.scene.walls import Interval, Wall
 
 PAPER = (255, 255, 255)
 SOLID = (196, 196, 196)
@@ -70,27 +70,18 @@ def blank(view: View) -> np.ndarray:
 def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates: tuple[Wall, ...] = ()) -> None:
     """Walls as grey solids: blocks filled, the far side of planes and boxes filled; gates without thickness as bars."""
     height, width = picture.shape[:2]
-    x = view.x[0] + (np.arange(width) + 0.5) / view.scale
-    y = view.y[1] - (np.arange(height) + 0.5) / view.scale
+    x = (view.x[0] + (np.arange(width) + 0.5) / view.scale)[None, :]
+    y = (view.y[1] - (np.arange(height) + 0.5) / view.scale)[:, None]
     solid = np.zeros((height, width), bool)
     for wall in walls:
-        if isinstance(wall, Plane):
-            inside = wall.sign * ((x if wall.axis == "x" else y) - wall.at) < 0
-            solid |= inside[None, :] if wall.axis == "x" else inside[:, None]
-        elif isinstance(wall, Block):
-            solid |= ((y >= wall.y[0]) & (y <= wall.y[1]))[:, None] & ((x >= wall.x[0]) & (x <= wall.x[1]))[None, :]
-        elif isinstance(wall, Box):
-            solid |= ~(((y >= wall.y[0]) & (y <= wall.y[1]))[:, None] & ((x >= wall.x[0]) & (x <= wall.x[1]))[None, :])
+        solid |= wall.distance(x, y) <= 0
     bar = 5.0 / view.scale
     for gate in gates:
-        if isinstance(gate, Block) and gate.x[0] == gate.x[1]:  # felt from both sides, without thickness
-            solid |= (np.abs(x - gate.x[0]) < 0.5 * bar)[None, :]
-        elif isinstance(gate, Plane):
-            behind = gate.sign * ((x if gate.axis == "x" else y) - gate.at)
-            inside = (behind < 0) & (behind > -bar)
-            solid |= inside[None, :] if gate.axis == "x" else inside[:, None]
+        distance = gate.distance(x, y)
+        if gate.finite:
+            solid |= distance <= (0.5 * bar if gate.extent[0][0] == gate.extent[0][1] else 0.0)
         else:
-            paint_walls(picture, view, (gate,))
+            solid |= (distance < 0) & (distance > -bar)
     picture[solid] = SOLID
     # the face of a wall is the first solid pixel beside an open one
     open_ = np.pad(~solid, 1, constant_values=False)

@@ -14,7 +14,7 @@ from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.dump.frame import Frame, ten_indices
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.walls import Block, Box, Interval
+from lammps_jump.scene.walls import Interval
 
 from .painter import View, blank, colour_table, coloured, paint_discs, paint_walls
 from .style import STYLE, style
@@ -158,7 +158,7 @@ def seen_range(frames: Sequence[Frame], context: FlowContext) -> Interval:
     low, high = context.x_range
     parts = [frame.x[(frame.x >= low) & (frame.x <= high)] for frame in frames]
     ends = [float(np.quantile(part, q)) for part in parts if part.size for q in (0.0, 0.999)]
-    ends += [end for wall in context.walls if isinstance(wall, (Block, Box)) for end in wall.x if low < end < high]
+    ends += [end for wall in context.walls if wall.finite for end in wall.extent[0] if low < end < high]
     if not ends:
         return low, high
     margin = 0.02 * (max(ends) - min(ends)) + 2 * context.diameter
@@ -174,7 +174,8 @@ def seen_heights(frames: Sequence[Frame], context: FlowContext, x: Interval) -> 
     tops = [float(np.quantile(part, 0.995)) for part in heights if part.size]
     top = max([*tops, low + 5 * context.diameter])
     for wall in context.walls:
-        if isinstance(wall, (Block, Box)) and wall.x[1] > x[0] and wall.x[0] < x[1]:
-            top = max(top, wall.y[1])
+        (start, end), (_, highest) = wall.extent
+        if wall.finite and end > x[0] and start < x[1]:
+            top = max(top, highest)
     margin = 0.06 * (top - low) + context.diameter
     return low - margin, top + margin

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.walls import Block, Box, Interval, Plane
+from lammps_jump.scene.walls import Interval
 
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -94,21 +94,16 @@ def _write_png(figure: Figure, path: Path) -> None:
 
 def draw_walls(axes, walls, x: Interval, y: Interval) -> None:
     """Walls as grey solids inside the given extent, m."""
-    from matplotlib.patches import Rectangle
+    from matplotlib.patches import Polygon
 
     far = 10 * (abs(x[1] - x[0]) + abs(y[1] - y[0]))
-
-    def solid(x0, x1, y0, y1):
-        axes.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, facecolor=WALL, edgecolor="none", zorder=0.5))
-
+    around = (x[0] - far, x[1] + far), (y[0] - far, y[1] + far)
     for wall in walls:
-        if isinstance(wall, Block):
-            solid(*wall.x, *wall.y)
-        elif isinstance(wall, Plane):
-            low, high = (wall.at - far, wall.at) if wall.side == "above" else (wall.at, wall.at + far)
-            solid(*((x[0] - far, x[1] + far, low, high) if wall.axis == "y" else (low, high, y[0] - far, y[1] + far)))
-        elif isinstance(wall, Box):
-            axes.plot([*wall.x, *wall.x[::-1], wall.x[0]], np.repeat(wall.y, 2)[[0, 1, 3, 2, 0]], color="#464646", lw=1)
+        for polygon in wall.outline(*around):
+            if wall.hollow:
+                axes.plot(*np.vstack([polygon, polygon[:1]]).T, color="#464646", lw=1)
+            else:
+                axes.add_patch(Polygon(polygon, facecolor=WALL, edgecolor="none", zorder=0.5))
     axes.set_xlim(*x)
     axes.set_ylim(*y)
 

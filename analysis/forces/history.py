@@ -15,7 +15,7 @@ from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene.walls import Block, Plane, Wall
+from lammps_jump.scene.walls import Wall
 
 from .impulse import Identity, MomentumHistory, identity_numbers, identity_sentence, impulse_identity, window_lengths
 from .reflection import ReflectedWave, track_reflection
@@ -143,11 +143,15 @@ def analyse_forces(
 
 def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
     """Position, foot and top of the face that a stream towards +x (or a fluid right of a back wall) meets; side."""
-    if isinstance(wall, Block):
-        return wall.x[0], wall.y[0], wall.y[1], -1
-    if isinstance(wall, Plane) and wall.axis == "x":
-        return wall.at, -np.inf, np.inf, 1 if wall.side == "above" else -1
-    return None
+    if wall is None or wall.hollow:
+        return None
+    if wall.finite:
+        (x, _), (foot, top) = wall.extent
+        return x, foot, top, -1
+    low, high = wall.room("x")
+    if np.isinf(low) and np.isinf(high):
+        return None
+    return (low, -np.inf, np.inf, 1) if np.isfinite(low) else (high, -np.inf, np.inf, -1)
 
 
 def _structure(name: str, history: ForceHistory, context: FlowContext, profiles: xr.Dataset) -> StructureForce:
@@ -173,8 +177,7 @@ def _structure(name: str, history: ForceHistory, context: FlowContext, profiles:
         if near is not None:
             bed = float(profiles["bed"].values[near])
             # the record's point is the block's corner, or y = 0 of a plane: moved up to where the face leaves the bed
-            corner = foot if isinstance(wall, Block) else 0.0
-            moment = history.moment + (max(bed, foot) - corner) * history.fx
+            moment = history.moment + (max(bed, foot) - wall.moment_point[1]) * history.fx
             high = top - max(foot, bed)
             depth = _at_times(history.time, profiles, profiles["mass_depth"].values[:, near])
             wetted = np.clip(depth, 0, high)
@@ -267,8 +270,9 @@ def _settled(structures: dict, context: FlowContext, profiles: xr.Dataset, momen
         if not chosen.any() or not frames.any():
             continue
         mean_x, mean_y = float(force.history.fx[chosen].mean()), float(force.history.fy[chosen].mean())
-        if isinstance(force.wall, Plane) and force.wall.axis == "x":
-            index = _station(profiles, *_face(force.wall)[::3], 2, context)
+        face = _face(force.wall)
+        if face is not None and not force.wall.finite:
+            index = _station(profiles, *face[::3], 2, context)
             depth = nan if index is None else float(profiles["mass_depth"].values[frames, index].mean())
             expected = theory.hydrostatic_force(depth, context.density, gravity)
             result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": _ratio(mean_x, expected)}
@@ -285,7 +289,8 @@ def _ratio(force: float, expected: float) -> float:
 
 def _reflected(structures: dict, context: FlowContext, profiles: xr.Dataset) -> ReflectedWave | None:
     """The wave thrown back by the first block that stands in a stream towards +x."""
-    blocks = [force.wall for force in structures.values() if isinstance(force.wall, Block) and force.component == "fx"]
+    along = [force.wall for force in structures.values() if force.wall is not None and force.component == "fx"]
+    blocks = [wall for wall in along if wall.finite and not wall.hollow]
     if not blocks or -context.gravity[1] <= 0 or context.inlets:
         return None
-    return track_reflection(profiles, min(blocks, key=lambda wall: wall.x[0]), context)
+    return track_reflection(profiles, min(blocks, key=lambda wall: wall.extent[0][0]), context)

@@ -11,7 +11,7 @@ import numpy as np
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.analysis.jump.track import Motion, straight_motion
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene.walls import Block
+from lammps_jump.scene.walls import Wall
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,7 +71,7 @@ class ReflectedWave:
         )
 
 
-def track_reflection(profiles: xr.Dataset, structure: Block, context: FlowContext) -> ReflectedWave | None:
+def track_reflection(profiles: xr.Dataset, structure: Wall, context: FlowContext) -> ReflectedWave | None:
     """Follow the front between oncoming and stopped flow from the structure back upstream; None without a stream.
 
     In every frame with a stream towards the structure it is the place, downstream of the highest velocity, where the
@@ -79,7 +79,7 @@ def track_reflection(profiles: xr.Dataset, structure: Block, context: FlowContex
     structure is deeper than a disc until the highest velocity has fallen to a fifth of what it was at that time.
     """
     width, low = profiles.attrs["bin_width"], profiles.attrs["x_low"]
-    stop = int(np.floor((structure.x[0] - low) / width + 1e-9))
+    stop = int(np.floor((structure.extent[0][0] - low) / width + 1e-9))
     if stop < 4:
         return None
     x = profiles["x"].values[:stop]

@@ -1,4 +1,4 @@
-"""Checks of a scene that fields alone do not show: a step that is stable, discs and inlets in free places, a sane size.
+"""Checks of a case that need more than one field: stability of the step, places of discs and inlets, size.
 
 Each raises `CaseError` with the place in the file and the remedy.
 """
@@ -12,11 +12,11 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene.scene import Gate, InletRow
-from lammps_jump.scene.walls import Block, Interval, Wall
+from lammps_jump.scene.walls import Interval, Wall
 
-from .fields import BoxWall, Column, PourInflow
-from .load import LoadedCase
+from .fields import Case, Column, PourInflow, RowsInflow
 from .packing import closest_pair, disc_count
+from .text import CaseSource
 
 MOST_STEPS = 2_000_000_000
 """LAMMPS counts steps of one run and insertions in 32 bits."""
@@ -25,13 +25,10 @@ MOST_FRAMES = 1_000_000
 MOST_CELLS = 500_000_000
 """LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
 MOST_BINS = 100_000
-BOX_FACES = ("x", "y", "left", "right", "bottom", "top")
-"""What is put behind the name of a box for its pairs of faces (script) and its faces (native engine)."""
 
 
-def check_size(loaded: LoadedCase, settle_steps: int, steps: int, output_steps: int) -> None:
-    """Refuse what no run could finish, before arrays are made."""
-    case, source = loaded.case, loaded.source
+def check_size(case: Case, source: CaseSource, settle_steps: int, steps: int, output_steps: int) -> None:
+    """Refuse more steps, frames or discs than a run can hold, before arrays are made."""
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
         index, settle = max(
             ((i, item.settle) for i, item in enumerate(case.initial) if isinstance(item, Column) and item.gate),
@@ -61,9 +58,8 @@ def check_size(loaded: LoadedCase, settle_steps: int, steps: int, output_steps: 
         )
 
 
-def check_domain(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+def check_domain(case: Case, source: CaseSource, domain: tuple[Interval, Interval]) -> None:
     """Refuse a domain too large for neighbour lists, and bins that do not suit it."""
-    case, source = loaded.case, loaded.source
     (xlo, xhi), (ylo, yhi) = domain
     cells = (xhi - xlo) * (yhi - ylo) / case.discs.diameter**2
     if cells > MOST_CELLS:
@@ -86,24 +82,23 @@ def check_domain(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
         )
 
 
-def check_names(loaded: LoadedCase, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
-    """Refuse walls called as one of ours (behind an inlet, before a column) or as the faces of a box."""
-    own = {wall.name: "of the wall behind the inlet" for wall in walls[len(loaded.case.walls) :]}
+def check_names(case: Case, source: CaseSource, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
+    """Refuse names of walls that the program gives: to the wall behind an inlet, to gates, to faces of a box."""
+    own = {wall.name: "of the wall behind the inlet" for wall in walls[len(case.walls) :]}
     own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
-    own |= {f"{gate.wall.name}_far_side": "of the far face of a gate" for gate in gates if isinstance(gate.wall, Block)}
-    for item in loaded.case.walls:
-        if isinstance(item, BoxWall):
-            own |= {f"{item.name}_{face}": f"of a face of box '{item.name}'" for face in BOX_FACES}
-    for index, item in enumerate(loaded.case.walls):
+    own |= {f"{gate.wall.name}_{part}": "of the far face of a gate" for gate in gates for part in gate.wall.parts}
+    for item in case.walls:
+        own |= {f"{item.name}_{part}": f"of a face of {item.kind} '{item.name}'" for part in item.parts}
+    for index, item in enumerate(case.walls):
         if item.name in own:
-            raise loaded.source.error(
+            raise source.error(
                 ("walls", index, "name"), f"'{item.name}' is the name {own[item.name]}; give this wall another one"
             )
 
 
-def check_pour(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
+def check_pour(case: Case, source: CaseSource, domain: tuple[Interval, Interval]) -> None:
     """Refuse a pour that cannot fall, or whose region holds no disc or reaches out of the domain."""
-    case, source, pour = loaded.case, loaded.source, loaded.case.inflow
+    pour = case.inflow
     if not isinstance(pour, PourInflow):
         return
     if case.gravity == 0:
@@ -134,19 +129,49 @@ def check_pour(loaded: LoadedCase, domain: tuple[Interval, Interval]) -> None:
         )
 
 
-def check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, integrator: str) -> list[str]:
-    """Refuse an unstable step (unless ``run.allow_unstable``); warnings about one that is stable and yet too long."""
+def check_engine(case: Case, source: CaseSource) -> None:
+    """Refuse what the engine or kernel of the case cannot do."""
+    engine, kernel = case.engine.name, case.engine.kernel
+    if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
+        raise source.error("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
+    if engine == "lammps" and kernel == "stock":
+        if case.contact.friction_law == "sign" and case.contact.friction > 0:
+            raise source.error(
+                "contact.friction_law",
+                "'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, engine.kernel: "
+                "compiled or engine.name: native",
+            )
+        if case.contact.touch == "smooth":
+            raise source.error(
+                "contact.touch", "'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
+            )
+
+
+def check_stop(case: Case, source: CaseSource) -> list[str]:
+    """Refuse `stop_when_steady` with a dump that it cannot read; return a warning if it has no effect."""
+    if case.run.stop_when_steady and case.run.dump_format != "text":
+        raise source.error(
+            "run.stop_when_steady",
+            f"reads text dumps as they grow; run.dump_format is {case.run.dump_format}: use text",
+        )
+    if case.run.stop_when_steady and not isinstance(case.inflow, RowsInflow):
+        return ["stop_when_steady has no effect: without inflow rows a flow does not become steady"]
+    return []
+
+
+def check_stability(case: Case, source: CaseSource, coefficients: contact.Coefficients, integrator: str) -> list[str]:
+    """Refuse an unstable step, unless ``run.allow_unstable``; return warnings about a step that is stable but long."""
     fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
-    if fraction > limit and not loaded.case.run.allow_unstable:
-        # the correction softens the dashpot with f: what is allowed for sure is the limit without it
+    if fraction > limit and not case.run.allow_unstable:
+        # the correction lowers the damping as f grows: the limit without it is safe for every f
         limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
-        raise loaded.source.error(
+        raise source.error(
             "run.time_step_fraction",
             f"{fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of 2/omega for {integrator} at "
             f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set "
             "run.allow_unstable: true",
         )
-    given = loaded.case.contact
+    given = case.contact
     found = slip_warnings(coefficients, given.friction_law, given.rotation)
     if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
         found.append(
@@ -163,13 +188,14 @@ def check_stability(loaded: LoadedCase, coefficients: contact.Coefficients, inte
 
 
 def check_places(
-    loaded: LoadedCase,
+    case: Case,
+    source: CaseSource,
     positions: np.ndarray,
     walls: tuple[Wall, ...],
+    gates: tuple[Gate, ...],
     inlets: tuple[InletRow, ...],
     domain: tuple[Interval, Interval],
     allowed: float,
-    gates: tuple[Wall, ...] = (),
 ) -> None:
     """Refuse discs and inlets outside the domain or in a wall, and discs that overlap too deeply.
 
@@ -179,60 +205,60 @@ def check_places(
     allowed : float
         Largest overlap at the start, with discs, walls and gates, m.
     """
-    d = loaded.case.discs.diameter
-    _check_in_domain(loaded, positions, inlets, domain)
+    d = case.discs.diameter
+    _check_in_domain(case, source, positions, inlets, domain)
     close = closest_pair(positions, d)
     if close is not None and d - close[0] > allowed * (1 + 1e-9):
         distance, i, j = close
-        raise loaded.source.error(
+        raise source.error(
             "initial",
             f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
             f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {d - distance:.3g} m at the start; "
             f"allowed is d/n = {allowed:.3g} m; move them apart",
         )
     for index, wall in enumerate(walls):
-        _check_free_of(wall, ("walls", index), loaded, positions, inlets, allowed)
+        _check_free_of(wall, ("walls", index), case, source, positions, inlets, allowed)
     for gate in gates:
-        _check_free_of(gate, "initial", loaded, positions, (), allowed)
+        _check_free_of(gate.wall, "initial", case, source, positions, (), allowed)
 
 
-def _check_in_domain(loaded: LoadedCase, positions, inlets, domain) -> None:
+def _check_in_domain(case: Case, source: CaseSource, positions, inlets, domain) -> None:
     for axis, label in enumerate("xy"):
         low, high = domain[axis]
         outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
         if outside.size:
             value = positions[outside[0], axis]
-            raise loaded.source.error(
-                "domain" if loaded.case.domain else "initial",
+            raise source.error(
+                "domain" if case.domain else "initial",
                 f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, "
                 f"{high:g}]; widen domain.{label}",
             )
         for row in inlets:
             if not low < (row.x, row.y)[axis] < high:
-                raise loaded.source.error(
+                raise source.error(
                     "inflow",
                     f"the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} [{low:g}, {high:g}]",
                 )
 
 
 def _check_free_of(
-    wall: Wall, field: str | tuple[str, int], loaded: LoadedCase, positions, inlets, allowed: float
+    wall: Wall, field: str | tuple[str, int], case: Case, source: CaseSource, positions, inlets, allowed: float
 ) -> None:
-    radius = loaded.case.discs.diameter / 2
+    radius = case.discs.diameter / 2
     if len(positions):
-        distance = wall.signed_distance(positions[:, 0], positions[:, 1])
+        distance = wall.distance(positions[:, 0], positions[:, 1])
         worst = int(np.argmin(distance))
         if radius - distance[worst] > allowed * (1 + 1e-9):
-            raise loaded.source.error(
+            raise source.error(
                 field,
                 f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
                 f"{radius - distance[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; "
                 "move the wall or the discs",
             )
     for number, row in enumerate(inlets):
-        distance = float(wall.signed_distance(np.array([row.x]), np.array([row.y]))[0])
+        distance = float(wall.distance(np.array([row.x]), np.array([row.y]))[0])
         if distance < radius * (1 - 1e-6):
-            raise loaded.source.error(
+            raise source.error(
                 "inflow",
                 f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {radius - distance:.3g} m deep in wall "
                 f"'{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall",

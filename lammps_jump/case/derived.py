@@ -8,6 +8,7 @@ from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.walls import Interval, Wall
 
 from .fields import Case, RowsInflow
 
@@ -15,7 +16,7 @@ Row = tuple[str, str, float | int | str | None, str]
 
 
 def as_data(case: Case, scene: Scene) -> dict:
-    """Machine-readable form."""
+    """Plain data for JSON: coefficients, groups of numbers, inflow rows, what is skipped, warnings."""
     groups = {title: {key: value for key, _, value, _ in rows} for title, rows in tables(case, scene)}
     rows = [
         {"y": row.y, "speed": row.vx, "every_steps": row.every_steps, "interval": row.every_steps * scene.time_step}
@@ -34,7 +35,7 @@ def as_data(case: Case, scene: Scene) -> dict:
 
 
 def as_text(case: Case, scene: Scene) -> str:
-    """Readable form: aligned tables, units, then what is skipped and what to beware of."""
+    """Text for the screen: tables with units, what is skipped, warnings."""
     lines = [f"{case.name}: {case.description}".rstrip(": ")]
     for title, rows in tables(case, scene):
         if rows:
@@ -120,7 +121,7 @@ def _time_rows(case: Case, scene: Scene) -> list[Row]:
 
 
 def inflow_theory(case: Case, scene: Scene) -> dict | None:
-    """What hydraulics says of the inflow (Froude number, sequent depth, jump length …), None without inflow rows."""
+    """Theory of the inflow by key: Froude number, sequent depth, jump length …; None without inflow rows."""
     return {key: value for key, _, value, _ in _flow_rows(case, scene)} or None
 
 
@@ -160,3 +161,45 @@ def _flow_rows(case: Case, scene: Scene) -> list[Row]:
 def coefficients(scene: Scene) -> dict[str, float]:
     """The derived contact coefficients as they stand in the summary."""
     return asdict(scene.coefficients)
+
+
+def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:
+    """Whether any centre inside the domain can touch the wall."""
+    (xlo, xhi), (ylo, yhi) = domain
+    faces = [face.extent for face in wall.faces()]
+    return any(
+        x[0] - d / 2 < xhi and x[1] + d / 2 > xlo and y[0] - d / 2 < yhi and y[1] + d / 2 > ylo for x, y in faces
+    )
+
+
+def skipped(case: Case, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...]) -> tuple[str, ...]:
+    """Sentences: what the engines leave out because the scene does not need it."""
+    texts = []
+    if case.contact.friction == 0:
+        texts.append("friction terms: friction is 0")
+    if case.contact.restitution == 1:
+        texts.append("dashpots: restitution is 1")
+    if not case.contact.rotation:
+        texts.append("spin: contact.rotation is false, discs do not turn")
+    elif case.contact.friction == 0:
+        texts.append("spin: without friction nothing turns a disc")
+    if case.gravity == 0:
+        texts.append("gravity: it is 0")
+    texts += [f"wall '{wall.name}': nothing inside the domain can reach it" for wall in walls if wall not in kept]
+    if not walls:
+        texts.append("walls: there are none")
+    if case.inflow is None:
+        texts.append("inlet: no inflow")
+    if not case.outflow:
+        texts.append("outlet: no outflow")
+    texts.append("z constraint: nothing pushes out of the plane")
+    texts.append("tangential springs: the laws here have no history")
+    columns = "z, vz, radius, mass, type, forces" + (
+        "" if case.contact.rotation and case.contact.friction else ", spin"
+    )
+    texts.append(f"dump columns {columns}: no analysis reads them")
+    if not probes:
+        texts.append("wall forces: no probe asks for them")
+    if case.run.dump_format == "text" and not case.analysis.fields:
+        texts.append("stress fields: analysis.fields is false")
+    return tuple(texts)

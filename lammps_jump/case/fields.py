@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
+from lammps_jump.scene.walls import KINDS, Coordinate, Extent, ordered
 from lammps_jump.units import (
     Degree,
     Density,
@@ -20,10 +21,8 @@ from lammps_jump.units import (
 )
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
-WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
-"""Part of the names of LAMMPS fixes, regions and variables, which take no other letters."""
 
-# Far beyond anything meant, and near enough that squares and quotients of the numbers stay numbers.
+# Wider than any use, and narrow enough that squares and quotients stay finite.
 LENGTH = {"ge": 1e-6, "le": 1e6}
 FINE_LENGTH = {"ge": 1e-12, "le": 1e6}
 SPEED = {"ge": 1e-6, "le": 1e6}
@@ -31,12 +30,10 @@ TIME = {"ge": 1e-9, "le": 1e9}
 STIFFNESS = {"ge": 1e-6, "le": 1e24}
 LEAST_GRAVITY, MOST_GRAVITY = 1e-6, 1e6
 
-Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
 Component = Annotated[MetrePerSecond, Field(ge=-1e6, le=1e6)]
 Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
 Point = tuple[Coordinate, Coordinate]
 Vector = tuple[Component, Component]
-Extent = tuple[Coordinate, Coordinate]
 
 
 def _no_truth(value: Any) -> Any:
@@ -46,12 +43,6 @@ def _no_truth(value: Any) -> Any:
 
 
 Whole = Annotated[int, BeforeValidator(_no_truth)]
-
-
-def _ordered(value: tuple[float, float]) -> tuple[float, float]:
-    if value[0] >= value[1]:
-        raise ValueError(f"[{value[0]:g}, {value[1]:g}] runs backwards; expected [low, high] with low < high")
-    return value
 
 
 class Strict(BaseModel):
@@ -68,7 +59,7 @@ class Discs(Strict):
 
 
 class Contact(Strict):
-    """What a collision does: the thesis' coefficients and our options."""
+    """Contact of two discs: coefficients of the thesis and further options."""
 
     restitution: Plain = Field(ge=1e-6, le=1)
     friction: Plain = Field(default=0.0, ge=0, le=1000)
@@ -101,50 +92,13 @@ class Contact(Strict):
 
 
 class Domain(Strict):
-    """Room for the discs; one that leaves it is lost, which ends a run."""
+    """Room for the discs; a disc outside is lost, which ends the run."""
 
     x: Extent
     y: Extent
-    _order = field_validator("x", "y")(_ordered)
 
 
-class PlaneWall(Strict):
-    """An endless straight wall; discs on one side of it."""
-
-    kind: Literal["plane"]
-    name: WallName
-    axis: Literal["x", "y"]
-    at: Coordinate
-    side: Literal["above", "below"] = Field(description="where the discs are: at larger or smaller coordinates")
-
-    @field_validator("side", mode="before")
-    @classmethod
-    def _side_words(cls, value: Any) -> Any:
-        words = {"right": "above", "left": "below", "high": "above", "low": "below", "+": "above", "-": "below"}
-        return words.get(value, value) if isinstance(value, str) else value
-
-
-class BlockWall(Strict):
-    """A solid rectangle; discs outside it."""
-
-    kind: Literal["block"]
-    name: WallName
-    x: Extent
-    y: Extent
-    _order = field_validator("x", "y")(_ordered)
-
-
-class BoxWall(Strict):
-    """A hollow rectangle; discs inside it."""
-
-    kind: Literal["box"]
-    name: WallName
-    x: Extent
-    y: Extent
-    _order = field_validator("x", "y")(_ordered)
-
-
-WallField = Annotated[PlaneWall | BlockWall | BoxWall, Field(discriminator="kind")]
+WallField = Annotated[KINDS, Field(discriminator="kind")]
 
 
 class Column(Strict):
@@ -158,11 +112,10 @@ class Column(Strict):
     jitter: Plain = Field(default=0.0, ge=0, le=0.2, description="random shift, in diameters")
     gate: bool = Field(default=True, description="held at its right side until t = 0")
     settle: Second = Field(default=0.0, ge=0, le=1e9, description="time behind the gate before t = 0")
-    _order = field_validator("x", "y")(_ordered)
 
 
 class Lattice(Strict):
-    """Discs on a rectangular grid; single discs may move."""
+    """Discs on a rectangular grid; single discs may have a velocity."""
 
     kind: Literal["lattice"]
     nx: Whole = Field(gt=0)
@@ -214,14 +167,13 @@ class PourInflow(Strict):
     count: Whole = Field(gt=0, le=20_000_000)
     volume_fraction: Plain = Field(default=0.4, gt=0, le=0.7)
     speed_down: MetrePerSecond = Field(default=0.0, ge=0, le=1e6)
-    _order = field_validator("x", "y")(_ordered)
 
 
 InflowField = Annotated[RowsInflow | PourInflow, Field(discriminator="kind")]
 
 
 class Outflow(Strict):
-    """Where discs are taken out: one of the four."""
+    """A line beyond which discs are taken out: one of the four."""
 
     x_beyond: Coordinate | None = None
     x_before: Coordinate | None = None
@@ -230,23 +182,19 @@ class Outflow(Strict):
 
     @model_validator(mode="after")
     def _one(self) -> Outflow:
-        if sum(value is not None for value in (self.x_beyond, self.x_before, self.y_below, self.y_above)) != 1:
+        if len(self.model_dump(exclude_none=True)) != 1:
             raise ValueError("needs exactly one of x_beyond, x_before, y_below, y_above in each item")
         return self
 
 
-def _accuracy(value: Any) -> float | None:
-    return None if value is None else parse_accuracy(value)
-
-
 class Run(Strict):
-    """How long, how finely, what is kept."""
+    """Duration, time step and output."""
 
     duration: Second = Field(**TIME)
     time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
     output_interval: Second = Field(default=0.1, **TIME)
     seed: Whole = Field(default=1, ge=1, le=2_000_000_000)
-    accuracy: Annotated[float | None, BeforeValidator(_accuracy)] = Field(
+    accuracy: Annotated[float, BeforeValidator(parse_accuracy)] | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )
     stop_when_steady: bool = False
@@ -256,31 +204,26 @@ class Run(Strict):
 
 
 class Probes(Strict):
-    """What is recorded at every step."""
+    """Forces on walls, recorded at every step."""
 
     forces: tuple[Name, ...] = ()
     interval: Second = Field(default=0.01, **TIME, description="forces are averaged over this time, every step counted")
 
 
 class Analysis(Strict):
-    """What is asked of the dump."""
+    """Analyses of the dump."""
 
     bin_width: Metre | None = Field(default=None, **LENGTH)
-    window: tuple[Moment, Moment] | None = None
+    window: Annotated[tuple[Moment, Moment], AfterValidator(ordered)] | None = None
     jump: bool = False
     energy: bool = False
     front: bool = False
     fields: bool = False
     animation: bool = False
 
-    @field_validator("window")
-    @classmethod
-    def _window(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
-        return value if value is None else _ordered(value)
-
 
 class Engine(Strict):
-    """Who computes."""
+    """Engine, kernel and ranks."""
 
     name: Literal["lammps", "native"] = "lammps"
     kernel: Literal["auto", "stock", "compiled"] = "auto"

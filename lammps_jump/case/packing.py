@@ -1,24 +1,12 @@
-"""Discs at the start: columns with hydrostatic overlaps, lattices, lists; and the check that they fit."""
+"""Discs at the start: columns with hydrostatic overlaps, lattices, lists; and the closest pair."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from .fields import Column, DiscList, Lattice
+from lammps_jump.physics.contact import Coefficients
 
-
-@dataclass(frozen=True)
-class Packing:
-    """What an arrangement needs to know of the contact: SI numbers."""
-
-    diameter: float
-    density: float
-    mass: float
-    gravity: float
-    stiffness: float
-    stiffness_wall: float
+from .fields import Column, DiscList, Discs, Lattice
 
 
 def column_counts(column: Column, diameter: float) -> tuple[int, int]:
@@ -40,16 +28,16 @@ def disc_count(item: Column | Lattice | DiscList, diameter: float) -> int:
     return item.nx * item.ny if isinstance(item, Lattice) else len(item.positions)
 
 
-def column_positions(column: Column, packing: Packing) -> np.ndarray:
+def column_positions(column: Column, discs: Discs, gravity: float, contact: Coefficients) -> np.ndarray:
     """Centres of a column, shape (n, 2), row by row from the bottom.
 
     With `hydrostatic` and square packing the overlaps of thesis figure 6.2 carry the weight from the first step:
-    vertically (discs above) m g / k, horizontally rho g ((n-1) d + d/2) d / k in the n-th row from the top, and
-    against floor and back wall in proportion to their stiffness. Without them (and without jitter) a square
-    lattice of touching frictionless discs stands for ever.
+    vertically (discs above) m g / k, horizontally rho g ((n-1) d + d/2) d / k in the n-th row from the top. Against
+    floor and back wall they follow from the stiffness of walls. Without overlaps and jitter a square lattice of
+    touching frictionless discs never collapses.
     """
-    nx, ny = column_counts(column, packing.diameter)
-    d, radius = packing.diameter, packing.diameter / 2
+    d, radius = discs.diameter, discs.diameter / 2
+    nx, ny = column_counts(column, d)
     x0, y0 = column.x[0], column.y[0]
     if column.packing == "hexagonal":
         i, j = np.meshgrid(np.arange(nx), np.arange(ny))
@@ -57,12 +45,12 @@ def column_positions(column: Column, packing: Packing) -> np.ndarray:
         y = y0 + radius + d * np.sqrt(3.0) / 2.0 * j
         return np.column_stack([x.ravel(), y.ravel()])
     above = ny - 1 - np.arange(ny)  # discs on top of each row
-    weight = packing.mass * packing.gravity if column.hydrostatic else 0.0
-    vertical = above * weight / packing.stiffness
-    bottom = y0 + radius - ny * weight / packing.stiffness_wall
+    weight = contact.mass * gravity if column.hydrostatic else 0.0
+    vertical = above * weight / contact.stiffness
+    bottom = y0 + radius - ny * weight / contact.stiffness_wall
     y_rows = bottom + np.concatenate([[0.0], np.cumsum(d - vertical[:-1])])
-    pressure = packing.density * packing.gravity * (above * d + radius) if column.hydrostatic else 0.0 * above
-    deepest = max(vertical.max(initial=0.0), pressure.max(initial=0.0) * d / packing.stiffness)
+    pressure = discs.density * gravity * (above * d + radius) if column.hydrostatic else 0.0 * above
+    deepest = max(vertical.max(initial=0.0), pressure.max(initial=0.0) * d / contact.stiffness)
     if deepest > radius:
         raise ValueError(
             f"its own weight would press the discs {deepest:.3g} m into each other; allowed is a radius, {radius:g} m: "
@@ -70,13 +58,17 @@ def column_positions(column: Column, packing: Packing) -> np.ndarray:
         )
     x_rows = []
     for thrust in pressure * d:
-        first = x0 + radius - thrust / packing.stiffness_wall
-        x_rows.append(first + np.arange(nx) * (d - thrust / packing.stiffness))
+        first = x0 + radius - thrust / contact.stiffness_wall
+        x_rows.append(first + np.arange(nx) * (d - thrust / contact.stiffness))
     return np.column_stack([np.concatenate(x_rows), np.repeat(y_rows, nx)])
 
 
 def arrange(
-    item: Column | Lattice | DiscList, packing: Packing, random: np.random.Generator
+    item: Column | Lattice | DiscList,
+    discs: Discs,
+    gravity: float,
+    contact: Coefficients,
+    random: np.random.Generator,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions and velocities, each of shape (n, 2), of one item of ``initial``.
 
@@ -86,10 +78,10 @@ def arrange(
         Where nothing fits or the velocities do not belong to the discs (the caller adds the place).
     """
     if isinstance(item, Column):
-        positions = column_positions(item, packing)
+        positions = column_positions(item, discs, gravity, contact)
         if not len(positions):
             raise ValueError(
-                f"not one disc of {packing.diameter:g} m fits into x [{item.x[0]:g}, {item.x[1]:g}], "
+                f"not one disc of {discs.diameter:g} m fits into x [{item.x[0]:g}, {item.x[1]:g}], "
                 f"y [{item.y[0]:g}, {item.y[1]:g}]; make the column wider or higher than one diameter"
             )
         velocities = np.zeros_like(positions)
@@ -109,15 +101,15 @@ def arrange(
             )
         velocities = np.array(item.velocities, float) if item.velocities else np.zeros_like(positions)
     if item.jitter:
-        positions = positions + random.uniform(-item.jitter, item.jitter, positions.shape) * packing.diameter
+        positions = positions + random.uniform(-item.jitter, item.jitter, positions.shape) * discs.diameter
     return positions, velocities
 
 
 def closest_pair(positions: np.ndarray, reach: float) -> tuple[float, int, int] | None:
     """The closest two of `positions` (n, 2) that are nearer than `reach`: (distance, i, j), or None.
 
-    Cells of side `reach`, sorted; each disc is held against its own cell and four of the eight around it. Two that are
-    nearer than a tenth of `reach` are answer enough: a heap of thousands in one cell would take for ever.
+    Discs are sorted by cells of side `reach`. Each is compared with its own cell and four of the eight around it. The
+    search ends at a pair nearer than a tenth of `reach`: thousands of discs in one cell would take too long.
     """
     if len(positions) < 2:
         return None

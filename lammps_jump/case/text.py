@@ -1,4 +1,4 @@
-"""Case text to plain data, remembering on which line each value stood."""
+"""Case text to plain data, with the line of each value."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
 
 
 def _compose(text: str, file: str) -> yaml.Node | None:
-    """Node tree of the text; nested brackets are counted before, because building the tree recurses."""
+    """Node tree of the text; nesting is counted before, because building the tree recurses."""
     depth = 0
     for event in yaml.parse(text, Loader=_Loader):
         if isinstance(event, yaml.CollectionStartEvent):
@@ -170,7 +170,7 @@ def _too_deep(file: str, here: yaml.Event | yaml.Node) -> str:
 
 
 def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loader) -> Any:
-    """Node tree to plain data; records lines, refuses repeated keys and endless aliases."""
+    """Plain data of a node tree; records lines, refuses repeated keys and endless aliases."""
     source.values += 1
     if source.values > MOST_VALUES:
         raise CaseError(
@@ -216,31 +216,28 @@ def override(source: CaseSource, assignment: str) -> None:
     CaseError
         For text without '=', a value that is not YAML, or a list item that is not there.
     """
-    if "=" not in assignment:
+    dotted, sign, text = (part.strip() for part in assignment.partition("="))
+    parts = dotted.split(".")
+    if not sign or not all(parts):
         raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
-    dotted, text = (part.strip() for part in assignment.split("=", 1))
     try:
         node = _compose(text, f"--set {assignment}")
     except yaml.YAMLError:
         raise CaseError(
             f"--set {assignment}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'"
         ) from None
-    if not dotted or any(not part for part in dotted.split(".")):
-        raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
     scratch = CaseSource(file=f"--set {assignment}", data={})
     value = None if node is None else _plain(node, (), scratch, _Loader(""))
     container: Any = source.data
     path: PathKey = ()
-    parts = dotted.split(".")
-    for depth, part in enumerate(parts):
-        last = depth == len(parts) - 1
+    for depth, part in enumerate(parts, 1):
         key: str | int = part
         if isinstance(container, list):
             key = _item_index(container, part, assignment, path)
         elif not isinstance(container, dict):
             raise CaseError(f"--set {assignment}: {dotted_path(path)} is a single value and has no part '{part}'")
         path = (*path, key)
-        if last:
+        if depth == len(parts):
             container[key] = value
         else:
             if isinstance(container, dict) and container.get(part) is None:

@@ -1,25 +1,28 @@
-"""Case to Scene: the one place where fields become engine-neutral numbers, and where a scene is refused."""
+"""Case to Scene: fields become the numbers that every engine takes. Cases that cannot run are refused."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
-from lammps_jump.scene.walls import Block, Box, Interval, Plane, Wall
+from lammps_jump.scene.walls import Block, Interval, Plane
 
-from .checks import MOST_STEPS, check_domain, check_names, check_places, check_pour, check_size, check_stability
-from .fields import BlockWall, Case, Column, PlaneWall, PourInflow, RowsInflow
+from . import checks
+from .derived import reachable, skipped
+from .fields import Case, Column, PourInflow, RowsInflow
 from .load import LoadedCase
-from .packing import Packing, arrange
-from .skips import reachable, skipped
-from .text import nearest
+from .packing import arrange
+from .text import CaseSource, nearest
 
+INTEGRATORS = {"lammps": "velocity_verlet", "native": "leapfrog_extrapolated"}
+"""What ``run.integrator: auto`` means, by engine."""
 MAX_SPEED_MARGIN = 2.0
-"""Discs may go this much faster than the fastest speed the case implies before one can jump over an outlet."""
+"""Ratio of the speed at which a disc could jump over an outlet to the largest speed that the case implies."""
 
 MOST_ROWS = 10_000
 """Rows of an inflow; each is a fix of LAMMPS."""
@@ -29,23 +32,21 @@ TOUCH_STEPS = 2.0
 at f = 0.05), 0.6 % with 4, while the largest overlap of an elastic collision at v0 grows by 19, 37 and 69 %."""
 
 
+LAW = {"restitution", "friction", "correct_restitution", "rotation", "tangential_damping", "touch"}
+"""Fields of ``contact`` that the coefficients depend on as they stand."""
+
+
 def contact_coefficients(case: Case, integrator: str, time_step_fraction: float | None = None) -> contact.Coefficients:
     """Contact coefficients of a case, with its own step or another (as a share of 2/omega)."""
     _, impact_speed, stiffness = _stiffness(case)
     return contact.derive(
-        density=case.discs.density,
-        diameter=case.discs.diameter,
-        restitution=case.contact.restitution,
-        friction=case.contact.friction,
+        **case.discs.model_dump(),
+        **case.contact.model_dump(include=LAW),
         stiffness=stiffness,
         stiffness_wall=case.contact.stiffness_wall or stiffness,
         impact_speed=impact_speed,
         time_step_fraction=time_step_fraction or case.run.time_step_fraction,
         integrator=integrator,
-        correct_restitution=case.contact.correct_restitution,
-        rotation=case.contact.rotation,
-        tangential_damping=case.contact.tangential_damping,
-        touch=case.contact.touch,
     )
 
 
@@ -59,55 +60,29 @@ def build_scene(loaded: LoadedCase) -> Scene:
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
     case, source = loaded.case, loaded.source
-    integrator = _integrator(loaded)
+    integrator = _integrator(case, source)
     coefficients = contact_coefficients(case, integrator)
-    penetration, impact_speed, stiffness = _stiffness(case)
-    warnings = check_stability(loaded, coefficients, integrator)
-    dt, d = coefficients.time_step, case.discs.diameter
-    angle = math.radians(case.slope)
-    gravity = (case.gravity * math.sin(angle), -case.gravity * math.cos(angle))
-    if case.slope == 0:
-        gravity = (0.0, -case.gravity if case.gravity else 0.0)
-
-    walls = tuple(_wall(item) for item in case.walls) + _inlet_back(case)
-    settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
-    settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
-    probe_interval = case.probes.interval if case.probes.forces else None
-    output_steps, probe_steps, steps = _schedule(case.run.duration, case.run.output_interval, probe_interval, dt)
-    settle_steps = math.ceil(settle_steps / output_steps) * output_steps
-    check_size(loaded, settle_steps, steps, output_steps)
-    positions, velocities = _discs(loaded, coefficients, stiffness)
-    inlets = _inlets(loaded, dt, settle_steps)
-    speed = max(
-        [row.vx for row in inlets]
-        + [impact_speed, float(np.hypot(*velocities.T).max(initial=0.0))]
-        + [math.sqrt(2 * case.gravity * (item.y[1] - item.y[0])) for item in case.initial if isinstance(item, Column)]
-    )
-    domain = _domain(case, positions, inlets, speed)
-    check_domain(loaded, domain)
-    outlets = _outlets(loaded, domain, speed, dt, output_steps)
-    gates = _gates(case, positions, settle_steps, domain)
-    check_names(loaded, walls, gates)
-    check_places(loaded, positions, walls, inlets, domain, d / penetration, tuple(gate.wall for gate in gates))
-    check_pour(loaded, domain)
-    probes = _probes(loaded, walls)
+    penetration, impact_speed, _ = _stiffness(case)
+    warnings = checks.check_stability(case, source, coefficients, integrator)
+    d, dt = case.discs.diameter, coefficients.time_step
+    steps = _steps(case, source, dt)
+    positions, velocities = _discs(case, source, coefficients)
+    inlets = _inlets(case, source, dt, steps.settle)
+    speed = _largest_speed(case, impact_speed, velocities, inlets)
+    domain = _domain(case, source, positions, inlets, speed)
+    outlets = _outlets(case, source, domain, speed, dt, steps.output)
+    walls, gates = case.walls + _inlet_back(case), _gates(case, positions, steps.settle, domain)
+    checks.check_names(case, source, walls, gates)
+    checks.check_places(case, source, positions, walls, gates, inlets, domain, d / penetration)
+    checks.check_pour(case, source, domain)
+    probes = _probes(case, source, walls)
     kept = tuple(wall for wall in walls if reachable(wall, domain, d) or wall.name in probes)
-    touch_width = 0.0
-    if case.contact.touch == "smooth":
-        touch_width = case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
-    if case.run.stop_when_steady and case.run.dump_format != "text":
-        raise source.error(
-            "run.stop_when_steady",
-            f"reads text dumps as they grow; run.dump_format is {case.run.dump_format}: use text",
-        )
-    if case.run.stop_when_steady and not inlets:
-        warnings.append("stop_when_steady has no effect: without inflow rows a flow does not become steady")
-    scene = Scene(
+    return Scene(
         name=case.name,
         description=case.description,
         diameter=d,
         density=case.discs.density,
-        gravity=gravity,
+        gravity=_gravity(case),
         coefficients=coefficients,
         friction_law=case.contact.friction_law,
         rotation=case.contact.rotation and case.contact.friction > 0,
@@ -121,46 +96,51 @@ def build_scene(loaded: LoadedCase) -> Scene:
         pours=_pours(case),
         outlets=outlets,
         probes=probes,
-        steps=settle_steps + steps,
-        settle_steps=settle_steps,
-        output_steps=output_steps,
-        probe_steps=probe_steps,
+        steps=steps.settle + steps.run,
+        settle_steps=steps.settle,
+        output_steps=steps.output,
+        probe_steps=steps.probe,
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * d,
         overlap_limit=2 * d / penetration,
         touch=case.contact.touch,
-        touch_width=touch_width,
+        touch_width=_touch_width(case, impact_speed, dt),
         skipped=skipped(case, walls, kept, probes),
-        warnings=tuple(warnings),
+        warnings=(*warnings, *checks.check_stop(case, source)),
     )
-    return scene
+
+
+def _integrator(case: Case, source: CaseSource) -> str:
+    checks.check_engine(case, source)
+    return INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
+
+
+def _gravity(case: Case) -> tuple[float, float]:
+    """Acceleration along and across the slope, m/s^2."""
+    if case.slope == 0:
+        return 0.0, -case.gravity if case.gravity else 0.0
+    angle = math.radians(case.slope)
+    return case.gravity * math.sin(angle), -case.gravity * math.cos(angle)
+
+
+def _touch_width(case: Case, impact_speed: float, dt: float) -> float:
+    if case.contact.touch == "sharp":
+        return 0.0
+    return case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
+
+
+def _largest_speed(case: Case, impact_speed: float, velocities: np.ndarray, inlets: tuple[InletRow, ...]) -> float:
+    """Largest speed that the case implies, m/s: at the start, at the inlet, of an impact, of a column's fall."""
+    columns = [item.y[1] - item.y[0] for item in case.initial if isinstance(item, Column)]
+    falls = [math.sqrt(2 * case.gravity * height) for height in columns]
+    start = float(np.hypot(*velocities.T).max(initial=0.0))
+    return max([*(row.vx for row in inlets), impact_speed, start, *falls])
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:
     array = np.ascontiguousarray(array, float)
     array.setflags(write=False)
     return array
-
-
-def _integrator(loaded: LoadedCase) -> str:
-    case, source = loaded.case, loaded.source
-    engine, wanted = case.engine.name, case.run.integrator
-    if engine == "lammps" and wanted == "leapfrog_extrapolated":
-        raise source.error("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
-    if engine == "lammps" and case.engine.kernel == "stock":
-        if case.contact.friction_law == "sign" and case.contact.friction > 0:
-            raise source.error(
-                "contact.friction_law",
-                "'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, engine.kernel: "
-                "compiled or engine.name: native",
-            )
-        if case.contact.touch == "smooth":
-            raise source.error(
-                "contact.touch", "'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
-            )
-    if wanted == "auto":
-        return "velocity_verlet" if engine == "lammps" else "leapfrog_extrapolated"
-    return wanted
 
 
 def _stiffness(case: Case) -> tuple[float, float, float]:
@@ -173,29 +153,38 @@ def _stiffness(case: Case) -> tuple[float, float, float]:
     return math.sqrt(given.stiffness / rho) / speed, speed, given.stiffness
 
 
-def _schedule(duration: float, interval: float, probe_interval: float | None, dt: float) -> tuple[int, int, int]:
-    """(output_steps, probe_steps, steps): frames divide the duration, probe windows divide the frames.
+class Steps(NamedTuple):
+    """Steps behind the gate, of the run after it, from frame to frame, and of a window of the probes."""
+
+    settle: int
+    run: int
+    output: int
+    probe: int
+
+
+def _steps(case: Case, source: CaseSource, dt: float) -> Steps:
+    """Frames divide the duration, windows of the probes divide the frames.
 
     The intervals are adapted by less than a step each; the duration by less than half a step a window.
     """
-    frames = max(1, min(round(duration / interval), round(duration / dt)))
-    output_steps = max(1, round(duration / (frames * dt)))
+    duration = case.run.duration
+    frames = max(1, min(round(duration / case.run.output_interval), round(duration / dt)))
+    output = max(1, round(duration / (frames * dt)))
     windows = 1
-    if probe_interval is not None:
-        windows = min(output_steps, max(1, round(duration / frames / probe_interval)))
-    probe_steps = max(1, round(output_steps / windows))
-    return windows * probe_steps, probe_steps, frames * windows * probe_steps
-
-
-def _wall(item) -> Wall:
-    if isinstance(item, PlaneWall):
-        return Plane(item.name, item.axis, item.at, item.side)
-    return (Block if isinstance(item, BlockWall) else Box)(item.name, item.x, item.y)
+    if case.probes.forces:
+        windows = min(output, max(1, round(duration / frames / case.probes.interval)))
+    probe = max(1, round(output / windows))
+    output = windows * probe
+    settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
+    settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
+    steps = Steps(math.ceil(settle_steps / output) * output, frames * output, output, probe)
+    checks.check_size(case, source, steps.settle, steps.run, steps.output)
+    return steps
 
 
 INLET_WALL = "inlet_back"
 INLET_CLEARANCE = 0.51
-"""Diameters between the inlet and the wall behind it: a disc that enters does not touch it."""
+"""Distance from the inlet to the wall behind it, in diameters: a disc that enters does not touch the wall."""
 
 
 def _inlet_back(case: Case) -> tuple[Plane, ...]:
@@ -207,7 +196,7 @@ def _inlet_back(case: Case) -> tuple[Plane, ...]:
 
 
 def _gates(case: Case, positions: np.ndarray, settle_steps: int, domain: tuple[Interval, Interval]) -> tuple[Gate, ...]:
-    """Gates of settling columns; one with discs on its far side too is a sheet that both sides feel."""
+    """Gates of settling columns. A gate with discs beyond it is a block without thickness, which both sides feel."""
     gates = []
     for index, item in enumerate(case.initial):
         if not (isinstance(item, Column) and item.gate and settle_steps):
@@ -220,40 +209,32 @@ def _gates(case: Case, positions: np.ndarray, settle_steps: int, domain: tuple[I
     return tuple(gates)
 
 
-def _discs(loaded: LoadedCase, coefficients: contact.Coefficients, stiffness: float) -> tuple[np.ndarray, np.ndarray]:
-    case = loaded.case
-    packing = Packing(
-        case.discs.diameter,
-        case.discs.density,
-        coefficients.mass,
-        case.gravity,
-        stiffness,
-        coefficients.stiffness_wall,
-    )
+def _discs(case: Case, source: CaseSource, coefficients: contact.Coefficients) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and velocities at the start, each of shape (n, 2), m and m/s."""
     random = np.random.default_rng(case.run.seed)
     positions, velocities = [np.empty((0, 2))], [np.empty((0, 2))]
     for index, item in enumerate(case.initial):
         try:
-            place, speed = arrange(item, packing, random)
+            place, speed = arrange(item, case.discs, case.gravity, coefficients, random)
         except ValueError as error:
-            raise loaded.source.error(("initial", index), str(error)) from None
+            raise source.error(("initial", index), str(error)) from None
         positions.append(place)
         velocities.append(speed)
     return np.concatenate(positions), np.concatenate(velocities)
 
 
-def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
-    inflow = loaded.case.inflow
+def _inlets(case: Case, source: CaseSource, dt: float, settle_steps: int) -> tuple[InletRow, ...]:
+    inflow = case.inflow
     if not isinstance(inflow, RowsInflow):
         return ()
-    d = loaded.case.discs.diameter
+    d = case.discs.diameter
     count = theory.row_count(inflow.depth, d)
     if count < 1:
-        raise loaded.source.error(
+        raise source.error(
             "inflow.depth", f"{inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
         )
     if count > MOST_ROWS:
-        raise loaded.source.error(
+        raise source.error(
             "inflow.depth",
             f"{inflow.depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger discs",
         )
@@ -264,11 +245,11 @@ def _inlets(loaded: LoadedCase, dt: float, settle_steps: int) -> tuple[InletRow,
     rows = []
     for height, speed in zip(heights, speeds, strict=True):
         interval = math.ceil(inflow.spacing * d / (speed * dt) - 1e-9)
-        if interval > MOST_STEPS:
-            raise loaded.source.error(
+        if interval > checks.MOST_STEPS:
+            raise source.error(
                 "inflow.mean_speed",
-                f"{inflow.mean_speed:g} m/s lets a disc in every {interval:.3g} steps; allowed are {MOST_STEPS:.0e}: "
-                "raise it or lower the stiffness",
+                f"{inflow.mean_speed:g} m/s lets a disc in every {interval:.3g} steps; allowed are "
+                f"{checks.MOST_STEPS:.0e}: raise it or lower the stiffness",
             )
         rows.append(
             InletRow(
@@ -291,38 +272,42 @@ def _pours(case: Case) -> tuple[Pour, ...]:
     return (Pour(inflow.x, inflow.y, inflow.count, inflow.volume_fraction, inflow.speed_down),)
 
 
-def _domain(case: Case, positions: np.ndarray, inlets: tuple[InletRow, ...], speed: float):
+def _domain(
+    case: Case, source: CaseSource, positions: np.ndarray, inlets: tuple[InletRow, ...], speed: float
+) -> tuple[Interval, Interval]:
+    """The given domain, or one around all that the case names."""
     if case.domain is not None:
-        return (case.domain.x, case.domain.y)
-    xs, ys = list(positions[:, 0]), list(positions[:, 1])
-    xs += [row.x for row in inlets]
-    ys += [row.y for row in inlets]
+        domain = case.domain.x, case.domain.y
+    else:
+        closed = any(wall.hollow for wall in case.walls)
+        margin = 2 * case.discs.diameter if closed else 10 * case.discs.diameter + speed * min(case.run.duration, 3.0)
+        ends = (_ends(case, axis, positions, inlets) for axis in "xy")
+        domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
+    checks.check_domain(case, source, domain)
+    return domain
+
+
+def _ends(case: Case, axis: str, positions: np.ndarray, inlets: tuple[InletRow, ...]) -> list[float]:
+    """Coordinates that a domain must hold, m."""
+    index = "xy".index(axis)
+    values = [*positions[:, index], *(getattr(row, axis) for row in inlets)]
     if isinstance(case.inflow, PourInflow):
-        xs, ys = xs + list(case.inflow.x), ys + list(case.inflow.y)
-    closed = [wall for wall in case.walls if wall.kind == "box"]
-    for item in case.walls:
-        if isinstance(item, PlaneWall):
-            (xs if item.axis == "x" else ys).append(item.at)
-        else:
-            xs, ys = xs + list(item.x), ys + list(item.y)
-    for out in case.outflow:
-        xs += [value for value in (out.x_beyond, out.x_before) if value is not None]
-        ys += [value for value in (out.y_below, out.y_above) if value is not None]
-    margin = 2 * case.discs.diameter if closed else 10 * case.discs.diameter + speed * min(case.run.duration, 3.0)
-    return ((min(xs) - margin, max(xs) + margin), (min(ys) - margin, max(ys) + margin))
+        values += getattr(case.inflow, axis)
+    values += [end for wall in case.walls for end in wall.extent[index] if math.isfinite(end)]
+    outlets = (pair for item in case.outflow for pair in item.model_dump(exclude_none=True).items())
+    return values + [at for name, at in outlets if name.startswith(axis)]
 
 
-def _outlets(loaded: LoadedCase, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
+def _outlets(case: Case, source: CaseSource, domain, speed: float, dt: float, output_steps: int) -> tuple[Outlet, ...]:
     outlets = []
-    for index, item in enumerate(loaded.case.outflow):
-        field = next(name for name in ("x_beyond", "x_before", "y_below", "y_above") if getattr(item, name) is not None)
-        at = getattr(item, field)
+    for index, item in enumerate(case.outflow):
+        ((field, at),) = item.model_dump(exclude_none=True).items()
         axis = field[0]
         side = "above" if field in ("x_beyond", "y_above") else "below"
         low, high = domain[0] if axis == "x" else domain[1]
         room = high - at if side == "above" else at - low
-        if room <= loaded.case.discs.diameter:
-            raise loaded.source.error(
+        if room <= case.discs.diameter:
+            raise source.error(
                 ("outflow", index, field),
                 f"{at:g} m leaves no room before the edge of the domain ([{low:g}, {high:g}]); discs need a few metres "
                 "to be taken out in: widen domain or move the outlet",
@@ -332,12 +317,12 @@ def _outlets(loaded: LoadedCase, domain, speed: float, dt: float, output_steps: 
     return tuple(outlets)
 
 
-def _probes(loaded: LoadedCase, walls) -> tuple[str, ...]:
+def _probes(case: Case, source: CaseSource, walls) -> tuple[str, ...]:
     names = [wall.name for wall in walls]
-    for index, name in enumerate(loaded.case.probes.forces):
+    for index, name in enumerate(case.probes.forces):
         if name not in names:
-            raise loaded.source.error(
+            raise source.error(
                 ("probes", "forces", index),
                 f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
             )
-    return tuple(dict.fromkeys(loaded.case.probes.forces))
+    return tuple(dict.fromkeys(case.probes.forces))

@@ -1,4 +1,4 @@
-"""Scenes put together by hand, without a case file: for tests, small experiments and timing."""
+"""A scene from arrays, without a case file: for tests, small experiments and timing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,19 @@ import numpy as np
 from lammps_jump.physics.contact import derive, stiffness
 
 from .scene import Scene
-from .walls import Wall
+from .walls import Interval, Wall
+
+CONTACT = {
+    "restitution": 0.2,
+    "friction": 0.0,
+    "time_step_fraction": 0.05,
+    "integrator": "velocity_verlet",
+    "correct_restitution": False,
+    "rotation": False,
+    "tangential_damping": None,
+    "touch": "sharp",
+}
+"""Parameters of `lammps_jump.physics.contact.derive` where none are given."""
 
 
 def handmade_scene(
@@ -17,18 +29,9 @@ def handmade_scene(
     *,
     diameter: float = 0.2,
     density: float = 1000.0,
-    restitution: float = 0.2,
-    friction: float = 0.0,
-    friction_law: str = "hooke",
     penetration_fraction: float = 10.0,
     impact_speed: float = 16.0,
-    time_step_fraction: float = 0.05,
-    integrator: str = "velocity_verlet",
-    correct_restitution: bool = False,
-    rotation: bool = False,
-    tangential_damping: float | None = None,
-    gravity: tuple[float, float] = (0.0, -9.81),
-    domain=((-100.0, 100.0), (-100.0, 100.0)),
+    domain: tuple[Interval, Interval] = ((-100.0, 100.0), (-100.0, 100.0)),
     **others,
 ) -> Scene:
     """A `Scene` from discs, walls and contact parameters.
@@ -38,40 +41,37 @@ def handmade_scene(
     positions, velocities : array_like, shape (n, 2)
         m, m/s.
     walls : tuple of Wall
+    diameter, density : float
+        m, kg/m^3.
+    penetration_fraction, impact_speed : float
+        n and v0 (m/s) of thesis (3.20), for the stiffness of discs and walls.
+    domain : ((float, float), (float, float))
+        m.
     others
-        Further fields of `Scene` (steps, inlets, outlets, probes …); the overlap limit is twice the design overlap
-        d/n unless given. The other parameters are those of `lammps_jump.physics.contact.derive`.
+        Parameters of the contact law (see `CONTACT`) and fields of `Scene` (steps, inlets, outlets, probes …); the
+        overlap limit is twice the design overlap d/n unless given.
     """
     k = stiffness(density, penetration_fraction, impact_speed)
+    law = {name: others.get(name, value) for name, value in CONTACT.items()}
     coefficients = derive(
-        density=density,
-        diameter=diameter,
-        restitution=restitution,
-        friction=friction,
-        stiffness=k,
-        stiffness_wall=k,
-        impact_speed=impact_speed,
-        time_step_fraction=time_step_fraction,
-        integrator=integrator,
-        correct_restitution=correct_restitution,
-        rotation=rotation,
-        tangential_damping=tangential_damping,
-        touch=others.get("touch", "sharp"),
+        density=density, diameter=diameter, stiffness=k, stiffness_wall=k, impact_speed=impact_speed, **law
     )
-    others.setdefault("overlap_limit", 2.0 * diameter / penetration_fraction)
-    others.setdefault("name", "handmade")
-    others.setdefault("description", "")
+    fields = {
+        "name": "handmade",
+        "description": "",
+        "gravity": (0.0, -9.81),
+        "friction_law": "hooke",
+        "overlap_limit": 2.0 * diameter / penetration_fraction,
+        **{name: law[name] for name in ("rotation", "integrator", "touch")},
+        **{name: value for name, value in others.items() if name not in CONTACT},
+    }
     return Scene(
         diameter=diameter,
         density=density,
-        gravity=gravity,
         coefficients=coefficients,
-        friction_law=friction_law,
-        rotation=rotation,
-        integrator=integrator,
         domain=domain,
         positions=np.asarray(positions, float).reshape(-1, 2),
         velocities=np.asarray(velocities, float).reshape(-1, 2),
         walls=tuple(walls),
-        **others,
+        **fields,
     )

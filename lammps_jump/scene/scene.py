@@ -1,4 +1,4 @@
-"""The engine-neutral form of a case: numbers that both engines obey and the analysis reads, nothing else."""
+"""The scene: numbers of a case that both engines take and the analysis reads."""
 
 from __future__ import annotations
 

@@ -1,6 +1,5 @@
 """Scene to LAMMPS text."""
 
-from .assemble import script_text, write_script
-from .stock import DUMP_NAMES
+import lazy_loader
 
-__all__ = ["DUMP_NAMES", "script_text", "write_script"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

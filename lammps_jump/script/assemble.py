@@ -2,103 +2,107 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 from lammps_jump.scene.scene import Scene
 
 from . import plugin as compiled
-from . import stock as blocks
-from .stock import number
+from . import stock
+from .walls import number
+
+Section = tuple[str, list[str]]
+"""Title and commands of a part of a script."""
 
 STOP_FILE = "stop.request"
-"""A file of this name in the run folder ends a run of more ranks in order."""
+"""File in the run folder that ends a run of several ranks in order."""
 STOP_STEPS = 100
 STATE = "checkpoint-{step}.restart"
 
 
-def script_text(
-    scene: Scene,
-    *,
-    kernel: str = "stock",
-    ranks: int = 1,
-    dump_format: str = "text",
-    header: tuple[str, ...] = (),
-    plugin: Path | None = None,
-) -> str:
-    """The LAMMPS input script of a scene.
+@dataclass(frozen=True)
+class Options:
+    """How a scene is written.
 
-    Parameters
+    Attributes
     ----------
-    scene : Scene
     kernel : {'stock', 'compiled'}
         Styles that come with LAMMPS, or this project's plugin.
     ranks : int
-        Number of MPI ranks the run will have; more than one adds the cutting along x and its balancing.
+        Number of MPI ranks of the run; more than one adds the division along x and its balancing.
     dump_format : {'text', 'gz', 'binary'}
     header : tuple of str
         Comment lines for the top: version, case hash, command.
     plugin : Path, optional
-        The plugin's shared object, needed for the compiled kernel; ``-var plugin FILE`` names another one.
+        Shared object of the plugin, needed for the compiled kernel; ``-var plugin FILE`` names another one.
     """
-    if kernel == "compiled":
-        law = [
-            ("contact law", compiled.contact_law(scene)),
-            ("neighbours", compiled.neighbours(scene)),
-            ("motion, gravity and walls", compiled.motion_and_walls(scene)),
-        ]
-        probes, schedule = compiled.probes(scene), compiled.schedule(scene)
-    else:
-        law = [
-            ("contact law: stiffness, gamma_n = c/m_eff, gamma_t, friction", blocks.contact_law(scene)),
-            ("neighbours", blocks.neighbours(scene)),
-            ("motion", blocks.motion(scene)),
-            ("walls", blocks.walls(scene)),
-        ]
-        probes, schedule = blocks.probes(scene), blocks.schedule(scene)
-    start_time = -scene.settle_steps * scene.time_step
+
+    kernel: str = "stock"
+    ranks: int = 1
+    dump_format: str = "text"
+    header: tuple[str, ...] = ()
+    plugin: Path | None = None
+
+    @property
+    def style(self) -> ModuleType:
+        """The module that writes what differs between the kernels."""
+        return compiled if self.kernel == "compiled" else stock
+
+
+def script_text(scene: Scene, **options) -> str:
+    """The LAMMPS input script of a scene; keywords as of `Options`."""
+    how = Options(**options)
+    begin = -scene.settle_steps * scene.time_step
     sections = [
-        ("settings", (compiled.load(plugin) if kernel == "compiled" else []) + blocks.settings(scene, ranks)),
-        ("box and discs", blocks.box_and_discs(scene)),
-        (
-            "simulated time before the gate opens",
-            [f"reset_timestep  0 time {number(start_time)}"] if start_time else [],
-        ),
-        *law,
-        ("outlets", blocks.outlets(scene)),
-        ("pour", blocks.pours(scene)),
-        ("balance of the ranks", balance(scene, ranks)),
-        ("force on structures", probes),
-        ("guards", compiled.guards(scene) if kernel == "compiled" else blocks.guards(scene)),
-        ("end on request", polite_end(scene, ranks)),
-        ("output", blocks.output(scene, dump_format)),
-        ("log", blocks.thermo(scene)),
-        ("run", schedule),
-        ("state, where the end was asked for", save_at_end(scene, kernel, ranks, first_step(scene))),
+        ("settings", how.style.settings(scene, how.ranks, how.plugin)),
+        ("box and discs", stock.box_and_discs(scene)),
+        ("simulated time before the gate opens", [f"reset_timestep  0 time {number(begin)}"] if begin else []),
+        *how.style.law(scene),
+        ("outlets", stock.outlets(scene)),
+        ("pour", stock.pours(scene)),
+        *control(scene, how),
+        ("output", stock.output(scene, how.dump_format)),
+        ("log", stock.thermo(scene)),
+        ("run", stock.schedule(scene, how.style.gates(scene))),
+        ("state, where the end was asked for", save_at_end(scene, how.kernel, how.ranks, first_step(scene))),
     ]
-    lines = [f"# {line}" for line in (f"{scene.name}: {scene.description}".rstrip(": "), *header)]
-    for title, commands in sections:
+    return joined(f"{scene.name}: {scene.description}".rstrip(": "), how, sections)
+
+
+def control(scene: Scene, how: Options) -> list[Section]:
+    """Sections that balance, record, guard and stop a run."""
+    return [
+        ("balance of the ranks", balance(scene, how.ranks)),
+        ("force on structures", how.style.probes(scene)),
+        ("guards", how.style.guards(scene)),
+        ("end on request", stop_on_request(scene, how.ranks)),
+    ]
+
+
+def joined(title: str, how: Options, sections: list[Section]) -> str:
+    """The text of a script; sections without commands are left out."""
+    lines = [f"# {line}" for line in (title, *how.header)]
+    for name, commands in sections:
         if commands:
-            lines += ["", f"# --- {title}", *commands]
+            lines += ["", f"# --- {name}", *commands]
     return "\n".join(lines) + "\n"
 
 
 def balance(scene: Scene, ranks: int) -> list[str]:
-    """Even shares of discs along x, moved as the flow fills the channel."""
+    """Equal shares of discs for the ranks, along x; adapted as the flow fills the channel."""
     if ranks == 1:
         return []
     return [f"fix             balance all balance {max(1, scene.output_steps)} 1.01 shift x 10 1.005"]
 
 
 def first_step(scene: Scene) -> int:
-    """Checkpoints are of later steps only: up to here a script with a second ``run`` command is in its first."""
+    """Last step without checkpoints: a script with two ``run`` commands is in its first one up to here."""
     return scene.settle_steps if scene.inlets else 0
 
 
-def polite_end(scene: Scene, ranks: int) -> list[str]:
-    """Ranks of their own have no caller who could end them in order: they end where there is a file that asks for it.
-
-    The first rank's answer counts for all.
-    """
+def stop_on_request(scene: Scene, ranks: int) -> list[str]:
+    """End a run of several ranks in order if there is a file `STOP_FILE`; the first rank looks for all."""
     if ranks == 1:
         return []
     return [
@@ -108,14 +112,14 @@ def polite_end(scene: Scene, ranks: int) -> list[str]:
 
 
 def _stop_steps(scene: Scene, ranks: int) -> int:
-    """How often ranks can be stopped: at the ends of windows of the probes, whose sums no restart file keeps."""
+    """Steps between possible stops of ranks: ends of probe windows, because no restart file keeps a window's sums."""
     if ranks == 1:
         return 1
     return scene.probe_steps if scene.probes else min(scene.output_steps, STOP_STEPS)
 
 
 def stop_at_step(script: str, scene: Scene, ranks: int, step: int) -> str:
-    """The text of a script that ends at a step as it does on request; ranks go on to the end of the window."""
+    """The script with an end at a step, as on request; several ranks go on to the end of the window."""
     every = _stop_steps(scene, ranks)
     step = -(-step // every) * every
     head, run, rest = script.partition("\nrun ")
@@ -127,10 +131,10 @@ def stop_at_step(script: str, scene: Scene, ranks: int, step: int) -> str:
 
 
 def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
-    """The restart file of ranks that ended on request behind step `first`, and a last line of the log."""
+    """Write the restart file of several ranks that ended on request behind step `first`, and a last log line."""
     if ranks == 1:
         return []
-    commands = ["timer timeout off", "run 0 pre no post no", *blocks.half_step_back(scene, kernel)]
+    commands = ["timer timeout off", "run 0 pre no post no", *stock.half_step_back(scene, kernel)]
     commands.append(f"write_restart {STATE.format(step='$(step)')}")
     words = " &\n                ".join(f'"{" ".join(command.split())}"' for command in commands)
     return [f'if "$(step) > {first} && $(step) < {scene.steps}" then &\n                {words}']
@@ -170,23 +174,16 @@ def molecule_text(scene: Scene) -> str:
     )
 
 
-def write_script(
-    scene: Scene,
-    folder: Path,
-    *,
-    kernel: str = "stock",
-    ranks: int = 1,
-    dump_format: str = "text",
-    header: tuple[str, ...] = (),
-    plugin: Path | None = None,
-) -> Path:
-    """Write the script and its side files into `folder`; returns the path of ``in.lammps``."""
+def write_script(scene: Scene, folder: Path, **options) -> Path:
+    """Write the script and its side files into `folder`; returns the path of ``in.lammps``.
+
+    Keywords are those of `Options`.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     if len(scene.positions):
-        (folder / blocks.DATA_FILE).write_text(data_text(scene))
+        (folder / stock.DATA_FILE).write_text(data_text(scene))
     if scene.inlets or scene.pours:
-        (folder / blocks.MOLECULE_FILE).write_text(molecule_text(scene))
+        (folder / stock.MOLECULE_FILE).write_text(molecule_text(scene))
     path = folder / "in.lammps"
-    text = script_text(scene, kernel=kernel, ranks=ranks, dump_format=dump_format, header=header, plugin=plugin)
-    path.write_text(text)
+    path.write_text(script_text(scene, **options))
     return path

@@ -191,7 +191,7 @@ class Record:
 def gaps(scene: Scene, x: np.ndarray) -> np.ndarray:
     """Distance of surfaces at positions x (s, n, 2): of the first wall and disc 1, or of the two discs."""
     if scene.walls:
-        return scene.walls[0].signed_distance(*x[:, 0].T) - scene.radius
+        return scene.walls[0].distance(*x[:, 0].T) - scene.radius
     return np.hypot(*(x[:, 1] - x[:, 0]).T) - scene.diameter
 
 

@@ -194,7 +194,7 @@ run: {duration: 0.1, output_interval: 0.1}
 def test_gate_with_discs_beyond_it_is_felt_from_both_sides():
     (gate,) = build_scene(parse_case(WET_BED.replace("FAR", "1.05"), "wet.yaml")).gates
     assert isinstance(gate.wall, Block) and gate.wall.x == (1.0, 1.0)
-    assert gate.wall.signed_distance([0.95, 1.05], [0.5, 0.5]) == pytest.approx([0.05, 0.05])
+    assert gate.wall.distance([0.95, 1.05], [0.5, 0.5]) == pytest.approx([0.05, 0.05])
 
 
 def test_disc_in_a_gate_is_refused():

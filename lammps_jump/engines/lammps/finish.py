@@ -11,9 +11,9 @@ from lammps_jump.engines.setting import Job
 from lammps_jump.files import FORCES_HEADER
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import STOP_FILE
-from lammps_jump.script.stock import raw_forces
+from lammps_jump.script.probes import raw_forces
 
-from .diagnose import explain
+from .. import lammps  # explains failures; loads on first use
 from .loader import wheel_version
 from .log import LogSummary, read_log
 from .save import LOG, join_parts, keep_checkpoint
@@ -123,7 +123,7 @@ def _result(job: Job, outcome: Outcome, log: LogSummary) -> RunResult:
     if outcome.interrupted:
         status = "interrupted"
     elif outcome.error:
-        status, message = "failed", explain(outcome.error, scene, job.folder, outcome.state)
+        status, message = "failed", lammps.explain(outcome.error, scene, job.folder, outcome.state)
         if match := re.search(r"Lost atoms: original (\d+) current (\d+)", outcome.error):
             present = int(match[2])
             lost = int(match[1]) - present

@@ -132,7 +132,7 @@ class Traffic:
     def _in_wall(self, step: int, x: float, y: float) -> bool:
         gates = (gate.wall for gate in self.scene.gates if step < gate.release_step)
         radius = self.scene.radius
-        return any(float(wall.signed_distance(x, y)) < radius for wall in (*self.scene.walls, *gates))
+        return any(float(wall.distance(x, y)) < radius for wall in (*self.scene.walls, *gates))
 
     def _new_id(self) -> int:
         self.last_id += 1

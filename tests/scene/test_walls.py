@@ -21,7 +21,7 @@ ANY_WALL = st.sampled_from(WALLS)
 
 
 def distance(wall, x, y):
-    return float(wall.signed_distance(np.array([x]), np.array([y]))[0])
+    return float(wall.distance(np.array([x]), np.array([y]))[0])
 
 
 @given(wall=ANY_WALL, a=st.tuples(COORDINATE, COORDINATE), b=st.tuples(COORDINATE, COORDINATE))
@@ -116,7 +116,7 @@ def test_opposite_sides_of_a_plane_mirror_each_other(x, y):
 @pytest.mark.parametrize("wall", WALLS, ids=lambda wall: wall.name)
 def test_shapes_and_integers_are_kept(wall):
     x, y = np.zeros((3, 4)), np.ones((3, 4), dtype=int)
-    assert wall.signed_distance(x, y).shape == (3, 4)
+    assert wall.distance(x, y).shape == (3, 4)
     assert all(part.shape == (3, 4) and part.dtype == float for face in wall.contacts(x, y) for part in face)
 
 
@@ -124,3 +124,35 @@ def test_shapes_and_integers_are_kept(wall):
 def test_walls_cannot_be_changed(wall):
     with pytest.raises(AttributeError):
         wall.name = "other"
+
+
+ENDLESS = (-np.inf, np.inf)
+
+
+@pytest.mark.parametrize(
+    ("wall", "extent", "room", "moment_point", "floors"),
+    [
+        (WALLS[0], (ENDLESS, (0.3, 0.3)), ENDLESS, (0.0, 0.3), [(ENDLESS, -np.inf, 0.3)]),
+        (WALLS[1], (ENDLESS, (0.3, 0.3)), ENDLESS, (0.0, 0.3), []),
+        (WALLS[2], ((-1.2, -1.2), ENDLESS), (-1.2, np.inf), (-1.2, 0.0), []),
+        (WALLS[3], ((-1.2, -1.2), ENDLESS), (-np.inf, -1.2), (-1.2, 0.0), []),
+        (WALLS[4], ((-1.0, 2.0), (-3.0, 0.5)), ENDLESS, (-1.0, -3.0), [((-1.0, 2.0), -3.0, 0.5)]),
+        (WALLS[6], ((-2.0, 2.5), (-1.0, 3.0)), (-2.0, 2.5), (-2.0, -1.0), [((-2.0, 2.5), -np.inf, -1.0)]),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_what_a_wall_answers(wall, extent, room, moment_point, floors):
+    assert wall.extent == extent and wall.room("x") == room
+    assert wall.finite == bool(np.isfinite(extent).all())
+    assert wall.moment_point == moment_point
+    assert list(wall.floors()) == floors
+
+
+@pytest.mark.parametrize("wall", WALLS, ids=lambda wall: wall.name)
+@pytest.mark.parametrize("view", [((-4.0, 4.0), (-4.0, 4.0)), ((6.0, 7.0), (6.0, 7.0))], ids=["around", "aside"])
+def test_outlines_hold_the_solid_and_no_disc(wall, view):
+    (polygon,) = wall.outline(*view)
+    middle = polygon.mean(axis=0)
+    outside = wall.distance(*middle)
+    assert outside > 0 if wall.hollow else outside <= 0
+    assert np.allclose(wall.distance(*polygon.T).max(), 0.0)

@@ -1,0 +1,10 @@
+from .build import handmade_scene as handmade_scene
+from .scene import Gate as Gate
+from .scene import InletRow as InletRow
+from .scene import Outlet as Outlet
+from .scene import Pour as Pour
+from .scene import Scene as Scene
+from .walls import Block as Block
+from .walls import Box as Box
+from .walls import Plane as Plane
+from .walls import Wall as Wall

@@ -1,0 +1,5 @@
+from .assemble import Options as Options
+from .assemble import script_text as script_text
+from .assemble import write_script as write_script
+from .resume import continuation_text as continuation_text
+from .resume import write_continuation as write_continuation

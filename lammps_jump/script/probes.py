@@ -1,0 +1,82 @@
+"""LAMMPS commands that record the force on probed walls: a row of ``forces.csv`` a window."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lammps_jump.files import FORCES_HEADER
+from lammps_jump.scene.scene import Scene
+
+from .walls import fix_names, number, plugin_parts, stock_wall
+
+GLOBAL_VALUES = 9
+"""Length of the vector of the plugin's fix before the values of the probes."""
+
+
+def raw_forces(name: str) -> str:
+    """File of one wall: LAMMPS buffers, so that two fixes writing to one file would mix their lines."""
+    return f"forces_{name}.raw"
+
+
+def rows(scene: Scene, name: str, force: tuple[str, str, str]) -> list[str]:
+    """Variables of a wall's force (x and y) and moment, from their formulas, and the fix that writes its rows."""
+    labels = [f"{label}_{name}" for label in ("fx", "fy", "mz")]
+    row = ",".join(["${clock}", name, *(f"${{{label}}}" for label in labels)])
+    return [
+        *(f"variable        {label} equal {formula}" for label, formula in zip(labels, force, strict=True)),
+        f'fix             write_{name} all print {scene.probe_steps} "{row}" &',
+        f'                file {raw_forces(name)} screen no title "{FORCES_HEADER}"',
+    ]
+
+
+def stock_probes(scene: Scene) -> list[str]:
+    """Force on each probed wall, averaged over a window, every step counted.
+
+    The moment needs a product for each disc, which only an atom-style variable can form. At every step that would take
+    half the time of a run (1.7x measured on quick_jump), so that it is the mean over the last tenth of each window.
+    """
+    n = scene.probe_steps
+    few = max(1, n // 10)
+    lines = ["variable        clock equal time"] if scene.probes else []
+    for name in scene.probes:
+        wall = scene.wall(name)
+        x0, y0 = (f"({number(value)})" for value in wall.moment_point)
+        parts = [f"f_{fix}" for fix in fix_names(stock_wall(wall, scene))]
+        pushes = " ".join(f"{part}[2] {part}[3]" for part in parts)
+        arms = "+".join(f"({part}[5]-{x0})*{part}[3]-({part}[6]-{y0})*{part}[2]" for part in parts)
+        columns = " ".join(f"c_push_{name}[{i + 1}]" for i in range(2 * len(parts)))
+        along = [f"f_mean_{name}[{i + 1}]" for i in range(2 * len(parts))]
+        # the columns hold the force on the disc; the wall feels the opposite
+        force = (f"-({'+'.join(along[0::2])})", f"-({'+'.join(along[1::2])})", f"-f_moment_{name}")
+        lines += [
+            f"compute         push_{name} all reduce sum {pushes}",
+            f"fix             mean_{name} all ave/time 1 {n} {n} {columns}",
+            f"variable        arm_{name} atom {arms}",
+            f"compute         turn_{name} all reduce sum v_arm_{name}",
+            f"fix             moment_{name} all ave/time 1 {few} {n} c_turn_{name}",
+            *rows(scene, name, force),
+        ]
+    return lines
+
+
+def probed_parts(scene: Scene) -> list[str]:
+    """Names of the parts of probed walls, in the order of the plugin's values."""
+    return [part.name for name in scene.probes for part in plugin_parts(scene.wall(name))]
+
+
+def plugin_probes(scene: Scene) -> list[str]:
+    """Force on each probed wall: the fix holds the mean over each window, every step counted, moments too."""
+    lines = ["variable        clock equal time"] if scene.probes else []
+    value = GLOBAL_VALUES + 1
+    for name in scene.probes:
+        wall = scene.wall(name)
+        fx, fy, mz = [], [], []
+        for part in plugin_parts(wall):
+            x, y, moment = (f"f_motion[{value + i}]" for i in range(3))
+            value += 3
+            # the plugin takes the moment about the point of each part
+            arm_x, arm_y = np.subtract(part.moment_point, wall.moment_point)
+            shift = f"+({number(arm_x)})*{y}-({number(arm_y)})*{x}" if arm_x or arm_y else ""
+            fx, fy, mz = [*fx, x], [*fy, y], [*mz, moment + shift]
+        lines += rows(scene, name, ("+".join(fx), "+".join(fy), "+".join(mz)))
+    return lines

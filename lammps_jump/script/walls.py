@@ -1,0 +1,124 @@
+"""LAMMPS commands of walls and gates.
+
+A wall without a writer of its own here is written face by face. A face then needs a name that no other wall has.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import singledispatch
+
+import numpy as np
+
+from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.walls import Block, Box, Plane, Wall
+
+FAR = 1e4
+"""Distance that an opened gate is moved away, m."""
+
+
+def number(value: float) -> str:
+    """Shortest text that LAMMPS reads back as the same double."""
+    text = repr(float(value))
+    return text[:-2] if text.endswith(".0") else text
+
+
+def numbers(*values: float) -> str:
+    """Several numbers, between blanks."""
+    return " ".join(number(value) for value in values)
+
+
+def fix_names(lines: list[str]) -> list[str]:
+    """Names of the fixes that commands define."""
+    return [line.split()[1] for line in lines if line.startswith("fix ")]
+
+
+def wall_law(scene: Scene) -> str:
+    """Contact law of stock wall fixes."""
+    c = scene.coefficients
+    # the wall fixes divide by gamma_n: zero would give NaN forces
+    normal = number(c.gamma_normal_wall) if c.gamma_normal_wall > 0 else "1e-12"
+    rub = f"{numbers(c.gamma_tangential_wall, c.friction)} 1" if c.friction else "0 0 0"
+    return f"hooke {number(c.stiffness_wall)} NULL {normal} {rub}"
+
+
+def stock_walls(scene: Scene) -> list[str]:
+    """All permanent walls, with the styles that come with LAMMPS."""
+    return [line for wall in scene.walls for line in stock_wall(wall, scene)]
+
+
+def stock_wall(wall: Wall, scene: Scene) -> list[str]:
+    """One wall; the fixes of a probed one keep its contacts."""
+    return _stock(wall, wall_law(scene), " contacts" if wall.name in scene.probes else "")
+
+
+@singledispatch
+def _stock(wall: Wall, law: str, tail: str) -> list[str]:
+    return [line for face in wall.faces() for line in _stock(face, law, tail)]
+
+
+@_stock.register
+def _(wall: Plane, law: str, tail: str) -> list[str]:
+    ends = f"{number(wall.at)} NULL" if wall.side == "above" else f"NULL {number(wall.at)}"
+    return [f"fix             wall_{wall.name} all wall/gran {law} {wall.axis}plane {ends}{tail}"]
+
+
+@_stock.register
+def _(wall: Block, law: str, tail: str) -> list[str]:
+    # faces in z at infinity: a finite one counts as a contact of its own
+    return [
+        f"region          solid_{wall.name} block {numbers(*wall.x, *wall.y)} INF INF side out",
+        f"fix             wall_{wall.name} all wall/gran/region {law} region solid_{wall.name}{tail}",
+    ]
+
+
+@_stock.register
+def _(wall: Box, law: str, tail: str) -> list[str]:
+    return [
+        f"fix             wall_{wall.name}_{axis} all wall/gran {law} {axis}plane {numbers(*ends)}{tail}"
+        for axis, ends in (("x", wall.x), ("y", wall.y))
+    ]
+
+
+def stock_gates(scene: Scene) -> list[str]:
+    """All gates, with the styles that come with LAMMPS."""
+    return [line for gate in scene.gates for line in _stock_gate(gate.wall, gate.release_step, wall_law(scene))]
+
+
+def _stock_gate(wall: Wall, step: int, law: str) -> list[str]:
+    """The face of a half-space that jumps out of the way at a step; two faces of a block, which both sides feel.
+
+    To remove the fix between two runs would be the shorter text. But a second run computes its first forces anew with
+    velocities of the full step, where a run that goes on has those of the half step: an error of 1e-5 d.
+    """
+    if wall.finite:
+        (x, _), _ = wall.extent
+        sides = Plane(wall.name, "x", x, "below"), Plane(f"{wall.name}_far_side", "x", x, "above")
+        return [line for side in sides for line in _stock_gate(side, step, law)]
+    (plane,) = wall.faces()
+    inward = f"{number(plane.sign)} 0 0" if plane.axis == "x" else f"0 {number(plane.sign)} 0"
+    point = f"{number(plane.at)} 0 0" if plane.axis == "x" else f"0 {number(plane.at)} 0"
+    away = f"move v_open_{wall.name} NULL NULL" if plane.axis == "x" else f"move NULL v_open_{wall.name} NULL"
+    return [
+        f"variable        open_{wall.name} equal {number(-plane.sign * FAR)}*(step>={step})",
+        f"region          shut_{wall.name} plane {point} {inward} {away}",
+        f"fix             wall_{wall.name} all wall/gran/region {law} region shut_{wall.name}",
+    ]
+
+
+def plugin_parts(wall: Wall) -> tuple[Wall, ...]:
+    """The walls that stand for a wall in the plugin, which knows planes, blocks and boxes."""
+    return (wall,) if isinstance(wall, Plane | Block | Box) else wall.faces()
+
+
+def plugin_walls(scene: Scene) -> list[str]:
+    """Words of the plugin's fix for every wall and gate."""
+    gates = [(gate.wall, f" until {gate.release_step}") for gate in scene.gates]
+    walls = [(wall, "") for wall in scene.walls]
+    return [_plugin(part) + end for wall, end in walls + gates for part in plugin_parts(wall)]
+
+
+def _plugin(wall: Wall) -> str:
+    kind, name, *rest = (getattr(wall, item.name) for item in fields(wall))
+    words = (value if isinstance(value, str) else numbers(*np.atleast_1d(value)) for value in rest)
+    return " ".join(["wall", kind, name, *words])

@@ -1,0 +1,114 @@
+"""The wall of docs/extending.md, which the program does not know: case file, engines, kernels, bed and picture."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import pytest
+import yaml
+from made_up import plugin_or_skip
+from pydantic import Field, TypeAdapter, ValidationError
+
+from lammps_jump.analysis.draw.painter import PAPER, SOLID, View, blank, paint_walls
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.case.fields import WallField
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.walls import Plane
+from lammps_jump.script import write_script
+
+PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text()
+NAMES = {"__name__": "a_page"}
+exec(re.search(r"```python\n(.*?class Mound.*?)```", PAGE, re.DOTALL).group(1), NAMES)
+Mound = NAMES["Mound"]
+MOUND = Mound("mound", 0.0, 0.0, 1.0, strips=12)
+FLOOR = Plane("floor", "y", 0.0, "above")
+STEPS = 600
+
+
+def shower(**more):
+    """Discs that fall on the mound and on the floor beside it."""
+    x, y = np.meshgrid(np.arange(-1.5, 1.6, 0.3), np.arange(1.25, 2.0, 0.3))
+    positions = np.column_stack([x.ravel(), y.ravel()])
+    settings = {"probes": ("mound",), "probe_steps": STEPS, "output_steps": STEPS, "steps": STEPS, "skin": 0.06}
+    return handmade_scene(
+        positions, np.tile([0.5, -4.0], (len(positions), 1)), (FLOOR, MOUND), domain=((-9, 9), (-9, 9)),
+        friction=0.2, rotation=True, **(settings | more),
+    )  # fmt: skip
+
+
+def test_a_case_file_may_name_it():
+    kinds = TypeAdapter(Annotated[WallField | Mound, Field(discriminator="kind")])
+    data = yaml.safe_load("{kind: mound, name: mound, x: 0, y: 0, radius: 100 cm, strips: 12}")
+    assert kinds.validate_python(data) == MOUND
+    assert kinds.dump_python(MOUND) == data | {"radius": 1.0}
+    schema = kinds.json_schema()["$defs"]["Mound"]
+    assert list(schema["properties"]) == ["kind", "name", "x", "y", "radius", "strips"]
+    assert schema["required"] == ["kind", "name", "x", "y", "radius"]
+    for wrong in ({"radius": -1}, {"colour": "red"}, {"name": "not a name"}):
+        with pytest.raises(ValidationError):
+            kinds.validate_python(data | wrong)
+
+
+def test_the_force_that_the_native_engine_records_changes_the_momentum():
+    scene = shower(gravity=(0.0, 0.0))
+    simulation = NativeSimulation(replace(scene, walls=(MOUND,)))
+    simulation.run(STEPS)
+    assert (np.hypot(*simulation.positions.T) > 1.0).all()
+    ((_, name, fx, fy, _),) = simulation.forces
+    change = scene.mass * (simulation.velocities - scene.velocities).sum(axis=0)
+    assert name == "mound" and change[1] > 0
+    assert np.array([fx, fy]) * STEPS * scene.time_step == pytest.approx(-change, rel=1e-9)
+
+
+@pytest.mark.lammps
+@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+def test_both_kernels_agree_with_the_native_engine(kernel, tmp_path, monkeypatch):
+    from lammps_jump.engines.lammps.loader import load_lammps
+
+    scene = shower()
+    simulation = NativeSimulation(scene)
+    simulation.run(STEPS)
+    monkeypatch.chdir(tmp_path)
+    plugin = plugin_or_skip() if kernel == "compiled" else None
+    text = write_script(scene, tmp_path, kernel=kernel, plugin=plugin).read_text()
+    lammps = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none"])
+    try:
+        lammps.commands_string(text)
+        order = np.argsort(lammps.numpy.extract_atom("id")[: len(scene.positions)])
+        positions = lammps.numpy.extract_atom("x")[order, :2]
+        force = [lammps.extract_variable(f"{label}_mound") for label in ("fx", "fy", "mz")]
+    finally:
+        lammps.close()
+    assert np.abs(positions - simulation.positions).max() < 1e-9 * scene.diameter
+    (_, _, *expected) = simulation.forces[0]
+    assert force[:2] == pytest.approx(expected[:2], rel=1e-6)
+    if kernel == "compiled":  # the stock script takes the moment over the last tenth of a window
+        assert force[2] == pytest.approx(expected[2], rel=1e-6)
+
+
+def test_the_bed_follows_its_strips():
+    x = np.linspace(-1.4, 1.4, 57) + 0.003
+    bed = from_scene(shower()).bed_height(x)
+    exact = np.sqrt(np.maximum(1.0 - x**2, 0.0))
+    assert (bed[np.abs(x) > 1] == 0).all()
+    width = 2.0 / 12
+    inner = np.abs(x) < 1 - width
+    steepest = (1 - width) / np.sqrt(1 - (1 - width) ** 2)
+    assert np.abs(bed - exact)[inner].max() < steepest * width / 2
+
+
+def test_it_is_painted_solid():
+    view = View((-2.0, 2.0), (-0.5, 1.5), 400, 200)
+    picture = blank(view)
+    paint_walls(picture, view, (MOUND,))
+    colour = {place: picture[int(view.row(place[1])), int(view.column(place[0]))] for place in ((0, 0.5), (1.5, 0.5))}
+    assert (colour[0, 0.5] == SOLID).all() and (colour[1.5, 0.5] == PAPER).all()
+
+
+def test_it_sets_the_moment_point_and_extent():
+    assert MOUND.extent[0] == pytest.approx((-1.0, 1.0)) and MOUND.extent[1][0] == 0.0
+    assert MOUND.moment_point == pytest.approx((-1.0, 0.0))
+    assert MOUND.finite and MOUND.room("x") == (-np.inf, np.inf)
