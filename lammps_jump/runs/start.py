@@ -257,8 +257,8 @@ def _steady_watch(prepared: Prepared):
 
 def _load_analysis() -> None:
     """Import what the analysis needs, 0.7 s."""
-    importlib.import_module("lammps_jump.analysis.analyze")
-    importlib.import_module("matplotlib.backends.backend_agg")
+    for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
+        importlib.import_module(name)
 
 
 def _run_engine(
