@@ -11,6 +11,8 @@ import pytest
 from lammps_jump.analysis.flow import FlowContext
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.engines.choice import choose
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native.engine import take_frame
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
@@ -61,3 +63,12 @@ def choose_to_stop_at(step: int):
         return replace(setting, stop_at=step), notes
 
     return stopping
+
+
+def native_frames(scene):
+    """Frames of a run of the native engine, held in memory."""
+    simulation = NativeSimulation(scene, ledger=False)
+    yield take_frame(simulation)
+    while simulation.step < scene.steps:
+        simulation.run(scene.output_steps)
+        yield take_frame(simulation)

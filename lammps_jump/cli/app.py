@@ -11,6 +11,7 @@ import typer
 
 from lammps_jump.engines import plugin
 from lammps_jump.errors import CaseError, JumpError, SetupError
+from lammps_jump.studies.table import show
 
 from .early import start_engine_early
 from .streams import patient_output
@@ -348,15 +349,14 @@ def bench(
     quiet: QuietStudy = False,
 ) -> None:
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
-    from lammps_jump.studies.bench.command import run_bench
+    from lammps_jump.studies import bench, runs
 
-    print(
-        run_bench(
-            case, out=out, quick=quick, axes=axes, members=members, cells=cells, skips=skips, speed=speed,
-            table=table, diameters=diameters, fractions=fractions, kernels=kernels, assignments=set_ or [], fresh=fresh,
-            say=_say(quiet),
-        )
-    )  # fmt: skip
+    part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
+    varied = bench.read_axes(axes, fractions, kernels, diameters)
+    options = {"axes": varied, "members": members, "quick": quick, "fresh": fresh, "say": _say(quiet)}
+    if table and part is None:
+        return show(bench.stored_table(case, out))
+    show(bench.run_bench(runs.StudyCase(case, tuple(set_ or ())), out=out, part=part, **options))
 
 
 @app.command()
@@ -375,8 +375,8 @@ def stress(
     from lammps_jump.studies.stress.study import stress as study
 
     found = study(out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=_say(quiet))
-    if found["bad"]:
-        print("\n".join(["ended badly:", *found["bad"]]))
+    if found:
+        print("\n".join(["ended badly:", *found]))
         raise typer.Exit(1)
     print(f"every scene ended properly; see {out or 'runs/stress'}/stress.md")
 
@@ -394,7 +394,7 @@ def sensitivity(
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
     from lammps_jump.studies.sensitivity import run_sensitivity
 
-    print(run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=_say(quiet)))
+    show(run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=_say(quiet)))
 
 
 @app.command()
@@ -409,7 +409,7 @@ def calibrate(
     """Contact coefficients that make discs behave most like water; the distances are printed."""
     from lammps_jump.studies.calibration import run_calibration
 
-    print(run_calibration(out, quick=quick, fresh=fresh, say=_say(quiet)))
+    show(run_calibration(out, quick=quick, fresh=fresh, say=_say(quiet)))
 
 
 def main() -> None:

@@ -1,8 +1,8 @@
-"""``run.accuracy``: a case loaded with the cheapest setting that is shown to meet what it asks.
+"""``run.accuracy``: the cheapest setting that the stored calibration shows to meet an accuracy.
 
-The stored calibration (``calibration.json``) is made by `lammps_jump.studies.calibration_store`. A setting is *shown*
-to meet an accuracy where both its error and the floor of that error (the scatter of the ensembles, see
-`lammps_jump.studies.bench.errors`) are within it: a small error under a high floor proves nothing.
+``calibration.json`` is made from finished benchmarks by ``python -m lammps_jump.studies.calibration_store``. A setting
+is *shown* to meet an accuracy where its error and the floor of that error (the scatter of the ensembles, see
+`lammps_jump.studies.bench.errors`) are both within it. A small error under a high floor proves nothing.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
-from lammps_jump.case import LoadedCase, load_case
+from lammps_jump.case import Case, LoadedCase, load_case
 from lammps_jump.case.to_scene import contact_coefficients
-from lammps_jump.engines import plugin
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import slip_warnings
+
+from .plugin.build import availability
 
 STORE = Path(__file__).with_name("calibration.json")
 KINDS = {
@@ -27,31 +27,57 @@ KINDS = {
     "column": ("collapsing column", "front position"),
     "jet": ("jet and jump", "sequent depth"),
 }
-"""Kind of scene: what it is called, and the quantity that its accuracy speaks of."""
+"""Kind of scene: its name in messages, and the quantity of its accuracy."""
 
 
 @dataclass(frozen=True)
-class Choice:
-    """A setting chosen by accuracy.
+class Calibrated:
+    """A setting of the stored calibration.
 
     Attributes
     ----------
-    assignments : tuple of str
+    label, kernel : str
+    fraction : float
+        Time step over 2/omega.
+    assignments : list of str
         ``--set`` texts that make a case use it.
-    reason : str
-        Which setting and why, in one paragraph.
+    seconds : float
+        Processor time, s.
     error, floor : float
-        Of the stored calibration, as shares.
+        Shares of the quantity.
     """
 
-    assignments: tuple[str, ...]
-    reason: str
+    label: str
+    kernel: str
+    fraction: float
+    assignments: list[str]
+    seconds: float
     error: float
     floor: float
 
+    @property
+    def shown(self) -> float:
+        """Accuracy that this setting is shown to meet, a share."""
+        return max(self.error, self.floor)
 
-def scene_kind(case: Any) -> str | None:
-    """'box', 'column' or 'jet': which calibration speaks for a case; None where none does."""
+
+def load_with_accuracy(path: str | Path, assignments: list[str]) -> tuple[LoadedCase, tuple[str, ...]]:
+    """Load a case, with the cheapest setting that meets the accuracy it asks for; returns the reason beside it.
+
+    Raises
+    ------
+    CaseError
+    """
+    loaded = load_case(path, assignments)
+    if loaded.case.run.accuracy is None:
+        return loaded, ()
+    usable = ["stock", "native", *(["compiled"] if availability().available else [])]
+    setting, reason = choose_setting(loaded.case, loaded.case.run.accuracy, usable=usable)
+    return load_case(path, [*assignments, *setting.assignments]), (reason,)
+
+
+def scene_kind(case: Case) -> str | None:
+    """Return 'box', 'column' or 'jet', the calibration that is valid for a case; None where there is none."""
     if case.gravity == 0 and case.contact.restitution > 0.99 and case.inflow is None:
         return "box"
     if case.inflow is not None and case.inflow.kind == "rows":
@@ -62,8 +88,8 @@ def scene_kind(case: Any) -> str | None:
 
 
 @lru_cache(maxsize=4)
-def read_store(path: Path = STORE) -> dict[str, Any]:
-    """The stored calibration.
+def read_store(path: Path = STORE) -> dict[str, dict]:
+    """Return the stored calibration by kind of scene.
 
     Raises
     ------
@@ -71,7 +97,7 @@ def read_store(path: Path = STORE) -> dict[str, Any]:
         Where the file is missing or cannot be read.
     """
     try:
-        return json.loads(path.read_text())
+        return json.loads(path.read_text())["kinds"]
     except (OSError, ValueError) as error:
         raise CaseError(
             f"run.accuracy: the stored calibration {path.name} cannot be read ({error}); set run.time_step_fraction"
@@ -79,13 +105,9 @@ def read_store(path: Path = STORE) -> dict[str, Any]:
 
 
 def choose_setting(
-    case: Any,
-    accuracy: float,
-    *,
-    usable: Iterable[str] = ("stock", "compiled", "native"),
-    path: Path = STORE,
-) -> Choice:
-    """The cheapest stored setting that is shown to meet an accuracy.
+    case: Case, accuracy: float, *, usable: Iterable[str] = ("stock", "compiled", "native"), path: Path = STORE
+) -> tuple[Calibrated, str]:
+    """Return the cheapest stored setting that is shown to meet an accuracy, and why, in one paragraph.
 
     Parameters
     ----------
@@ -97,90 +119,62 @@ def choose_setting(
     path : Path
         The calibration file.
 
-    Returns
-    -------
-    Choice
-
     Raises
     ------
     CaseError
-        No calibration speaks for such a scene, or none of its settings is shown to be that accurate.
+        No calibration is valid for such a scene, or none of its settings is shown to be that accurate.
     """
-    kind = scene_kind(case)
-    calibrated = read_store(path)["kinds"]
-    if kind is None or kind not in calibrated:
-        known = ", ".join(f"{KINDS[name][0]} ({entry['case']})" for name, entry in calibrated.items())
+    kind, kinds = scene_kind(case), read_store(path)
+    if kind not in kinds:
+        known = ", ".join(f"{KINDS[name][0]} ({entry['case']})" for name, entry in kinds.items())
         raise CaseError(
             f"run.accuracy: no calibration speaks for a scene like '{case.name}'; there is one for: {known}. "
             "Set run.time_step_fraction instead (0.05 is the thesis' value)"
         )
-    entry, (words, quantity) = calibrated[kind], KINDS[kind]
-    rows = [row for row in entry["rows"] if _fits(row, case, set(usable))]
-    good = [row for row in rows if row["error"] <= accuracy and row["floor"] <= accuracy]
+    every = [Calibrated(**row) for row in kinds[kind]["rows"]]
+    rows = [row for row in every if fits(row, case, set(usable))]
+    good = [row for row in rows if row.shown <= accuracy]
     if not good:
-        best = min(rows, key=lambda row: max(row["error"], row["floor"]), default=None)
-        shown = (
-            f"the best shown is {100 * max(best['error'], best['floor']):.2g} % ({best['label']})"
-            if best
-            else "none fits"
-        )
+        best = min(rows, key=lambda row: row.shown, default=None)
+        shown = f"the best shown is {100 * best.shown:.2g} % ({best.label})" if best else "none fits"
         raise CaseError(
-            f"run.accuracy: {100 * accuracy:g} % in {quantity} is shown by no stored setting that fits here; {shown}. "
-            "Ask for that, or set run.time_step_fraction"
+            f"run.accuracy: {100 * accuracy:g} % in {KINDS[kind][1]} is shown by no stored setting that fits here; "
+            f"{shown}. Ask for that, or set run.time_step_fraction"
         )
-    row = min(good, key=lambda item: item["seconds"])
-    return Choice(
-        tuple(row["assignments"]),
-        _reason(row, rows, entry, case, accuracy, quantity, words),
-        row["error"],
-        row["floor"],
-    )
+    chosen = min(good, key=lambda row: row.seconds)
+    base = next((row for row in rows if row.label == "stock f=0.05"), None)
+    return chosen, _reason(chosen, base, kinds[kind], case, accuracy)
 
 
-def _fits(row: dict[str, Any], case: Any, usable: set[str]) -> bool:
-    """Whether a stored setting can be used for a case here: engine, kernel, law, stability of contacts and of slip.
+def fits(row: Calibrated, case: Case, usable: set[str]) -> bool:
+    """Return whether a stored setting can be used for a case here: engine, kernel, law, stable contacts and slip.
 
-    The calibration is without friction: a step at which friction turns the slip round every time is not shown by it.
+    The calibration is without friction, so it shows nothing about a step at which friction reverses the slip.
     """
-    kernel = row["kernel"]
-    if kernel not in usable or (case.engine.name == "native") != (kernel == "native"):
+    engine, law = case.engine, case.contact
+    if row.kernel not in usable or (engine.name == "native") != (row.kernel == "native"):
         return False
-    if case.engine.name == "lammps" and case.engine.kernel not in ("auto", kernel):
+    if engine.name == "lammps" and engine.kernel not in ("auto", row.kernel):
         return False
-    if kernel == "stock" and case.contact.friction_law == "sign" and case.contact.friction > 0:
+    if row.kernel == "stock" and law.friction_law == "sign" and law.friction > 0:
         return False
-    integrator = "leapfrog_extrapolated" if kernel == "native" else "velocity_verlet"
-    if row["fraction"] > contact.stable_fraction(contact.damping_ratio(case.contact.restitution), integrator):
+    integrator = "leapfrog_extrapolated" if row.kernel == "native" else "velocity_verlet"
+    if row.fraction > contact.stable_fraction(contact.damping_ratio(law.restitution), integrator):
         return False
-    coefficients = contact_coefficients(case, integrator, row["fraction"])
-    return not slip_warnings(coefficients, case.contact.friction_law, case.contact.rotation)
+    coefficients = contact_coefficients(case, integrator, row.fraction)
+    return not slip_warnings(coefficients, law.friction_law, law.rotation)
 
 
-def _reason(row, rows, entry, case, accuracy: float, quantity: str, words: str) -> str:
-    """One paragraph: which, how sure, how much quicker than the thesis' step, and what differs from the calibration."""
-    base = next((other for other in rows if other["label"] == "stock f=0.05"), None)
-    quicker = f", {base['seconds'] / row['seconds']:.1f} times quicker than stock LAMMPS at f = 0.05" if base else ""
+def _reason(row: Calibrated, base: Calibrated | None, entry: dict, case: Case, accuracy: float) -> str:
+    """Return which setting, how sure, how much quicker than the thesis' step, and what the calibration lacks."""
+    words, quantity = KINDS[scene_kind(case)]
+    quicker = f", {base.seconds / row.seconds:.1f} times quicker than stock LAMMPS at f = 0.05" if base else ""
     text = (
-        f"{row['label']}: the cheapest shown to be within {100 * accuracy:g} % in {quantity} of a {words} "
-        f"(measured on {entry['case']}: {100 * row['error']:.2g} %, scatter {100 * row['floor']:.2g} %{quicker})"
+        f"{row.label}: the cheapest shown to be within {100 * accuracy:g} % in {quantity} of a {words} "
+        f"(measured on {entry['case']}: {100 * row.error:.2g} %, scatter {100 * row.floor:.2g} %{quicker})"
     )
     if case.contact.friction and not entry["friction"]:
         text += "; the calibration is without friction, this case has some"
     if abs(case.contact.restitution - entry["restitution"]) > 0.05:
         text += f"; the calibration is for e = {entry['restitution']:g}, this case has {case.contact.restitution:g}"
     return text
-
-
-def load_with_accuracy(path: str | Path, assignments: list[str]) -> tuple[LoadedCase, tuple[str, ...]]:
-    """Load a case; where it asks for an accuracy, with the cheapest setting that is shown to meet it, and why.
-
-    Raises
-    ------
-    CaseError
-    """
-    loaded = load_case(path, assignments)
-    if loaded.case.run.accuracy is None:
-        return loaded, ()
-    usable = ["stock", "native", *(["compiled"] if plugin.availability().available else [])]
-    choice = choose_setting(loaded.case, loaded.case.run.accuracy, usable=usable)
-    return load_case(path, [*assignments, *choice.assignments]), (choice.reason,)

@@ -31,6 +31,7 @@ def handmade_scene(
     density: float = 1000.0,
     penetration_fraction: float = 10.0,
     impact_speed: float = 16.0,
+    stiffness_wall: float | None = None,
     domain: tuple[Interval, Interval] = ((-100.0, 100.0), (-100.0, 100.0)),
     **others,
 ) -> Scene:
@@ -45,6 +46,8 @@ def handmade_scene(
         m, kg/m^3.
     penetration_fraction, impact_speed : float
         n and v0 (m/s) of thesis (3.20), for the stiffness of discs and walls.
+    stiffness_wall : float, optional
+        N/m; the stiffness of disc pairs unless given.
     domain : ((float, float), (float, float))
         m.
     others
@@ -54,7 +57,12 @@ def handmade_scene(
     k = stiffness(density, penetration_fraction, impact_speed)
     law = {name: others.get(name, value) for name, value in CONTACT.items()}
     coefficients = derive(
-        density=density, diameter=diameter, stiffness=k, stiffness_wall=k, impact_speed=impact_speed, **law
+        density=density,
+        diameter=diameter,
+        stiffness=k,
+        stiffness_wall=stiffness_wall or k,
+        impact_speed=impact_speed,
+        **law,
     )
     fields = {
         "name": "handmade",

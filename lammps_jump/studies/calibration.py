@@ -1,27 +1,28 @@
 """``lammps-jump calibrate``: contact coefficients that make discs behave most like water.
 
-Distance of a candidate (e, ks, n, sill height): the root mean square of three relative distances, each printed:
+The distance of a candidate (e, ks, n, sill height) is the root mean square of three relative distances, each printed:
 
 - sequent depths y2/y1 against Bélanger at the same Froude number in the front's frame,
 - length of the jump over y2 against the USBR curve,
 - front of a collapsing column (n^2 = 2) against Martin & Moyce's table (RMS for T > 0.8).
 
-The search walks along one coordinate at a time on fixed grids, from the case's own values, until a whole round changes
-nothing. A candidate without a jump counts as 100 % off in the first two. Resumable: ``calibrate.json``.
+The search varies one coordinate at a time on fixed grids, from the values of the case, until a whole round changes
+nothing. A candidate without a jump counts as 100 % off in the first two. Finished runs are kept in ``calibrate.json``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
-from typing import Any
 
-from lammps_jump.studies.bench.runs import run_setting
+from .runs import StudyCase
+from .sensitivity import QUICK_CHANGES, jump_case, stored_run
+from .store import Store
+from .table import markdown, percent
 
-from .sensitivity import QUICK_TEXTS, base_file, fast_setting
-from .timing import Store, machine, versions
-
+Candidate = Mapping[str, float]
 GRIDS: dict[str, tuple[float, ...]] = {
     "restitution": (0.05, 0.2, 0.5, 0.8, 0.95),
     "friction": (0.0, 0.01, 0.03, 0.1),
@@ -31,59 +32,70 @@ GRIDS: dict[str, tuple[float, ...]] = {
 START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.2}
 QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.2,)}
 
-COLUMN_CASE = """\
-name: martin_moyce
-description: column of aspect 2, for Martin & Moyce's table
-gravity: 9.81
-discs: {diameter: 0.1, density: 1000}
-contact: {restitution: 0.2, friction: 0, penetration_fraction: 10, impact_speed: 8.86}
-domain: {x: [-1, 40], y: [-1, 12]}
-walls:
-  - {name: back, kind: plane, axis: x, at: 0, side: above}
-  - {name: floor, kind: plane, axis: y, at: 0, side: above}
-initial:
-  - {kind: column, x: [0, 2], y: [0, 4], hydrostatic: true, jitter: 0.001, gate: true}
-outflow: [{x_beyond: 35}]
-run: {duration: 1.25, time_step_fraction: 0.1, output_interval: 0.02, seed: 1}
-analysis: {bin_width: 0.5, front: true}
-"""
+COLUMN = {
+    "name": "martin_moyce",
+    "description": "column of aspect 2, for Martin & Moyce's table",
+    "gravity": 9.81,
+    "discs": {"diameter": 0.1, "density": 1000},
+    "contact": {"restitution": 0.2, "friction": 0, "penetration_fraction": 10, "impact_speed": 8.86},
+    "domain": {"x": [-1, 40], "y": [-1, 12]},
+    "walls": [
+        {"name": "back", "kind": "plane", "axis": "x", "at": 0, "side": "above"},
+        {"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"},
+    ],
+    "initial": [{"kind": "column", "x": [0, 2], "y": [0, 4], "hydrostatic": True, "jitter": 0.001, "gate": True}],
+    "outflow": [{"x_beyond": 35}],
+    "run": {"duration": 1.25, "time_step_fraction": 0.1, "output_interval": 0.02, "seed": 1},
+    "analysis": {"bin_width": 0.5, "front": True},
+}
 
 
-def texts_of(candidate: dict[str, float]) -> list[str]:
-    """``--set`` texts of a candidate for the jump; those of the contact serve the column too."""
-    return [f"contact.{name}={candidate[name]!r}" for name in ("restitution", "friction", "penetration_fraction")]
+@dataclass(frozen=True)
+class Row:
+    """A candidate that was tried.
+
+    Attributes
+    ----------
+    restitution, friction, penetration_fraction, sill : float
+        e, ks, n and height of the sill, m.
+    depth, length, front : float
+        Relative distances from Bélanger, the USBR curve, and Martin & Moyce.
+    distance : float
+        Their root mean square.
+    jumps : str
+        Starts that found a jump, "2 of 3".
+    """
+
+    restitution: float
+    friction: float
+    penetration_fraction: float
+    sill: float
+    depth: float
+    length: float
+    front: float
+    distance: float
+    jumps: str
 
 
-def distances(
-    candidate: dict[str, float], jump_case: Path, column_case: Path, store: Store, *, quick: bool, members: int
-) -> dict[str, Any]:
-    """The three distances of a candidate and their root mean square."""
-    contact = texts_of(candidate)
-    sill = f"walls.sill.y=[-5, {candidate['sill']!r}]"
-    jumps = _runs(jump_case, [*(QUICK_TEXTS if quick else []), *contact, sill], store, members)
-    columns = _runs(column_case, [*(["discs.diameter=0.2"] if quick else []), *contact], store, members)
-    found = [run["measures"]["jump"] for run in jumps if run["measures"].get("verdict") == "jump"]
-    depth = [abs(jump["sequent_ratio"] / jump["belanger_ratio"] - 1) for jump in found]
-    length = [abs(jump["length"] / jump["length_usbr"] - 1) for jump in found]
-    fronts = [(run["measures"].get("martin_moyce") or {}).get("rms_bulk") for run in columns]
-    parts = {
-        "depth": _mean([*depth, *[1.0] * (len(jumps) - len(found))]),
-        "length": _mean([*length, *[1.0] * (len(jumps) - len(found))]),
-        "front": _mean([1.0 if value is None else value for value in fronts]),
-    }
-    total = sqrt(sum(value**2 for value in parts.values()) / 3)
-    return {**candidate, **parts, "distance": total, "jumps": f"{len(found)} of {len(jumps)}"}
-
-
-def _runs(path: Path, texts: list[str], store: Store, members: int) -> list[dict[str, Any]]:
-    setting = fast_setting(texts, path)
-    return [
-        store.piece(
-            f"{path.stem} {member} {texts} {setting.label}",
-            lambda m=member: run_setting(path, texts, setting, m),
-        )
-        for member in range(members)
-    ]
+def distances(candidate: Candidate, store: Store, *, quick: bool, members: int) -> Row:
+    """Return the three distances of a candidate and their root mean square."""
+    contact = {f"contact.{name}": candidate[name] for name in ("restitution", "friction", "penetration_fraction")}
+    jump = jump_case().replace({**(QUICK_CHANGES if quick else {}), **contact, "walls.sill.y": [-5, candidate["sill"]]})
+    column = StudyCase(COLUMN).replace({**({"discs.diameter": 0.2} if quick else {}), **contact})
+    jumps, columns = (
+        [stored_run(store, case.name, case, member) for member in range(members)] for case in (jump, column)
+    )
+    found = [run.jump for run in jumps if run.jump]
+    without = [1.0] * (len(jumps) - len(found))
+    fronts = [(run.measures.get("martin_moyce") or {}).get("rms_bulk") for run in columns]
+    parts = (
+        _mean([*(abs(one["sequent_ratio"] / one["belanger_ratio"] - 1) for one in found), *without]),
+        _mean([*(abs(one["length"] / one["length_usbr"] - 1) for one in found), *without]),
+        _mean([1.0 if value is None else value for value in fronts]),
+    )
+    total = sqrt(sum(value**2 for value in parts) / 3)
+    return Row(**candidate, **dict(zip(("depth", "length", "front"), parts, strict=True)), distance=total,
+               jumps=f"{len(found)} of {len(jumps)}")  # fmt: skip
 
 
 def _mean(values: list[float]) -> float:
@@ -91,9 +103,13 @@ def _mean(values: list[float]) -> float:
 
 
 def run_calibration(
-    out: Path | None = None, *, quick: bool = False, members: int | None = None, fresh: bool = False,
+    out: Path | None = None,
+    *,
+    quick: bool = False,
+    members: int | None = None,
+    fresh: bool = False,
     say: Callable[[str], None] = print,
-) -> str:  # fmt: skip
+) -> str:
     """Search and return the table of every candidate tried, best first.
 
     Parameters
@@ -105,66 +121,56 @@ def run_calibration(
     members : int, optional
         Starts a candidate; default 3 (1 if quick).
     fresh : bool
+        Run again what is stored.
     say : callable
     """
-    folder = Path(out) if out else Path("runs") / "calibrate"
-    store = Store(folder / "calibrate.json", fresh=fresh)
-    jump_case = base_file(folder)
-    column_case = folder / "martin_moyce.yaml"
-    column_case.write_text(COLUMN_CASE)
-    tried: dict[tuple[float, ...], dict[str, Any]] = {}
+    store = Store((Path(out) if out else Path("runs") / "calibrate") / "calibrate.json", fresh=fresh)
+    tried: dict[tuple[float, ...], Row] = {}
 
-    def try_out(candidate: dict[str, float]) -> dict[str, Any]:
+    def distance(candidate: Candidate) -> float:
         key = tuple(candidate.values())
         if key not in tried:
-            count = members or (1 if quick else 3)
-            tried[key] = distances(candidate, jump_case, column_case, store, quick=quick, members=count)
+            tried[key] = distances(candidate, store, quick=quick, members=members or (1 if quick else 3))
             say("  " + describe(tried[key]))
-        return tried[key]
+        return tried[key].distance
 
-    best = search(try_out, START, QUICK_GRIDS if quick else GRIDS)
-    rows = sorted(tried.values(), key=lambda row: row["distance"])
-    store.data |= {"best": best, "rows": rows, "versions": versions(), "machine": machine()}
-    store.save()
-    table = calibration_table(rows)
-    (folder / "calibrate.md").write_text(table)
-    return table
+    best = search(distance, START, QUICK_GRIDS if quick else GRIDS)
+    rows = sorted(tried.values(), key=lambda row: row.distance)
+    store.finish(best=tried[tuple(best.values())], rows=rows)
+    return store.write_table(calibration_table(rows))
 
 
-def search(
-    try_out: Callable[[dict[str, float]], dict[str, Any]], start: dict[str, float], grids: dict[str, tuple[float, ...]]
-) -> dict[str, Any]:
-    """Best candidate by walking along one coordinate of the grids at a time until a round changes nothing."""
-    best = try_out(dict(start))
+def search(distance: Callable[[Candidate], float], start: Candidate, grids: Mapping[str, Sequence[float]]) -> Candidate:
+    """Return the candidate of least distance, found by one coordinate of the grids at a time."""
+    best = dict(start)
     while True:
-        before = best["distance"]
+        before = best
         for name, grid in grids.items():
             for value in grid:
-                row = try_out({**{key: best[key] for key in start}, name: value})
-                best = row if row["distance"] < best["distance"] else best
-        if best["distance"] >= before:
+                other = {**best, name: value}
+                best = other if distance(other) < distance(best) else best
+        if best == before:
             return best
 
 
-def describe(row: dict[str, Any]) -> str:
-    """One line on a candidate."""
+def describe(row: Row) -> str:
+    """Return one line on a candidate."""
     return (
-        f"e = {row['restitution']:g}, ks = {row['friction']:g}, n = {row['penetration_fraction']:g}, "
-        f"sill {row['sill']:g} m: distance {100 * row['distance']:.1f} % (depth {100 * row['depth']:.1f}, "
-        f"length {100 * row['length']:.1f}, front {100 * row['front']:.1f}; {row['jumps']} with a jump)"
+        f"e = {row.restitution:g}, ks = {row.friction:g}, n = {row.penetration_fraction:g}, "
+        f"sill {row.sill:g} m: distance {100 * row.distance:.1f} % (depth {100 * row.depth:.1f}, "
+        f"length {100 * row.length:.1f}, front {100 * row.front:.1f}; {row.jumps} with a jump)"
     )
 
 
-def calibration_table(rows: list[dict[str, Any]]) -> str:
-    """Markdown, best first."""
+def calibration_table(rows: list[Row]) -> str:
+    """Return the Markdown table, best first."""
     lines = [
-        "| e | ks | n | sill (m) | distance | sequent depth | length | Martin & Moyce | jumps |",
-        "|---:|---:|---:|---:|---:|---:|---:|---:|---|",
+        [
+            *(f"{value:g}" for value in (row.restitution, row.friction, row.penetration_fraction, row.sill)),
+            *(percent(share, 1) for share in (row.distance, row.depth, row.length, row.front)),
+            row.jumps,
+        ]
+        for row in rows
     ]
-    for row in rows:
-        shares = " | ".join(f"{100 * row[name]:.1f} %" for name in ("distance", "depth", "length", "front"))
-        lines.append(
-            f"| {row['restitution']:g} | {row['friction']:g} | {row['penetration_fraction']:g} | {row['sill']:g} | "
-            f"{shares} | {row['jumps']} |"
-        )
-    return "\n".join(lines) + "\n"
+    head = ["e", "ks", "n", "sill (m)", "distance", "sequent depth", "length", "Martin & Moyce", "jumps"]
+    return markdown(head, "rrrrrrrrl", lines) + "\n"

@@ -1,8 +1,8 @@
 """``lammps-jump sensitivity``: the jump against disc size, restitution, friction, stiffness, Froude number and sill.
 
-The thesis' recommendation 1. Every study changes one thing of a base case, the frictionless ``quick_jump`` (a jet of
-0.6 m at 10 m/s against a 1.2 m sill), and measures the jump in the frame of its moving front, from a few slightly moved
-starts. Resumable: finished runs are kept in ``sensitivity.json``.
+The thesis' recommendation 1. Every study changes one value of a base case, the frictionless ``quick_jump`` (a jet of
+0.6 m at 10 m/s against a 1.2 m sill). It measures the jump in the frame of its moving front, from a few slightly moved
+starts. Finished runs are kept in ``sensitivity.json``; an interrupted study continues from there.
 """
 
 from __future__ import annotations
@@ -11,19 +11,25 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from lammps_jump.analysis.draw.style import new_figure, save, style
+from lammps_jump.case.templates import scene_folder
+from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import jump as theory
-from lammps_jump.studies.bench.runs import run_setting
-from lammps_jump.studies.bench.settings import Setting, usable_kernels
 
-from .timing import Store, in_turn, machine, versions
+from .measure import Measured, run_setting
+from .runs import StudyCase
+from .settings import Setting, reference_setting, stable
+from .store import Store
+from .table import markdown, number, percent
+from .timing import in_turn
 
 DEPTH, GRAVITY = 0.6, 9.81
 BASE_FROUDE = theory.froude(10.0, DEPTH, GRAVITY)
+BLUE, GREY, RED = "#33508f", "#7d7c78", "#b03a2e"
 
 
 @dataclass(frozen=True)
@@ -34,43 +40,51 @@ class Study:
     ----------
     name, label : str
     values, quick : tuple of float
-    assign : callable
-        value -> ``--set`` texts.
+    changes : callable
+        Parameter's value to changed values of the case.
     base : float
-        The base case's value.
-    dear : float
-        From this value on a run takes so long that two starts must do.
+        Value of the base case.
+    costly : float
+        From this value on a run takes minutes, and two starts are made at most.
     """
 
     name: str
     label: str
     values: tuple[float, ...]
     quick: tuple[float, ...]
-    assign: Callable[[float], list[str]]
+    changes: Callable[[float], dict[str, object]]
     base: float
-    dear: float = float("inf")
+    costly: float = float("inf")
 
 
-def _diameter(rows: float) -> list[str]:
-    return [f"discs.diameter={DEPTH / rows!r}"]
+Row = dict[str, float | dict[str, int] | None]
+"""A value of the parameter with what was found: each of `NUMBERS`, the mean over the starts that found a jump, with its
+standard error ``<number>_error``; ``value``, ``verdicts`` (starts by verdict), ``seconds`` (median processor time),
+``deviation`` (from Bélanger) and ``usbr`` (length of that curve over y2). None where there is no number."""
+NUMBERS = ("froude", "sequent_ratio", "belanger_ratio", "density_ratio", "length_over_y2", "length_usbr", "y2", "speed")
 
 
-def _froude(number: float) -> list[str]:
-    """Another speed of the same jet; channel, time and sill grow with the jump that is to be expected."""
-    speed = number * sqrt(GRAVITY * DEPTH)
+def _froude(froude: float) -> dict[str, object]:
+    """Return another speed of the same jet; channel, time and sill grow with the jump that is to be expected."""
+    speed = froude * sqrt(GRAVITY * DEPTH)
     y2 = theory.sequent_depth(speed, DEPTH, GRAVITY)
-    reach = max(20.0, 5.0 * y2)  # jumps of discs are about y2 long, water's would not fit
+    reach = max(20.0, 5.0 * y2)  # jumps of discs are about y2 long; those of water would not fit
     sill = max(0.3, 1.2 * theory.sill_holding_height(speed, DEPTH, GRAVITY) / _HOLDING)
-    end = reach + 0.6
     # the bore travels upstream at about (discharge held back)/(y2 - y1): a third of the channel in this time
     duration = reach / speed + 0.4 * reach * (y2 - DEPTH) / (0.65 * speed * DEPTH)
-    return [
-        f"inflow.mean_speed={speed!r}", f"contact.impact_speed={speed!r}",
-        f"walls.floor.x=[-5, {reach + 0.2!r}]", f"walls.sill.x=[{reach!r}, {end!r}]", f"walls.sill.y=[-5, {sill!r}]",
-        f"domain.x=[-1, {reach + 14!r}]", "domain.y=[-8, 40]", f"outflow.0.x_beyond={reach + 9!r}",
-        f"run.duration={duration!r}", f"analysis.window=[{0.67 * duration!r}, {duration!r}]",
-        f"run.output_interval={duration / 90!r}",
-    ]  # fmt: skip
+    return {
+        "inflow.mean_speed": speed,
+        "contact.impact_speed": speed,
+        "walls.floor.x": [-5, reach + 0.2],
+        "walls.sill.x": [reach, reach + 0.6],
+        "walls.sill.y": [-5, sill],
+        "domain.x": [-1, reach + 14],
+        "domain.y": [-8, 40],
+        "outflow.0.x_beyond": reach + 9,
+        "run.duration": duration,
+        "analysis.window": [0.67 * duration, duration],
+        "run.output_interval": duration / 90,
+    }
 
 
 _HOLDING = theory.sill_holding_height(10.0, DEPTH, GRAVITY)
@@ -78,48 +92,45 @@ _HOLDING = theory.sill_holding_height(10.0, DEPTH, GRAVITY)
 STUDIES = {
     study.name: study
     for study in (
-        Study("diameter", "inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,), _diameter, 4.0, dear=20.0),
+        Study("diameter", "inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,),
+              lambda rows: {"discs.diameter": DEPTH / rows}, 4.0, costly=20.0),
         Study("restitution", "restitution coefficient", (0.05, 0.2, 0.4, 0.6, 0.8, 0.95), (0.2,),
-              lambda e: [f"contact.restitution={e!r}"], 0.2),
+              lambda e: {"contact.restitution": e}, 0.2),
         Study("friction", "friction coefficient ks", (0.0, 0.01, 0.02, 0.05, 0.1, 0.2), (0.1,),
-              lambda ks: [f"contact.friction={ks!r}"], 0.0),
+              lambda ks: {"contact.friction": ks}, 0.0),
         Study("stiffness", "penetration fraction n", (5.0, 10.0, 20.0, 40.0), (5.0,),
-              lambda n: [f"contact.penetration_fraction={n!r}"], 10.0),
+              lambda n: {"contact.penetration_fraction": n}, 10.0),
         Study("froude", "inflow Froude number", (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), (3.0,), _froude, BASE_FROUDE,
-              dear=7.0),
+              costly=7.0),
         Study("sill", "sill height over inflow depth", (1.0, 1.5, 2.0, 2.5, 3.0), (2.0,),
-              lambda s: [f"walls.sill.y=[-5, {s * DEPTH!r}]"], 2.0),
+              lambda s: {"walls.sill.y": [-5, s * DEPTH]}, 2.0),
     )
 }  # fmt: skip
-QUICK_TEXTS = ["discs.diameter=0.2", "run.duration=5", "analysis.window=[3.5, 5]", "run.output_interval=0.1"]
+QUICK_CHANGES = {"discs.diameter": 0.2, "run.duration": 5, "analysis.window": [3.5, 5], "run.output_interval": 0.1}
 
 
-def fast_setting(texts: list[str], path: Path) -> Setting:
-    """The quickest kernel at f = 0.1, or less where that is not stable for these coefficients."""
-    from lammps_jump.case import load_case
-    from lammps_jump.studies.bench.settings import stable
+def jump_case() -> StudyCase:
+    """Return the base case of the studies of the jump, ``quick_jump``."""
+    return StudyCase(scene_folder() / "quick_jump.yaml")
 
-    usable, _ = usable_kernels()
-    kernel = "compiled" if "compiled" in usable else "native"
-    restitution = load_case(path, texts).case.contact.restitution
+
+def fast_setting(case: StudyCase) -> Setting:
+    """Return the quickest kernel at f = 0.1, or less where that is not stable for the coefficients of the case."""
+    kernel = reference_setting(0.1, [name for name in usable_kernels()[0] if name != "stock"]).kernel
+    restitution = case.fields.contact.restitution
     return next(s for s in (Setting(kernel, f) for f in (0.1, 0.05, 0.02)) if stable(s, restitution))
 
 
-def base_file(folder: Path, name: str = "quick_jump") -> Path:
-    """A scene of the package as a file of the study's folder."""
-    from lammps_jump.case.templates import scene_text
-
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{name}.yaml"
-    path.write_text(scene_text(name))
-    return path
-
-
 def run_sensitivity(
-    out: Path | None = None, *, quick: bool = False, only: str | None = None, members: int | None = None,
-    fresh: bool = False, figures: bool = True, say: Callable[[str], None] = print,
-) -> str:  # fmt: skip
-    """All studies, or those named in `only`; returns their tables as markdown.
+    out: Path | None = None,
+    *,
+    quick: bool = False,
+    only: str | None = None,
+    members: int | None = None,
+    fresh: bool = False,
+    say: Callable[[str], None] = print,
+) -> str:
+    """Run all studies, or those named in `only`; returns their tables as Markdown.
 
     Parameters
     ----------
@@ -130,9 +141,9 @@ def run_sensitivity(
     only : str, optional
         Names of `STUDIES`, comma-separated.
     members : int, optional
-        Starts of every value; default 4 (1 if quick), 2 for the dearest values.
+        Starts of every value; default 4 (1 if quick), 2 for costly values.
     fresh : bool
-    figures : bool
+        Run again what is stored.
     say : callable
 
     Raises
@@ -146,50 +157,41 @@ def run_sensitivity(
             raise CaseError(f"--only: there is no study '{name}'; allowed are {', '.join(STUDIES)}")
     folder = Path(out) if out else Path("runs") / "sensitivity"
     store = Store(folder / "sensitivity.json", fresh=fresh)
-    path = base_file(folder)
-    found = store.data.setdefault("studies", {})
+    rows: dict[str, list[Row]] = {}
     for name in names:
-        study = STUDIES[name]
-        found[name] = run_study(study, path, store, quick=quick, members=members, say=say)
-        if figures:
-            from .sensitivity_figures import draw_study
-
-            draw_study(study, found[name], folder / f"sensitivity_{name}.png")
-    store.data |= {"versions": versions(), "machine": machine()}
-    store.save()
-    text = "\n".join(study_table(STUDIES[name], found[name]) for name in names)
-    (folder / "sensitivity.md").write_text(text)
-    return text
+        rows[name] = run_study(STUDIES[name], store, quick=quick, members=members or (1 if quick else 4), say=say)
+        draw_study(STUDIES[name], rows[name], folder / f"sensitivity_{name}.png")
+    store.finish(studies={**store.data.get("studies", {}), **rows})
+    return store.write_table("\n".join(study_table(STUDIES[name], rows[name]) for name in names))
 
 
-def run_study(
-    study: Study, path: Path, store: Store, *, quick: bool, members: int | None, say: Callable[[str], None]
-) -> list[dict[str, Any]]:
-    """Rows (one a value) of means and standard errors over the starts."""
-    values = study.quick if quick else study.values
-    count = members or (1 if quick else 4)
-    runs: dict[float, list[dict[str, Any]]] = {value: [] for value in values}
-    for member, value in in_turn(values, count):
-        if value >= study.dear and member >= 2:
+def run_study(study: Study, store: Store, *, quick: bool, members: int, say: Callable[[str], None]) -> list[Row]:
+    """Return a row for each value of the parameter."""
+    base = jump_case().replace(QUICK_CHANGES if quick else {})
+    runs: dict[float, list[Measured]] = {value: [] for value in (study.quick if quick else study.values)}
+    for member, value in in_turn(list(runs), members):
+        if value >= study.costly and member >= 2:
             continue  # minutes each; large numbers of discs scatter less
-        texts = [*(QUICK_TEXTS if quick else []), *study.assign(value)]
-        setting = fast_setting(texts, path)
-        key = f"{study.name} {value} {member} {texts} {setting.label}"
-        run = store.piece(key, lambda t=texts, s=setting, m=member: run_setting(path, t, s, m))
+        case = base.replace(study.changes(value))
+        run = stored_run(store, f"{study.name} {value}", case, member)
         runs[value].append(run)
-        say(f"  {study.label} = {value:g}, start {member + 1}: {run['measures'].get('verdict') or run['message']}")
-    return [{"value": value, **summarise_runs(runs[value])} for value in values]
+        say(f"  {study.label} = {value:g}, start {member + 1}: {run.verdict or run.message}")
+    return [summarise_runs(value, group) for value, group in runs.items()]
 
 
-NUMBERS = ("froude", "sequent_ratio", "belanger_ratio", "density_ratio", "length_over_y2", "length_usbr", "y2", "speed")
+def stored_run(store: Store, name: str, case: StudyCase, member: int) -> Measured:
+    """Return the run of a case from start `member` with its `fast_setting`, made where it is not stored."""
+    setting = fast_setting(case)
+    key = f"{name} {member} {list(case.sets)} {setting.label}"
+    return store.piece(key, lambda: run_setting(case, setting, member), Measured)
 
 
-def summarise_runs(runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Mean and standard error of the mean of each number, over the runs that found a jump; verdicts counted."""
-    verdicts = [run["measures"].get("verdict") or run["status"] for run in runs]
-    jumps = [run["measures"]["jump"] for run in runs if run["measures"].get("verdict") == "jump"]
-    row: dict[str, Any] = {"verdicts": {word: verdicts.count(word) for word in dict.fromkeys(verdicts)}}
-    row["seconds"] = float(np.median([run.get("cpu_seconds") or 0.0 for run in runs])) if runs else None
+def summarise_runs(value: float, runs: list[Measured]) -> Row:
+    """Return the row of one value of the parameter."""
+    verdicts = [run.verdict or run.status for run in runs]
+    jumps = [run.jump for run in runs if run.jump]
+    row: Row = {"value": value, "verdicts": {word: verdicts.count(word) for word in dict.fromkeys(verdicts)}}
+    row["seconds"] = float(np.median([run.cpu_seconds or 0.0 for run in runs])) if runs else None
     for name in NUMBERS:
         values = np.array([jump[name] for jump in jumps if jump.get(name) is not None], float)
         row[name] = float(values.mean()) if len(values) else None
@@ -201,29 +203,53 @@ def summarise_runs(runs: list[dict[str, Any]]) -> dict[str, Any]:
     return row
 
 
-def study_table(study: Study, rows: list[dict[str, Any]]) -> str:
-    """Markdown of one study."""
-    lines = [
-        f"### {study.label} (base {study.base:.3g})",
-        "",
-        "| value | found | Fr, front's frame | y2/y1 | Bélanger | deviation | L/y2 | USBR | front (m/s) | CPU (s) |",
-        "|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|",
-    ]
+def study_table(study: Study, rows: list[Row]) -> str:
+    """Return the heading and the Markdown table of one study."""
+    lines = []
     for row in rows:
+        names = ("froude", "sequent_ratio", "belanger_ratio", "length_over_y2", "speed")
+        froude, ratio, expected, length, speed = (number(row[name], 2, row[f"{name}_error"]) for name in names)
         found = ", ".join(f"{count} {word}" for word, count in row["verdicts"].items())
-        cells = [_number(row, name) for name in ("froude", "sequent_ratio", "belanger_ratio")]
-        cells.append("-" if row["deviation"] is None else f"{100 * row['deviation']:+.1f} %")
-        cells += [
-            _number(row, "length_over_y2"),
-            "-" if row["usbr"] is None else f"{row['usbr']:.2f}",
-            _number(row, "speed"),
-        ]
-        lines.append(f"| {row['value']:g} | {found} | " + " | ".join(cells) + f" | {row['seconds']:.1f} |")
-    return "\n".join(lines) + "\n"
+        numbers = [froude, ratio, expected, percent(row["deviation"], 1, "+"), length, number(row["usbr"]), speed]
+        lines.append([f"{row['value']:g}", found, *numbers, number(row["seconds"], 1)])
+    head = "value|found|Fr, front's frame|y2/y1|Bélanger|deviation|L/y2|USBR|front (m/s)|CPU (s)".split("|")
+    return f"### {study.label} (base {study.base:.3g})\n\n{markdown(head, 'rlrrrrrrrr', lines)}\n"
 
 
-def _number(row: dict[str, Any], name: str) -> str:
-    if row[name] is None:
-        return "-"
-    error = row.get(f"{name}_error")
-    return f"{row[name]:.2f}" + (f" ± {error:.2f}" if error is not None else "")
+def draw_study(study: Study, rows: list[Row], path: Path) -> Path:
+    """Draw three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
+    with style():
+        figure, axes = new_figure(8.6, 2.9, 1, 3)
+        _draw_points(axes[0], rows, "sequent_ratio", "sequent depths y2/y1")
+        _draw_theory(axes[0], rows, "sequent_ratio", "belanger_ratio", "Bélanger")
+        _draw_points(axes[1], rows, "length_over_y2", "length over y2")
+        _draw_theory(axes[1], rows, "length_over_y2", "usbr", "USBR curve")
+        _draw_points(axes[2], rows, "speed", "speed of the front (m/s)")
+        axes[2].axhline(0, color="#999999", linewidth=0.8)
+        for panel in axes:
+            panel.set_xlabel(study.label)
+            if study.name in ("diameter", "stiffness"):
+                panel.set_xscale("log")
+                panel.set_xticks([row["value"] for row in rows], [f"{row['value']:g}" for row in rows])
+                panel.minorticks_off()
+            none = [row["value"] for row in rows if row["sequent_ratio"] is None]
+            low = panel.get_ylim()[0]
+            if none:
+                panel.plot(none, [low] * len(none), "x", color=RED, clip_on=False, label="no jump found")
+            panel.legend()
+        return save(figure, path)
+
+
+def _draw_points(panel, rows: list[Row], name: str, title: str) -> None:
+    found = [row for row in rows if row[name] is not None]
+    panel.errorbar(
+        [row["value"] for row in found], [row[name] for row in found],
+        yerr=[row[f"{name}_error"] or 0.0 for row in found], fmt="o-", color=BLUE, capsize=2, label="discs",
+    )  # fmt: skip
+    panel.set_title(title)
+
+
+def _draw_theory(panel, rows: list[Row], name: str, theory_name: str, label: str) -> None:
+    found = [row for row in rows if row[name] is not None and row[theory_name] is not None]
+    x, y = [row["value"] for row in found], [row[theory_name] for row in found]
+    panel.plot(x, y, "s--", color=GREY, markerfacecolor="white", label=label)

@@ -9,8 +9,13 @@ from made_up import INPUTS
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.studies.bench import skips as bench_skips
-from lammps_jump.studies.bench.command import run_bench
+from lammps_jump.studies.bench.command import run_bench, stored_table
+from lammps_jump.studies.calibration import START, distances
+from lammps_jump.studies.runs import StudyCase
+from lammps_jump.studies.sensitivity import run_sensitivity
+from lammps_jump.studies.store import Store
 from lammps_jump.studies.stress import limits as stress_limits
+from lammps_jump.studies.stress.study import Stress
 
 pytestmark = pytest.mark.lammps
 
@@ -20,22 +25,22 @@ def silent(text):
 
 
 def test_bench_of_the_energy_box(tmp_path):
-    options = {"out": tmp_path, "quick": True, "assignments": ["run.duration=4"], "say": silent}
-    table = run_bench(INPUTS / "energy_box_16.yaml", **options)
+    case, options = StudyCase(INPUTS / "energy_box_16.yaml", ("run.duration=4",)), {"quick": True, "say": silent}
+    table = run_bench(case, out=tmp_path, **options)
     data = json.loads((tmp_path / "bench.json").read_text())
     assert "energy deviation" in data["quantities"] and "| stock f=0.05 |" in table
     assert all(row["seconds"] >= 0 and not row["failed"] for row in data["rows"])
     assert (tmp_path / "bench_energy_deviation.png").stat().st_size > 5000
     assert "/" not in json.dumps(data["machine"]), "no paths in what is published"
     times = {key: run["cpu_seconds"] for key, run in data["pieces"].items()}
-    run_bench(INPUTS / "energy_box_16.yaml", **options)  # everything is stored: nothing is measured again
+    run_bench(case, out=tmp_path, **options)  # everything is stored: nothing is measured again
     again = json.loads((tmp_path / "bench.json").read_text())
     assert {key: run["cpu_seconds"] for key, run in again["pieces"].items()} == times
-    assert run_bench(INPUTS / "energy_box_16.yaml", out=tmp_path, table=True) == table
+    assert stored_table(INPUTS / "energy_box_16.yaml", tmp_path) == table
 
 
 def test_bench_of_collisions(tmp_path):
-    run_bench(Path("collision"), out=tmp_path, quick=True)
+    run_bench(StudyCase(Path("collision")), out=tmp_path, quick=True)
     rows = json.loads((tmp_path / "collision.json").read_text())["rows"]
     found = {(row["way"], row["restitution"], row["fraction"]): row["restitution_error"] for row in rows}
     # `contact.lagged_restitution` at f = 0.05: 4.7 % low by closed form, gone when corrected (64 phases: 0.5 %)
@@ -44,8 +49,8 @@ def test_bench_of_collisions(tmp_path):
 
 
 def test_bench_of_cells(tmp_path):
-    texts = ["run.duration=0.05", "probes.forces=[]"]
-    table = run_bench(INPUTS / "dam_break.yaml", out=tmp_path, quick=True, cells=True, assignments=texts, say=silent)
+    case = StudyCase(INPUTS / "dam_break.yaml").replace({"run.duration": 0.05, "probes.forces": []})
+    table = run_bench(case, out=tmp_path, quick=True, part="cells", say=silent)
     assert "cells of 2 d" in table and "neighbour list" in table
 
 
@@ -75,27 +80,16 @@ def test_periodic_crystal_brackets_the_limit():
 
 
 def test_stress_quick(tmp_path):
-    from lammps_jump.studies.stress.study import measure_limits, resting_bed, run_random
-    from lammps_jump.studies.timing import Store
-
-    store = Store(tmp_path / "stress.json")
-    rows = measure_limits(store, ["stock"], True, silent)
+    study = Stress(Store(tmp_path / "stress.json"), ["stock", "native"], silent, quick=True)
+    rows = study.limits()
     packings = [row for row in rows if row["engine"] == "stock" and row["arrangement"] in ("square", "hexagonal")]
     assert packings and all(abs(row["deviation"]) < 0.03 for row in packings)
-    assert run_random(store, ["stock"], 3, 40, silent)["bad"] == []
-    assert all(row["right"] for row in resting_bed(store, ["stock"], 5000, silent))
+    assert study.random_scenes(3, 40)["bad"] == []
+    assert all(bed.right for bed in study.beds(5000))
 
 
 def test_sensitivity_and_calibration_smoke(tmp_path):
-    from lammps_jump.studies.calibration import distances
-    from lammps_jump.studies.sensitivity import base_file, run_sensitivity
-    from lammps_jump.studies.timing import Store
-
     text = run_sensitivity(tmp_path, quick=True, only="friction", say=silent)
     assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()
-    from lammps_jump.studies.calibration import COLUMN_CASE, START
-
-    column = tmp_path / "martin_moyce.yaml"
-    column.write_text(COLUMN_CASE)
-    row = distances(dict(START), base_file(tmp_path), column, Store(tmp_path / "c.json"), quick=True, members=1)
-    assert 0 < row["front"] < 0.5 and row["distance"] > 0
+    row = distances(START, Store(tmp_path / "c.json"), quick=True, members=1)
+    assert 0 < row.front < 0.5 and row.distance > 0

@@ -7,8 +7,10 @@ from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.studies.bench.speed import _row, bench_speed, make_variants, speed_table, started_from
+from lammps_jump.studies.bench.command import run_bench
+from lammps_jump.studies.bench.speed import Timed, make_row, make_variants, speed_table, started_from
 from lammps_jump.studies.cross_validation.trajectories import developed_scene
+from lammps_jump.studies.runs import StudyCase
 
 
 def test_variants_follow_the_case_and_the_machine():
@@ -17,17 +19,17 @@ def test_variants_follow_the_case_and_the_machine():
     bare = make_variants(("stock", "native"), friction=0.0, diameter=0.2, skins=False)
     assert [v.name for v in bare] == ["stock", "native"]
     wide = {v.name: v for v in make_variants(("stock",), friction=0.0, diameter=0.4)}
-    assert wide["stock, skin 0.5 d"].assignments == ("engine.skin=0.2",)
+    assert wide["stock, skin 0.5 d"].changes == {"engine.skin": 0.2}
 
 
 def test_ratios_are_those_within_a_round():
     def run(seconds, status="complete"):
-        return {"seconds": seconds, "disc_steps": 12.0, "status": status}
+        return Timed(seconds, 12.0, status)
 
-    row = _row("quick", [run(1.0), run(2.0), run(1.0)], [run(4.0), run(6.0), run(6.0)])
-    assert (row["least"], row["ratio"], row["most"]) == (3.0, 4.0, 6.0) and row["rate"] == 12.0
-    broken = _row("broken", [run(1.0, "failed")], [run(4.0)])
-    assert broken["rate"] is None and broken["ratio"] is None
+    row = make_row("quick", [run(1.0), run(2.0), run(1.0)], [run(4.0), run(6.0), run(6.0)])
+    assert (row.least, row.ratio, row.most) == (3.0, 4.0, 6.0) and row.rate == 12.0
+    broken = make_row("broken", [run(1.0, "failed")], [run(4.0)])
+    assert broken.rate is None and broken.ratio is None
     table = speed_table([row, broken], {"a and b": 1e-12})
     assert "| quick | 0.0 | 4.00 (3.00 to 6.00) |" in table and "| broken | failed | - |" in table
     assert "a and b: 1.0e-12 d" in table
@@ -44,8 +46,8 @@ def test_every_variant_starts_from_the_developed_discs():
 
 @pytest.mark.lammps
 def test_bench_speed_of_a_jet(tmp_path):
-    texts = ["contact.friction=0.1", "run.duration=1"]
-    table = bench_speed(INPUTS / "quick_jump.yaml", out=tmp_path, quick=True, assignments=texts, say=lambda text: None)
+    case = StudyCase(INPUTS / "quick_jump.yaml").replace({"contact.friction": 0.1, "run.duration": 1})
+    table = run_bench(case, out=tmp_path, part="speed", quick=True, say=lambda text: None)
     stored = json.loads((tmp_path / "speed.json").read_text())
     names = [row["name"] for row in stored["rows"]]
     assert names[0] == "stock" and "native" in names and "| stock |" in table

@@ -36,7 +36,7 @@ def test_stock_lammps_walks_the_native_engines_path(scene):
 
 @pytest.mark.parametrize("scene", [*micro_scenes(), friction_scene("sign")], ids=lambda scene: scene.name)
 def test_the_compiled_kernel_walks_the_native_engines_path(plugin, scene):
-    check = check_scene(scene, kernel="compiled", plugin=plugin)
+    check = check_scene(scene, kernel="compiled")
     assert check.agrees, check
 
 
@@ -72,7 +72,7 @@ def test_study_leaves_report_json_and_figures(study):
 def numbers_only(monkeypatch):
     """Small scenes and figures have their tests above."""
     monkeypatch.setattr(cross_validation, "micro_scenes", tuple)
-    monkeypatch.setattr("lammps_jump.studies.cross_validation.figures.draw_all", lambda study, folder: {})
+    monkeypatch.setattr(cross_validation, "draw_all", lambda study, part, found, folder: {})
 
 
 def test_study_goes_on_where_it_was_interrupted(study, numbers_only):

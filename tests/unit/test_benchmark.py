@@ -7,14 +7,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lammps_jump.case import load_case
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, RunInterrupted
+from lammps_jump.studies import measure
 from lammps_jump.studies.bench import errors as bench_errors
 from lammps_jump.studies.bench import table as bench_table
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
-from lammps_jump.studies.bench.runs import JITTER, jittered
-from lammps_jump.studies.bench.settings import Setting, make_settings, parse_axes, reference_setting, stable
-from lammps_jump.studies.timing import Store, in_turn, middle
+from lammps_jump.studies.bench.errors import QuantityError
+from lammps_jump.studies.measure import JITTER, Measured, moved_start
+from lammps_jump.studies.runs import StudyCase
+from lammps_jump.studies.settings import Setting, make_settings, parse_axes, reference_setting, stable
+from lammps_jump.studies.store import Store
+from lammps_jump.studies.timing import Stopwatch, in_turn, middle
 
 
 def test_only_stable_steps_are_settings():
@@ -43,11 +46,12 @@ def test_assignments_make_the_case(tmp_path):
         "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
     )
     setting = Setting("native", 0.02, "smooth", penetration=20.0, correction=False, skin=0.2)
-    case = load_case(path, setting.assignments(0.4)).case
+    changed = StudyCase(path).replace(setting.changes(0.4))
+    case = changed.fields
     assert case.engine.name == "native" and case.run.time_step_fraction == 0.02
     assert case.contact.touch == "smooth" and case.contact.penetration_fraction == 20
     assert case.contact.correct_restitution is False and case.engine.skin == pytest.approx(0.08)
-    moved = load_case(path, jittered(path, [], 3)).case
+    moved = moved_start(StudyCase(path), 3).fields
     assert moved.run.seed == case.run.seed + 3 and moved.initial[0].jitter == JITTER
 
 
@@ -78,28 +82,28 @@ def test_reference_is_the_fastest_kernel():
 
 def test_error_against_an_ensemble():
     found = bench_errors.quantity_error("sequent depth", [1.0, 1.2], [2.0, 2.2])
-    assert found["error"] == pytest.approx(1.0 / 2.1)
+    assert found.error == pytest.approx(1.0 / 2.1)
     # both ensembles have a variance of 0.02: sqrt(0.02/2 + 0.02/2) over 2.1
-    assert found["floor"] == pytest.approx(np.sqrt(0.02) / 2.1)
-    assert found["value"] == pytest.approx(1.1)
+    assert found.floor == pytest.approx(np.sqrt(0.02) / 2.1)
+    assert found.value == pytest.approx(1.1)
 
 
 def test_error_of_curves_is_root_mean_square():
     ours, theirs = [[1.0, 3.0], [1.0, 3.0]], [[1.0, 1.0], [1.0, 1.0]]
     found = bench_errors.quantity_error("front position", ours, theirs)
-    assert found["error"] == pytest.approx(np.sqrt(2.0))
-    assert found["floor"] == 0.0
+    assert found.error == pytest.approx(np.sqrt(2.0))
+    assert found.floor == 0.0
 
 
 def test_exact_quantities_use_the_median():
     found = bench_errors.quantity_error("energy deviation", [0.01, 0.02, 0.5], None)
-    assert found["error"] == 0.02 and found["floor"] == 0.0
+    assert found.error == 0.02 and found.floor == 0.0
 
 
 def test_missing_values_leave_no_number():
-    assert bench_errors.quantity_error("sequent depth", [None], [1.0])["error"] is None
-    assert bench_errors.quantity_error("sequent depth", [1.0], [])["error"] is None
-    runs = [{"status": "complete", "measures": {"verdict": "jump", "jump": {"y2": 1.0}, "shock speed": 1.0}}]
+    assert bench_errors.quantity_error("sequent depth", [None], [1.0]).error is None
+    assert bench_errors.quantity_error("sequent depth", [1.0], []).error is None
+    runs = [Measured("complete", "", {"verdict": "jump", "jump": {"y2": 1.0}, "shock speed": 1.0})]
     assert bench_errors.names_of(runs) == ["shock speed"]
 
 
@@ -108,14 +112,17 @@ def test_pareto_front():
     assert bench_errors.pareto(points) == [0, 1, 3]
 
 
-def row(label, seconds, error, floor=0.0):
-    return {"label": label, "seconds": seconds, "errors": {"q": {"error": error, "floor": floor}}}
+def row(label, seconds, error, floor=0.0, **setting):
+    """What `cheapest` reads of a `study.Row`."""
+    return SimpleNamespace(label=label, seconds=seconds, setting=setting, errors={"q": QuantityError(error, floor)})
 
 
 def test_cheapest_needs_error_and_floor_within():
     rows = [row("quick", 1.0, 0.001, floor=0.2), row("good", 2.0, 0.009, floor=0.005), row("slow", 3.0, 0.001)]
-    assert bench_errors.cheapest(rows, "q", 0.01)["label"] == "good"
+    assert bench_errors.cheapest(rows, "q", 0.01).label == "good"
     assert bench_errors.cheapest(rows, "q", 0.0001) is None
+    other_flow = row("coarse", 0.1, 0.001, diameter=0.4)
+    assert bench_errors.cheapest([other_flow, *rows], "q", 0.01).label == "good"
 
 
 def test_turns_go_to_and_fro():
@@ -144,21 +151,21 @@ def test_key_tells_settings_apart():
 
 
 def test_an_interrupted_run_ends_the_study_and_is_not_stored(tmp_path, monkeypatch):
-    from lammps_jump.errors import RunInterrupted
-    from lammps_jump.studies.bench import runs as bench_runs
-    from lammps_jump.studies.timing import Stopwatch
-
     path = tmp_path / "case.yaml"
     path.write_text(
         "name: t\ngravity: 0\ndiscs: {diameter: 0.4}\ncontact: {restitution: 0.5, impact_speed: 5}\n"
         "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
     )
     ended = SimpleNamespace(status="interrupted", message="ended")
-    monkeypatch.setattr(bench_runs, "execute", lambda *_, **__: (ended, Stopwatch()))
+    monkeypatch.setattr(measure, "execute", lambda *_, **__: (ended, Stopwatch()))
     store = Store(tmp_path / "bench.json")
-    with pytest.raises(RunInterrupted, match="goes on from there"):
-        store.piece("a", lambda: bench_runs.run_setting(path, [], Setting("native", 0.05), 0))
+    with pytest.raises(RunInterrupted, match="continues from there"):
+        store.piece("a", lambda: measure.run_setting(StudyCase(path), Setting("native", 0.05), 0))
     assert not store.pieces
+
+
+def json_row(label, seconds, error, **others):
+    return {"label": label, "seconds": seconds, "errors": {"q": {"error": error, "floor": 0.0}}, **others}
 
 
 def test_table_names_choices():
@@ -166,11 +173,11 @@ def test_table_names_choices():
         "case": "box", "duration": 1.0, "members": 2, "reference": "compiled f=0.01", "time": "seconds",
         "machine": {"processor": "p"},
         "rows": [
-            {**row("stock f=0.05", 4.0, 0.02), "failed": [], "disc_steps_per_second": 1e6},
-            {**row("compiled f=0.1", 1.0, 0.008), "failed": ["x"], "disc_steps_per_second": 5e6},
+            json_row("stock f=0.05", 4.0, 0.02, failed=[], disc_steps_per_second=1e6),
+            json_row("compiled f=0.1", 1.0, 0.008, failed=["x"], disc_steps_per_second=5e6),
         ],
         "quantities": {"q": {"cheapest": {"0.01": "compiled f=0.1", "0.05": "compiled f=0.1"}, "pareto": []}},
     }  # fmt: skip
-    text = bench_table.markdown(data)
+    text = bench_table.page(data)
     assert "compiled f=0.1: 1.00 s, 4.0x (0.80 %)" in text
     assert "| compiled f=0.1 (1 failed) | 1.00 | 5.0 | 0.80 % |" in text

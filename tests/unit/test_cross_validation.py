@@ -11,10 +11,9 @@ from lammps_jump.case import load_case
 from lammps_jump.case.load import parse_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import SetupError
-from lammps_jump.studies.cross_validation import ensembles
+from lammps_jump.studies.cross_validation import ensembles, trajectories
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
-from lammps_jump.studies.cross_validation.outcome import Study
 from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import (
@@ -24,8 +23,8 @@ from lammps_jump.studies.cross_validation.trajectories import (
     crossing_step,
     first_contact,
     fit_growth,
-    run_native_frames,
     separation,
+    trajectory,
 )
 
 DROP = """
@@ -172,7 +171,7 @@ class TestScenes:
     def test_every_small_scene_has_contacts_and_ends_whole(self, scene):
         touched = first_contact(scene, 1000)
         assert touched is not None
-        frames = run_native_frames(replace(scene, steps=touched + 1000, output_steps=100))
+        frames = trajectory(replace(scene, steps=touched + 1000, output_steps=100), "native")
         places = np.concatenate([places for _, places in frames.values()])
         assert np.isfinite(places).all() and len(places) > 0
 
@@ -181,7 +180,7 @@ class TestScenes:
         for name, changed in (("friction", 0.0), ("spin", 0.0)):
             scene = replace(named[name], steps=800, output_steps=800)
             smooth = replace(scene, coefficients=replace(scene.coefficients, friction=changed))
-            part = separation(run_native_frames(scene), run_native_frames(smooth), scene.diameter)
+            part = separation(trajectory(scene, "native"), trajectory(smooth, "native"), scene.diameter)
             assert part.largest[-1] > 1e-2
 
 
@@ -203,33 +202,33 @@ class TestEnsembles:
             assert replace(after, vx=before.vx) == before
 
     def test_members_are_kept_and_found_again_until_something_changes(self, tmp_path):
-        scene, engine = _scene(), ensembles.EngineChoice("native")
-        first = ensembles.run_member(scene, 1, engine, tmp_path, bin_width=0.5)
-        again = ensembles.run_member(scene, 1, engine, tmp_path, bin_width=0.5)
+        ensemble = ensembles.Ensemble(_scene(), "native", tmp_path, ensembles.Binning(0.5))
+        first, again = (ensembles.run_member(ensemble, 1) for _ in range(2))
         assert first.fresh and not again.fresh
         assert np.array_equal(first.series["kinetic"], again.series["kinetic"])
-        assert first.result["present"] == 9 and len(first.forces["floor"]) > 5
+        assert first.result.present == 9 and len(first.forces["floor"]) > 5
         assert len(list(tmp_path.iterdir())) == 1  # no dump, no half-done folder is left
-        changed = _scene("contact.restitution=0.31")
-        assert ensembles.run_member(changed, 1, engine, tmp_path, bin_width=0.5).fresh
+        changed = replace(ensemble, scene=_scene("contact.restitution=0.31"))
+        assert ensembles.run_member(changed, 1).fresh
         assert len(list(tmp_path.iterdir())) == 1
 
     def test_key_tells_engines_seeds_and_bins_apart(self):
-        scene, native = _scene(), ensembles.EngineChoice("native")
+        scene, half = _scene(), ensembles.Binning(0.5)
         keys = {
-            ensembles.member_key(scene, native, 0.5, None),
-            ensembles.member_key(ensembles.perturbed(scene, 1), native, 0.5, None),
-            ensembles.member_key(scene, native, 0.25, None),
-            ensembles.member_key(scene, native, 0.5, (0.0, 0.1)),
-            ensembles.member_key(scene, ensembles.EngineChoice("lammps", "stock"), 0.5, None),
-            ensembles.member_key(replace(scene, integrator="leapfrog_extrapolated"), native, 0.5, None),
+            ensembles.member_key(scene, "native", half),
+            ensembles.member_key(ensembles.perturbed(scene, 1), "native", half),
+            ensembles.member_key(scene, "native", ensembles.Binning(0.25)),
+            ensembles.member_key(scene, "native", ensembles.Binning(0.5, (0.0, 0.1))),
+            ensembles.member_key(scene, "stock", half),
+            ensembles.member_key(replace(scene, integrator="leapfrog_extrapolated"), "native", half),
         }
         assert len(keys) == 6
 
     def test_energy_of_a_member_is_conserved_but_for_the_dashpots(self, tmp_path):
         scene = _scene("contact.restitution=1", "run.time_step_fraction=0.02")
-        member = ensembles.run_member(scene, 1, ensembles.EngineChoice("native"), tmp_path, bin_width=0.5)
-        total = sum(member.series[name] for name in ("kinetic", "gravitational", "elastic"))
+        ensemble = ensembles.Ensemble(scene, "native", tmp_path, ensembles.Binning(0.5))
+        series = ensembles.run_member(ensemble, 1).series
+        total = sum(series[name] for name in ("kinetic", "gravitational", "elastic"))
         # second-order scheme with a kink at first touch, f = 0.02: a few 1e-4
         assert np.abs(total / total[0] - 1).max() < 3e-3
 
@@ -238,27 +237,27 @@ def test_a_wrong_stiffness_is_found_out(monkeypatch):
     """The deterministic check can fail: the other engine's spring is off by one in a million."""
     scene = next(scene for scene in micro_scenes() if scene.name == "wall")
 
-    def softer(other):
-        c = other.coefficients
-        return run_native_frames(replace(other, coefficients=replace(c, stiffness_wall=c.stiffness_wall * (1 + 1e-6))))
+    def on_native(short, kernel, factor=1.0):
+        c = short.coefficients
+        softer = replace(short, coefficients=replace(c, stiffness_wall=c.stiffness_wall * factor))
+        return trajectory(short if kernel == "stock" else softer, "native")
 
-    monkeypatch.setattr(
-        "lammps_jump.studies.cross_validation.trajectories.run_lammps_frames",
-        lambda short, kernel, plugin: run_native_frames(short),
-    )
-    same, other = check_scene(scene), check_scene(scene, native=softer)
+    monkeypatch.setattr(trajectories, "trajectory", on_native)
+    same = check_scene(scene)
+    monkeypatch.setattr(trajectories, "trajectory", lambda short, kernel: on_native(short, kernel, 1 + 1e-6))
+    other = check_scene(scene)
     assert same.agrees and same.worst == 0.0
     assert not other.agrees and other.worst > 10 * AGREEMENT
 
 
 def test_expected_differences_excuse_only_small_ones():
-    study = Study.__new__(Study)
-    study.known = {("gate", "stock"): "the flow is that chaotic"}
     check = DeterministicCheck("gate", "stock", 24, 180, 1180, 1e-5, False)
-    assert study.expected(check)
-    assert study.expected(replace(check, worst=1e-2)) is None
-    assert study.expected(replace(check, kernel="compiled")) is None
-    assert study.expected(replace(check, note="the engines hold different discs at step 10")) is None
+    assert check.explain(lambda: 1e-4).passed
+    assert "1.0e-04 d" in check.explain(lambda: 1e-4).expected_difference
+    assert not check.explain(lambda: 1e-9).passed  # its twin does not part as far
+    assert not replace(check, worst=1e-2).explain(lambda: 1.0).passed
+    assert not replace(check, note="the engines hold different discs at step 10").explain(lambda: 1.0).passed
+    assert replace(check, agrees=True).explain(lambda: 1.0).expected_difference is None
 
 
 def test_one_member_and_poured_discs_are_refused(tmp_path):
@@ -277,8 +276,8 @@ def test_growth_of_a_twin_is_the_growth_of_a_collision():
     """Two discs that meet off-centre: a shift across the line of centres grows as geometry says, not otherwise."""
     scene = next(scene for scene in micro_scenes() if scene.name == "pair")
     short = replace(scene, steps=1200, output_steps=20)
-    one = separation(run_native_frames(short), run_native_frames(ensembles.perturbed(short, 1, 1e-9)), 0.2)
-    two = separation(run_native_frames(short), run_native_frames(ensembles.perturbed(short, 1, 1e-11)), 0.2)
+    one = separation(trajectory(short, "native"), trajectory(ensembles.perturbed(short, 1, 1e-9), "native"), 0.2)
+    two = separation(trajectory(short, "native"), trajectory(ensembles.perturbed(short, 1, 1e-11), "native"), 0.2)
     late = one.steps >= 800
     # small separations are linear: a hundredth of the start, a hundredth of the end
     assert np.allclose(one.largest[late] / two.largest[late], 100.0, rtol=0.02)

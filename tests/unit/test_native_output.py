@@ -8,8 +8,9 @@ import sys
 
 import numpy as np
 import pytest
+from made_up import native_frames
 
-from lammps_jump.engines.native import NativeSimulation, frames, run_native
+from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import InletRow
@@ -52,7 +53,7 @@ def test_text_dump_holds_the_frames(tmp_path, rotation):
     written = read_text((tmp_path / "dump.lammpstrj").read_text())
     assert [f[0] for f in written] == [0, 100, 200]
     assert [len(f[3]) for f in written] == [2, 3, 3]
-    for (step, time, columns, rows), kept in zip(written, frames(scene), strict=True):
+    for (step, time, columns, rows), kept in zip(written, native_frames(scene), strict=True):
         assert columns == ["id", "x", "y", "vx", "vy"] + (["omegaz"] if rotation else [])
         assert time == pytest.approx((step - 50) * scene.time_step, rel=1e-12)
         assert (kept.step, kept.time) == (step, scene.time(step))
@@ -62,7 +63,7 @@ def test_text_dump_holds_the_frames(tmp_path, rotation):
 
 def test_dump_reports_the_velocity_at_the_step(tmp_path):
     scene = small_scene()
-    last = list(frames(scene))[2]
+    last = list(native_frames(scene))[2]
     t = 200 * scene.time_step
     assert last.vy[1] == pytest.approx(0.2 - 9.81 * t, abs=1e-12)
 
@@ -86,7 +87,7 @@ def test_binary_dump_has_lammps_layout(tmp_path):
         at += struct.calcsize("=" + form)
         return values
 
-    for number, frame in enumerate(frames(small_scene())):
+    for number, frame in enumerate(native_frames(small_scene())):
         assert take("q10sii") == (-10, b"DUMPCUSTOM", 1, 2)
         assert take("qqi") == (frame.step, len(frame.ids), 0)
         assert take("6i") == (1, 1, 1, 1, 0, 0)

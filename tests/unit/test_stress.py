@@ -52,16 +52,16 @@ def test_growth_is_infinite_where_the_run_fails():
 def test_hard_scenes_end_properly(name, engine):
     case, right = stress_scenes.hard_scenes()[name]
     found = stress_scenes.judge(case, engine)
-    assert found["outcome"] in right, found["message"]
-    if found["outcome"] != "stable":
-        assert found["message"]
+    assert found.outcome in right, found.message
+    if found.outcome != "stable":
+        assert found.message
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_random_scenes_end_properly(seed):
     case = stress_scenes.random_case(seed)
     assert case == stress_scenes.random_case(seed)
-    assert stress_scenes.judge(case, "native")["outcome"] in stress_scenes.GOOD
+    assert stress_scenes.judge(case, "native").outcome in stress_scenes.GOOD
 
 
 def result(**changes):
@@ -101,18 +101,18 @@ def test_heating_is_an_outcome_of_its_own():
         run={"time_step_fraction": 0.9, "allow_unstable": True, "duration": 2},
         initial=[{"kind": "lattice", "nx": 4, "ny": 4, "spacing": 0.3, "origin": [0.3, 0.3], "velocities": {1: [4, 3]}}]
     )  # fmt: skip
-    assert stress_scenes.judge(case, "native verlet")["outcome"] in ("heated", "stopped")
+    assert stress_scenes.judge(case, "native verlet").outcome in ("heated", "stopped")
 
 
 def test_worker_survives_hang_crash_and_bug():
     answer = (("outcome", "stable"),)
     with Worker() as worker:
         assert worker.call(dict, answer, timeout=600) == {"outcome": "stable"}
-        assert worker.call(signal.pause, timeout=0.3)["outcome"] == "hang"
+        assert worker.call(signal.pause, timeout=0.3).outcome == "hang"
         bug = worker.call(int, "no", timeout=600)
-        assert bug["outcome"] == "bug" and bug["message"].startswith("ValueError")
+        assert bug.outcome == "bug" and bug.message.startswith("ValueError")
         crash = worker.call(os._exit, 3, timeout=600)
-        assert crash["outcome"] == "crash" and "3" in crash["message"]
+        assert crash.outcome == "crash" and "3" in crash.message
         assert worker.call(dict, answer, timeout=600) == {"outcome": "stable"}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter, process_time
@@ -42,22 +42,6 @@ def make_simulation(scene: Scene, cell_size: float | None = None, ledger: bool =
     if cell_size is None:
         return NativeSimulation(scene, ledger=ledger)
     return CellSimulation(scene, cell_size=cell_size, ledger=ledger)
-
-
-def frames(scene: Scene, *, ledger: bool = False) -> Iterator[Frame]:
-    """Run a scene in memory; yields the frames that its dump would hold.
-
-    Raises
-    ------
-    RunError
-        Where a guard ended the run.
-    """
-    simulation = NativeSimulation(scene, ledger=ledger)
-    yield take_frame(simulation)
-    for _ in range(scene.steps // scene.output_steps):
-        simulation.run(scene.output_steps)
-        simulation.check()
-        yield take_frame(simulation)
 
 
 def run_native(

@@ -1,1 +1,5 @@
-"""Run time against error."""
+"""Run time against error over the settings of a case."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -5,21 +5,60 @@ All pairs of one run are independent: pair i starts so that first touch falls at
 
 from __future__ import annotations
 
-import json
 import tempfile
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from lammps_jump.case import parse_case
-from lammps_jump.case.to_scene import build_scene
+from lammps_jump.analysis.draw.style import new_figure, save, style
+from lammps_jump.dump.read import open_dump
+from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
 from lammps_jump.scene.scene import Scene
+from lammps_jump.studies.runs import KERNELS, StudyCase, execute
+from lammps_jump.studies.store import Store
+from lammps_jump.studies.table import markdown
 
 DIAMETER, DENSITY, SPEED, PENETRATION = 0.2, 1000.0, 16.0, 10.0
 PHASES = 64
+QUANTITIES = ("restitution", "duration", "overlap")
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way to compute a collision."""
+
+    name: str
+    kernel: str
+    integrator: str
+    correct: bool = True
+    touch: str = "sharp"
+
+
+@dataclass(frozen=True)
+class Row:
+    """Errors of the mean over all entry phases and scatter among them, relative to the closed forms.
+
+    Attributes
+    ----------
+    way : str
+    restitution, fraction : float
+    steps : float
+        Time steps of one contact.
+    """
+
+    way: str
+    restitution: float
+    fraction: float
+    steps: float
+    restitution_error: float
+    restitution_scatter: float
+    duration_error: float
+    duration_scatter: float
+    overlap_error: float
+    overlap_scatter: float
 
 
 def collision_scene(
@@ -32,9 +71,9 @@ def collision_scene(
     speed: float = SPEED,
     phases: int = PHASES,
 ) -> Scene:
-    """`phases` pairs of discs, 3 d apart from each other, each about to collide head-on at `speed` (m/s).
+    """Return `phases` pairs of discs, 3 d apart from each other, each about to collide head-on at `speed` (m/s).
 
-    Made as a case is: the correction of the dashpot and the width of a smooth touch are those that a case gets.
+    The scene is made from a case, so it has the corrected dashpot and the width of a smooth touch that a case gets.
     """
     k = contact.stiffness(DENSITY, PENETRATION, SPEED)
     dt = fraction * contact.critical_time_step(k, contact.disc_mass(DENSITY, DIAMETER))
@@ -61,18 +100,14 @@ def collision_scene(
         "engine": {"name": "native"},  # may have any integrator and touch; `measure_collisions` runs on any engine
     }  # fmt: skip
     # a single elastic pair may go deeper than a case allows: that is what is measured
-    return replace(build_scene(parse_case(json.dumps(case), "collision")), overlap_limit=DIAMETER)
+    return replace(StudyCase(case).scene(), overlap_limit=DIAMETER)
 
 
 def measure_collisions(scene: Scene, kernel: str) -> dict[str, np.ndarray]:
-    """Restitution, duration (s) and largest overlap (m) of every pair, shape (phases,).
+    """Return restitution, duration (s) and largest overlap (m) of every pair, shape (phases,).
 
     The overlap is the largest at a step, the duration the number of steps in contact: both are right to a step.
     """
-    from lammps_jump.dump.read import open_dump
-
-    from .runs import execute
-
     with tempfile.TemporaryDirectory() as folder:
         execute(scene, Path(folder), kernel)
         frames = [frame.sorted() for frame in open_dump(Path(folder) / "dump.lammpstrj")]
@@ -88,7 +123,7 @@ def measure_collisions(scene: Scene, kernel: str) -> dict[str, np.ndarray]:
 
 
 def expected(restitution: float, speed: float = SPEED) -> dict[str, float]:
-    """Closed forms (docs/theory.md, one collision, exactly) for the same pair."""
+    """Return the closed forms for the same pair (docs/theory.md, one collision, exactly)."""
     k = contact.stiffness(DENSITY, PENETRATION, SPEED)
     omega = contact.angular_frequency(k, 0.5 * contact.disc_mass(DENSITY, DIAMETER))
     return {
@@ -99,97 +134,84 @@ def expected(restitution: float, speed: float = SPEED) -> dict[str, float]:
 
 
 def collision_rows(
-    fractions=(0.01, 0.02, 0.05, 0.1, 0.2), restitutions=(0.2, 0.6, 1.0), kernels=("stock", "compiled", "native")
-) -> list[dict[str, Any]]:
-    """One row a setting: mean errors relative to the closed forms and the scatter over entry phases."""
+    fractions: Iterable[float], restitutions: Iterable[float], kernels: Sequence[str] = KERNELS
+) -> list[Row]:
+    """Return a row for each restitution, way and stable step."""
     rows = []
     for restitution in restitutions:
-        exact = expected(restitution)
-        for label, kernel, integrator, correct, touch in _ways(kernels, restitution):
-            for fraction in fractions:
-                if fraction > contact.stable_fraction(contact.damping_ratio(restitution), integrator, "pair"):
-                    continue
-                scene = collision_scene(fraction, restitution, integrator=integrator, correct=correct, touch=touch)
-                found = measure_collisions(scene, kernel)
-                row: dict[str, Any] = {"way": label, "restitution": restitution, "fraction": fraction}
-                row["steps"] = scene.coefficients.contact_steps
-                for name, values in found.items():
-                    row[f"{name}_error"] = float(values.mean() / exact[name] - 1)
-                    row[f"{name}_scatter"] = float(values.std() / exact[name])
-                rows.append(row)
+        limit = contact.damping_ratio(restitution)
+        for way in _ways(kernels, restitution):
+            steps = [f for f in fractions if f <= contact.stable_fraction(limit, way.integrator, "pair")]
+            rows += [_row(way, restitution, fraction) for fraction in steps]
     return rows
 
 
-def _ways(kernels, restitution: float):
+def _row(way: Way, restitution: float, fraction: float) -> Row:
+    exact = expected(restitution)
+    scene = collision_scene(
+        fraction, restitution, integrator=way.integrator, correct=way.correct, touch=way.touch
+    )  # fmt: skip
+    found = measure_collisions(scene, way.kernel)
+    numbers = [
+        part
+        for name in QUANTITIES
+        for part in (float(found[name].mean() / exact[name] - 1), float(found[name].std() / exact[name]))
+    ]
+    return Row(way.name, restitution, fraction, scene.coefficients.contact_steps, *numbers)
+
+
+def _ways(kernels: Sequence[str], restitution: float) -> list[Way]:
     verlet, thesis = "velocity_verlet", "leapfrog_extrapolated"
     found = []
     if "stock" in kernels:
-        found.append(("stock, corrected", "stock", verlet, True, "sharp"))
+        found.append(Way("stock, corrected", "stock", verlet))
         if restitution < 1:
-            found.append(("stock, uncorrected", "stock", verlet, False, "sharp"))
-    found.append(("native, thesis scheme", "native", thesis, True, "sharp"))
+            found.append(Way("stock, uncorrected", "stock", verlet, correct=False))
+    found.append(Way("native, thesis scheme", "native", thesis))
     fast = "compiled" if "compiled" in kernels else "native"
-    found.append((f"{fast}, smooth touch", fast, verlet, True, "smooth"))
+    found.append(Way(f"{fast}, smooth touch", fast, verlet, touch="smooth"))
     return found
 
 
-def bench_collisions(folder: Path, *, quick: bool = False) -> dict[str, Any]:
-    """The built-in benchmark ``lammps-jump bench collision``: table, figure and ``collision.json``."""
-    from lammps_jump.studies.timing import Store, machine, versions
-
-    from .settings import usable_kernels
-
+def bench_collisions(folder: Path, *, quick: bool = False) -> str:
+    """Measure collisions; returns the table, draws the figure (``lammps-jump bench collision``)."""
     kernels, notes = usable_kernels()
     store = Store(folder / "collision.json", fresh=True)
     fractions = (0.05, 0.2) if quick else (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
     rows = collision_rows(fractions, (0.2, 1.0) if quick else (0.2, 0.6, 1.0), kernels)
-    store.data |= {"case": "collision", "rows": rows, "versions": versions(), "machine": machine(), "notes": notes}
-    store.save()
-    (folder / "collision.md").write_text(collision_table(rows))
+    store.finish(case="collision", rows=rows, notes=notes)
     draw_collisions(rows, folder / "bench_collision.png")
-    return store.data
+    return store.write_table(collision_table(rows))
 
 
-def collision_table(rows: list[dict[str, Any]]) -> str:
-    """Markdown: error of the mean and scatter over entry phases, per cent."""
-    lines = [
-        "| e | way | f | restitution | duration | overlap |",
-        "|---:|---|---:|---:|---:|---:|",
-    ]
+def collision_table(rows: list[Row]) -> str:
+    """Return the Markdown table: error of the mean and scatter over entry phases, per cent."""
+    lines = []
     for row in rows:
-        cells = [
-            f"{100 * row[f'{name}_error']:+.2f} ± {100 * row[f'{name}_scatter']:.2f} %"
-            for name in ("restitution", "duration", "overlap")
-        ]
-        lines.append(f"| {row['restitution']:g} | {row['way']} | {row['fraction']:g} | " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+        pairs = [(getattr(row, f"{name}_error"), getattr(row, f"{name}_scatter")) for name in QUANTITIES]
+        cells = [f"{100 * error:+.2f} ± {100 * scatter:.2f} %" for error, scatter in pairs]
+        lines.append([f"{row.restitution:g}", row.way, f"{row.fraction:g}", *cells])
+    return markdown(["e", "way", "f", *QUANTITIES], "rlrrrr", lines) + "\n"
 
 
-def draw_collisions(rows: list[dict[str, Any]], path: Path) -> Path:
-    """Restitution's error (mean and scatter) against the step, one panel a restitution coefficient."""
-    from lammps_jump.analysis.draw.style import new_figure, save, style
-
-    values = sorted({row["restitution"] for row in rows})
-    ways = list(dict.fromkeys(row["way"] for row in rows))
-    looks = {
-        way: ("osD^v*"[i % 6], ("#33508f", "#8aa0c8", "#7d7c78", "#b5a05a", "#111111")[i % 5])
-        for i, way in enumerate(ways)
-    }
+def draw_collisions(rows: list[Row], path: Path) -> Path:
+    """Draw the error of restitution (mean and scatter) against the step, one panel a restitution coefficient."""
+    values = sorted({row.restitution for row in rows})
+    ways = list(dict.fromkeys(row.way for row in rows))
+    colours = ("#33508f", "#8aa0c8", "#7d7c78", "#b5a05a", "#111111")
     with style():
         figure, axes = new_figure(3.2 * len(values) + 1.2, 3.4, 1, len(values), squeeze=False)
         for panel, e in zip(axes.flat, values, strict=True):
-            for way, (mark, colour) in looks.items():
-                group = [row for row in rows if row["way"] == way and row["restitution"] == e]
+            for i, way in enumerate(ways):
+                group = [row for row in rows if row.way == way and row.restitution == e]
                 if group:
                     panel.errorbar(
-                        [row["fraction"] for row in group], [100 * row["restitution_error"] for row in group],
-                        yerr=[100 * row["restitution_scatter"] for row in group], marker=mark, color=colour, label=way,
-                        linewidth=1.0, capsize=2,
+                        [row.fraction for row in group], [100 * row.restitution_error for row in group],
+                        yerr=[100 * row.restitution_scatter for row in group], marker="osD^v*"[i % 6],
+                        color=colours[i % 5], label=way, linewidth=1.0, capsize=2,
                     )  # fmt: skip
             panel.axhline(0, color="#555555", linewidth=0.8)
-            panel.set_xscale("log")
-            panel.set_xlabel("f, step over 2/omega")
-            panel.set_title(f"e = {e:g}")
+            panel.set(xscale="log", xlabel="f, step over 2/omega", title=f"e = {e:g}")
             panel.legend(fontsize=7)
         axes.flat[0].set_ylabel("error of restitution (%),\nbars: scatter over entry phases")
         return save(figure, path)

@@ -1,80 +1,104 @@
-"""The ``bench`` command: which of the benchmarks is meant, and what is printed."""
+"""The ``bench`` command: chooses the benchmark that its options ask for."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 from lammps_jump.errors import CaseError
+from lammps_jump.studies.runs import KERNELS, StudyCase
+from lammps_jump.studies.store import Store
 
-COLLISION = "collision"
+from .cells import bench_cells
+from .collision import bench_collisions
+from .skips import bench_skips
+from .speed import bench_speed
+from .study import BENCH_FILE, Axes, bench_case
+from .table import page
+
+COLLISION = Path("collision")
+FOLDER = Path("runs") / "bench"
+PARTS = {"cells": bench_cells, "skips": bench_skips, "speed": bench_speed}
+"""Benchmarks beside that of the settings: option, which is also the stem of the JSON file, and function."""
 
 
 def run_bench(
-    case: Path,
+    case: StudyCase,
     *,
     out: Path | None = None,
-    quick: bool = False,
-    axes: str | None = None,
+    part: str | None = None,
+    axes: Axes | None = None,
     members: int | None = None,
-    cells: bool = False,
-    skips: bool = False,
-    speed: bool = False,
-    table: bool = False,
-    diameters: str | None = None,
-    fractions: str | None = None,
-    kernels: str | None = None,
-    assignments: Sequence[str] = (),
+    quick: bool = False,
     fresh: bool = False,
     say: Callable[[str], None] = print,
 ) -> str:
-    """Run a benchmark and return its table as markdown; see `study.bench_case`.
+    """Run a benchmark and return its table as Markdown.
+
+    Parameters
+    ----------
+    case : StudyCase
+        Its file may be ``collision``, for two discs against their closed forms.
+    out : Path, optional
+        Folder; default ``runs/bench/<name>``.
+    part : str, optional
+        One of `PARTS`; without it, the benchmark of the settings.
+    axes, members
+        See `study.bench_case`.
+    quick, fresh : bool
+        Few and short runs; measure again what is stored.
+    say : callable
 
     Raises
     ------
     CaseError
-        No such case, axis or number; ``--table`` without a stored benchmark.
+        No such case, axis or number.
     """
-    if str(case) == COLLISION:
-        from .collision import bench_collisions, collision_table
+    if case.source == COLLISION:
+        return bench_collisions(out or FOLDER / COLLISION, quick=quick)
+    folder = out or FOLDER / case.name
+    if part:
+        return PARTS[part](case, Store(folder / f"{part}.json", fresh=fresh), quick=quick, say=say)
+    store = Store(folder / BENCH_FILE, fresh=fresh)
+    return bench_case(case, store, axes=axes or Axes(), quick=quick, members=members, say=say)
 
-        folder = out or Path("runs") / "bench" / COLLISION
-        return collision_table(bench_collisions(folder, quick=quick)["rows"])
-    if cells:
-        from .cells import bench_cells
 
-        return bench_cells(case, out=out, quick=quick, assignments=assignments, fresh=fresh, say=say)
-    if skips:
-        from .skips import bench_skips
+def stored_table(path: Path, out: Path | None = None) -> str:
+    """Return the table of a finished benchmark of a case file.
 
-        return bench_skips(case, out=out, quick=quick, assignments=assignments, fresh=fresh, say=say)
-    if speed:
-        from .speed import bench_speed
+    Raises
+    ------
+    CaseError
+        Where there is none.
+    """
+    file = (out or FOLDER / StudyCase(path).name) / BENCH_FILE
+    try:
+        data = json.loads(file.read_text())
+    except (OSError, ValueError):
+        raise CaseError(f"{file}: no benchmark is stored there; run `lammps-jump bench {path}` first") from None
+    if "rows" not in data:
+        raise CaseError(f"{file}: the benchmark is not finished; `lammps-jump bench {path}` continues it")
+    return page(data)
 
-        return bench_speed(case, out=out, quick=quick, assignments=assignments, fresh=fresh, say=say)
-    from .table import markdown
 
-    names = tuple(word.strip() for word in kernels.split(",")) if kernels else None
-    if names and not set(names) <= {"stock", "compiled", "native"}:
+def read_axes(names: str | None, fractions: str | None, kernels: str | None, diameters: str | None) -> Axes:
+    """Return what the options of the command line vary; each is a list with commas between.
+
+    Raises
+    ------
+    CaseError
+        A kernel that does not exist; a value that is no number above 0.
+    """
+    words = tuple(word.strip() for word in kernels.split(",")) if kernels else None
+    if words and not set(words) <= set(KERNELS):
         raise CaseError(f"--kernels {kernels!r}: allowed are stock, compiled and native, with commas between")
-
-    if table:
-        return markdown(stored(case, out))
-    from .study import bench_case
-
-    sizes = _numbers("--diameters", diameters) if diameters else ()
-    steps = _numbers("--fractions", fractions) if fractions else None
-    return markdown(
-        bench_case(
-            case, out=out, axes=axes, quick=quick, members=members, assignments=assignments, diameters=sizes,
-            fractions=steps, kernels=names,
-            fresh=fresh, say=say,
-        )
-    )  # fmt: skip
+    return Axes(names, _numbers("--fractions", fractions), words, _numbers("--diameters", diameters) or ())
 
 
-def _numbers(option: str, text: str) -> tuple[float, ...]:
+def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
+    if not text:
+        return None
     try:
         values = tuple(float(word) for word in text.split(","))
     except ValueError:
@@ -82,23 +106,3 @@ def _numbers(option: str, text: str) -> tuple[float, ...]:
     if not all(0 < value < float("inf") for value in values):
         raise CaseError(f"{option} {text!r}: every value must be above 0")
     return values
-
-
-def stored(case: Path, out: Path | None) -> dict:
-    """A finished benchmark of a case.
-
-    Raises
-    ------
-    CaseError
-        Where there is none.
-    """
-    from lammps_jump.case import load_case
-
-    path = (out or Path("runs") / "bench" / load_case(case).case.name) / "bench.json"
-    try:
-        data = json.loads(path.read_text())
-    except (OSError, ValueError):
-        raise CaseError(f"{path}: no benchmark is stored there; run `lammps-jump bench {case}` first") from None
-    if "rows" not in data:
-        raise CaseError(f"{path}: the benchmark is not finished; run `lammps-jump bench {case}` to go on with it")
-    return data

@@ -1,104 +1,153 @@
 """Errors of benchmark settings: against an exact answer where there is one, else against a converged ensemble.
 
-A setting is run from several slightly moved starts. Its error in a quantity is the distance of its ensemble's mean from
-the mean of the reference's (the finest step), over its size; of a curve, the root mean square along it.
-What the two ensembles' own scatter would give by chance alone, were the two equal, is the *floor*: sqrt(s^2/n +
-s_ref^2/n_ref). Below it nothing can be told apart. An energy box has an exact answer, no deviation; the error is the
-median over the starts of the largest one, its floor is 0.
+A setting is run from several slightly moved starts. Its error is the distance between the mean of its ensemble and
+that of the reference (the finest step), over the size of the latter. For a curve it is the root mean square along it.
+The *floor* is the distance that scatter alone gives two equal ensembles: sqrt(s^2/n + s_ref^2/n_ref). Errors below it
+cannot be told from zero. An energy box has an exact answer, no deviation. Its error is the median over the starts of
+the largest deviation, and its floor is 0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
+
+from lammps_jump.studies.measure import Measured
 
 EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""
 
-
-def curve_length(members: Sequence[Any]) -> int:
-    """Shortest length among lists of numbers."""
-    return min(len(member) for member in members)
+Value = float | list[float] | None
 
 
-def _stack(members: Sequence[Any]) -> np.ndarray:
-    """Members as an array of shape (members, points)."""
-    if isinstance(members[0], list):
-        points = curve_length(members)
-        return np.array([member[:points] for member in members], float)
-    return np.array(members, float)[:, None]
+@dataclass(frozen=True)
+class QuantityError:
+    """Error of one quantity; None where it cannot be told.
+
+    Attributes
+    ----------
+    error, floor, scatter : float or None
+        Shares of the size of the quantity; `scatter` is that of a single run.
+    value : float or None
+        Mean, for single numbers.
+    """
+
+    error: float | None = None
+    floor: float | None = None
+    scatter: float | None = None
+    value: float | None = None
+
+    def of_reference(self) -> QuantityError:
+        """Return the entry of the reference itself, which has no error."""
+        return replace(self, error=None, floor=None)
 
 
-def quantity_error(name: str, members: Sequence[Any], reference: Sequence[Any] | None) -> dict[str, float | None]:
-    """Error, floor and single-run scatter of one quantity, as shares of its size.
+@dataclass(frozen=True)
+class Row:
+    """One setting of a benchmark.
+
+    Attributes
+    ----------
+    label, family : str
+        Of the setting; a figure gives each family a mark.
+    setting : dict
+        Its values.
+    plain : bool
+        Whether only kernel, touch and step are varied.
+    runs : int
+        Complete runs.
+    failed : list of str
+        Messages of the others.
+    seconds, wall_seconds : float or None
+        Medians over the complete runs, s.
+    disc_steps_per_second : float or None
+    breakdown : dict of str to float
+        Median seconds by kind of work.
+    reference : bool
+        Whether the errors of the others are measured against this setting.
+    errors : dict of str to QuantityError
+    """
+
+    label: str
+    family: str
+    setting: dict
+    plain: bool
+    runs: int
+    failed: list[str]
+    seconds: float | None
+    seconds_all: list[float]
+    wall_seconds: float | None
+    disc_steps_per_second: float | None
+    breakdown: dict[str, float | None]
+    reference: bool
+    errors: dict[str, QuantityError]
+
+
+def _stack(members: Sequence[Value]) -> np.ndarray:
+    """Return members as an array of shape (members, points), cut to the shortest."""
+    curves = [np.atleast_1d(np.asarray(member, float)) for member in members]
+    points = min(map(len, curves))
+    return np.array([curve[:points] for curve in curves])
+
+
+def quantity_error(name: str, members: Sequence[Value], reference: Sequence[Value] | None) -> QuantityError:
+    """Return error, floor and single-run scatter of one quantity, as shares of its size.
 
     Parameters
     ----------
     name : str
     members, reference : sequence of float or of list of float
         One value or curve a run; None values (nothing measured) are left out.
-
-    Returns
-    -------
-    dict
-        error, floor, scatter, value (mean, for single numbers); None where it cannot be told.
     """
     members = [member for member in members if member is not None]
-    nothing = {"error": None, "floor": None, "scatter": None, "value": None}
     if not members:
-        return nothing
+        return QuantityError()
     if name in EXACT:
         values = np.abs(np.array(members, float) - EXACT[name])
         spread = float(values.std(ddof=1)) if len(values) > 1 else None
-        return {"error": float(np.median(values)), "floor": 0.0, "scatter": spread, "value": float(np.median(values))}
+        return QuantityError(float(np.median(values)), 0.0, spread, float(np.median(values)))
     reference = [member for member in reference or () if member is not None]
     if not reference:
-        return nothing
+        return QuantityError()
     ours, theirs = _stack(members), _stack(reference)
     points = min(ours.shape[1], theirs.shape[1])
     ours, theirs = ours[:, :points], theirs[:, :points]
     mean = theirs.mean(axis=0)
-    size = float(np.sqrt(np.mean(mean**2)))
+    size = _root_mean_square(mean)
     if size == 0:
-        return nothing
-    error = float(np.sqrt(np.mean((ours.mean(axis=0) - mean) ** 2))) / size
+        return QuantityError()
     floor = scatter = None
     if len(ours) > 1 and len(theirs) > 1:
         one, two = ours.var(axis=0, ddof=1), theirs.var(axis=0, ddof=1)
         floor = float(np.sqrt(np.mean(one / len(ours) + two / len(theirs)))) / size
         scatter = float(np.sqrt(np.mean(one))) / size
     value = float(ours.mean()) if points == 1 else None
-    return {"error": error, "floor": floor, "scatter": scatter, "value": value}
+    return QuantityError(_root_mean_square(ours.mean(axis=0) - mean) / size, floor, scatter, value)
 
 
-def names_of(runs: Sequence[dict[str, Any]]) -> list[str]:
-    """Quantities that some run measured, in order; words such as a verdict are no quantities."""
-    found: dict[str, None] = {}
-    for run in runs:
-        for name, value in run.get("measures", {}).items():
-            if isinstance(value, int | float | list):
-                found[name] = None
-    return list(found)
+def _root_mean_square(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
-def setting_errors(
-    runs: Sequence[dict[str, Any]], reference: Sequence[dict[str, Any]]
-) -> dict[str, dict[str, float | None]]:
-    """`quantity_error` of every quantity of a setting's runs."""
+def names_of(runs: Sequence[Measured]) -> list[str]:
+    """Return the quantities that some run measured, in order; a verdict is no quantity."""
+    values = (item for run in runs for item in run.measures.items())
+    return list(dict.fromkeys(name for name, value in values if isinstance(value, int | float | list)))
 
-    def members(source, name):
-        return [run["measures"].get(name) for run in source if run["status"] == "complete"]
 
+def setting_errors(runs: Sequence[Measured], reference: Sequence[Measured]) -> dict[str, QuantityError]:
+    """Return `quantity_error` of every quantity of a setting's runs."""
+    sides = [[run.measures for run in side if run.complete] for side in (runs, reference)]
     return {
-        name: quantity_error(name, members(runs, name), members(reference, name))
+        name: quantity_error(name, *([measures.get(name) for measures in side] for side in sides))
         for name in names_of([*runs, *reference])
     }
 
 
 def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Indices of the points (time, error) that no other beats in both, from fast to slow."""
+    """Return the indices of the points (time, error) that no other beats in both, from fast to slow."""
     order = sorted(range(len(points)), key=lambda i: points[i])
     best, front = float("inf"), []
     for i in order:
@@ -108,23 +157,18 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
     return front
 
 
-def cheapest(rows: Sequence[dict[str, Any]], quantity: str, accuracy: float) -> dict[str, Any] | None:
-    """The quickest row whose error in `quantity` is within `accuracy` and whose floor lets one say so; else None.
+def cheapest(rows: Sequence[Row], quantity: str, accuracy: float) -> Row | None:
+    """Return the quickest row whose error and floor in `quantity` are within `accuracy`; None where there is none.
 
-    Rows with another stiffness or disc size are other flows, whatever their error, and are not chosen.
-
-    Parameters
-    ----------
-    rows : sequence of dict
-        With ``seconds`` and ``errors``.
+    Rows with another stiffness or disc size are other flows and are not chosen.
     """
     good = []
     for row in rows:
-        entry, setting = row["errors"].get(quantity), row.get("setting") or {}
-        if setting.get("penetration") is not None or setting.get("diameter") is not None:
+        entry = row.errors.get(quantity)
+        if row.setting.get("penetration") is not None or row.setting.get("diameter") is not None:
             continue
-        if not entry or entry["error"] is None or row["seconds"] is None:
+        if entry is None or entry.error is None or row.seconds is None:
             continue
-        if entry["error"] <= accuracy and (entry["floor"] or 0.0) <= accuracy:
+        if entry.error <= accuracy and (entry.floor or 0.0) <= accuracy:
             good.append(row)
-    return min(good, key=lambda row: row["seconds"], default=None)
+    return min(good, key=lambda row: row.seconds, default=None)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+
+from matplotlib.ticker import LogLocator
+
+from lammps_jump.analysis.draw.style import new_figure, save, style
 
 MARKS = {
     "stock": ("o", "#33508f"),
@@ -14,44 +17,22 @@ MARKS = {
 }
 
 
-def draw_all(data: dict[str, Any], folder: Path) -> list[Path]:
-    """One figure a quantity, ``bench_<quantity>.png``."""
+def draw_all(data: dict, folder: Path) -> list[Path]:
+    """Draw one figure a quantity, ``bench_<quantity>.png``, from the content of ``bench.json``."""
     return [draw_quantity(data, name, folder) for name in data["quantities"]]
 
 
-def draw_quantity(data: dict[str, Any], name: str, folder: Path) -> Path:
-    """Run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band."""
-    from matplotlib.ticker import LogLocator
-
-    from lammps_jump.analysis.draw.style import new_figure, save, style
-
+def draw_quantity(data: dict, name: str, folder: Path) -> Path:
+    """Draw run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band."""
     summary = data["quantities"][name]
     rows = [row for row in data["rows"] if row["seconds"] and (row["errors"].get(name) or {}).get("error")]
     with style():
         figure, axes = new_figure(7.2, 4.4)
-        axes = _single(axes)
-        for family, (mark, colour) in MARKS.items():
-            group = [row for row in rows if row["family"] == family]
-            for plain in (True, False):
-                some = [row for row in group if row["plain"] is plain]
-                if some:
-                    axes.plot(
-                        [row["seconds"] for row in some],
-                        [100 * row["errors"][name]["error"] for row in some],
-                        mark,
-                        color=colour,
-                        markerfacecolor=colour if plain else "white",
-                        markersize=6,
-                        label=family if plain else f"{family}, other axes",
-                    )
+        _draw_families(axes, rows, name)
         front = [row for label in summary["pareto"] for row in rows if row["label"] == label]
         if front:
-            axes.step(
-                [row["seconds"] for row in front], [100 * row["errors"][name]["error"] for row in front],
-                where="post", color="#b03a2e", linewidth=1.0, label="Pareto front",
-            )  # fmt: skip
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+            axes.step(*_points(front, name), where="post", color="#b03a2e", linewidth=1.0, label="Pareto front")
+        axes.set(xscale="log", yscale="log", xlabel="processor time of the run (s)", ylabel="error (%)")
         if summary["floor"]:
             low = min(axes.get_ylim()[0], 50 * summary["floor"])
             axes.set_ylim(bottom=low)
@@ -65,18 +46,28 @@ def draw_quantity(data: dict[str, Any], name: str, folder: Path) -> Path:
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter("")
         _name_choices(axes, summary, rows, name)
-        axes.set_xlabel("processor time of the run (s)")
-        axes.set_ylabel("error (%)")
         axes.set_title(f"{data['case']}: {name}")
         axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
         return save(figure, folder / f"bench_{name.replace(' ', '_')}.png")
 
 
-def _single(axes):
-    return axes.flat[0] if hasattr(axes, "flat") else axes
+def _points(rows: list[dict], name: str) -> tuple[list[float], list[float]]:
+    """Return run times (s) and errors (%)."""
+    return [row["seconds"] for row in rows], [100 * row["errors"][name]["error"] for row in rows]
 
 
-def _name_choices(axes, summary, rows, name: str) -> None:
+def _draw_families(axes, rows: list[dict], name: str) -> None:
+    for family, (mark, colour) in MARKS.items():
+        for plain in (True, False):
+            some = [row for row in rows if row["family"] == family and row["plain"] is plain]
+            if some:
+                axes.plot(
+                    *_points(some, name), mark, color=colour, markerfacecolor=colour if plain else "white",
+                    markersize=6, label=family if plain else f"{family}, other axes",
+                )  # fmt: skip
+
+
+def _name_choices(axes, summary: dict, rows: list[dict], name: str) -> None:
     """Ring and name the cheapest settings; where one serves both targets it is named once."""
     named: dict[str, list[str]] = {}
     for target, label in summary["cheapest"].items():

@@ -1,1 +1,5 @@
-"""The engines compared with each other."""
+"""LAMMPS and the native engine compared on one case."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,12 +1,12 @@
-"""How two runs of a case part after they have agreed: the engines, and the native engine from itself."""
+"""Divergence of two runs of a case after they have agreed: of the engines, and of the native engine from itself."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.scene import Scene
 
 from .ensembles import perturbed
@@ -17,20 +17,19 @@ from .trajectories import (
     crossing_step,
     fit_growth,
     plain_scene,
-    run_lammps_frames,
-    run_native_frames,
     separation,
+    trajectory,
 )
 
 FRAMES = 400
 TWIN_JITTER = 1e-15
-"""The twin of the native run starts this far off (diameters, and relative speeds): a few last digits."""
+"""The twin of the native run starts this far off (diameters, and shares of speeds): a few last digits."""
 LEVELS = (1e-12, AGREEMENT, 1e-6, 1e-3, 1e-1)
 
 
 @dataclass(frozen=True)
 class Divergence:
-    """How two runs of the case part after they have agreed.
+    """Divergence of two runs of a case after they have agreed.
 
     Attributes
     ----------
@@ -49,15 +48,15 @@ class Divergence:
     kernel: str
 
 
-def measure_divergence(scene: Scene, kernel: str, plugin: Path | None, work: float) -> Divergence:
-    """Follow both engines, and the native engine against itself, until discs have parted or `work` is done."""
+def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
+    """Compare both engines, and the native engine with its twin, until discs have parted or `work` is done."""
     bare = replace(scene, probes=())
     steps = parting_step(bare, work)
     interval = max(1, steps // FRAMES)
     long = plain_scene(scene, max(interval, steps // interval * interval), interval)
-    native = run_native_frames(long)
-    part = separation(native, run_lammps_frames(long, kernel, plugin), scene.diameter)
-    twin = separation(native, run_native_frames(perturbed(long, 1, TWIN_JITTER)), scene.diameter)
+    native = trajectory(long, "native")
+    part = separation(native, trajectory(long, kernel), scene.diameter)
+    twin = separation(native, trajectory(perturbed(long, 1, TWIN_JITTER), "native"), scene.diameter)
     levels = {f"{level:g}": crossing_step(part, level) for level in LEVELS}
     dt = scene.time_step
     growths = (fit_growth(one.steps, one.largest, dt) for one in (part, twin))
@@ -65,9 +64,7 @@ def measure_divergence(scene: Scene, kernel: str, plugin: Path | None, work: flo
 
 
 def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:
-    """Some steps after the native engine and its twin have parted by `level` diameters; at most `work` disc-steps."""
-    from lammps_jump.engines.native import NativeSimulation
-
+    """Return a step soon after the native engine and its twin have parted by `level` d; at most `work` disc-steps."""
     one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene, 1, TWIN_JITTER)))
     while one.step < scene.steps and one.disc_steps < work:
         chunk = min(200, scene.steps - one.step)

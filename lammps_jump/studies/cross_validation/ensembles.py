@@ -1,7 +1,7 @@
 """Ensembles: one scene from slightly different starts, each run reduced to profiles and series and kept on disk.
 
-Two runs of a chaotic flow never agree disc by disc for long; what they can share is the statistics over starts that
-nobody could tell apart.
+Two runs of a chaotic flow never agree disc by disc for long. What they can share is the statistics over starts that
+differ by less than any measurement shows.
 """
 
 from __future__ import annotations
@@ -11,39 +11,51 @@ import json
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 
-from lammps_jump.engines.result import ProgressCallback, RunResult
+from lammps_jump import analysis
+from lammps_jump.analysis.energy import EnergyLedger
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.front import FrontTracker
+from lammps_jump.analysis.profiles import compute_profiles, read_profiles, write_profiles
+from lammps_jump.dump.find import open_run_dump, read_forces
+from lammps_jump.engines import native
+from lammps_jump.engines.lammps.loader import wheel_version
+from lammps_jump.engines.plugin.build import plugin_path
+from lammps_jump.engines.result import ProgressCallback
 from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.scene.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
+from lammps_jump.script.assemble import data_text, script_text
+from lammps_jump.studies.runs import execute
+from lammps_jump.studies.store import as_json
 
 JITTER = 1e-6
 """Start positions move by up to this many diameters, row speeds by up to this share of themselves."""
 REDUCTION = 3
 """Counts up when what is kept of a run changes; older results are then made anew."""
-
-LAMMPS_NAMES = {"stock": "lammps_stock", "compiled": "lammps_compiled"}
+LABELS = {"stock": "lammps_stock", "compiled": "lammps_compiled", "native": "native"}
+"""Name of an ensemble in folders and tables, by kernel."""
 
 
 @dataclass(frozen=True)
-class EngineChoice:
-    """Who computes: 'native', or 'lammps' with a kernel (and its plugin)."""
+class RunNumbers:
+    """Numbers of an engine's `RunResult` that are kept of a run, with its seed."""
 
-    name: str
-    kernel: str = "numba"
-    plugin: Path | None = None
-
-    @property
-    def label(self) -> str:
-        """Short name for folders and tables."""
-        return "native" if self.name == "native" else LAMMPS_NAMES[self.kernel]
+    seed: int
+    engine: str
+    kernel: str
+    steps: int
+    disc_steps: float
+    seconds: float
+    inserted: int
+    present: int
+    removed: int
+    lost: int
+    ledger: dict[str, float] | None
 
 
 @dataclass(frozen=True)
@@ -52,34 +64,68 @@ class Member:
 
     Attributes
     ----------
-    seed : int
-    engine : str
+    name : str
+        Of its ensemble.
     profiles : xarray.Dataset
         Of `analysis.profiles.compute_profiles`.
     series : dict of ndarray, shape (frames,)
         time (s), discs, kinetic, gravitational, elastic (J/m), front, front_99 (m).
     forces : dict of str to ndarray, shape (windows, 4)
         time, fx, fy, moment by structure.
-    result : dict
-        The engine's `RunResult`.
+    result : RunNumbers
     fresh : bool
         Computed now, not read from disk.
     """
 
-    seed: int
-    engine: str
+    name: str
     profiles: xr.Dataset
     series: dict[str, np.ndarray]
     forces: dict[str, np.ndarray]
-    result: dict[str, Any]
-    fresh: bool
+    result: RunNumbers
+    fresh: bool = False
+
+
+@dataclass(frozen=True)
+class Binning:
+    """Width of a profile's bins (m) and window of its means (s); None for the default of the analysis."""
+
+    bin_width: float | None = None
+    window: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Runs of one scene from several starts.
+
+    Attributes
+    ----------
+    scene : Scene
+        Unperturbed.
+    kernel : {'stock', 'compiled', 'native'}
+    store : Path
+        Folder of finished members: ``<name>_<seed>_<hash>/``.
+    binning : Binning
+    label : str
+        Name; default that of `LABELS`.
+    """
+
+    scene: Scene
+    kernel: str
+    store: Path
+    binning: Binning = Binning()
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name in folders and tables."""
+        return self.label or LABELS[self.kernel]
 
 
 def perturbed(scene: Scene, seed: int, jitter: float = JITTER) -> Scene:
-    """The scene from a start nobody could tell from its own; seed 0 is the scene itself.
+    """Return a copy of the scene with its start shifted by at most `jitter` diameters; seed 0 is the scene itself.
 
-    Positions of discs at the start move by uniform random numbers in ± jitter d, the speed of every inlet row by a
-    factor 1 ± jitter. Nothing else changes: both engines get the same numbers.
+    Positions of discs at the start move by uniform random numbers in ± jitter d. The speed of every inlet row changes
+    by a factor 1 ± jitter. Both engines get the same numbers.
     """
     if seed == 0:
         return scene
@@ -90,148 +136,84 @@ def perturbed(scene: Scene, seed: int, jitter: float = JITTER) -> Scene:
     return replace(scene, positions=positions, inlets=inlets)
 
 
-def _digest(*parts: bytes) -> str:
+def _sources(package) -> bytes:
+    """Return the source text of a folder of this package."""
+    return b"".join(path.read_bytes() for path in sorted(Path(package.__path__[0]).glob("*.py")))
+
+
+def member_key(scene: Scene, kernel: str, binning: Binning) -> str:
+    """Return the hash of all that a member depends on: the numbers of the scene, the code of engine and reduction."""
+    # the script holds every number that LAMMPS sees; the native engine gets the same scene
+    numbers = script_text(scene, kernel="compiled", dump_format="binary") + data_text(scene)
+    numbers += f"{scene.integrator} {scene.friction_law} {scene.steps} {scene.output_steps}"
+    if kernel == "native":
+        code = _sources(native)
+    else:
+        # the folder of the plugin is named after the hash of its sources, compiler and flags
+        plugin = plugin_path() if kernel == "compiled" else ""
+        code = f"{wheel_version()} {kernel} {plugin}{script_text(scene, kernel=kernel, dump_format='binary')}".encode()
     found = hashlib.sha256()
-    for part in parts:
-        found.update(part)
-        found.update(b"\0")
+    for part in (f"{REDUCTION} {binning}".encode(), _sources(analysis), numbers.encode(), code):
+        found.update(part + b"\0")
     return found.hexdigest()[:12]
 
 
-REDUCING = (
-    "profiles", "profile_kernels", "front", "energy", "contact_sums", "contacts", "cell_grid", "flow",
-)  # fmt: skip
-"""Modules of the analysis that make a member's numbers."""
-
-
-def _sources(package: str, names: tuple[str, ...] | None = None) -> bytes:
-    folder = Path(__import__(package, fromlist=["_"]).__file__).parent
-    files = sorted(folder.glob("*.py")) if names is None else [folder / f"{name}.py" for name in names]
-    return b"".join(file.read_bytes() for file in files)
-
-
-def member_key(scene: Scene, engine: EngineChoice, bin_width: float | None, window) -> str:
-    """Hash of all that a member's result depends on: the scene's numbers, the engine's code, the reduction's code."""
-    from lammps_jump.engines.lammps.loader import wheel_version
-    from lammps_jump.script.assemble import data_text, script_text
-
-    reduction = _sources("lammps_jump.analysis", REDUCING)
-    common = f"{REDUCTION} {bin_width} {window}".encode()
-    # the script holds every number that LAMMPS sees; the native engine gets the same scene
-    numbers = script_text(scene, kernel="compiled", dump_format="binary").encode() + data_text(scene).encode()
-    numbers += f"{scene.integrator} {scene.friction_law} {scene.steps} {scene.output_steps}".encode()
-    if engine.name == "native":
-        code = _sources("lammps_jump.engines.native")
-    else:
-        # the plugin's folder is named after the hash of its sources, compiler and flags
-        code = f"{wheel_version()} {engine.kernel} {engine.plugin or ''}".encode()
-        code += script_text(scene, kernel=engine.kernel, dump_format="binary").encode()
-    return _digest(common, reduction, numbers, code)
-
-
-def run_member(
-    scene: Scene,
-    seed: int,
-    engine: EngineChoice,
-    store: Path,
-    *,
-    bin_width: float | None = None,
-    window: tuple[float, float] | None = None,
-    label: str = "",
-    progress: ProgressCallback | None = None,
-) -> Member:
-    """Run one member, or read it from `store` where it is there already.
-
-    Parameters
-    ----------
-    scene : Scene
-        Unperturbed.
-    seed : int
-        Of `perturbed`.
-    engine : EngineChoice
-    store : Path
-        Folder of finished members: ``<label or engine>_<seed>_<hash>/``.
-    bin_width, window
-        For the profiles.
+def run_member(ensemble: Ensemble, seed: int, progress: ProgressCallback | None = None) -> Member:
+    """Run the member with a seed, or read it from the store where it is there already.
 
     Raises
     ------
     RunError
         Where the run did not complete.
     """
-    start = perturbed(scene, seed)
-    name = label or engine.label
-    place = store / f"{name}_{seed}_{member_key(start, engine, bin_width, window)}"
+    start, name, store = perturbed(ensemble.scene, seed), ensemble.name, ensemble.store
+    place = store / f"{name}_{seed}_{member_key(start, ensemble.kernel, ensemble.binning)}"
     if (place / "result.json").exists():
-        return read_member(place, seed, name)
+        return read_member(place, name)
     store.mkdir(parents=True, exist_ok=True)
     for old in store.glob(f"{name}_{seed}_*"):
         shutil.rmtree(old, ignore_errors=True)
     with tempfile.TemporaryDirectory(prefix="running-", dir=store) as work:
-        folder = Path(work) / "run"
+        folder, kept = Path(work) / "run", Path(work) / "kept"
         folder.mkdir()
-        result = run_engine(start, engine, folder, progress)
+        kept.mkdir()
+        result, _ = execute(start, folder, ensemble.kernel, dump_format="binary", progress=progress)
         if result.status == "interrupted":
             raise RunInterrupted(
-                f"ended in {name}, member {seed}; finished members are kept in {store}: the same command goes on there"
+                f"ended in {name}, member {seed}; finished members are kept in {store}: the same command continues"
             )
         if result.status != "complete":
             raise RunError(f"{name}, member {seed}: {result.message}")
-        kept = Path(work) / "kept"
-        kept.mkdir()
-        reduce_run(start, folder, kept, bin_width, window)
-        numbers = {key: getattr(result, key) for key in ("engine", "kernel", "steps", "disc_steps", "seconds")}
-        numbers |= {key: getattr(result, key) for key in ("inserted", "present", "removed", "lost", "ledger")}
-        (kept / "result.json").write_text(json.dumps({"seed": seed, **numbers}, indent=1))
+        reduce_run(start, folder, kept, ensemble.binning)
+        numbers = RunNumbers(seed, *(getattr(result, one.name) for one in fields(RunNumbers)[1:]))
+        (kept / "result.json").write_text(json.dumps(as_json(numbers), indent=1))
         kept.rename(place)
-    return replace(read_member(place, seed, name), fresh=True)
+    return replace(read_member(place, name), fresh=True)
 
 
-def run_engine(scene: Scene, engine: EngineChoice, folder: Path, progress: ProgressCallback | None) -> RunResult:
-    """Run a scene on the chosen engine with a binary dump in `folder`."""
-    if engine.name == "native":
-        from lammps_jump.engines.native import run_native
-
-        return run_native(scene, folder, progress=progress, dump_format="binary")
-    from lammps_jump.engines.launch import Setting, run
-
-    setting = Setting(kernel=engine.kernel, plugin=engine.plugin, dump_format="binary")
-    return run(scene, folder, setting, progress=progress)
-
-
-def reduce_run(
-    scene: Scene, folder: Path, kept: Path, bin_width: float | None, window: tuple[float, float] | None
-) -> None:
-    """One pass over a run's dump; writes ``profiles.nc``, ``series.npz`` and ``forces.npz`` into `kept`."""
-    from lammps_jump.analysis.energy import EnergyLedger
-    from lammps_jump.analysis.flow import from_scene
-    from lammps_jump.analysis.front import FrontTracker
-    from lammps_jump.analysis.profiles import compute_profiles, write_profiles
-    from lammps_jump.dump.find import read_forces
-    from lammps_jump.dump.read import open_dump
-
-    context = from_scene(scene, bin_width=bin_width, window=window)
-    front, energy = FrontTracker(context), EnergyLedger(context)
+def reduce_run(scene: Scene, folder: Path, kept: Path, binning: Binning) -> None:
+    """Read the dump of a run once; write ``profiles.nc``, ``series.npz`` and ``forces.npz`` into `kept`."""
+    flow = from_scene(scene, bin_width=binning.bin_width, window=binning.window)
+    front, energy = FrontTracker(flow), EnergyLedger(flow)
     discs: list[int] = []
 
     def frames() -> Iterator:
-        for frame in open_dump(next(folder.glob("dump.*"))):
-            time = context.time(frame)
+        for frame in open_run_dump(folder):
+            time = flow.time(frame)
             front.add(frame, time)
             energy.add(frame, time)
             discs.append(frame.n)
             yield frame
 
-    write_profiles(compute_profiles(frames(), context), kept / "profiles.nc")
+    write_profiles(compute_profiles(frames(), flow), kept / "profiles.nc")
     fronts, energies = front.result(), energy.result()
-    elastic = energies.elastic if energies.elastic is not None else np.zeros_like(energies.time)
     np.savez_compressed(
         kept / "series.npz",
         time=energies.time,
         discs=np.array(discs),
         kinetic=energies.kinetic + energies.rotational,
         gravitational=energies.potential,
-        elastic=elastic,
+        elastic=energies.elastic if energies.elastic is not None else np.zeros_like(energies.time),
         front=fronts.bulk + fronts.back,
         front_99=fronts.quantile + fronts.back,
     )
@@ -240,38 +222,34 @@ def reduce_run(
     np.savez_compressed(kept / "forces.npz", **tables)
 
 
-def read_member(place: Path, seed: int, engine: str) -> Member:
-    """A member from its folder."""
-    from lammps_jump.analysis.profiles import read_profiles
-
-    with np.load(place / "series.npz") as data:
-        series = {name: data[name] for name in data.files}
-    with np.load(place / "forces.npz") as data:
-        forces = {name: data[name] for name in data.files}
-    result = json.loads((place / "result.json").read_text())
-    return Member(seed, engine, read_profiles(place / "profiles.nc"), series, forces, result, False)
+def read_member(place: Path, name: str) -> Member:
+    """Return a member from its folder."""
+    with np.load(place / "series.npz") as series, np.load(place / "forces.npz") as forces:
+        result = RunNumbers(**json.loads((place / "result.json").read_text()))
+        return Member(name, read_profiles(place / "profiles.nc"), dict(series), dict(forces), result)
 
 
 def run_ensemble(
-    scene: Scene,
+    ensemble: Ensemble,
     seeds: list[int],
-    engine: EngineChoice,
-    store: Path,
     *,
-    bin_width: float | None = None,
-    window: tuple[float, float] | None = None,
-    label: str = "",
-    before: Callable[[str, int], ProgressCallback | None] | None = None,
+    progress: Callable[[], ProgressCallback | None] | None = None,
     after: Callable[[Member], None] | None = None,
 ) -> list[Member]:
-    """All members of an ensemble, finished ones read from `store`; `before` and `after` tell how it goes."""
+    """Return all members, finished ones read from the store.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+    seeds : list of int
+    progress : callable, optional
+        Makes the progress line of each member.
+    after : callable, optional
+        Called with each member.
+    """
     members = []
     for seed in seeds:
-        progress = before(label or engine.label, seed) if before else None
-        member = run_member(
-            scene, seed, engine, store, bin_width=bin_width, window=window, label=label, progress=progress
-        )
+        members.append(run_member(ensemble, seed, progress() if progress else None))
         if after:
-            after(member)
-        members.append(member)
+            after(members[-1])
     return members

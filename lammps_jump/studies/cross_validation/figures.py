@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, new_figure, save, style
 
+from .divergence import Divergence
 from .outcome import Study
 from .quantities import Comparison, relative_size
 from .trajectories import AGREEMENT, CONTACT_STEPS, Growth
@@ -28,39 +30,36 @@ LABELS = {
 KILO = ("kinetic history", "gravitational history")
 
 
-def draw_all(study: Study, folder: Path) -> dict[str, Path]:
+DIVERGENCE = "How the engines part, disc by disc"
+LAW_FIGURES = ("What the choice of law, integrator and correction changes", "Depth profiles of the laws")
+
+
+def draw_all(study: Study, part: Divergence, found: Comparison, folder: Path) -> dict[str, Path]:
     """Draw what the study has; returns file by title, in the order of the report."""
     folder.mkdir(parents=True, exist_ok=True)
-    figures: dict[str, Path] = {}
+    profiles = [name for name in found.bands if name.endswith("profile")]
+    times = [name for name in found.bands if found.bands[name][0].axis == "t"]
+    leading = [name for name in times if "front" in name or "toe" in name]
     with style():
-        if study.divergence is not None:
-            figures["How the engines part, disc by disc"] = save(divergence(study), folder / "divergence.png")
-        found = study.comparison
-        if found is not None:
-            profiles = [name for name in found.bands if name.endswith("profile")]
-            figures["Profiles along the channel, mean over the window"] = save(
-                curves(found, profiles), folder / "profiles.png"
-            )
-            times = [name for name in found.bands if found.bands[name][0].axis == "t"]
-            leading = [name for name in times if "front" in name or "toe" in name]
-            if leading:
-                title = "Toe of the jump against time" if "jump toe history" in leading else "Front against time"
-                figures[title] = save(curves(found, leading), folder / "front.png")
-            rest = [name for name in times if name not in leading]
-            figures["Histories"] = save(curves(found, rest), folder / "histories.png")
-            figures["Differences of all numbers"] = save(forest({"": found}), folder / "differences.png")
+        drawn = {
+            DIVERGENCE: ("divergence", divergence(study, part)),
+            "Profiles along the channel, mean over the window": ("profiles", curves(found, profiles)),
+        }
+        if leading:
+            title = "Toe of the jump against time" if "jump toe history" in leading else "Front against time"
+            drawn[title] = ("front", curves(found, leading))
+        drawn["Histories"] = ("histories", curves(found, [name for name in times if name not in leading]))
+        drawn["Differences of all numbers"] = ("differences", forest({"": found}))
         if study.laws:
             laws = {label: comparison for label, (_, comparison) in study.laws.items()}
-            figures["What the choice of law, integrator and correction changes"] = save(
-                forest(laws), folder / "laws.png"
-            )
-            figures["Depth profiles of the laws"] = save(law_profiles(study), folder / "law_profiles.png")
-    return figures
+            drawn[LAW_FIGURES[0]] = ("laws", forest(laws))
+            drawn[LAW_FIGURES[1]] = ("law_profiles", law_profiles(laws))
+        return {title: save(figure, folder / f"{name}.png") for title, (name, figure) in drawn.items()}
 
 
-def divergence(study: Study):
-    """Separation against time on a logarithmic axis, with its twin and the fitted growth."""
-    part, scene = study.divergence, study.scene
+def divergence(study: Study, part: Divergence) -> Figure:
+    """Draw separation against time on a logarithmic axis, with its twin and the fitted growth."""
+    scene = study.scene
     figure, axes = new_figure(7.2, 4.0)
     rows = (
         (part.engines, part.growth, BLUE, "-", f"LAMMPS ({part.kernel}) from native"),
@@ -81,9 +80,8 @@ def divergence(study: Study):
         axes.axvspan(scene.time(own.first_contact), end, color="#e9edf4", zorder=0)
         axes.annotate(f"first {CONTACT_STEPS} steps\nwith contacts", (end, 0.97), xycoords=("data", "axes fraction"),
                       va="top", fontsize=8, color=GREY)  # fmt: skip
-    axes.set_ylim(1e-17, 10 * top)
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel("largest distance between\nthe two places of a disc [d]")
+    ylabel = "largest distance between\nthe two places of a disc [d]"
+    axes.set(ylim=(1e-17, 10 * top), xlabel="time [s]", ylabel=ylabel)
     axes.legend(loc="lower right")
     return figure
 
@@ -92,8 +90,8 @@ def _rate(growth: Growth) -> str:
     return f" (e-fold in {1.0 / growth.rate:.3g} s)" if growth.rate > 0 else ""
 
 
-def curves(found: Comparison, names: list[str]):
-    """Mean of each ensemble, banded by one standard deviation among members, and the difference with its interval."""
+def curves(found: Comparison, names: list[str]) -> Figure:
+    """Draw the mean of each ensemble with a band of one standard deviation, and the difference with its interval."""
     count = max(1, len(names))
     figure, axes = new_figure(9.6, 2.1 * count + 0.5, rows=count, columns=2, squeeze=False, width_ratios=(3, 2))
     for row, name in zip(axes, names, strict=False):
@@ -124,8 +122,8 @@ def curves(found: Comparison, names: list[str]):
     return figure
 
 
-def forest(comparisons: dict[str, Comparison]):
-    """Relative difference of every number with its confidence interval."""
+def forest(comparisons: dict[str, Comparison]) -> Figure:
+    """Draw the relative difference of every number with its confidence interval."""
     names = list(dict.fromkeys(v.name for found in comparisons.values() for v in found.verdicts if v.kind == "scalar"))
     figure, axes = new_figure(7.6, 0.26 * len(names) * max(1, 0.6 * len(comparisons)) + 1.2)
     styles = ((BLUE, "o"), (GOLD, "s"), (GREY, "^"), (RED, "D"))
@@ -151,30 +149,29 @@ def forest(comparisons: dict[str, Comparison]):
             widest = max(widest, float(np.max(np.abs(x) + np.minimum(half, 3 * np.abs(x) + 5))))
     axes.axvline(0.0, color=GREY, lw=0.8)
     axes.set_yticks([height - k - 0.4 * (1 - shift / 0.8) for k in range(len(names))], names)
-    axes.set_xlim(-1.1 * widest, 1.1 * widest)
-    axes.set_xlabel("difference, % of the quantity, with its 95 % interval (red ring: differs)")
+    xlabel = "difference, % of the quantity, with its 95 % interval (red ring: differs)"
+    axes.set(xlim=(-1.1 * widest, 1.1 * widest), xlabel=xlabel)
     if any(comparisons):
         axes.legend(loc="best")
     return figure
 
 
-def law_profiles(study: Study):
-    """Depth profiles of the laws beside the one they are compared with."""
+def law_profiles(laws: dict[str, Comparison]) -> Figure:
+    """Draw depth profiles of the laws beside the one they are compared with."""
     figure, axes = new_figure(7.2, 3.4)
     dashes = ("--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
     colours = (GOLD, GREY, RED, "#4c78a8")
-    base = next(iter(study.laws.values()))[1].bands.get("mass_depth profile")
+    base = next(iter(laws.values())).bands.get("mass_depth profile")
     if base is not None:
         curve, band = base
         axes.fill_between(
             curve.at, band.mean_1 - band.deviation_1, band.mean_1 + band.deviation_1, color=BLUE, alpha=0.2, lw=0
         )
         axes.plot(curve.at, band.mean_1, "-", color=BLUE, label="hooke, velocity Verlet, corrected")
-    for (label, (_, found)), dash, colour in zip(study.laws.items(), dashes, colours, strict=False):
+    for (label, found), dash, colour in zip(laws.items(), dashes, colours, strict=False):
         if "mass_depth profile" in found.bands:
             curve, band = found.bands["mass_depth profile"]
             axes.plot(curve.at, band.mean_2, ls=dash, color=colour, label=label)
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("depth by mass [m]")
+    axes.set(xlabel="x [m]", ylabel="depth by mass [m]")
     axes.legend(loc="best")
     return figure

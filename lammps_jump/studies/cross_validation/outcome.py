@@ -1,50 +1,105 @@
-"""Everything a cross-validation found."""
+"""What a cross-validation is about and what it has found so far."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
 
-from lammps_jump.case import LoadedCase
+from lammps_jump.runs.progress import ProgressLine
 from lammps_jump.scene.scene import Scene
+from lammps_jump.studies.runs import StudyCase
 
-from .divergence import Divergence
-from .ensembles import EngineChoice, Member
-from .quantities import Comparison, Quantities
+from .ensembles import Binning, Ensemble, Member, run_ensemble
+from .quantities import Comparison, Quantities, Wanted, compare, measure
+from .statistics import FAMILY_ERROR
 from .trajectories import DeterministicCheck
 
+Say = Callable[[str], None]
 
-@dataclass
-class Study:
-    """Everything a cross-validation found; figures and report are made from it."""
+
+@dataclass(frozen=True)
+class Criterion:
+    """A limit set beforehand; `met` is None where it is for information only."""
 
     name: str
-    scene: Scene
-    loaded: LoadedCase
-    engine: EngineChoice
-    checks: list[DeterministicCheck]
-    known: dict[tuple[str, str], str]
-    divergence: Divergence | None
-    members: dict[str, list[Member]]
-    quantities: dict[str, list[Quantities]]
-    comparison: Comparison | None
-    laws: dict[str, tuple[str, Comparison]]
-    criteria: list[dict[str, Any]]
-    notes: list[str]
-    seconds: float = 0.0
+    limit: float
+    value: float
+    met: bool | None
 
-    def expected(self, check: DeterministicCheck) -> str | None:
-        """Why a check that does not agree need not; None where it must."""
-        small = not check.agrees and check.worst <= KNOWN_LIMIT and not check.note
-        return self.known.get((check.name, check.kernel)) if small else None
+
+@dataclass(frozen=True)
+class Study:
+    """A cross-validation; its containers are filled part by part.
+
+    Attributes
+    ----------
+    case : StudyCase
+        With the law and integrator that both engines have.
+    scene : Scene
+    kernel : {'stock', 'compiled'}
+        LAMMPS kernel of the ensembles.
+    folder : Path
+    seeds : tuple of int
+        Of the members of each ensemble.
+    notes : list of str
+    say : callable
+    quiet : bool
+        No progress line.
+    checks, divergence
+        Disc by disc.
+    members, quantities : dict of list
+        By ensemble.
+    laws : dict of str to (text, Comparison)
+    """
+
+    case: StudyCase
+    scene: Scene
+    kernel: str
+    folder: Path
+    seeds: tuple[int, ...]
+    notes: list[str]
+    say: Say
+    quiet: bool
+    checks: list[DeterministicCheck] = field(default_factory=list)
+    members: dict[str, list[Member]] = field(default_factory=dict)
+    quantities: dict[str, list[Quantities]] = field(default_factory=dict)
+    laws: dict[str, tuple[str, Comparison]] = field(default_factory=dict)
 
     @property
-    def passed(self) -> bool:
-        """Nothing that must agree disagrees."""
-        checks = all(check.agrees or self.expected(check) for check in self.checks)
-        statistics = self.comparison is None or self.comparison.agrees
-        return checks and statistics and all(item["met"] is not False for item in self.criteria)
+    def name(self) -> str:
+        """Name of the case."""
+        return self.case.name
 
+    @property
+    def wanted(self) -> Wanted:
+        """Which analyses the case asks for."""
+        asked, c = self.case.fields.analysis, self.scene.coefficients
+        return Wanted(asked.front, asked.jump, c.restitution == 1.0 and not c.friction and not self.scene.inlets)
 
-KNOWN_LIMIT = 1e-3
-"""A difference that chaos explains is still a failure beyond this many diameters."""
+    def run(self, scene: Scene, kernel: str, label: str = "") -> str:
+        """Run and measure an ensemble; returns its name."""
+        asked = self.case.fields.analysis
+        binning = Binning(asked.bin_width, asked.window)
+        ensemble = Ensemble(scene, kernel, self.folder / "members", binning, label)
+        lines: list[ProgressLine] = []
+
+        def progress() -> ProgressLine:
+            if lines:
+                lines[-1].finish()
+            lines.append(ProgressLine(scene.time(scene.steps), quiet=self.quiet))
+            return lines[-1]
+
+        def tell(member: Member) -> None:
+            how = f"{member.result.seconds:.1f} s" if member.fresh else "was there"
+            present = member.result.present
+            self.say(f"{member.name}, member {member.result.seed}: {how}, {present} discs in play at the end")
+
+        members = run_ensemble(ensemble, list(self.seeds), progress=progress, after=tell)
+        self.members[ensemble.name] = members
+        self.quantities[ensemble.name] = [measure(member, scene, self.wanted, binning) for member in members]
+        return ensemble.name
+
+    def compare(self, one: str, two: str, label: str = "") -> Comparison:
+        """Compare two ensembles; `label` is the name of the second in the result."""
+        return compare(one, self.quantities[one], label or two, self.quantities[two], FAMILY_ERROR)

@@ -1,4 +1,4 @@
-"""What is compared of two ensembles: numbers and curves of each member, by name, with units."""
+"""Numbers and curves of each member, by name and with units, and the comparison of two ensembles."""
 
 from __future__ import annotations
 
@@ -8,17 +8,20 @@ from math import nan
 
 import numpy as np
 
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.jump.result import analyse_jump
+from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.scene.scene import Scene
 
-from .ensembles import Member
+from .ensembles import Binning, Member
 from .statistics import Band, Difference, block_means, compare_curves, holm, welch
 
 TIME_BLOCKS = 12
-"""Series are compared by their means over this many equal parts of the run: neighbouring frames tell the same."""
+"""Series are compared by their means over this many equal parts of the run; neighbouring frames are correlated."""
 MOST_BINS = 40
 """Profiles are compared on at most this many bins (neighbours averaged)."""
 FORCE_MEAN = 0.1
-"""The largest force is that of means over this time, s: the peak of single steps is a matter of chance contacts."""
+"""The largest force is that of means over this time, s. The peak of single steps depends on chance contacts."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Curve:
-    """One member's curve; `axis` is 'x' (m) or 't' (s)."""
+    """Curve of one member; `axis` is 'x' (m) or 't' (s)."""
 
     axis: str
     at: np.ndarray
@@ -42,7 +45,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Quantities:
-    """One member's numbers and curves by name.
+    """Numbers and curves of one member, by name.
 
     Attributes
     ----------
@@ -57,9 +60,9 @@ class Quantities:
     verdict: str = ""
 
 
-def measure(member: Member, scene: Scene, wanted: Wanted, bin_width: float | None, window) -> Quantities:
-    """Everything that is compared of one member."""
-    profiles, series, result = member.profiles, member.series, member.result
+def measure(member: Member, scene: Scene, wanted: Wanted, binning: Binning) -> Quantities:
+    """Return all numbers and curves of one member that are compared."""
+    profiles, series = member.profiles, member.series
     scalars: dict[str, tuple[float, str]] = {}
     curves: dict[str, Curve] = {}
     time = series["time"]
@@ -82,9 +85,9 @@ def measure(member: Member, scene: Scene, wanted: Wanted, bin_width: float | Non
     if _open(scene):
         scalars["discs in play, mean"] = float(series["discs"][run].mean()), "1"
     if scene.inlets or scene.pours:
-        scalars["discs inserted"] = float(result["inserted"]), "1"
+        scalars["discs inserted"] = float(member.result.inserted), "1"
     if scene.outlets:
-        scalars["discs removed"] = float(result["removed"]), "1"
+        scalars["discs removed"] = float(member.result.removed), "1"
     wet = profiles["mass_depth_mean"].values > 0.5 * scene.diameter
     if wet.any():
         scalars["depth, mean over wet bins"] = float(profiles["mass_depth_mean"].values[wet].mean()), "m"
@@ -94,7 +97,7 @@ def measure(member: Member, scene: Scene, wanted: Wanted, bin_width: float | Non
         _front(member, time, run, scalars, curves)
     for name, table in member.forces.items():
         _force(name, table, scalars, curves)
-    verdict = _jump(member, scene, bin_width, window, scalars, curves) if wanted.jump else ""
+    verdict = _jump(member, scene, binning, scalars, curves) if wanted.jump else ""
     return Quantities(scalars, curves, verdict)
 
 
@@ -130,13 +133,8 @@ def _force(name: str, table: np.ndarray, scalars: dict, curves: dict) -> None:
     curves[f"force on {name}, x"] = _history(time[run], fx[run], "N/m")
 
 
-def _jump(member: Member, scene: Scene, bin_width, window, scalars: dict, curves: dict) -> str:
-    from lammps_jump.analysis.flow import from_scene
-    from lammps_jump.analysis.jump.result import analyse_jump
-    from lammps_jump.analysis.jump.summary import summarise_jump
-
-    context = from_scene(scene, bin_width=bin_width, window=window)
-    found = analyse_jump(member.profiles, context)
+def _jump(member: Member, scene: Scene, binning: Binning, scalars: dict, curves: dict) -> str:
+    found = analyse_jump(member.profiles, from_scene(scene, bin_width=binning.bin_width, window=binning.window))
     numbers = summarise_jump(found)
     names = (
         ("speed", "shock speed", "m/s"),
@@ -158,7 +156,7 @@ def _jump(member: Member, scene: Scene, bin_width, window, scalars: dict, curves
 
 
 def _toe(time: np.ndarray, toe: np.ndarray) -> Curve:
-    """The toe by parts of the whole run; a part in which fewer than half of the frames have a jump has no number."""
+    """Return the toe by parts of the run; NaN for a part in which fewer than half of the frames have a jump."""
     cuts = np.linspace(0, len(time), TIME_BLOCKS + 1).astype(int)
     at, values = [], []
     for a, b in pairwise(cuts):
@@ -198,7 +196,7 @@ class Verdict:
 
     @property
     def text(self) -> str:
-        """The verdict in words."""
+        """Verdict in words."""
         d = self.difference
         if self.word == "not comparable":
             return "not comparable"
@@ -209,7 +207,7 @@ class Verdict:
 
 
 def relative_size(d: Difference) -> float | None:
-    """What a difference can be a share of: the larger mean; None where it does not stand out of its own scatter."""
+    """Return the larger mean, of which a difference is a share; None where it is within twice its scatter."""
     size = max(abs(d.mean_1), abs(d.mean_2))
     spread = max(d.deviation_1, d.deviation_2)
     return size if size > 0 and not size < 2.0 * spread else None
@@ -217,7 +215,7 @@ def relative_size(d: Difference) -> float | None:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two ensembles held against each other: one verdict a quantity, and the bands of the curves."""
+    """Comparison of two ensembles: one verdict a quantity, and the bands of the curves."""
 
     name_1: str
     name_2: str
@@ -227,16 +225,16 @@ class Comparison:
 
     @property
     def agrees(self) -> bool:
-        """No quantity differs."""
+        """Whether no quantity differs."""
         return all(verdict.word != "differ" for verdict in self.verdicts)
 
     def find(self, name: str) -> Verdict | None:
-        """The verdict of that name."""
+        """Return the verdict of that name, None where there is none."""
         return next((verdict for verdict in self.verdicts if verdict.name == name), None)
 
 
 def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantities], family_error: float) -> Comparison:
-    """Welch for each number, Welch with Bonferroni over the points for each curve, Holm over all quantities."""
+    """Compare each number (Welch), each curve (Welch, Bonferroni over its points), and all together (Holm)."""
     drafts: list[tuple[str, str, str, Difference, str, float, int]] = []
     bands: dict[str, tuple[Curve, Band]] = {}
     for name in _common(one, two, "scalars"):

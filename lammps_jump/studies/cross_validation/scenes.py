@@ -1,4 +1,4 @@
-"""Small scenes that put one piece of the model at a time in front of both engines."""
+"""Small scenes, each of which tests one part of the model on both engines."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _heap(rng: np.random.Generator, columns: int, rows: int, x0: float = 0.4, y0
 
 
 def pair_scene() -> Scene:
-    """Discs only: a ring of twelve thrown at one in the middle, oblique hits, no wall, no weight."""
+    """Return a ring of twelve discs thrown at one in the middle: oblique contacts, no wall, no gravity."""
     angle = 2 * np.pi * np.arange(12) / 12 + 0.05 * np.sin(np.arange(12) * 2.3)
     out = np.column_stack([np.cos(angle), np.sin(angle)])
     along = np.column_stack([-out[:, 1], out[:, 0]])
@@ -51,7 +51,7 @@ def pair_scene() -> Scene:
 
 
 def wall_scene() -> Scene:
-    """Discs far from each other in a box with a plane under it: bounces, rest under weight, no pairs."""
+    """Return discs far from each other in a box over a plane: they bounce and rest, and never meet."""
     walls = (Plane("floor", "y", 0.0, "above"), Box("box", (-0.3, 3.3), (-1.0, 1.2)))
     positions = [[0.0, 0.115], [1.0, 0.2], [2.0, 0.6], [3.19, 1.0]]
     velocities = [[-1.0, 0.0], [0.0, -2.0], [0.3, 3.0], [1.0, 2.5]]
@@ -59,7 +59,7 @@ def wall_scene() -> Scene:
 
 
 def corner_scene() -> Scene:
-    """Discs that hit the corners of a block and roll off without spin: normals that turn."""
+    """Return discs that hit the corners of a block and slide off: normals that turn."""
     walls = (Block("step", (0.0, 1.0), (-1.0, 0.5)), Plane("floor", "y", 0.0, "above"))
     positions = [[-0.03, 0.61], [1.05, 0.62], [0.5, 0.61], [-0.8, 0.55], [1.9, 0.52]]
     velocities = [[0.0, -1.0], [-0.4, -1.5], [3.0, 0.0], [4.0, 0.4], [-5.0, 0.6]]
@@ -67,7 +67,7 @@ def corner_scene() -> Scene:
 
 
 def friction_scene(law: str = "hooke") -> Scene:
-    """A heap that slides and topples with friction, no spin."""
+    """Return a heap that slides and topples with friction, without spin."""
     rng = np.random.default_rng(7)
     positions = _heap(rng, 4, 5)
     velocities = np.column_stack([1.5 + 0.3 * np.arange(20) / 20, np.zeros(20)])
@@ -78,7 +78,7 @@ def friction_scene(law: str = "hooke") -> Scene:
 
 
 def spin_scene() -> Scene:
-    """The same heap with spin, higher friction."""
+    """Return the same heap with spin and higher friction."""
     rng = np.random.default_rng(8)
     positions = _heap(rng, 4, 5)
     velocities = np.column_stack([1.2 + 0.6 * np.arange(20) / 20, np.zeros(20)])
@@ -88,7 +88,7 @@ def spin_scene() -> Scene:
 
 
 def gate_scene() -> Scene:
-    """A column that settles behind a gate and is let go."""
+    """Return a column that settles behind a gate until the gate opens."""
     rng = np.random.default_rng(9)
     walls = (Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above"))
     gates = (Gate(Plane("gate", "x", 0.86, "below"), 600),)
@@ -99,8 +99,8 @@ def gate_scene() -> Scene:
     )  # fmt: skip
 
 
-def traffic_scene() -> Scene:
-    """Two rows of inflow over a floor into an outlet that takes discs out while others come in."""
+def inlet_scene() -> Scene:
+    """Return two rows of inflow over a floor into an outlet, so that discs leave while others enter."""
     rows = tuple(InletRow(0.0, 0.1 + 0.2 * i, 4.0 + 0.7 * i, 0.0, 1, 260 - 35 * i, 0.999 * DIAMETER) for i in range(2))
     walls = (Block("floor", (-4.0, 3.0), (-4.0, 0.0)), Block("sill", (1.2, 1.4), (-4.0, 0.15)))
     outlets = (Outlet("x", 1.9, "above", 40), Outlet("y", -1.0, "below", 40))
@@ -111,7 +111,7 @@ def traffic_scene() -> Scene:
 
 
 def elastic_scene() -> Scene:
-    """Restitution 1 in a closed box: nothing is damped away, so errors grow fastest."""
+    """Return discs of restitution 1 in a closed box: without damping, errors grow fastest."""
     positions = [[0.3, 0.3], [0.7, 0.35], [0.4, 0.75], [0.8, 0.8], [0.55, 0.5]]
     velocities = [[4.0, -3.0], [0.0, 0.0], [0.0, 0.0], [-2.0, 1.0], [0.0, 0.0]]
     walls = (Box("box", (0.0, 1.0), (0.0, 1.0)),)
@@ -122,7 +122,7 @@ def elastic_scene() -> Scene:
 
 
 def micro_scenes() -> tuple[Scene, ...]:
-    """The scenes of the deterministic part that both LAMMPS kernels can run, in the order of the report."""
+    """Return the scenes that both LAMMPS kernels can run, in the order of the report."""
     return (
         pair_scene(),
         wall_scene(),
@@ -131,5 +131,5 @@ def micro_scenes() -> tuple[Scene, ...]:
         spin_scene(),
         elastic_scene(),
         gate_scene(),
-        traffic_scene(),
+        inlet_scene(),
     )

@@ -1,1 +1,5 @@
 """Limits of stability, hard scenes and random cases."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

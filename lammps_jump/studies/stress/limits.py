@@ -1,9 +1,9 @@
-"""Where the step blows up: bisection on both engines for a pair, a wall, packings and a deep column.
+"""Largest stable step, found by bisection on both engines for a pair, a wall, packings and a deep column.
 
-Contacts are kept closed by a small compression, and a perturbation far smaller than it is given as velocities: while it
-stays small the motion is linear, and the step is stable exactly where the perturbation does not grow. Boxes are not
-periodic; their walls are as stiff as the discs, and what the ends change falls with the square of the discs along a
-side (0.3 % at 20). A hexagonal crystal with periodic boundaries is tried too, in a LAMMPS script of its own.
+A small compression keeps contacts closed, and a far smaller perturbation is given as velocities. While it stays small
+the motion is linear, and the step is stable exactly where the perturbation does not grow. Boxes are not periodic. Their
+walls are as stiff as the discs, and the effect of the ends falls with the square of the discs along a side (0.3 % at
+20). A hexagonal crystal with periodic boundaries is tried too, in a LAMMPS script of its own.
 """
 
 from __future__ import annotations
@@ -17,20 +17,32 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.lammps.loader import load_lammps
+from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.physics import contact
+from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Box, Plane
+from lammps_jump.script import stock
+from lammps_jump.script.stock import number
+from lammps_jump.studies.runs import execute
 
 DIAMETER, DENSITY, STIFFNESS = 0.2, 1000.0, 2.56e7
 MASS = contact.disc_mass(DENSITY, DIAMETER)
+OMEGA = contact.angular_frequency(STIFFNESS, 0.5 * MASS)
 GROWTH = 1e3
 """Energy of the perturbation over its first value that counts as growth; rounding and beating stay below 10."""
 BLOW_UP = 1e8
 """The same for scenes that are not linear from the start (a column still settling, friction, which chatters within
 Coulomb's bound): the perturbation of 1e-7 d omega has reached 1e-3 d omega, 0.2 m/s."""
 LOOKS = 10
-ENGINES = ("native velocity_verlet", "native leapfrog_extrapolated", "stock", "compiled")
+ENGINES = {
+    "native velocity_verlet": "native", "native leapfrog_extrapolated": "native", "stock": "stock",
+    "compiled": "compiled",
+}  # fmt: skip
+"""Kernel of each engine that is tried."""
 ARRANGEMENTS = ("pair", "wall", "square", "hexagonal", "column")
 
 
@@ -70,12 +82,12 @@ class Limit:
 
 
 def integrator_of(engine: str) -> str:
-    """Integrator of an engine of `ENGINES`; LAMMPS has velocity Verlet."""
+    """Return the integrator of an engine of `ENGINES`; LAMMPS has velocity Verlet."""
     return engine.split()[1] if engine.startswith("native") else "velocity_verlet"
 
 
 def predicted_limit(arrangement: str, restitution: float, integrator: str) -> float:
-    """Closed form: packings by `contact.stable_fraction`; at a wall omega is that of a pair over sqrt 2."""
+    """Return the closed form: packings by `contact.stable_fraction`; at a wall omega is that of a pair over sqrt 2."""
     xi = contact.damping_ratio(restitution)
     if arrangement == "wall":
         return contact.stable_fraction(xi, integrator, "pair") * sqrt(2.0)
@@ -83,51 +95,21 @@ def predicted_limit(arrangement: str, restitution: float, integrator: str) -> fl
     return contact.stable_fraction(xi, integrator, packing)
 
 
-def coefficients(
-    fraction: float, restitution: float, integrator: str, *, friction=0.0, rotation=False, wall=STIFFNESS
-) -> contact.Coefficients:
-    """Coefficients without the correction of restitution, so that the damping ratio is the nominal one."""
-    return contact.derive(
-        density=DENSITY,
-        diameter=DIAMETER,
-        restitution=restitution,
-        friction=friction,
-        stiffness=STIFFNESS,
-        stiffness_wall=wall,
-        impact_speed=16.0,
-        time_step_fraction=fraction,
-        integrator=integrator,
-        correct_restitution=False,
-        rotation=rotation,
-    )
-
-
-def _scene(positions, velocities, walls, coefficient, integrator, *, gravity=(0.0, 0.0), rotation=False) -> Scene:
+def _scene(positions, velocities, walls=(), **settings) -> Scene:
+    """Return discs with closed contacts; restitution is not corrected, so the damping ratio is the nominal one."""
     positions = np.asarray(positions, float)
     low, high = positions.min(axis=0) - 5 * DIAMETER, positions.max(axis=0) + 5 * DIAMETER
-    return Scene(
-        name="stability",
-        description="closed contacts, slightly perturbed",
-        diameter=DIAMETER,
-        density=DENSITY,
-        gravity=gravity,
-        coefficients=coefficient,
-        friction_law="hooke",
-        rotation=rotation,
-        integrator=integrator,
-        domain=((low[0], high[0]), (low[1], high[1])),
-        positions=positions,
-        velocities=np.asarray(velocities, float),
-        walls=tuple(walls),
-        skin=0.3 * DIAMETER,
-        overlap_limit=0.5 * DIAMETER,
-    )
+    settings = {"gravity": (0.0, 0.0), "diameter": DIAMETER, "density": DENSITY, **settings}
+    return handmade_scene(
+        positions, velocities, tuple(walls), name="stability", description="closed contacts, slightly perturbed",
+        domain=((low[0], high[0]), (low[1], high[1])), skin=0.3 * DIAMETER, overlap_limit=0.5 * DIAMETER, **settings,
+    )  # fmt: skip
 
 
 def arrangement_scene(
     arrangement: str, fraction: float, restitution: float, integrator: str, *, side=16, friction=0.0, rotation=False
 ) -> Scene:
-    """A perturbed scene with closed contacts.
+    """Return a perturbed scene with closed contacts.
 
     Parameters
     ----------
@@ -136,33 +118,32 @@ def arrangement_scene(
     integrator : str
     side : int
         Discs along a side.
+    friction : float
+    rotation : bool
     """
-    wall = 1e-3 * STIFFNESS if arrangement == "pair" else STIFFNESS
-    coefficient = coefficients(fraction, restitution, integrator, friction=friction, rotation=rotation, wall=wall)
-    omega, radius = coefficient.omega, 0.5 * DIAMETER
+    settings = {"time_step_fraction": fraction, "restitution": restitution, "integrator": integrator}
+    settings |= {"friction": friction, "rotation": rotation}
+    radius = 0.5 * DIAMETER
     if arrangement == "pair":
         overlap, soft = 4e-4 * DIAMETER, 0.4 * DIAMETER  # a soft wall presses them together and hardly stiffens them
-        x = 0.5 * (DIAMETER - overlap)
-        ends = (-x - radius + soft, x + radius - soft)
-        walls = [Plane("left", "x", ends[0], "above"), Plane("right", "x", ends[1], "below")]
-        speed = 1e-7 * DIAMETER * omega
-        return _scene([[-x, 0], [x, 0]], [[speed, 0], [-speed, 0]], walls, coefficient, integrator)
+        x, speed = 0.5 * (DIAMETER - overlap), 1e-7 * DIAMETER * OMEGA
+        walls = [Plane("left", "x", -x - radius + soft, "above"), Plane("right", "x", x + radius - soft, "below")]
+        start = [[-x, 0], [x, 0]], [[speed, 0], [-speed, 0]]
+        return _scene(*start, walls, stiffness_wall=1e-3 * STIFFNESS, **settings)
     if arrangement == "wall":
         overlap = 0.05 * DIAMETER
+        start = [[0.0, radius - overlap]], [[0.0, 1e-6 * DIAMETER * OMEGA]]
         gravity = (0.0, -STIFFNESS * overlap / MASS)
-        start = [[0.0, radius - overlap]], [[0.0, 1e-6 * DIAMETER * omega]]
-        return _scene(*start, [Plane("floor", "y", 0.0, "above")], coefficient, integrator, gravity=gravity)
+        return _scene(*start, [Plane("floor", "y", 0.0, "above")], gravity=gravity, **settings)
     if arrangement == "square":
-        positions, velocities, walls = _square(side, omega)
-        return _scene(positions, velocities, walls, coefficient, integrator, rotation=rotation)
+        return _scene(*_square(side), **settings)
     positions, walls, gravity = _settled(arrangement, side)
-    random = np.random.default_rng(7)
-    velocities = 1e-7 * DIAMETER * omega * random.standard_normal(positions.shape)
-    return _scene(positions, velocities, walls, coefficient, integrator, gravity=gravity, rotation=rotation)
+    velocities = 1e-7 * DIAMETER * OMEGA * np.random.default_rng(7).standard_normal(positions.shape)
+    return _scene(positions, velocities, walls, gravity=gravity, **settings)
 
 
-def _square(side: int, omega: float):
-    """Square lattice in a box; perturbed by whole columns and rows, which leaves its weak shear modes alone."""
+def _square(side: int) -> tuple[np.ndarray, np.ndarray, list[Box]]:
+    """Return a square lattice in a box, perturbed by whole columns and rows to leave its weak shear modes alone."""
     overlap = 1e-6 * DIAMETER
     spacing = DIAMETER - overlap
     i, j = np.meshgrid(np.arange(side), np.arange(side))
@@ -170,15 +151,16 @@ def _square(side: int, omega: float):
     low, high = overlap - 0.5 * DIAMETER, (side - 1) * spacing + 0.5 * DIAMETER - overlap
     random = np.random.default_rng(7)
     columns, rows = random.standard_normal((2, side))
-    velocities = 1e-10 * DIAMETER * omega * np.column_stack([columns[i.ravel()], rows[j.ravel()]])
+    velocities = 1e-10 * DIAMETER * OMEGA * np.column_stack([columns[i.ravel()], rows[j.ravel()]])
     return positions, velocities, [Box("box", (low, high), (low, high))]
 
 
 @lru_cache(maxsize=8)
-def _settled(arrangement: str, side: int):
-    """Hexagonal crystal in a tight box, or a deep hexagonal column under its weight, come to rest."""
-    from lammps_jump.engines.native import NativeSimulation
+def _settled(arrangement: str, side: int) -> tuple[np.ndarray, list[Box], tuple[float, float]]:
+    """Return positions, box and gravity of a hexagonal crystal in a tight box, or of a deep column under its weight.
 
+    Both have come to rest.
+    """
     radius = 0.5 * DIAMETER
     if arrangement == "hexagonal":
         overlap, gravity, rows = 1e-3 * DIAMETER, (0.0, 0.0), side + 1 - side % 2
@@ -187,34 +169,31 @@ def _settled(arrangement: str, side: int):
     else:
         gravity, rows, side = (0.0, -9.81), 4 * side, 10
         spacing, wall_x, wall_y = DIAMETER, 0.0, 0.0
-    positions = [
-        (spacing * (i + 0.5 * (j % 2)), spacing * sqrt(3.0) / 2 * j) for j in range(rows) for i in range(side - j % 2)
-    ]
-    positions = np.array(positions)
+    height = spacing * sqrt(3.0) / 2
+    places = ((i, j) for j in range(rows) for i in range(side - j % 2))
+    positions = np.array([(spacing * (i + 0.5 * (j % 2)), height * j) for i, j in places])
     right, top = positions.max(axis=0)
     high = top + radius - wall_y if arrangement == "hexagonal" else top + 5 * DIAMETER
     box = Box("box", (wall_x - radius, right + radius - wall_x), (wall_y - radius, high))
-    coefficient = coefficients(0.1, 0.2, "velocity_verlet")
-    scene = _scene(positions, np.zeros_like(positions), [box], coefficient, "velocity_verlet", gravity=gravity)
+    scene = _scene(positions, np.zeros_like(positions), [box], time_step_fraction=0.1, gravity=gravity)
     simulation = NativeSimulation(scene, ledger=False)
     simulation.run(4000 if arrangement == "hexagonal" else 40000)
     return simulation.positions, [box], gravity
 
 
 def growth(scene: Scene, engine: str, steps: int) -> float:
-    """Largest kinetic energy seen (at `LOOKS` times) over that at the start; infinite where the run fails.
+    """Return the largest kinetic energy seen (at `LOOKS` times) over that at the start; infinite where the run fails.
 
-    The largest, not the last: discs that have blown up fly apart, and their dashpots may calm them again.
+    The last value would not do: discs that have blown up fly apart, and their dashpots may calm them again.
     """
     start = float((scene.velocities**2).sum())
     every = max(1, steps // LOOKS)
     scene = replace(scene, steps=LOOKS * every, output_steps=every)
     try:
-        squares = _native(scene) if engine.startswith("native") else _lammps(scene, engine)
+        squares = _native(scene) if ENGINES[engine] == "native" else _lammps(scene, engine)
     except RunError:
         return inf
-    end = max(squares)
-    return end / start if all(isfinite(value) for value in squares) else inf
+    return max(squares) / start if all(map(isfinite, squares)) else inf
 
 
 def _square_sum(*velocities: np.ndarray) -> float:
@@ -223,8 +202,6 @@ def _square_sum(*velocities: np.ndarray) -> float:
 
 
 def _native(scene: Scene) -> list[float]:
-    from lammps_jump.engines.native import NativeSimulation
-
     simulation = NativeSimulation(scene, ledger=False)
     squares = []
     for _ in range(LOOKS):
@@ -235,9 +212,6 @@ def _native(scene: Scene) -> list[float]:
 
 
 def _lammps(scene: Scene, kernel: str) -> list[float]:
-    from lammps_jump.dump.read import open_dump
-    from lammps_jump.studies.bench.runs import execute
-
     with tempfile.TemporaryDirectory() as folder:
         result, _ = execute(scene, Path(folder), kernel)
         if result.status != "complete":
@@ -247,7 +221,7 @@ def _lammps(scene: Scene, kernel: str) -> list[float]:
 
 
 def bisect(stable: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
-    """(largest stable, smallest unstable) fraction, `tolerance` of their middle apart; the bracket widens by itself."""
+    """Return (largest stable, smallest unstable) fraction, `tolerance` of their middle apart; widens its bracket."""
     for _ in range(12):
         if stable(low):
             break
@@ -273,14 +247,13 @@ def measure_limit(
     side: int = 16,
     tolerance: float = 0.005,
 ) -> Limit:
-    """Bisection of the stable step of one arrangement on one engine."""
+    """Find the largest stable step of one arrangement on one engine by bisection."""
     integrator = integrator_of(engine)
     predicted = predicted_limit(arrangement, restitution, integrator)
 
     def stable(fraction: float) -> bool:
-        scene = arrangement_scene(
-            arrangement, fraction, restitution, integrator, side=side, friction=friction, rotation=rotation
-        )
+        options = {"side": side, "friction": friction, "rotation": rotation}
+        scene = arrangement_scene(arrangement, fraction, restitution, integrator, **options)
         return growth(scene, engine, steps) < (BLOW_UP if friction or arrangement == "column" else GROWTH)
 
     low, high = bisect(stable, 0.96 * predicted, 1.04 * predicted, tolerance)
@@ -288,26 +261,19 @@ def measure_limit(
 
 
 def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> float:
-    """Growth of a 2 % compressed hexagonal crystal with periodic boundaries on stock LAMMPS (script of its own).
+    """Return the growth of a 2 % compressed hexagonal crystal with periodic boundaries, in a LAMMPS script of its own.
 
     Raises
     ------
     SetupError
         Where LAMMPS cannot be loaded.
     """
-    from lammps_jump.engines.lammps.loader import load_lammps
-    from lammps_jump.script import stock as blocks
-    from lammps_jump.script.stock import number
-
-    c = coefficients(fraction, restitution, "velocity_verlet")
     spacing = 0.98 * DIAMETER
     height = spacing * sqrt(3.0) / 2
     points = [(spacing * (i + 0.5 * (j % 2)), height * j) for j in range(side) for i in range(side)]
-    scene = _scene(points, np.zeros((len(points), 2)), [], c, "velocity_verlet")
-    random = np.random.default_rng(7)
-    speeds = 1e-7 * DIAMETER * c.omega * random.standard_normal((len(points), 2))
-    module = load_lammps()
-    engine = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    speeds = 1e-7 * DIAMETER * OMEGA * np.random.default_rng(7).standard_normal((len(points), 2))
+    scene = _scene(points, speeds, time_step_fraction=fraction, restitution=restitution)
+    engine = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     try:
         text = [
             "units si", "dimension 2", "atom_style sphere", "boundary p p p", "newton off", "comm_modify vel yes",
@@ -315,7 +281,7 @@ def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, 
             *[f"create_atoms 1 single {number(x + 1e-3)} {number(y + 1e-3)} 0" for x, y in points],
             f"set group all diameter {number(DIAMETER)}", f"set group all mass {number(MASS)}",
             *[f"set atom {i} vx {number(vx)} vy {number(vy)}" for i, (vx, vy) in enumerate(speeds, 1)],
-            *blocks.contact_law(scene), f"neighbor {number(scene.skin)} bin", f"timestep {number(c.time_step)}",
+            *stock.contact_law(scene), f"neighbor {number(scene.skin)} bin", f"timestep {number(scene.time_step)}",
             "fix motion all nve", "thermo_style custom step ke", "run 0",
         ]  # fmt: skip
         engine.commands_string("\n".join(text))

@@ -1,37 +1,81 @@
-"""Hard scenes, by hand and at random, and what may become of them.
+"""Hard scenes, by hand and at random, and their outcomes.
 
-Each ends in one of three good ways: *stable* (ran to its end, every number finite, every disc accounted for), *refused*
-before the run, or *stopped* with a message that says what went wrong. Anything else is bad: a run that hangs or
-crashes, a number that is none in an output, a disc lost without a word, an error without a reason.
+Good outcomes are *stable* (complete, every number finite, every disc counted), *refused* before the run, and *stopped*
+with a message that says what went wrong. Bad ones are a run that hangs or crashes, NaN in an output, a disc lost
+without a message, an error without a reason.
 """
 
 from __future__ import annotations
 
 import re
 import tempfile
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
+from math import nan
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from lammps_jump.errors import JumpError, SetupError
+from lammps_jump.analysis.energy import EnergyLedger
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.dump.find import open_run_dump
+from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.result import RunResult
+from lammps_jump.errors import DumpError, JumpError, SetupError
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.walls import Box
+from lammps_jump.studies.runs import StudyCase, execute, kernel_changes
 
 GOOD = ("stable", "refused", "stopped")
+"""Good outcomes."""
 HEATED = 0.1
 """Energy out of nothing beyond this share ends as 'heated': an elastic collision errs by 1 % at f = 0.2,
 an elastic box by a few per cent a minute."""
 REASONS = re.compile(r"overlap|number|lost|left the domain|left the plane|balance|unstable|blew up|blown up|deep", re.I)
-ENGINE_TEXTS = {
-    "native": ["engine.name=native", "run.integrator=leapfrog_extrapolated"],
-    "native verlet": ["engine.name=native", "run.integrator=velocity_verlet"],
-    "stock": ["engine.name=lammps", "engine.kernel=stock"],
-    "compiled": ["engine.name=lammps", "engine.kernel=compiled"],
+ENGINE_CHANGES = {
+    "native": {"engine.name": "native", "run.integrator": "leapfrog_extrapolated"},
+    "native verlet": {"engine.name": "native", "run.integrator": "velocity_verlet"},
+    "stock": kernel_changes("stock"),
+    "compiled": kernel_changes("compiled"),
 }
+BYPASSED = {
+    "past the checks: discs overlapping by half": ((0.5, 2.0), (0.6, 2.0)),
+    "past the checks: a disc exactly on another": ((0.5, 2.0), (0.5, 2.0)),
+    "past the checks: a position that is no number": ((0.5, 2.0), (float("nan"), 2.0)),
+}
+"""Positions that a case cannot have; the engines must stop with a reason."""
 
 
-def base_case(**changes: Any) -> dict[str, Any]:
-    """A small box of discs under gravity, as data of a case file."""
+@dataclass(frozen=True)
+class Outcome:
+    """Outcome of a scene.
+
+    Attributes
+    ----------
+    outcome : str
+        One of `GOOD`; 'absent' where the engine is missing; or a bad one: 'nan', 'lost', 'heated', 'wordless', 'hang',
+        'crash', 'bug'.
+    message : str
+    steps : int or None
+    seconds : float or None
+        Wall time, s; None without a run.
+    gain : float or None
+        Largest rise of energy over the energy that moved; NaN for open scenes, None for runs that are not complete.
+    """
+
+    outcome: str
+    message: str
+    steps: int | None = None
+    seconds: float | None = None
+    gain: float | None = None
+
+    def stored(self) -> dict[str, str | float]:
+        """Return the fields that are not None."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+def base_case(**changes: object) -> dict:
+    """Return a small box of discs under gravity, as data of a case file."""
     case = {
         "name": "stress",
         "gravity": 9.81,
@@ -47,16 +91,17 @@ def base_case(**changes: Any) -> dict[str, Any]:
     return case
 
 
-def _list(positions, velocities=None, **changes: Any) -> dict[str, Any]:
+def _list(positions, velocities=None, **changes: object) -> dict:
     item = {"kind": "list", "positions": positions}
     if velocities is not None:
         item["velocities"] = velocities
     return base_case(initial=[item], **changes)
 
 
-def hard_scenes(long: bool = False) -> dict[str, tuple[dict[str, Any], tuple[str, ...]]]:
-    """Name to (case data, outcomes that are right for it)."""
+def hard_scenes(long: bool = False) -> dict[str, tuple[dict, tuple[str, ...]]]:
+    """Return (case data, outcomes that are right for it) by name."""
     block = [{"name": "block", "kind": "block", "x": [0, 1], "y": [0, 1]}]
+    floor = [{"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"}]
     head_on = [[0.5, 2.0], [1.5, 2.0]]
     drowned = {
         "walls": [
@@ -82,14 +127,7 @@ def hard_scenes(long: bool = False) -> dict[str, tuple[dict[str, Any], tuple[str
         "a disc resting on an edge": (_list([[1.0, 1.1]], walls=block), ("stable", "stopped")),
         "a disc inside a block": (_list([[0.5, 0.5]], walls=block), ("refused",)),
         "a position that is no number": (_list([[float("nan"), 0.5]]), ("refused",)),
-        "a disc thrown out of the domain": (
-            _list(
-                [[0.5, 0.5]],
-                [[40, 0]],
-                walls=[{"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"}],
-            ),
-            ("stopped",),
-        ),
+        "a disc thrown out of the domain": (_list([[0.5, 0.5]], [[40, 0]], walls=floor), ("stopped",)),
         "a step beyond the limit": (base_case(run={"time_step_fraction": 0.5}), ("refused",)),
         "a step beyond the limit, allowed": (
             base_case(run={"time_step_fraction": 0.9, "allow_unstable": True, "duration": 3}),
@@ -111,8 +149,8 @@ def hard_scenes(long: bool = False) -> dict[str, tuple[dict[str, Any], tuple[str
     return scenes
 
 
-def random_case(seed: int) -> dict[str, Any]:
-    """A small scene drawn from a seed: contact, walls, discs, inflow, step; a good part of them unreasonable."""
+def random_case(seed: int) -> dict:
+    """Return a small scene drawn from a seed: contact, walls, discs, inflow, step; many of them are unreasonable."""
     random = np.random.default_rng([20261121, seed])
     d = float(random.choice([0.05, 0.2, 1.0]))
     speed = float(random.choice([1.0, 5.0, 20.0]))
@@ -142,7 +180,7 @@ def random_case(seed: int) -> dict[str, Any]:
             {"kind": "lattice", "nx": nx, "ny": ny, "spacing": spacing, "origin": [0.6 * d, 0.6 * d],
              "jitter": float(random.choice([0, 0.02])), "velocities": {i: v for i, v in fast.items() if i <= nx * ny}}
         ]  # fmt: skip
-    case: dict[str, Any] = {
+    case: dict = {
         "name": f"random_{seed}",
         "gravity": float(random.choice([0.0, 9.81, 50.0])),
         "discs": {"diameter": d, "density": float(random.choice([1.0, 1000.0]))},
@@ -163,82 +201,70 @@ def random_case(seed: int) -> dict[str, Any]:
     return case
 
 
-def judge(case: dict[str, Any], engine: str) -> dict[str, Any]:
-    """Build, run and look at everything that came out.
-
-    Returns
-    -------
-    dict
-        outcome ('stable', 'refused', 'stopped', or a bad one: 'nan', 'lost', 'heated', 'wordless'), message, and for
-        runs steps, seconds and gain (energy out of nothing, over what moved; closed scenes only).
-    """
-    import yaml
-
-    from lammps_jump.case import parse_case
-    from lammps_jump.case.to_scene import build_scene
-
+def judge(case: dict, engine: str) -> Outcome:
+    """Build a case for an engine of `ENGINE_CHANGES`, run it and judge all that it wrote."""
     try:
-        scene = build_scene(parse_case(yaml.safe_dump(case), "stress.yaml", ENGINE_TEXTS[engine]))
+        scene = StudyCase(case).replace(ENGINE_CHANGES[engine]).scene()
+    except SetupError as error:
+        return Outcome("absent", str(error))
     except JumpError as error:
-        if isinstance(error, SetupError):
-            return {"outcome": "absent", "message": str(error)}
-        return {"outcome": "refused" if str(error).strip() else "wordless", "message": str(error)}
+        return Outcome("refused" if str(error).strip() else "wordless", str(error))
     return judge_scene(scene, engine)
 
 
-def judge_scene(scene, engine: str) -> dict[str, Any]:
-    """As `judge`, from a Scene: what slips past the checks of a case must be caught by the engines."""
-    from lammps_jump.studies.bench.runs import execute
+def judge_bypassed(positions: tuple[tuple[float, float], ...], engine: str) -> Outcome:
+    """Judge discs in a box without the checks of a case."""
+    scene = handmade_scene(
+        positions, [(0.0, 0.0)] * len(positions), (Box("box", (0, 2), (0, 5)),), domain=((-3, 5), (-3, 8)),
+        integrator="leapfrog_extrapolated" if engine == "native" else "velocity_verlet", steps=400, output_steps=20,
+        skin=0.06,
+    )  # fmt: skip
+    return judge_scene(scene, engine)
 
+
+def judge_scene(scene: Scene, engine: str) -> Outcome:
+    """Run a scene and judge all that it wrote; the engines must find what the checks of a case would refuse."""
     kernel = "native" if engine.startswith("native") else engine
     scene = replace(scene, probe_steps=max(1, scene.probe_steps))
     with tempfile.TemporaryDirectory() as folder, np.errstate(all="ignore"):
         try:
             result, watch = execute(scene, Path(folder), kernel)
         except SetupError as error:
-            return {"outcome": "absent", "message": str(error)}
+            return Outcome("absent", str(error))
         except JumpError as error:
-            return {"outcome": "stopped" if REASONS.search(str(error)) else "wordless", "message": str(error)}
+            return Outcome("stopped" if REASONS.search(str(error)) else "wordless", str(error))
         message = result.message.replace(folder, "the run folder")
-        report = {"message": message, "steps": result.steps, "seconds": watch.wall}
+        done = {"steps": result.steps, "seconds": watch.wall}
         trouble = look_for_trouble(Path(folder), result)
         if trouble:
-            return {**report, "outcome": trouble[0], "message": trouble[1] + (f" ({message})" if message else "")}
-        if result.status == "complete":
-            gain = energy_gain(Path(folder), scene)
-            report["gain"] = gain
-            if gain is not None and gain > HEATED:
-                return {**report, "outcome": "heated", "message": f"the energy rose by {100 * gain:.1f} %"}
-            return {**report, "outcome": "stable"}
-        return {**report, "outcome": "stopped" if REASONS.search(message) else "wordless"}
+            return Outcome(trouble[0], trouble[1] + (f" ({message})" if message else ""), **done)
+        if result.status != "complete":
+            return Outcome("stopped" if REASONS.search(message) else "wordless", message, **done)
+        gain = energy_gain(Path(folder), scene)
+    if gain > HEATED:
+        return Outcome("heated", f"the energy rose by {100 * gain:.1f} %", **done, gain=gain)
+    return Outcome("stable", message, **done, gain=gain)
 
 
-def energy_gain(folder: Path, scene) -> float | None:
-    """Largest energy above that of the start in any frame, over the energy that moved; None where discs come or go.
+def energy_gain(folder: Path, scene: Scene) -> float:
+    """Return the largest rise of energy in any frame over the energy that moved; NaN where discs come or go.
 
     What moved: kinetic and elastic energy at the start, and the largest fall of the gravitational energy.
     """
-    from lammps_jump.analysis.energy import EnergyLedger
-    from lammps_jump.analysis.flow import from_scene
-    from lammps_jump.dump.find import open_run_dump
-
     if scene.inlets or scene.outlets or scene.pours or not len(scene.positions):
-        return None
-    context = from_scene(scene)
-    ledger = EnergyLedger(context)
+        return nan
+    flow = from_scene(scene)
+    ledger = EnergyLedger(flow)
     for frame in open_run_dump(folder):
-        ledger.add(frame, context.time(frame))
+        ledger.add(frame, flow.time(frame))
     history = ledger.result()
     elastic = 0.0 if history.elastic is None else history.elastic[0]
     moved = history.kinetic[0] + elastic + float(np.ptp(history.potential))
     return float((history.total - history.total[0]).max() / moved) if moved > 0 else 0.0
 
 
-def look_for_trouble(folder: Path, result) -> tuple[str, str] | None:
-    """('nan' | 'lost', text) where an output holds what is no number, or a complete run does not account for all."""
-    from lammps_jump.dump.read import open_dump
-    from lammps_jump.errors import DumpError
-
+def look_for_trouble(folder: Path, result: RunResult) -> tuple[str, str] | None:
+    """Return ('nan' or 'lost', text) where an output holds NaN or a complete run does not count every disc."""
     if result.status == "complete" and (result.lost or result.inserted != result.present + result.removed):
         return "lost", f"{result.inserted} inserted, {result.present} present, {result.removed} removed"
     for path in folder.glob("dump.*"):

@@ -1,24 +1,21 @@
-"""Scenes run in a process of their own, so that a hang or a crash of an engine is a result, not the end of a study."""
+"""Scenes run in a process of their own: a hang or a crash of an engine is an outcome and does not end the study."""
 
 from __future__ import annotations
 
 import multiprocessing
 from collections.abc import Callable
-from typing import Any
+from multiprocessing.connection import Connection
 
-HANG = {"outcome": "hang", "message": ""}
+from .scenes import Outcome
 
 
-def _serve(pipe) -> None:
-    while True:
-        task = pipe.recv()
-        if task is None:
-            return
+def _serve(pipe: Connection) -> None:
+    while (task := pipe.recv()) is not None:
         function, arguments = task
         try:
             pipe.send(function(*arguments))
-        except Exception as error:  # whatever it is, the study must hear of it and go on
-            pipe.send({"outcome": "bug", "message": f"{type(error).__name__}: {error}"})
+        except Exception as error:  # any error is an outcome, and the study continues
+            pipe.send(Outcome("bug", f"{type(error).__name__}: {error}"))
 
 
 class Worker:
@@ -29,13 +26,19 @@ class Worker:
 
     def __init__(self) -> None:
         self._context = multiprocessing.get_context("spawn")
-        self._process: Any = None
-        self._pipe: Any = None
+        self._process: multiprocessing.process.BaseProcess | None = None
 
     def __enter__(self) -> Worker:
         return self
 
     def __exit__(self, *_: object) -> None:
+        if self._process is None:
+            return
+        try:
+            self._pipe.send(None)
+            self._process.join(2.0)
+        except (OSError, ValueError):
+            pass
         self._end()
 
     def _start(self) -> None:
@@ -44,27 +47,21 @@ class Worker:
         self._process.start()
         theirs.close()
 
-    def _end(self) -> None:
-        if self._process is None:
-            return
-        try:
-            self._pipe.send(None)
-            self._process.join(2.0)
-        except (OSError, ValueError):
-            pass
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join()
+    def _end(self) -> int | None:
+        """End the process where it still runs; returns its exit status."""
+        process, self._process = self._process, None
+        process.kill()
+        process.join()
         self._pipe.close()
-        self._process = None
+        return process.exitcode
 
-    def call(self, function: Callable[..., dict[str, Any]], *arguments: Any, timeout: float) -> dict[str, Any]:
-        """What the function returns; an outcome 'hang', 'crash' or 'bug' where it does not.
+    def call(self, function: Callable[..., Outcome], *arguments: object, timeout: float) -> Outcome:
+        """Return what the function returns; an outcome 'hang', 'crash' or 'bug' where it does not.
 
         Parameters
         ----------
         function : callable
-            At the top level of a module; returns a dict.
+            At the top level of a module.
         arguments
             Picklable.
         timeout : float
@@ -78,10 +75,6 @@ class Worker:
                 return self._pipe.recv()
         except (EOFError, BrokenPipeError, ConnectionResetError):
             self._process.join(2.0)
-            code = self._process.exitcode
-            self._process = None
-            return {"outcome": "crash", "message": f"the process ended with status {code}"}
-        self._process.kill()
-        self._process.join()
-        self._process = None
-        return {**HANG, "message": f"no answer within {timeout:g} s; the process was ended"}
+            return Outcome("crash", f"the process ended with status {self._end()}")
+        self._end()
+        return Outcome("hang", f"no answer within {timeout:g} s; the process was ended")

@@ -1,4 +1,4 @@
-"""What a benchmark varies: settings, the axes they come from, and which of them are stable."""
+"""Settings of a benchmark, the axes that they come from, and which of them are stable."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass
 
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
+
+from .runs import KERNELS, default_integrator, kernel_changes
 
 AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
 FRACTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
@@ -60,38 +62,39 @@ class Setting:
 
     @property
     def family(self) -> str:
-        """Kernel and touch: what a figure gives one mark."""
+        """Kernel and touch; a figure gives each family its mark."""
         return self.kernel + (" smooth" if self.touch == "smooth" else "")
 
     @property
     def plain(self) -> bool:
-        """Nothing varied but kernel, touch and step."""
+        """Whether nothing but kernel, touch and step is varied."""
         return self == Setting(self.kernel, self.fraction, self.touch)
 
-    def assignments(self, diameter: float) -> list[str]:
-        """The ``--set`` texts of this setting; `diameter` (m) is the case's own."""
-        native = self.kernel == "native"
-        texts = [
-            f"engine.name={'native' if native else 'lammps'}",
-            f"engine.kernel={'auto' if native else self.kernel}",
-            f"engine.ranks={self.ranks}",
-            f"run.time_step_fraction={self.fraction!r}",
-            f"contact.touch={self.touch}",
-            f"contact.correct_restitution={str(self.correction).lower()}",
-        ]
-        texts += [f"contact.penetration_fraction={self.penetration!r}"] if self.penetration is not None else []
-        texts += [f"discs.diameter={self.diameter!r}"] if self.diameter is not None else []
-        texts += [f"engine.skin={self.skin * (self.diameter or diameter)!r}"] if self.skin is not None else []
-        return texts
+    def changes(self, diameter: float) -> dict[str, object]:
+        """Return the values of a case that this setting changes; `diameter` (m) is that of the case."""
+        found: dict[str, object] = {
+            **kernel_changes(self.kernel),
+            "engine.ranks": self.ranks,
+            "run.time_step_fraction": self.fraction,
+            "contact.touch": self.touch,
+            "contact.correct_restitution": self.correction,
+        }
+        if self.penetration is not None:
+            found["contact.penetration_fraction"] = self.penetration
+        if self.diameter is not None:
+            found["discs.diameter"] = self.diameter
+        if self.skin is not None:
+            found["engine.skin"] = self.skin * (self.diameter or diameter)
+        return found
 
     def key(self, *more: object) -> str:
-        """Sixteen hex digits of the setting and whatever else decides the result."""
+        """Return sixteen hex digits of the setting and of all else that decides the result."""
         text = json.dumps([asdict(self), *more], sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def parse_axes(text: str | None) -> tuple[str, ...]:
-    """Names of axes from ``f,n,touch``.
+    """Return the names of axes in ``f,n,touch``.
 
     Raises
     ------
@@ -108,23 +111,22 @@ def parse_axes(text: str | None) -> tuple[str, ...]:
 
 
 def stable(setting: Setting, restitution: float) -> bool:
-    """Whether the step is below the limit of a dense packing (`contact.stable_fraction`)."""
-    integrator = "leapfrog_extrapolated" if setting.kernel == "native" else "velocity_verlet"
+    """Return whether the step is below the limit of a dense packing (`contact.stable_fraction`)."""
     xi = contact.damping_ratio(restitution)
-    return setting.fraction <= contact.stable_fraction(xi, integrator)
+    return setting.fraction <= contact.stable_fraction(xi, default_integrator(setting.kernel))
 
 
 def make_settings(
     axes: Iterable[str],
     *,
     restitution: float,
-    kernels: Iterable[str] = ("stock", "compiled", "native"),
+    kernels: Iterable[str] = KERNELS,
     base: float = 0.05,
     fractions: Iterable[float] = FRACTIONS,
     penetrations: Iterable[float] = PENETRATIONS,
     diameters: Iterable[float] = (),
 ) -> list[Setting]:
-    """Settings along the axes: step, kernel and touch crossed with each other, the others one at a time from a base.
+    """Return stable settings: step, kernel and touch are crossed, the other axes vary one at a time from a base.
 
     Parameters
     ----------
@@ -135,19 +137,20 @@ def make_settings(
     kernels : iterable of str
         Those that are usable here.
     base : float
-        Time-step fraction of the settings that vary something else.
+        Time-step fraction of the settings that vary another axis.
+    fractions, penetrations, diameters : iterable of float
+        Values of the axes f, n and diameter (m).
     """
     axes, kernels = set(axes), list(kernels)
     first = kernels[0]
     families = [(kernel, "sharp") for kernel in (kernels if "kernel" in axes else [first])]
-    fast = next((kernel for kernel in ("compiled", "native") if kernel in kernels), None)
-    if "touch" in axes and fast:
-        families.append((fast, "smooth"))
+    quickest = reference_setting(base, kernels).kernel
+    if "touch" in axes and quickest != "stock":
+        families.append((quickest, "smooth"))
     steps = list(fractions) if "f" in axes else [base]
     found = [Setting(kernel, step, touch) for kernel, touch in families for step in steps]
     if "correction" in axes and restitution < 1:
         found += [Setting(first, step, correction=False) for step in steps]
-    quickest = fast or first
     if "n" in axes:
         found += [
             Setting(quickest, step, penetration=n) for n in penetrations for step in sorted({base, min(0.1, 2 * base)})
@@ -162,29 +165,7 @@ def make_settings(
 
 
 def reference_setting(fraction: float, kernels: Iterable[str]) -> Setting:
-    """The finest step, sharp touch, on the fastest kernel there is: what the others are measured against."""
-    kernels = list(kernels)
-    kernel = "compiled" if "compiled" in kernels else ("native" if "native" in kernels else kernels[0])
-    return Setting(kernel, fraction)
-
-
-def usable_kernels(rotation: bool = False) -> tuple[list[str], list[str]]:
-    """Kernels that run here, and a note for each that does not."""
-    kernels, notes = [], []
-    from lammps_jump.errors import SetupError
-
-    try:
-        from lammps_jump.engines.lammps.loader import load_lammps
-
-        load_lammps()
-        kernels.append("stock")
-        from lammps_jump.engines.plugin.build import availability
-
-        status = availability()
-        if status.available:
-            kernels.append("compiled")
-        else:
-            notes.append(f"compiled kernel left out: {status.reason}")
-    except SetupError as error:
-        notes.append(f"LAMMPS left out: {error}")
-    return [*kernels, "native"], notes
+    """Return the reference of all errors: the finest step with sharp touch on the fastest usable kernel."""
+    usable = list(kernels)
+    fast = next((kernel for kernel in ("compiled", "native") if kernel in usable), usable[0])
+    return Setting(fast, fraction)

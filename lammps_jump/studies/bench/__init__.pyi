@@ -1,0 +1,3 @@
+from .command import read_axes as read_axes
+from .command import run_bench as run_bench
+from .command import stored_table as stored_table

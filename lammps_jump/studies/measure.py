@@ -1,0 +1,169 @@
+"""One run of a case with one setting from one slightly moved start, timed and measured."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.analysis.energy import EnergyLedger, summarise_energy
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.front import FrontTracker, summarise_front
+from lammps_jump.analysis.jump.result import analyse_jump
+from lammps_jump.analysis.jump.summary import summarise_jump
+from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.case import Case
+from lammps_jump.dump.find import open_run_dump, read_forces
+from lammps_jump.errors import DumpError, JumpError, RunInterrupted
+from lammps_jump.scene.scene import Scene
+
+from .runs import StudyCase, execute
+from .settings import Setting
+
+JITTER = 1e-6
+"""Shift of the start, in diameters: small enough to change no mean, large enough that chaos makes runs independent."""
+
+CURVE_POINTS = 20
+JUMP_NUMBERS = (
+    "froude", "y1", "y2", "sequent_ratio", "belanger_ratio", "density_ratio", "length", "length_over_y2", "length_usbr",
+    "speed", "speed_error", "packing_1", "packing_2",
+)  # fmt: skip
+"""What the studies of sensitivity keep of a jump, in the words of ``summary.json``."""
+
+Measure = float | str | list[float] | dict[str, float | None] | None
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A run, as the studies store it.
+
+    Attributes
+    ----------
+    status : {'complete', 'failed', 'refused'}
+    message : str
+        Why the run is not complete, or not analysed.
+    measures : dict of str
+        Numbers and curves by name; ``verdict`` and ``jump`` where the case asks for the jump.
+    cpu_seconds, wall_seconds : float or None
+        Time of the engine, s; None for a refused case.
+    steps : int
+    disc_steps : float
+    breakdown : dict of str to float
+        Seconds by kind of work.
+    """
+
+    status: str
+    message: str
+    measures: dict[str, Measure] = field(default_factory=dict)
+    cpu_seconds: float | None = None
+    wall_seconds: float | None = None
+    steps: int = 0
+    disc_steps: float = 0.0
+    breakdown: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to its end."""
+        return self.status == "complete"
+
+    @property
+    def verdict(self) -> str:
+        """Verdict of the jump analysis; empty without one."""
+        return self.measures.get("verdict") or ""
+
+    @property
+    def jump(self) -> dict[str, float | None] | None:
+        """Numbers of the jump, None where none was found."""
+        return self.measures["jump"] if self.verdict == "jump" else None
+
+
+def moved_start(case: StudyCase, member: int) -> StudyCase:
+    """Return the case with the start of member `member` of an ensemble: another seed and a shift of `JITTER` diameters.
+
+    Discs at the start move at random. Inflow rows enter so much higher.
+    """
+    fields = case.fields
+    changes: dict[str, object] = {"run.seed": fields.run.seed + member}
+    changes |= {f"initial.{i}.jitter": max(item.jitter, JITTER) for i, item in enumerate(fields.initial)}
+    if fields.inflow is not None and fields.inflow.kind == "rows" and member:
+        changes["inflow.y"] = fields.inflow.y + member * JITTER * fields.discs.diameter
+    return case.replace(changes)
+
+
+def run_setting(case: StudyCase, setting: Setting, member: int) -> Measured:
+    """Run a case with a setting from start number `member`, and measure what it asks for.
+
+    Raises
+    ------
+    CaseError
+        The case itself cannot be used.
+    RunInterrupted
+        The user ended the run.
+    """
+    changed = case.replace(setting.changes(case.fields.discs.diameter))
+    try:
+        changed = moved_start(changed, member)
+        scene = changed.scene()
+    except JumpError as error:
+        return Measured("refused", str(error))
+    with tempfile.TemporaryDirectory() as folder:
+        result, watch = execute(scene, Path(folder), setting.kernel, ranks=setting.ranks)
+        if result.status == "interrupted":  # no result to be stored: the study ends here
+            raise RunInterrupted("the study was ended; what it had is kept, and the same command continues from there")
+        measures: dict[str, Measure] = {}
+        message = result.message
+        if result.status == "complete":
+            try:
+                measures = measure(Path(folder), scene, changed.fields)
+            except DumpError as error:
+                message = str(error)
+    return Measured(
+        result.status, message.replace(str(folder), "the run folder"), measures, watch.cpu, watch.wall, result.steps,
+        result.disc_steps, dict(result.breakdown),
+    )  # fmt: skip
+
+
+def measure(folder: Path, scene: Scene, case: Case) -> dict[str, Measure]:
+    """Return what a case asks of a run, as numbers and curves: energy, front, jump, impulse on structures."""
+    asked = case.analysis
+    flow = from_scene(scene, bin_width=asked.bin_width, window=asked.window)
+    dump = open_run_dump(folder)
+    measures: dict[str, Measure] = {}
+    if asked.energy:
+        energy = summarise_energy(_history(EnergyLedger(flow), dump, flow), flow)
+        measures["energy deviation"] = energy["max_deviation"]
+    if asked.front:
+        front = _history(FrontTracker(flow), dump, flow)
+        times = np.linspace(0.1, 1.0, CURVE_POINTS) * case.run.duration
+        measures["front position"] = np.interp(times, front.time, front.quantile).tolist()
+        measures["column height"] = np.interp(times, front.time, front.height).tolist()
+        measures["martin_moyce"] = summarise_front(front, flow).get("martin_moyce")
+    if asked.jump:
+        measures |= _jump(dump, flow)
+    if scene.probes and (folder / "forces.csv").is_file():
+        window = scene.probe_steps * scene.time_step
+        for name, force in read_forces(folder / "forces.csv").items():
+            measures[f"impulse {name}"] = float(np.hypot(force.fx.sum(), force.fy.sum()) * window)
+    return measures
+
+
+def _history(accumulator, dump: Iterable, flow):
+    """Return what an accumulator of the analysis makes of all frames."""
+    for frame in dump:
+        accumulator.add(frame, flow.time(frame))
+    return accumulator.result()
+
+
+def _jump(dump: Iterable, flow) -> dict[str, Measure]:
+    profiles = compute_profiles(dump, flow)
+    summary = summarise_jump(analyse_jump(profiles, flow))
+    return {
+        "depth profile": np.nan_to_num(profiles["mass_depth_mean"].values, posinf=0.0, neginf=0.0).tolist(),
+        "sequent depth": summary["y2"],
+        "shock speed": summary["speed"],
+        "verdict": summary["verdict"],
+        "jump": {name: summary.get(name) for name in JUMP_NUMBERS},
+    }

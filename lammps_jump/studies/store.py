@@ -1,0 +1,88 @@
+"""One JSON file of finished pieces for each study; an interrupted study continues from it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from lammps_jump.runs.summary import plain
+
+from .timing import machine, versions
+
+Piece = TypeVar("Piece")
+
+
+class Store:
+    """Finished pieces of a study, each under its key.
+
+    Parameters
+    ----------
+    path : Path
+        JSON file, written after every piece; a second file is written first and renamed, so it is always complete.
+    fresh : bool
+        Ignore what is stored.
+    """
+
+    def __init__(self, path: Path, *, fresh: bool = False):
+        self.path = path
+        self.data: dict = {}
+        if not fresh and path.is_file():
+            try:
+                self.data = json.loads(path.read_text())
+            except ValueError:
+                self.data = {}
+        self.data.setdefault("pieces", {})
+
+    @property
+    def pieces(self) -> dict:
+        """Finished pieces by key, as they stand in the JSON file."""
+        return self.data["pieces"]
+
+    def piece(self, key: str, make: Callable[[], Piece], kind: type[Piece] | None = None) -> Piece:
+        """Return the stored piece; make and store it where it is missing.
+
+        Parameters
+        ----------
+        key : str
+        make : callable
+            Returns the piece, a dataclass or plain data.
+        kind : type, optional
+            Dataclass of the piece; without it, plain data is returned.
+        """
+        if key not in self.pieces:
+            self.pieces[key] = as_json(make())
+            self.save()
+        found = self.pieces[key]
+        return kind(**found) if kind else found
+
+    def save(self) -> None:
+        """Write the file; NaN and infinities become null."""
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        half = self.path.with_suffix(".part")
+        half.write_text(json.dumps(plain(self.data), indent=1, allow_nan=False) + "\n")
+        half.replace(self.path)
+
+    def finish(self, **results: object) -> None:
+        """Store results of the whole study beside the pieces, with versions and machine."""
+        self.data |= {name: as_json(value) for name, value in results.items()}
+        self.data |= {"versions": versions(), "machine": machine()}
+        self.save()
+
+    def write_table(self, text: str) -> str:
+        """Write Markdown beside the JSON file, under the same stem; returns the text."""
+        self.path.with_suffix(".md").write_text(text)
+        return text
+
+
+def as_json(value: object):
+    """Plain JSON data of dataclasses, lists and mappings of them; NaN and infinities become None."""
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    if isinstance(value, dict):
+        return {str(key): as_json(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_json(item) for item in value]
+    return plain(value)

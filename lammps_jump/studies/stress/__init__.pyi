@@ -1,0 +1,2 @@
+from .study import Stress as Stress
+from .study import stress as stress
