@@ -100,8 +100,8 @@ def close_pairs(x: np.ndarray, y: np.ndarray, reach: float) -> tuple[np.ndarray,
     return np.empty(0, np.int32), np.empty(0, np.int32)
 
 
-# The machine code of a kernel elsewhere that calls `sort_into_cells` is cached with what this file was then: whoever
-# changes the sort touches profile_kernels.py, too.
+# numba caches the machine code of `profiles._connected` together with that of `sort_into_cells`: after a change of the
+# sort, profiles.py must be touched too.
 _sort_into_cells = njit(cache=True)(_sort_into_cells_py)
 _list_pairs = njit(cache=True)(_list_pairs_py)
 sort_into_cells = _sort_into_cells

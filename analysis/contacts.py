@@ -1,7 +1,4 @@
-"""Contacts of one frame, found from positions: who touches whom, how deep, how hard.
-
-The one place of the analysis where discs and walls are tried for contact; `contact_sums` adds up what is found here.
-"""
+"""Contacts of one frame, found from positions: pairs, overlaps, forces, and their sums. All per metre of width."""
 
 from __future__ import annotations
 
@@ -10,12 +7,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from lammps_jump.dump.frame import Frame
+from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
-from .flow import FlowContext
+from .flow import Flow
 
 
 @dataclass(frozen=True)
@@ -42,48 +41,55 @@ class Contacts:
     is_wall: np.ndarray
 
 
-def spring_force(overlap: np.ndarray, stiffness: float, touch: str, touch_width: float) -> np.ndarray:
+def spring_force(overlap: np.ndarray, stiffness: float, touch_width: float) -> np.ndarray:
     """Elastic force, N/m: k delta; with a smooth touch of width s, k delta^2/(2 s) below s, k (delta - s/2) beyond."""
-    if touch == "smooth" and touch_width > 0:
+    if touch_width > 0:
         soft = stiffness * overlap**2 / (2 * touch_width)
         return np.where(overlap < touch_width, soft, stiffness * (overlap - 0.5 * touch_width))
     return stiffness * overlap
 
 
-def dashpot_share(overlap: np.ndarray, touch: str, touch_width: float) -> np.ndarray:
+def dashpot_share(overlap: np.ndarray, touch_width: float) -> np.ndarray:
     """Factor on the dashpot as the engines have it, F/sqrt(2 k E): 1 of a sharp touch.
 
     Of a smooth one of width s, q = delta - s/2: sqrt(3 delta/(4 s)) below s, q/sqrt(q^2 + s^2/12) beyond. The
     restitution coefficient is then the same at every speed (docs/kernels.md).
     """
-    if touch == "smooth" and touch_width > 0:
+    if touch_width > 0:
         beyond = overlap - 0.5 * touch_width
         stiff = beyond / np.sqrt(beyond**2 + touch_width**2 / 12.0)
         return np.where(overlap < touch_width, np.sqrt(0.75 * np.maximum(overlap, 0.0) / touch_width), stiff)
     return np.ones_like(overlap)
 
 
-class FaceContacts(NamedTuple):
-    """Discs that touch one face of a wall: their indices, overlaps (m) and the unit normals of the push on them."""
+class WallContacts(NamedTuple):
+    """Discs that touch one face of a wall: indices, overlaps (m), unit normals of the push and its force (N/m)."""
 
     index: np.ndarray
     overlap: np.ndarray
     nx: np.ndarray
     ny: np.ndarray
+    force: np.ndarray
 
 
-def face_contacts(frame: Frame, wall: Wall, radius: float) -> Iterator[FaceContacts]:
-    """Contacts of a frame's discs with each face of a wall, faces that nothing touches left out.
+def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True) -> Iterator[WallContacts]:
+    """Contacts of a frame's discs with each face of a wall; faces that no disc touches are left out.
 
     As in the engines a disc behind a plane is pushed back, and one with its centre inside a block feels nothing.
     """
+    radius, width, stiffness = flow.scene.radius, flow.touch_width, flow.scene.coefficients.stiffness_wall
     for distance, nx, ny in wall.contacts(frame.x, frame.y):
         index = np.flatnonzero((distance < radius) & ((nx != 0) | (ny != 0)))
         if index.size:
-            yield FaceContacts(index, radius - distance[index], nx[index], ny[index])
+            overlap, nx, ny = radius - distance[index], nx[index], ny[index]
+            force = spring_force(overlap, stiffness, width)
+            if damping:
+                leaving = frame.vx[index] * nx + frame.vy[index] * ny
+                force = force - dashpot_share(overlap, width) * flow.dashpots[1] * leaving
+            yield WallContacts(index, overlap, nx, ny, force)
 
 
-def find_contacts(frame: Frame, context: FlowContext, *, damping: bool = True) -> Contacts:
+def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts:
     """Contacts of a frame, friction left out.
 
     F_n = spring (see `spring_force`) + c delta_dot (thesis 3.11), c times `dashpot_share`. The dashpot takes the
@@ -92,8 +98,8 @@ def find_contacts(frame: Frame, context: FlowContext, *, damping: bool = True) -
     Parameters
     ----------
     frame : Frame
-    context : FlowContext
-        ``stiffness`` must be known.
+    flow : Flow
+        Its stiffness must be known.
     damping : bool
         Without it (or without velocities in the dump) the elastic force alone.
 
@@ -102,34 +108,239 @@ def find_contacts(frame: Frame, context: FlowContext, *, damping: bool = True) -
     DumpError
         The stiffness is not known.
     """
-    from lammps_jump.errors import DumpError
-
-    if context.stiffness is None:
+    if not flow.knows_contacts:
         raise DumpError("contact forces need the stiffness of the discs (N/m): give stiffness=… with the dump.")
     points = np.column_stack([frame.x, frame.y])
     damping = damping and "vx" in frame.columns and "vy" in frame.columns
-    velocity = np.column_stack([frame.vx, frame.vy]) if damping else np.zeros_like(points)
-    touch = context.touch, context.touch_width
-
-    def normal_force(overlap, closing, stiffness, dashpot):
-        return spring_force(overlap, stiffness, *touch) + dashpot * dashpot_share(overlap, *touch) * closing
-
-    i, j = close_pairs(*(np.ascontiguousarray(values, float) for values in (frame.x, frame.y)), context.diameter)
+    i, j = close_pairs(*(np.ascontiguousarray(values, float) for values in (frame.x, frame.y)), flow.scene.diameter)
     branch = points[i] - points[j]
     distance = np.hypot(*branch.T)
     normal = branch / distance[:, None]
-    overlap = context.diameter - distance
-    closing = -np.einsum("ij,ij->i", velocity[i] - velocity[j], normal)
-    force = normal_force(overlap, closing, context.stiffness, context.dashpot)
-    parts = [(points[i], points[j], normal, overlap, force, False)]
-    stiffness_wall = context.stiffness if context.stiffness_wall is None else context.stiffness_wall
-    for wall in context.walls_at(context.time(frame)):
-        for face in face_contacts(frame, wall, context.radius):
+    overlap = flow.scene.diameter - distance
+    force = spring_force(overlap, flow.scene.coefficients.stiffness, flow.touch_width)
+    if damping:
+        velocity = np.column_stack([frame.vx, frame.vy])
+        closing = -np.einsum("ij,ij->i", velocity[i] - velocity[j], normal)
+        force = force + flow.dashpots[0] * dashpot_share(overlap, flow.touch_width) * closing
+    parts = [(points[i], points[j], normal, overlap, force, np.zeros(len(force), bool))]
+    for wall in flow.walls_at(flow.time(frame)):
+        for face in wall_contacts(frame, wall, flow, damping=damping):
             here, normal = points[face.index], np.column_stack([face.nx, face.ny])
-            closing = -np.einsum("ij,ij->i", velocity[face.index], normal)
-            force = normal_force(face.overlap, closing, stiffness_wall, context.dashpot_wall)
-            end = here - (context.radius - face.overlap)[:, None] * normal
-            parts.append((here, end, normal, face.overlap, force, True))
-    joined = [np.concatenate(column) for column in list(zip(*parts, strict=True))[:5]]
-    is_wall = np.concatenate([np.full(len(part[3]), part[5]) for part in parts])
-    return Contacts(*joined, is_wall)
+            end = here - (flow.scene.radius - face.overlap)[:, None] * normal
+            parts.append((here, end, normal, face.overlap, face.force, np.ones(len(face.force), bool)))
+    return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, width, low, bin_width, pressure):
+    """Elastic energy of overlapping pairs (first[p], second[p]); their thrust along x is added to `pressure`.
+
+    width is the soft start of a smooth touch (0: sharp): U = k delta^3/(6 s) below s, k (delta^2/2 - s delta/2 +
+    s^2/6) above; the dashpot is scaled as in `dashpot_share`. pressure[b] gains the mean over the
+    planes x = const of bin b of the force that the discs left of the plane exert on those right of it: each contact
+    acts along the line of centres, so it counts with the share of its x-extent that lies in the bin over the bin's
+    width (method of planes, averaged).
+    """
+    energy = 0.0
+    bins = pressure.size
+    for p in range(first.size):
+        i, j = first[p], second[p]
+        dx, dy = x[j] - x[i], y[j] - y[i]
+        distance = np.sqrt(dx * dx + dy * dy)
+        overlap = diameter - distance
+        share = 1.0
+        if width > 0.0 and overlap < width:
+            energy += stiffness * overlap**3 / (6.0 * width)
+            force = 0.5 * stiffness * overlap * overlap / width
+            share = np.sqrt(0.75 * overlap / width)
+        else:
+            energy += stiffness * (0.5 * overlap**2 - 0.5 * width * overlap + width**2 / 6.0)
+            beyond = overlap - 0.5 * width
+            force = stiffness * beyond
+            if width > 0.0:
+                share = beyond / np.sqrt(beyond * beyond + width * width / 12.0)
+        if bins == 0:
+            continue
+        approach = -((vx[j] - vx[i]) * dx + (vy[j] - vy[i]) * dy) / distance
+        force += share * dashpot * approach
+        push = force * abs(dx) / distance
+        left = min(x[i], x[j])
+        right = max(x[i], x[j])
+        b = max(int(np.floor((left - low) / bin_width)), 0)
+        while b < bins and low + b * bin_width < right:
+            inside = min(right, low + (b + 1) * bin_width) - max(left, low + b * bin_width)
+            if inside > 0.0:
+                pressure[b] += push * inside / bin_width
+            b += 1
+    return energy
+
+
+@dataclass(frozen=True)
+class PairSums:
+    """Sums over the pairs of a frame.
+
+    Attributes
+    ----------
+    energy : float
+        Elastic energy, J/m.
+    contacts : int
+    thrust : ndarray, shape (bins,)
+        Force passed on through vertical planes, averaged over each bin, N/m; positive in compression. The pull of
+        dashpots that part counts as negative, as in the engines.
+    """
+
+    energy: float
+    contacts: int
+    thrust: np.ndarray
+
+
+def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> PairSums:
+    """Elastic energy and thrust of the disc-disc contacts of a frame.
+
+    Parameters
+    ----------
+    frame : Frame
+        With x, y, and vx, vy where `edges` are given.
+    flow : Flow
+        With a stiffness.
+    edges : ndarray, shape (bins + 1,), optional
+        Bins of equal width for the thrust, m.
+
+    Returns
+    -------
+    PairSums
+    """
+    x, y = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y))
+    thrust = np.zeros(0 if edges is None else len(edges) - 1)
+    vx, vy = (x, y) if edges is None else (np.ascontiguousarray(v, float) for v in (frame.vx, frame.vy))
+    low, step = (0.0, 1.0) if edges is None else (float(edges[0]), float(edges[-1] - edges[0]) / len(thrust))
+    width = flow.touch_width
+    first, second = close_pairs(x, y, flow.scene.diameter)
+    law = (flow.scene.diameter, flow.scene.coefficients.stiffness, flow.dashpots[0], width)
+    energy = _pair_sums(x, y, vx, vy, first, second, *law, low, step, thrust)
+    return PairSums(float(energy), len(first), thrust)
+
+
+@dataclass(frozen=True)
+class WallSums:
+    """What one wall does to the discs of a frame.
+
+    Attributes
+    ----------
+    energy : float
+        Elastic energy, J/m.
+    force : (float, float)
+        On the discs, N/m (on the wall: the negative).
+    index : ndarray of int
+        Discs that touch it.
+    fx, fy : ndarray
+        Force on each of them, N/m.
+    sideways : bool
+        Whether any contact pushes along x.
+    """
+
+    energy: float
+    force: tuple[float, float]
+    index: np.ndarray
+    fx: np.ndarray
+    fy: np.ndarray
+    sideways: bool
+
+
+def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) -> WallSums:
+    """Contacts of a frame's discs with one wall, from positions (and velocities where `velocity`).
+
+    Normal force k delta - c v_n, friction min(m gamma_t abs(v_t), ks abs(F_n)) of the `hooke` law or the thesis' ramp
+    (4.18-4.21) of the `sign` law.
+    """
+    c, width, energy = flow.scene.coefficients, flow.touch_width, 0.0
+    faces = list(wall_contacts(frame, wall, flow, damping=velocity))
+    if not faces:
+        empty = np.zeros(0)
+        return WallSums(0.0, (0.0, 0.0), np.zeros(0, int), empty, empty, False)
+    fxs, fys = [], []
+    for face in faces:
+        overlap, nx, ny = face.overlap, face.nx, face.ny
+        stored = 0.5 * overlap**2 - 0.5 * width * overlap + width**2 / 6.0
+        energy += c.stiffness_wall * float(np.sum(np.where(overlap < width, overlap**3 / (6.0 * width or 1.0), stored)))
+        rubbing = _wall_friction(frame, flow, face) if velocity and c.friction else np.zeros_like(overlap)
+        fxs.append(face.force * nx - rubbing * ny)
+        fys.append(face.force * ny + rubbing * nx)
+    fx, fy = np.concatenate(fxs), np.concatenate(fys)
+    sideways = any(bool(np.any(np.abs(face.nx) > 1e-9)) for face in faces)
+    index = np.concatenate([face.index for face in faces])
+    return WallSums(energy, (float(fx.sum()), float(fy.sum())), index, fx, fy, sideways)
+
+
+def _wall_friction(frame: Frame, flow: Flow, face: WallContacts) -> np.ndarray:
+    """Friction of each contact along the tangent (-ny, nx), N/m."""
+    scene, c = flow.scene, flow.scene.coefficients
+    slip = -frame.vx[face.index] * face.ny + frame.vy[face.index] * face.nx
+    if scene.rotation and "omegaz" in frame.columns:
+        slip = slip - frame.column("omegaz")[face.index] * scene.radius
+    if scene.friction_law == "sign":
+        top_speed = float(np.sqrt(np.max(frame.vx**2 + frame.vy**2)))
+        share = np.clip(slip / max(0.01 * top_speed, 1e-300), -1.0, 1.0)
+        return -c.friction * np.abs(face.force) * share
+    ramp = c.mass * c.gamma_tangential_wall * np.abs(slip)
+    return -np.minimum(ramp, c.friction * np.abs(face.force)) * np.sign(slip)
+
+
+@dataclass(frozen=True)
+class ContactSeries:
+    """Sums over contacts, frame by frame.
+
+    Attributes
+    ----------
+    time : ndarray, shape (frames,), s
+    elastic : ndarray, shape (frames,)
+        Elastic energy of pairs and walls, J per metre of width.
+    thrust : ndarray, shape (frames, bins)
+        Force through vertical planes, averaged over each bin, N/m, compression positive.
+    wall_fx, wall_fy : ndarray, shape (frames, bins)
+        Force of all walls on the discs of each bin, N per metre of width.
+    """
+
+    time: np.ndarray
+    elastic: np.ndarray
+    thrust: np.ndarray
+    wall_fx: np.ndarray
+    wall_fy: np.ndarray
+
+
+class ContactCollector:
+    """Collects a `ContactSeries`; with `edges` None only the elastic energy."""
+
+    def __init__(self, flow: Flow, edges: np.ndarray | None):
+        self.flow, self.edges = flow, edges
+        self.latest = 0.0
+        self._time: list[float] = []
+        self._elastic: list[float] = []
+        self._bins: list[np.ndarray] = []
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Add a frame; its elastic energy stands in ``latest`` until the next one."""
+        flow, edges = self.flow, self.edges
+        pairs = pair_sums(frame, flow, edges)
+        self.latest = pairs.energy
+        bins = np.zeros((3, len(pairs.thrust)))
+        bins[0] = pairs.thrust
+        for wall in flow.walls_at(time):
+            sums = wall_sums(frame, wall, flow, velocity=edges is not None)
+            self.latest += sums.energy
+            if edges is not None and sums.index.size:
+                place = np.floor((frame.x[sums.index] - edges[0]) / (edges[1] - edges[0])).astype(int)
+                inside = (place >= 0) & (place < bins.shape[1])
+                bins[1] += np.bincount(place[inside], sums.fx[inside], bins.shape[1])
+                bins[2] += np.bincount(place[inside], sums.fy[inside], bins.shape[1])
+        self._time.append(time)
+        self._elastic.append(self.latest)
+        self._bins.append(bins)
+
+    def result(self) -> ContactSeries:
+        """The series of all frames added; the collector is empty afterwards (long records are held once)."""
+        bins = np.array(self._bins).reshape(len(self._time), 3, -1)
+        self._bins.clear()
+        return ContactSeries(np.array(self._time), np.array(self._elastic), bins[:, 0], bins[:, 1], bins[:, 2])
+
+
+_pair_sums = njit(cache=True)(_pair_sums_py)

@@ -1,16 +1,25 @@
 """Energy of the discs, frame by frame, from positions and velocities (thesis 4.28)."""
 
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
+
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from math import nan
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, new_figure, style
+from lammps_jump.analysis.report.page import Section, Table, described, percent
 from lammps_jump.dump.frame import Frame
+from lammps_jump.units import number
 
-from .contact_series import ContactCollector
-from .contact_sums import pair_sums, wall_sums
-from .flow import FlowContext
+from .contacts import ContactCollector, pair_sums, wall_sums
+from .flow import Flow
+from .passes import Drawings, Gathered, Tables
 
 
 @dataclass(frozen=True)
@@ -46,30 +55,30 @@ class EnergyHistory:
 class EnergyLedger:
     """Collects the energy of one frame after the other; ask for `result` at the end."""
 
-    def __init__(self, context: FlowContext, contacts: ContactCollector | None = None):
+    def __init__(self, flow: Flow, contacts: ContactCollector | None = None):
         """`contacts` saw the same frame just before: its elastic energy is used instead of a second pair search."""
-        self.context, self.contacts = context, contacts
+        self.flow, self.contacts = flow, contacts
         self._rows: list[tuple[float, ...]] = []
         self._ids: np.ndarray | None = None
         self._same = True
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        context = self.context
-        mass, (gx, gy) = context.mass, context.gravity
+        flow = self.flow
+        mass, (gx, gy) = flow.scene.mass, flow.scene.gravity
         x, y = frame.x, frame.y
         kinetic = 0.5 * mass * float(np.dot(frame.vx, frame.vx) + np.dot(frame.vy, frame.vy))
         rotational = 0.0
         if "omegaz" in frame.columns:
             spin = frame.column("omegaz")
-            rotational = 0.25 * mass * context.radius**2 * float(np.dot(spin, spin))
+            rotational = 0.25 * mass * flow.scene.radius**2 * float(np.dot(spin, spin))
         potential = -mass * float(gx * x.sum() + gy * y.sum())
         elastic = np.nan
         if self.contacts is not None:
             elastic = self.contacts.latest
-        elif context.stiffness is not None:
-            walls = sum(wall_sums(frame, wall, context, velocity=False).energy for wall in context.walls_at(time))
-            elastic = pair_sums(frame, context).energy + walls
+        elif flow.knows_contacts:
+            walls = sum(wall_sums(frame, wall, flow, velocity=False).energy for wall in flow.walls_at(time))
+            elastic = pair_sums(frame, flow).energy + walls
         ids = np.sort(frame.ids)
         if self._ids is None:
             self._ids = ids
@@ -80,50 +89,119 @@ class EnergyLedger:
     def result(self) -> EnergyHistory:
         """The history of all frames added."""
         rows = np.array(self._rows, float).reshape(-1, 6)
-        elastic = rows[:, 4] if len(rows) and self.context.stiffness is not None else None
+        elastic = rows[:, 4] if len(rows) and self.flow.knows_contacts else None
         return EnergyHistory(*rows[:, :4].T, elastic, rows[:, 5].astype(int), self._same)
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energy of the discs at the start and the end, and how far it strayed.
+
+    Deviations are errors of the engine only where nothing dissipates and no disc enters or leaves (`conservative`).
+    """
+
+    initial: float = number("J/m", "energy at the start", default=nan, label="at the start")
+    final: float = number("J/m", "energy at the end", default=nan)
+    max_deviation: float = number("", "largest |E − E₀|/|E₀|", default=nan, label="largest deviation")
+    lowest_deviation: float = number("", "lowest (E − E₀)/|E₀|", default=nan)
+    highest_deviation: float = number("", "highest (E − E₀)/|E₀|", default=nan)
+    drift: float = number("", "straight-line change over the record, relative to E₀", default=nan, label="drift")
+    kinetic: float = number("J/m", "kinetic energy at the end", default=nan)
+    rotational: float = number("J/m", "energy of spin at the end", default=nan)
+    potential: float = number("J/m", "potential energy at the end", default=nan)
+    elastic: float = number("J/m", "elastic energy at the end", default=nan)
+    closed: bool | None = None
+    conservative: bool | None = None
+    reason: str | None = None
+    history: EnergyHistory | None = field(default=None, metadata={"summary": False})
 
 
 def drift(time: np.ndarray, energy: np.ndarray) -> float:
     """Straight-line change of the energy over the record relative to its first value, without dimension."""
     if len(time) < 2 or energy[0] == 0 or time[-1] == time[0]:
-        return float("nan")
+        return nan
     slope = np.polyfit(time - time[0], energy, 1)[0]
     return float(slope * (time[-1] - time[0]) / energy[0])
 
 
-def summarise_energy(history: EnergyHistory, context: FlowContext) -> dict:
-    """Numbers for the summary.
-
-    Parameters
-    ----------
-    history : EnergyHistory
-    context : FlowContext
-
-    Returns
-    -------
-    dict
-        initial, final (J/m); max_deviation: largest abs(E - E0)/abs(E0); drift: straight-line change over the record
-        relative to E0; lowest and highest deviation; kinetic, potential and elastic energy at the end; closed: no disc
-        came or went. Deviations say something about the engine only where nothing dissipates (`conservative`).
-    """
+def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
+    """Energy at the ends of a record, its deviations and its drift."""
     if not len(history.time):
-        return {"initial": None, "max_deviation": None, "drift": None, "reason": "the dump holds no frame"}
+        return Energy(reason="the dump holds no frame")
     total = history.total
     start = float(total[0])
-    relative = (total - start) / abs(start) if start else np.full_like(total, np.nan)
-    conservative = context.restitution == 1.0 and not context.friction and history.same_discs
-    return {
-        "initial": start,
-        "final": float(total[-1]),
-        "max_deviation": float(np.max(np.abs(relative))) if start else None,
-        "lowest_deviation": float(relative.min()) if start else None,
-        "highest_deviation": float(relative.max()) if start else None,
-        "drift": drift(history.time, total) if start and len(total) > 1 else None,
-        "kinetic": float(history.kinetic[-1]),
-        "rotational": float(history.rotational[-1]),
-        "potential": float(history.potential[-1]),
-        "elastic": None if history.elastic is None else float(history.elastic[-1]),
-        "closed": bool(history.same_discs),
-        "conservative": bool(conservative),
-    }
+    relative = (total - start) / abs(start) if start else np.full(len(total), nan)
+    return Energy(
+        initial=start,
+        final=float(total[-1]),
+        max_deviation=float(np.max(np.abs(relative))),
+        lowest_deviation=float(relative.min()),
+        highest_deviation=float(relative.max()),
+        drift=drift(history.time, total),
+        kinetic=float(history.kinetic[-1]),
+        rotational=float(history.rotational[-1]),
+        potential=float(history.potential[-1]),
+        elastic=nan if history.elastic is None else float(history.elastic[-1]),
+        closed=bool(history.same_discs),
+        conservative=bool(flow.conservative and history.same_discs),
+        history=history,
+    )
+
+
+def analyse(gathered: Gathered) -> Energy:
+    """Energy of a run."""
+    return analyse_energy(gathered.histories["energy"], gathered.flow)
+
+
+def tables(energy: Energy) -> Tables:
+    """Energy against time, J/m."""
+    history = energy.history
+    names = ("time", "kinetic", "rotational", "potential", "elastic", "total")
+    return {"energy.csv": {name: getattr(history, name) for name in names if getattr(history, name) is not None}}
+
+
+def figures(energy: Energy, gathered: Gathered) -> Drawings:
+    """Figure of the parts of the energy against time."""
+    return {"energy.png": partial(energy_figure, energy, gathered.flow.scene.name)}
+
+
+def section(found: Mapping[str, float | None]) -> Section | None:
+    """Energy at the start and the end; deviation and drift of a closed box."""
+    if found.get("initial") is None:
+        return None
+    rows = described(Energy, found, "initial", "final")
+    if found.get("conservative"):
+        rows += [("Largest deviation", percent(found["max_deviation"], 4)),
+                 ("Drift over the record", percent(found["drift"], 4))]  # fmt: skip
+    return Section("Energy", [Table([*rows, *described(Energy, found, "kinetic", "potential", "elastic")])])
+
+
+def energy_figure(energy: Energy, name: str) -> Figure | None:
+    """Parts of the energy against time; where nothing dissipates the deviation from the start below."""
+    history = energy.history
+    if not len(history.time):
+        return None
+    total = history.total
+    deviates = energy.conservative and total[0] != 0
+    with style():
+        figure, rows = new_figure(7.2, 5.2 if deviates else 3.6, 2 if deviates else 1, 1, sharex=True, squeeze=False)
+        upper, lowest = rows[0, 0], rows[-1, 0]
+        scale, unit = (1e6, "MJ/m") if total.max() > 1e6 else (1e3, "kJ/m") if total.max() > 1e4 else (1.0, "J/m")
+        upper.plot(history.time, total / scale, color=BLACK, label="total")
+        for label, part, looks in (
+            ("kinetic", history.kinetic, {"color": BLUE, "ls": "--"}),
+            ("potential (y = 0)", history.potential, {"color": GOLD, "ls": "-."}),
+            ("spin", history.rotational, {"color": GREY, "lw": 1}),
+            ("elastic", history.elastic, {"color": RED, "ls": ":"}),
+        ):
+            if part is not None and (label in ("kinetic", "elastic") or np.any(part)):
+                upper.plot(history.time, part / scale, label=label, **looks)
+        upper.set_ylabel(f"Energy [{unit}]")
+        upper.set_title(f"{name}: energy of the discs")
+        upper.legend(ncols=2)
+        if deviates:
+            lowest.plot(history.time, 100 * (total / total[0] - 1), color=BLUE)
+            lowest.axhline(0, color=GREY, lw=0.8)
+            lowest.set_ylabel("Deviation from\nthe start [%]")
+        lowest.set_xlabel("Time t [s]")
+    return figure

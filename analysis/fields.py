@@ -15,18 +15,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import ceil, exp, floor, sqrt
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numba import njit
 
 from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 
 from .contacts import find_contacts
-from .flow import FlowContext
+from .draw.maps import bed_pressure, bed_pressure_figure, field_map
+from .draw.style import save
+from .flow import Flow
 
+FIELD_FRAMES = 20
+"""Frames of the window that the mean fields use at most: contact stress rings, one frame says little."""
 KERNELS = {"lucy": 0, "gaussian": 1}
 GAUSS = np.polynomial.legendre.leggauss(4)
 """Points along a contact's branch: exact to degree 7 for a polynomial kernel."""
@@ -51,7 +57,7 @@ LONG_NAMES = {
 
 def compute_fields(
     frame: Frame,
-    context: FlowContext,
+    flow: Flow,
     *,
     x: Interval | None = None,
     y: Interval | None = None,
@@ -65,7 +71,7 @@ def compute_fields(
     Parameters
     ----------
     frame : Frame
-    context : FlowContext
+    flow : Flow
     x, y : (float, float), optional
         Extent of the grid, m; default the studied stretch, and from the floor to above the highest disc in it.
     spacing : float, optional
@@ -89,14 +95,14 @@ def compute_fields(
     DumpError
         An unknown kernel, or sizes that are not positive.
     """
-    spacing = 0.5 * context.diameter if spacing is None else spacing
-    reach = 2.0 * context.diameter if reach is None else reach
+    spacing = 0.5 * flow.scene.diameter if spacing is None else spacing
+    reach = 2.0 * flow.scene.diameter if reach is None else reach
     if kernel not in KERNELS:
         raise DumpError(f"kernel '{kernel}': it must be one of {', '.join(KERNELS)}.")
     if not (spacing > 0 and reach > 0):
         raise DumpError(f"spacing = {spacing} m, reach = {reach} m: both must be above 0.")
-    x = x or context.x_range
-    y = y or _heights(frame, context, x)
+    x = x or flow.x_range
+    y = y or _heights(frame, flow, x)
     # a margin of one reach, so that discs outside the asked-for extent contribute what they should
     margin = ceil(reach / spacing)
     nx, ny = (max(1, round((high - low) / spacing)) for low, high in (x, y))
@@ -107,12 +113,12 @@ def compute_fields(
     centre_y = low_y + (np.arange(ny + 2 * margin) + 0.5) * spacing
     mesh = np.meshgrid(centre_x, centre_y)
     open_ = np.ones(mesh[0].shape, bool)
-    for wall in context.walls_at(context.time(frame)):
+    for wall in flow.walls_at(flow.time(frame)):
         open_ &= wall.distance(*mesh) > 0
     cell_weight = _cell_weight(open_, spacing, reach, KERNELS[kernel])
     geometry = (low_x, low_y, spacing, reach, KERNELS[kernel])
 
-    m = context.mass
+    m = flow.scene.mass
     moving = "vx" in frame.columns and "vy" in frame.columns
     u, v = (frame.vx, frame.vy) if moving else (np.zeros(frame.n), np.zeros(frame.n))
     weights = m * np.column_stack([np.ones(frame.n), u, v, u * u, u * v, v * v])
@@ -131,15 +137,15 @@ def compute_fields(
         "kinetic_yy": np.maximum(sums[5] - density * vy * vy, 0.0),
     }
     if stress is None:
-        stress = context.stiffness is not None
+        stress = flow.knows_contacts
     if stress:
         contact = np.zeros((3, *open_.shape))
-        points, moments = _force_moments(frame, context)
+        points, moments = _force_moments(frame, flow)
         spread(points, moments, cell_weight, *geometry, contact)
         fields |= {f"contact_{name}": part for name, part in zip(("xx", "xy", "yy"), contact, strict=True)}
         fields["pressure"] = 0.5 * (contact[0] + contact[2] + fields["kinetic_xx"] + fields["kinetic_yy"])
     above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
-    fields["hydrostatic"] = above * spacing * abs(context.gravity[1])
+    fields["hydrostatic"] = above * spacing * abs(flow.scene.gravity[1])
     inner = (slice(margin, margin + ny), slice(margin, margin + nx))
     return xr.Dataset(
         {
@@ -153,18 +159,18 @@ def compute_fields(
         coords={
             "x": ("x", centre_x[margin : margin + nx], {"units": "m", "long_name": "distance along the channel"}),
             "y": ("y", centre_y[margin : margin + ny], {"units": "m", "long_name": "height"}),
-            "time": ((), context.time(frame), {"units": "s", "long_name": "simulated time"}),
+            "time": ((), flow.time(frame), {"units": "s", "long_name": "simulated time"}),
         },
         attrs={
             "kernel": kernel,
             "reach": float(reach),
             "spacing": float(spacing),
-            "title": f"fields of {context.name}",
+            "title": f"fields of {flow.scene.name}",
         },
     )
 
 
-def mean_fields(frames: Iterable[Frame], context: FlowContext, *, x: Interval, y: Interval, **options) -> xr.Dataset:
+def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval, **options) -> xr.Dataset:
     """Time mean of `compute_fields` over frames: what a bed pressure needs, for contact forces ring.
 
     Velocities are means by mass; stresses are means of each frame's (kinetic stress about each frame's own velocity).
@@ -172,7 +178,7 @@ def mean_fields(frames: Iterable[Frame], context: FlowContext, *, x: Interval, y
     Parameters
     ----------
     frames : iterable of Frame
-    context : FlowContext
+    flow : Flow
     x, y : (float, float)
         Extent, m; one grid for all frames.
     **options
@@ -185,7 +191,7 @@ def mean_fields(frames: Iterable[Frame], context: FlowContext, *, x: Interval, y
     """
     total, count = None, 0
     for frame in frames:
-        fields = compute_fields(frame, context, x=x, y=y, **options).drop_vars("time")
+        fields = compute_fields(frame, flow, x=x, y=y, **options).drop_vars("time")
         for axis in ("x", "y"):
             fields[f"velocity_{axis}"] = (fields[f"velocity_{axis}"] * fields["density"]).where(
                 fields["density"] != 0, 0 * fields["density"]
@@ -204,17 +210,65 @@ def mean_fields(frames: Iterable[Frame], context: FlowContext, *, x: Interval, y
     return mean
 
 
-def _heights(frame: Frame, context: FlowContext, x: Interval) -> Interval:
-    floors = context.bed_height(np.linspace(*x, 400))
+def write_fields(
+    flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path, figures: bool
+) -> tuple[list[str], dict[str, object]]:
+    """Mean fields of the window of the profiles: ``fields.nc``, maps, pressure at the bed.
+
+    Returns
+    -------
+    files : list of str
+        Names written.
+    summary : dict
+        As under ``fields`` in ``summary.json``.
+
+    Raises
+    ------
+    DumpError
+        A place that cannot be written.
+    """
+    time = profiles["time"].values
+    begin, end = profiles.attrs["window_begin"], profiles.attrs["window_end"]
+    indices = np.flatnonzero((time >= begin - 1e-9) & (time <= end + 1e-9))
+    if len(indices) > FIELD_FRAMES:
+        indices = indices[np.round(np.linspace(0, len(indices) - 1, FIELD_FRAMES)).astype(int)]
+    bed = profiles["bed"].values
+    surface = profiles["surface_depth"].values[indices] + bed
+    low = float(np.nanmin(bed)) if np.isfinite(bed).any() else flow.scene.domain[1][0]
+    high = max(float(surface[np.isfinite(surface)].max(initial=low)), low) + 5 * flow.scene.diameter
+    extent = {"x": (profiles.attrs["x_low"], profiles.attrs["x_high"]), "y": (low, high)}
+    fields = mean_fields(dump.select(indices.tolist()), flow, **extent)
+    try:
+        fields.to_netcdf(out / "fields.nc", engine="h5netcdf")
+    except OSError as error:
+        raise DumpError(f"{out / 'fields.nc'}: cannot be written ({error.strerror or error}).") from error
+    files, stress = ["fields.nc"], "contact_yy" in fields
+    if figures:
+        (out / "figures").mkdir(exist_ok=True)
+        drawn = {f"field_{name}": field_map(fields, flow, name) for name in ("density", *["pressure"][: int(stress)])}
+        drawn |= {"bed_pressure": bed_pressure_figure(fields, flow)} if stress else {}
+        files += [f"figures/{save(figure, out / 'figures' / f'{name}.png').name}" for name, figure in drawn.items()]
+    summary: dict[str, object] = {"file": "fields.nc", "frames": len(indices), "reach": float(fields.attrs["reach"])}
+    if stress:
+        bottom = bed_pressure(fields)
+        covered = bottom["hydrostatic"].values > flow.scene.density * flow.g * flow.scene.diameter
+        if covered.any():
+            ratio = bottom["stress"].values[covered].sum() / bottom["hydrostatic"].values[covered].sum()
+            summary["bed_stress_over_weight"] = float(ratio)
+    return files, summary
+
+
+def _heights(frame: Frame, flow: Flow, x: Interval) -> Interval:
+    floors = flow.bed_height(np.linspace(*x, 400))
     floors = floors[np.isfinite(floors)]
     inside = frame.y[(frame.x >= x[0]) & (frame.x <= x[1])]
-    low = float(floors.min()) if floors.size else float(inside.min(initial=context.domain[1][0]))
-    return low, max(float(inside.max(initial=low)) + context.diameter, low + 2 * context.diameter)
+    low = float(floors.min()) if floors.size else float(inside.min(initial=flow.scene.domain[1][0]))
+    return low, max(float(inside.max(initial=low)) + flow.scene.diameter, low + 2 * flow.scene.diameter)
 
 
-def _force_moments(frame: Frame, context: FlowContext) -> tuple[np.ndarray, np.ndarray]:
+def _force_moments(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray]:
     """Points along the branches of all contacts and what each carries: its share of force (x) branch."""
-    found = find_contacts(frame, context)
+    found = find_contacts(frame, flow)
     branch = found.start - found.end
     force = found.force[:, None] * found.normal
     moment = np.column_stack([force[:, 0] * branch[:, 0], force[:, 0] * branch[:, 1], force[:, 1] * branch[:, 1]])

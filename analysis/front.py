@@ -4,21 +4,31 @@ Definitions (docs/analysis.md): the *bulk front* ends the row of discs that star
 two diameters or more between neighbours in x; the *99 % front* is the quantile of the discs' right edges.
 """
 
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import partial
 from math import inf, isfinite, nan, sqrt
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, new_figure, style
+from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
-from lammps_jump.physics import measured as reference_data
+from lammps_jump.physics import measured
+from lammps_jump.units import number, shown
 
-from .flow import FlowContext
+from .contacts import ContactCollector
+from .flow import Flow
+from .passes import Drawings, Gathered, Tables
 
 GAP = 2.0
 """Diameters of empty x that end the bulk."""
+MARKERS = {"color": BLACK, "ls": "none", "mfc": "white", "ms": 4}
 
 
 @dataclass(frozen=True)
@@ -52,9 +62,54 @@ class FrontHistory:
     column: tuple[float, float]
 
 
-def back_wall(context: FlowContext) -> float | None:
+@dataclass(frozen=True)
+class Ritter:
+    """Bulk front against Ritter's front on a dry, frictionless bed, while that holds."""
+
+    valid_until: float = number("s", "time at which Ritter's wave meets the back wall")
+    frames: int = number("", "frames compared")
+    front_speed: float = number("m/s", "speed of Ritter's front, 2 √(g H)")
+    rms: float = number("", "RMS of the relative difference")
+
+
+@dataclass(frozen=True)
+class MartinMoyce:
+    """Front and column height against the measurements of Martin & Moyce (1952), T > 0.8 for the front."""
+
+    aspect: float = number("", "aspect n² = H/a (Martin & Moyce: 2)")
+    comparable: bool
+    points: int = number("", "points of their table within the record")
+    rms_bulk: float = number("", "Martin & Moyce, bulk front, T > 0.8: RMS difference")
+    rms_99: float = number("", "Martin & Moyce, 99 % front: RMS difference")
+    rms_height: float = number("", "Martin & Moyce, column height: RMS difference")
+    slope: float = number("", "slope dZ/dT (Martin & Moyce: 1.32)")
+    aspect_of_table: float = number("", "aspect of their column", default=2.0)
+    slope_of_table: float = number("", "slope dZ/dT of their table", default=measured.MARTIN_MOYCE_FRONT_SLOPE[2])
+
+
+@dataclass(frozen=True)
+class Front:
+    """Front of a collapsing column at the last frame that holds discs, its speed, and theory beside it."""
+
+    time: float = number("s", "time of the last frame that holds discs", default=nan)
+    position: float = number("m", "bulk front at the end", default=nan, label="front at")
+    position_99: float = number("m", "99 % of the discs within", default=nan)
+    column_height: float = number("m", "column at the back wall at the end", default=nan)
+    column_base: float = number("m", "base of the column at the start", default=nan)
+    column_depth: float = number("m", "height of the column at the start", default=nan)
+    highest_surface_speed: float = number("m/s", "highest mean speed of the surface", default=nan)
+    free_length: float = number("m", "distance from the back wall to the first obstacle", default=nan)
+    speed: float = number("m/s", "mean speed of the front", default=nan, label="speed")
+    arrival_time: float = number("s", "arrival at the first obstacle", default=nan)
+    ritter: Ritter | None = None
+    martin_moyce: MartinMoyce | None = None
+    reason: str | None = None
+    history: FrontHistory | None = field(default=None, metadata={"summary": False})
+
+
+def back_wall(flow: Flow) -> float | None:
     """Position of the vertical wall that the column leans on, m; None where there is none."""
-    starts = (wall.room("x")[0] for wall in context.walls)
+    starts = (wall.room("x")[0] for wall in flow.scene.walls)
     return next((start for start in starts if isfinite(start)), None)
 
 
@@ -84,21 +139,21 @@ def stack_top(y: np.ndarray, diameter: float, bed: float) -> float:
 class FrontTracker:
     """Follows the front from frame to frame; ask for `result` at the end."""
 
-    def __init__(self, context: FlowContext):
-        self.context = context
-        self.back = back_wall(context)
+    def __init__(self, flow: Flow, _: ContactCollector | None = None):
+        self.flow = flow
+        self.back = back_wall(flow)
         self._rows: list[tuple[float, ...]] = []
         self._column: tuple[float, float] | None = None
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        d, x, y = self.context.diameter, frame.x, frame.y
+        d, x, y = self.flow.scene.diameter, frame.x, frame.y
         if not frame.n:
             self._rows.append((time, nan, nan, nan, nan, nan))
             return
         if self.back is None:  # no wall: the column's own left edge at the start
             self.back = float(x.min()) - 0.5 * d
-        bed = float(self.context.bed_height(np.array([self.back + 0.5 * d]))[0])
+        bed = float(self.flow.bed_height(np.array([self.back + 0.5 * d]))[0])
         if not np.isfinite(bed):
             bed = float(y.min()) - 0.5 * d
         near = x - self.back < 1.5 * d
@@ -167,111 +222,187 @@ def dimensionless(history: FrontHistory, gravity: float) -> dict[str, np.ndarray
     }
 
 
-def free_length(context: FlowContext, history: FrontHistory) -> float:
+def free_length(flow: Flow, history: FrontHistory) -> float:
     """Distance from the back wall to the first thing in the way of the front, m; infinite where there is none."""
     base = history.back + history.column[0]
-    bed = float(context.bed_height(np.array([base]))[0])
-    starts = [wall.extent[0][0] for wall in context.walls if wall.finite]
-    faces = [start for start in starts if start > base + context.diameter]
-    faces += [wall.room("x")[1] for wall in context.walls]
+    bed = float(flow.bed_height(np.array([base]))[0])
+    starts = [wall.extent[0][0] for wall in flow.scene.walls if wall.finite]
+    faces = [start for start in starts if start > base + flow.scene.diameter]
+    faces += [wall.room("x")[1] for wall in flow.scene.walls]
     # the floor may end before anything stands in the way
-    probe = np.linspace(base, context.domain[0][1], 2000)
-    level = context.bed_height(probe)
+    probe = np.linspace(base, flow.scene.domain[0][1], 2000)
+    level = flow.bed_height(probe)
     changed = np.flatnonzero(~(np.abs(level - bed) < 1e-9))
     faces += [float(probe[changed[0]])] if changed.size else []
     return min(faces, default=inf) - history.back
 
 
-def summarise_front(history: FrontHistory, context: FlowContext) -> dict:
-    """Numbers for the summary: fronts at the end, against Ritter while it holds, against Martin & Moyce.
-
-    Parameters
-    ----------
-    history : FrontHistory
-    context : FlowContext
-
-    Returns
-    -------
-    dict
-        position, position_99, column_height at the last frame that holds discs; column_base and column_depth at the
-        start; time (s); speed: bulk front between a tenth and all of the free path, from a straight-line fit;
-        `ritter`: times while it holds and RMS of the front; `martin_moyce`: RMS of bulk and 99 % front for
-        T > 0.8, of the height, slope dZ/dT on [1.43, 3.33], their table's aspect ratio (2) and ours.
-    """
+def analyse_front(history: FrontHistory, flow: Flow) -> Front:
+    """Front at the end, its speed, and how it compares with Ritter while that holds, and with Martin & Moyce."""
     good = np.isfinite(history.bulk)
     base, depth = history.column
-    nothing = {"position": None, "position_99": None, "column_height": None, "speed": None}
     if not good.any() or not base > 0:
-        return {**nothing, "reason": "no frame holds a disc, so there is no front"}
+        return Front(reason="no frame holds a disc, so there is no front", history=history)
     last = np.flatnonzero(good)[-1]
-    gravity = -context.gravity[1]
-    free = free_length(context, history)
-    summary = {
-        "time": float(history.time[last]),
-        "position": float(history.back + history.bulk[last]),
-        "position_99": float(history.back + history.quantile[last]),
-        "column_height": float(history.height[last]),
-        "column_base": base,
-        "column_depth": depth,
-        "highest_surface_speed": _none(np.nanmax(history.top_speed) if np.isfinite(history.top_speed).any() else nan),
-        "free_length": None if np.isinf(free) else float(free),
-        "speed": None,
-        "arrival_time": None,
-        "ritter": None,
-        "martin_moyce": None,
-    }
-    running = good & (history.time >= 0) & (history.bulk > base + 0.1 * (free - base if np.isfinite(free) else base))
-    hit = np.flatnonzero(good & (history.time >= 0) & (history.bulk >= free - 0.5 * context.diameter))
+    gravity = -flow.scene.gravity[1]
+    free = free_length(flow, history)
+    live = good & (history.time >= 0)
+    running = live & (history.bulk > base + 0.1 * (free - base if np.isfinite(free) else base))
+    hit = np.flatnonzero(live & (history.bulk >= free - 0.5 * flow.scene.diameter))
+    arrival = float(history.time[hit[0]]) if hit.size else nan
     if hit.size:
-        summary["arrival_time"] = float(history.time[hit[0]])
         running[hit[0] :] = False
-    if running.sum() >= 3:
-        summary["speed"] = float(np.polyfit(history.time[running], history.bulk[running], 1)[0])
-    if gravity <= 0 or depth <= 0:
-        return summary
-    # once the front meets an obstacle, neither theory speaks of it any more
-    end = history.time[hit[0]] if hit.size else np.inf
-    summary["ritter"] = _ritter(history, base, depth, gravity, end)
-    summary["martin_moyce"] = _martin_moyce(history, gravity, end)
-    return summary
+    # once the front meets an obstacle, neither theory holds any more
+    end = arrival if hit.size else np.inf
+    compared = gravity > 0 and depth > 0
+    speed = np.polyfit(history.time[running], history.bulk[running], 1)[0] if running.sum() >= 3 else nan
+    return Front(
+        time=float(history.time[last]),
+        position=float(history.back + history.bulk[last]),
+        position_99=float(history.back + history.quantile[last]),
+        column_height=float(history.height[last]),
+        column_base=base,
+        column_depth=depth,
+        highest_surface_speed=float(np.nanmax(history.top_speed)) if np.isfinite(history.top_speed).any() else nan,
+        free_length=float(free),
+        speed=float(speed),
+        arrival_time=arrival,
+        ritter=_ritter(history, base, depth, gravity, end) if compared else None,
+        martin_moyce=_martin_moyce(history, gravity, end) if compared else None,
+        history=history,
+    )
 
 
-def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, end: float) -> dict:
+def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, end: float) -> Ritter:
     limit = theory.ritter_wall_time(base, depth, gravity)
     inside = (history.time > 0) & (history.time <= min(limit, end)) & np.isfinite(history.bulk)
     expected = base + np.array([theory.ritter_front(t, depth, gravity) for t in history.time[inside]])
     comparison = Comparison(history.time[inside], history.bulk[inside], expected)
-    return {
-        "valid_until": limit,
-        "frames": int(inside.sum()),
-        "front_speed": 2.0 * sqrt(gravity * depth),
-        "rms": _none(comparison.rms),
-    }
+    return Ritter(limit, int(inside.sum()), 2.0 * sqrt(gravity * depth), comparison.rms)
 
 
-def _martin_moyce(history: FrontHistory, gravity: float, end: float) -> dict:
-    variables = dimensionless(history, gravity)
+def _martin_moyce(history: FrontHistory, gravity: float, end: float) -> MartinMoyce:
     live = (history.time >= 0) & (history.time <= end)
-    variables = {name: values[live] for name, values in variables.items()}
-    front, tall = reference_data.MARTIN_MOYCE_FRONT, reference_data.MARTIN_MOYCE_HEIGHT
+    variables = {name: values[live] for name, values in dimensionless(history, gravity).items()}
+    front, tall = measured.MARTIN_MOYCE_FRONT, measured.MARTIN_MOYCE_HEIGHT
     bulk = against_curve(variables["T"], variables["Z"], front.x, front.y, beyond=0.8)
     most = against_curve(variables["T"], variables["Z99"], front.x, front.y, beyond=0.8)
     column = against_curve(variables["tau"], variables["h"], tall.x, tall.y)
     straight = (variables["T"] >= 1.43) & (variables["T"] <= 3.33) & np.isfinite(variables["Z"])
     slope = np.polyfit(variables["T"][straight], variables["Z"][straight], 1)[0] if straight.sum() >= 3 else nan
     aspect = history.column[1] / history.column[0]
+    return MartinMoyce(
+        aspect=aspect,
+        comparable=bool(abs(aspect - 2.0) < 0.1),
+        points=len(bulk.x),
+        rms_bulk=bulk.rms,
+        rms_99=most.rms,
+        rms_height=column.rms,
+        slope=float(slope),
+    )
+
+
+def analyse(gathered: Gathered) -> Front:
+    """Front of a run."""
+    return analyse_front(gathered.histories["front"], gathered.flow)
+
+
+def tables(front: Front) -> Tables:
+    """Front and column against time, m and m/s."""
+    names = ("time", "bulk", "quantile", "height", "top_speed", "tip_speed")
+    return {"front.csv": {name: getattr(front.history, name) for name in names}}
+
+
+def figures(front: Front, gathered: Gathered) -> Drawings:
+    """Figures of the front in time, and beside Martin & Moyce's measurements."""
+    flow, history = gathered.flow, front.history
     return {
-        "aspect": aspect,
-        "aspect_of_table": 2.0,
-        "comparable": bool(abs(aspect - 2.0) < 0.1),
-        "points": len(bulk.x),
-        "rms_bulk": _none(bulk.rms),
-        "rms_99": _none(most.rms),
-        "rms_height": _none(column.rms),
-        "slope": _none(slope),
-        "slope_of_table": reference_data.MARTIN_MOYCE_FRONT_SLOPE[2],
+        "front.png": partial(front_figure, history, flow),
+        "martin_moyce.png": partial(martin_moyce_figure, history, flow),
     }
 
 
-def _none(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def section(found: Mapping) -> Section:
+    """The front of a collapsing column against Ritter and Martin & Moyce."""
+    if found.get("position") is None:
+        return Section("Front", [Text(shown(found.get("reason")), "warn")])
+    start = f"{found['column_base']:.3g} × {found['column_depth']:.3g}"
+    rows = [("Column at the start, base × height [m]", start)]
+    rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
+    if ritter := found.get("ritter"):
+        until = f"Ritter's front, holds until t = {ritter['valid_until']:.2g} s: RMS difference"
+        rows.append((until, percent(ritter["rms"])))
+    if moyce := found.get("martin_moyce"):
+        rows += described(MartinMoyce, moyce, "aspect")
+        for key in ("rms_bulk", "rms_99", "rms_height"):
+            rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, key)]
+        rows += described(MartinMoyce, moyce, "slope")
+    return Section("Front", [Table(rows)])
+
+
+def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
+    """Front, column height and surface speed against time; Ritter's front while it holds."""
+    good = np.isfinite(history.bulk)
+    if not good.any():
+        return None
+    base, depth = history.column
+    gravity = -flow.scene.gravity[1]
+    with style():
+        figure, (upper, middle, lower) = new_figure(7.2, 6.4, 3, 1, sharex=True, height_ratios=[1.5, 1, 1])
+        upper.plot(history.time, history.bulk, color=BLUE, label="bulk front")
+        upper.plot(history.time, history.quantile, color=GOLD, ls="--", label="99 % of the discs")
+        if gravity > 0 and depth > 0:
+            limit = theory.ritter_wall_time(base, depth, gravity)
+            t = np.linspace(0, max(min(limit, history.time.max()), 1e-9), 20)
+            label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
+            upper.plot(t, base + 2 * t * np.sqrt(gravity * depth), color=BLACK, ls=":", label=label)
+        upper.set_ylabel("Distance from\nthe back wall [m]")
+        upper.set_title(f"{flow.scene.name}: front and column")
+        upper.legend()
+        middle.plot(history.time, history.height, color=BLUE)
+        middle.set_ylabel("Column at the\nback wall [m]")
+        middle.set_ylim(bottom=0)
+        lower.plot(history.time, history.top_speed, color=BLUE, label="surface, mean")
+        lower.plot(history.time, history.tip_speed, color=GOLD, ls="--", label="tip (last 5 d)")
+        lower.axhline(0, color=GREY, lw=0.8)
+        lower.set_ylabel("Velocity u [m/s]")
+        lower.set_xlabel("Time t [s]")
+        lower.legend()
+    return figure
+
+
+def martin_moyce_figure(history: FrontHistory, flow: Flow) -> Figure | None:
+    """Front and column height in Martin & Moyce's variables with their measurements beside them."""
+    gravity = -flow.scene.gravity[1]
+    base, depth = history.column
+    if not np.isfinite(history.bulk).any() or gravity <= 0 or not base > 0 or not depth > 0:
+        return None
+    values = dimensionless(history, gravity)
+    live = history.time >= 0
+    if live.sum() < 2:
+        return None
+    free = free_length(flow, history) / base
+    with style():
+        figure, (left, right) = new_figure(8.4, 3.8, 1, 2)
+        front, tall = measured.MARTIN_MOYCE_FRONT, measured.MARTIN_MOYCE_HEIGHT
+        left.plot(values["T"][live], values["Z"][live], color=BLUE, label="bulk front")
+        left.plot(values["T"][live], values["Z99"][live], color=GOLD, ls="--", label="99 % of the discs")
+        left.plot(front.x, front.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
+        left.set_xlim(0, min(values["T"].max(), 5))
+        left.set_ylim(1, max(5.0, 1.08 * min(free, 6)))
+        if free < left.get_ylim()[1]:
+            left.axhline(free, color=GREY, ls="-.", lw=1)
+            left.annotate("first obstacle", (0.02, free), (0, 2), xycoords=("axes fraction", "data"),
+                          textcoords="offset points", fontsize=8, color=GREY)  # fmt: skip
+        left.set_xlabel("T = n t √(g/a)")
+        left.set_ylabel("Z = front / a")
+        left.legend(loc="lower right")
+        left.set_title(f"n² = H/a = {depth / base:.3g} here")
+        right.plot(values["tau"][live], values["h"][live], color=BLUE, label="column")
+        right.plot(tall.x, tall.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
+        right.set_xlim(0, min(values["tau"].max(), 5.5))
+        right.set_ylim(0, 1.05)
+        right.set_xlabel("τ = t √(g/a)")
+        right.set_ylabel("h / H")
+        right.legend()
+    return figure

@@ -1,18 +1,21 @@
-"""The context of anybody's dump: what is not given is guessed, and said."""
+"""Flow of a bare dump: what is not given is guessed, and every guess is noted."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, radians, sin
+from dataclasses import fields
+from math import cos, nan, radians, sin
 
 import numpy as np
 
 from lammps_jump.dump.frame import Frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
+from lammps_jump.physics.contact import Coefficients
+from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Plane, Wall
 
-from .flow import FlowContext
+from .flow import Flow
 
 DIAMETER_COLUMNS = (("diameter", 1.0), ("radius", 2.0))
 """Columns that tell the diameter, and the factor."""
@@ -35,8 +38,8 @@ def from_dump(
     stiffness: float | None = None,
     stiffness_wall: float | None = None,
     time_step: float | None = None,
-) -> FlowContext:
-    """The context of anybody's dump; what is not given is guessed, and said so in ``notes``.
+) -> Flow:
+    """Flow of a bare dump; what is not given is guessed, and said so in ``notes``.
 
     Parameters
     ----------
@@ -107,23 +110,32 @@ def from_dump(
         notes.append(f"Profiles from x = {x_range[0]:.6g} to {x_range[1]:.6g} m: as far as discs were seen.")
     if all(header.time is None for header in headers) and time_step is None:
         notes.append("The dump carries no times and no time step was given: times are step numbers.")
-    box = frame.box
-    return FlowContext(
+    known = {"mass": mass, "stiffness": stiffness, "stiffness_wall": stiffness_wall, "time_step": time_step}
+    if stiffness_wall is None:
+        known["stiffness_wall"] = stiffness
+    scene = Scene(
         name=name or dump.path.name.split(".")[0],
+        description="",
         diameter=float(diameter),
-        mass=float(mass),
         density=float(density),
         gravity=(float(gravity[0]), float(gravity[1])),
-        domain=((float(box[0, 0]), float(box[0, 1])), (float(box[1, 0]), float(box[1, 1]))),
-        x_range=x_range,
+        coefficients=known_coefficients(**known),
+        friction_law="hooke",
+        rotation=False,
+        integrator="velocity_verlet",
+        domain=tuple((float(low), float(high)) for low, high in frame.box[:2]),
+        positions=np.empty((0, 2)),
+        velocities=np.empty((0, 2)),
         walls=tuple(walls),
-        time_step=time_step,
-        stiffness=stiffness,
-        stiffness_wall=stiffness_wall if stiffness_wall is not None else stiffness,
-        bin_width=bin_width or 5 * float(diameter),
-        window=window,
-        notes=tuple(notes),
     )
+    return Flow(scene, x_range, bin_width or 5 * scene.diameter, window, notes=tuple(notes))
+
+
+def known_coefficients(**known: float | None) -> Coefficients:
+    """Contact coefficients of which only some are known: NaN for the others, 0 for dashpots and friction."""
+    values = {field.name: nan for field in fields(Coefficients)}
+    values |= dict.fromkeys(("friction", *(name for name in values if name.startswith("gamma"))), 0.0)
+    return Coefficients(**values | {name: float(value) for name, value in known.items() if value is not None})
 
 
 def _guess_diameter(frame: Frame, notes: list[str]) -> float:

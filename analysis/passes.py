@@ -1,143 +1,105 @@
-"""One pass over the frames of a dump feeds every analysis that was asked for."""
+"""One pass over the frames of a dump, which feeds every analysis that was asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Protocol
 
 import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
 
+from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame, make_frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 
-from .flow import FlowContext
+from .contacts import ContactSeries
+from .flow import Flow
+from .profiles import add_means, compute_profiles
 
-if TYPE_CHECKING:
-    import xarray as xr
+Tables = dict[str, Mapping[str, np.ndarray]]
+"""Columns of CSV files by the name of the file."""
+Drawings = dict[str, Callable[[], Figure | None]]
+"""Figures by the name of the file; None where there is nothing to draw."""
+
+
+class Collector(Protocol):
+    """What takes in one frame after the other, and gives its history at the end."""
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+
+    def result(self) -> object:
+        """The history of all frames taken in."""
 
 
 @dataclass(frozen=True)
-class AnalysisRequest:
-    """What is asked of a dump.
-
-    Attributes
-    ----------
-    bin_width : float, optional
-        Width of the profile bins, m; default five diameters.
-    window : (float, float), optional
-        Times of the means, s; default the last quarter of the run.
-    jump, energy, front, forces, fields : bool
-        Which analyses run; profiles are always made.
-    animate : bool
-        Write ``animation.mp4``.
-    figures : bool
-        Write ``figures/*.png``.
-    exports : tuple of str
-        Of 'csv' (profiles as tables), 'vtk' (discs, and fields where asked for), 'pictures' (the thesis' picture0.dat
-        … picture9.dat).
-    inflow_depth, inflow_speed : float, optional
-        y1, m, and Va, m/s, where the scene does not tell.
-    """
-
-    bin_width: float | None = None
-    window: tuple[float, float] | None = None
-    jump: bool = False
-    energy: bool = False
-    front: bool = False
-    forces: bool = False
-    fields: bool = False
-    animate: bool = False
-    figures: bool = True
-    exports: tuple[str, ...] = ()
-    inflow_depth: float | None = None
-    inflow_speed: float | None = None
-
-
-@dataclass
 class Gathered:
     """What one pass over a dump has left: input of the analyses and their figures.
 
     Attributes
     ----------
-    context : FlowContext
+    flow : Flow
     profiles : xarray.Dataset
     contacts : ContactSeries or None
         Thrust and bed forces by frame and bin.
-    energy : EnergyHistory or None
-    front : FrontHistory or None
-    momentum : MomentumHistory or None
-    forces : dict of str to ForceHistory
+    histories : mapping of str to object
+        Results of the collectors, by the name of their quantity.
+    forces : mapping of str to ForceHistory
+        Of ``forces.csv``.
     """
 
-    context: FlowContext
+    flow: Flow
     profiles: xr.Dataset
-    contacts: Any = None
-    energy: Any = None
-    front: Any = None
-    momentum: Any = None
-    forces: Any = None
+    contacts: ContactSeries | None
+    histories: Mapping[str, object]
+    forces: Mapping[str, ForceHistory]
+
+    @property
+    def thinned(self) -> xr.Dataset:
+        """The profiles with at most 1200 times: a picture has a thousand rows of pixels."""
+        return self.profiles.isel(time=slice(None, None, max(1, self.profiles.sizes["time"] // 600)))
 
 
-def gather(
-    dump: Dump, context: FlowContext, request: AnalysisRequest, warnings: list[str], places: tuple[Path, ...] = ()
-) -> Gathered:
-    """One pass over a dump: profiles and, as asked for, contacts, energy, front and momentum.
+def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: list[str]) -> xr.Dataset:
+    """Profiles of a dump; every collector is shown every frame on the way.
 
     Memory holds one frame and what is kept of it (sums over bins), so dumps of any size can be read.
+
+    Parameters
+    ----------
+    dump : Dump
+    flow : Flow
+    collectors : iterable of Collector
+        Fed in this order.
+    warnings : list of str
+        Notes of the pass are added to it.
     """
-    from .profiles import add_means, bin_edges, compute_profiles
-
-    warnings += context.notes
-    takers, collectors = [], {}
-    edges = bin_edges(context.x_range, request.bin_width or context.bin_width)
-    if context.stiffness is not None and (request.jump or request.energy):
-        from .contact_series import ContactCollector
-
-        collectors["contacts"] = ContactCollector(context, edges if request.jump else None)
-        takers.append(collectors["contacts"])
-    if request.energy:
-        from .energy import EnergyLedger
-
-        collectors["energy"] = EnergyLedger(context, collectors.get("contacts"))
-        takers.append(collectors["energy"])
-    if request.front:
-        from .front import FrontTracker
-
-        collectors["front"] = FrontTracker(context)
-        takers.append(collectors["front"])
-    forces = _find_forces(places, warnings) if request.forces or context.probes else {}
-    if forces:
-        from lammps_jump.analysis.forces.impulse import MomentumLedger
-
-        collectors["momentum"] = MomentumLedger(context)
-        takers.append(collectors["momentum"])
-    frames = with_velocities(dump, context, warnings)
-    free = replace(context, window=None)
-    profiles = compute_profiles(_feed(frames, context, takers), free, bin_width=request.bin_width)
+    collectors = list(collectors)
+    frames = with_velocities(dump, flow, warnings)
+    profiles = compute_profiles(_feed(frames, flow, collectors), replace(flow, window=None))
     warnings += dump.warnings
-    window = request.window or context.window
-    if window is not None:
+    if flow.window is not None:
         try:
-            profiles = add_means(profiles, window)
+            profiles = add_means(profiles, flow.window)
         except DumpError as error:
             warnings.append(f"Means are over the second half of the frames instead: {error}")
-    return Gathered(context, profiles, forces=forces, **{k: v.result() for k, v in collectors.items()})
+    return profiles
 
 
-def _feed(frames: Iterator[Frame], context: FlowContext, takers: list) -> Iterator[Frame]:
-    """The same frames, shown to every taker on the way."""
+def _feed(frames: Iterator[Frame], flow: Flow, collectors: list[Collector]) -> Iterator[Frame]:
+    """The same frames, shown to every collector on the way."""
     for frame in frames:
-        require_finite(frame, context.name)
-        time = context.time(frame)
-        for taker in takers:
-            taker.add(frame, time)
+        require_finite(frame, flow.scene.name)
+        time = flow.time(frame)
+        for collector in collectors:
+            collector.add(frame, time)
         yield frame
 
 
-def with_velocities(dump: Dump, context: FlowContext, warnings: list[str]) -> Iterator[Frame]:
+def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Frame]:
     """The frames; where the file has no vx, vy they are differences of the positions since the frame before.
 
     A disc that was not there before gets velocity 0, as do all discs of the first frame.
@@ -151,7 +113,7 @@ def with_velocities(dump: Dump, context: FlowContext, warnings: list[str]) -> It
     )
     before: tuple[np.ndarray, np.ndarray, np.ndarray, float] | None = None
     for frame in dump:
-        ids, time = frame.ids, context.time(frame)
+        ids, time = frame.ids, flow.time(frame)
         order = np.argsort(ids, kind="stable")
         vx, vy = np.zeros(frame.n), np.zeros(frame.n)
         if before is not None and time > before[3]:
@@ -161,16 +123,3 @@ def with_velocities(dump: Dump, context: FlowContext, warnings: list[str]) -> It
         before = (ids[order], frame.x[order], frame.y[order], time)
         columns = dict(frame.columns) | {"vx": vx, "vy": vy}
         yield make_frame(frame.step, frame.time, frame.box, columns)
-
-
-def _find_forces(places: tuple[Path, ...], warnings: list[str]) -> dict:
-    from lammps_jump.dump.find import read_forces
-
-    for place in places:
-        if (place / "forces.csv").is_file():
-            try:
-                return read_forces(place / "forces.csv")
-            except DumpError as error:
-                warnings.append(str(error))
-                return {}
-    return {}

@@ -7,17 +7,19 @@ discharge and momentum over all bins and what lies outside add up to the discs' 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import asin, ceil, floor, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from numba import njit
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 
-from .flow import FlowContext
-from .profile_kernels import LINES_PER_DIAMETER, bin_frame, surface_frame
+from .cell_grid import sort_into_cells
+from .flow import Flow
 from .statistics import LEAST_SAMPLES, block_average
 
 VARIABLES = {
@@ -32,8 +34,10 @@ VARIABLES = {
     "centroid_height": ("m", "height of the centre of mass above the bed"),
     "count": ("1", "number of discs, those astride an edge in parts"),
 }
-AVERAGED = tuple(VARIABLES)
 MOST_BINS = 100_000
+LINES_PER_DIAMETER = 8
+REACH = 2.0
+"""Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""
 
 
 def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
@@ -59,7 +63,7 @@ def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
 
 def compute_profiles(
     frames: Iterable[Frame],
-    context: FlowContext,
+    flow: Flow,
     *,
     bin_width: float | None = None,
     x_range: Interval | None = None,
@@ -76,13 +80,13 @@ def compute_profiles(
     ----------
     frames : iterable of Frame
         Streamed: one at a time in memory.
-    context : FlowContext
+    flow : Flow
     bin_width : float, optional
-        m; default ``context.bin_width``.
+        m; default ``flow.bin_width``.
     x_range : (float, float), optional
-        m; default ``context.x_range``.
+        m; default ``flow.x_range``.
     window : (float, float), optional
-        First and last time of the means, s; default ``context.window``, else the second half of the times.
+        First and last time of the means, s; default ``flow.window``, else the second half of the times.
 
     Returns
     -------
@@ -98,14 +102,14 @@ def compute_profiles(
     DumpError
         No frame at all, a missing column, a wrong range or width.
     """
-    width = context.bin_width if bin_width is None else bin_width
-    edges = bin_edges(context.x_range if x_range is None else x_range, width)
-    bins, radius = len(edges) - 1, context.radius
-    bed = context.mean_bed(edges)
-    depth_unit = context.mass / (context.density * width)
+    width = flow.bin_width if bin_width is None else bin_width
+    edges = bin_edges(flow.x_range if x_range is None else x_range, width)
+    bins, radius = len(edges) - 1, flow.scene.radius
+    bed = flow.mean_bed(edges)
+    depth_unit = flow.scene.mass / (flow.scene.density * width)
     disc_area = np.pi * radius**2
-    lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / context.diameter - 1e-9)))
-    bed_lines = context.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
+    lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
+    bed_lines = flow.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
     rows: dict[str, list] = {name: [] for name in VARIABLES}
     times, steps, discs, outside = [], [], [], []
     for frame in frames:
@@ -119,16 +123,16 @@ def compute_profiles(
         sums = np.zeros((6, bins))
         beyond = np.zeros(2)
         bin_frame(x, y, vx, vy, edges[0], width, radius, sums, beyond)
-        surface = surface_frame(x, y, vx, context.bed_height(x), bed_lines, edges[0], width, bins, radius)
+        surface = surface_frame(x, y, vx, flow.bed_height(x), bed_lines, edges[0], width, bins, radius)
         _append(rows, sums, *surface, bed, depth_unit, disc_area, width)
-        times.append(context.time(frame))
+        times.append(flow.time(frame))
         steps.append(frame.step)
         discs.append(frame.n)
         outside.append(beyond)
     if not times:
         raise DumpError("there is no frame to make profiles of.")
-    dataset = _dataset(rows, times, steps, discs, outside, edges, bed, context)
-    return add_means(dataset, window or context.window)
+    dataset = _dataset(rows, times, steps, discs, outside, edges, bed, flow)
+    return add_means(dataset, window or flow.window)
 
 
 def _append(rows, sums, surface, top_speed, bed, depth_unit, disc_area, width) -> None:
@@ -154,11 +158,11 @@ def _append(rows, sums, surface, top_speed, bed, depth_unit, disc_area, width) -
         rows[name].append(value)
 
 
-def _dataset(rows, times, steps, discs, outside, edges, bed, context) -> xr.Dataset:
+def _dataset(rows, times, steps, discs, outside, edges, bed, flow) -> xr.Dataset:
     def described(values, units, long_name, dims=("time",)):
         return dims, np.asarray(values), {"units": units, "long_name": long_name}
 
-    mass = context.mass
+    mass = flow.scene.mass
     variables = {name: described(rows[name], *VARIABLES[name], ("time", "x")) for name in VARIABLES}
     variables |= {
         "bed": described(bed, "m", "height of the bed (mean over the bin)", ("x",)),
@@ -175,19 +179,19 @@ def _dataset(rows, times, steps, discs, outside, edges, bed, context) -> xr.Data
             "x": ("x", 0.5 * (edges[1:] + edges[:-1]), {"units": "m", "long_name": "distance along the channel"}),
         },
         attrs={
-            "title": f"depth profiles of {context.name}",
+            "title": f"depth profiles of {flow.scene.name}",
             "Conventions": "CF-1.8",
             "bin_width": float(edges[1] - edges[0]),
             "x_low": float(edges[0]),
             "x_high": float(edges[-1]),
-            "disc_diameter": context.diameter,
-            "disc_mass": context.mass,
-            "density": context.density,
-            "gravity_x": context.gravity[0],
-            "gravity_y": context.gravity[1],
+            "disc_diameter": flow.scene.diameter,
+            "disc_mass": flow.scene.mass,
+            "density": flow.scene.density,
+            "gravity_x": flow.scene.gravity[0],
+            "gravity_y": flow.scene.gravity[1],
             "surface_definition": "mean over vertical lines of the top edge of the highest disc connected to the bed; "
             f"{LINES_PER_DIAMETER} lines a diameter; connected: a chain of centres at most 2 diameters apart",
-            "notes": " ".join(context.notes),
+            "notes": " ".join(flow.notes),
         },
     )
 
@@ -217,7 +221,7 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
             f"no frame between t = {window[0]:g} and {window[1]:g} s: the dump covers {time[0]:g} to {time[-1]:g} s."
         )
     means = {}
-    for name in AVERAGED:
+    for name in VARIABLES:
         units, long_name = VARIABLES[name]
         result = block_average(dataset[name].values[inside])
         means[f"{name}_mean"] = ("x", result.mean, {"units": units, "long_name": f"time mean of {long_name}"})
@@ -255,3 +259,125 @@ def read_profiles(path: str | Path) -> xr.Dataset:
             return dataset.load()
     except (OSError, ValueError) as error:
         raise DumpError(f"{path}: not a profiles file ({error}).") from error
+
+
+def _left_share_py(a):
+    """Share of a unit disc's area left of x = a (exact): 1/2 + (a sqrt(1 - a^2) + asin a) / pi."""
+    if a <= -1.0:
+        return 0.0
+    if a >= 1.0:
+        return 1.0
+    return 0.5 + (a * sqrt(1.0 - a * a) + asin(a)) / pi
+
+
+def _bin_frame_py(x, y, vx, vy, low, width, radius, sums, beyond):
+    """Add discs to ``sums[quantity, bin]`` and ``beyond`` (left, right), in shares of area.
+
+    Quantities: number, sum of u, of u^2, of u |v|^2 / 2, of y, of v.
+    """
+    bins = sums.shape[1]
+    for i in range(len(x)):
+        left = (x[i] - radius - low) / width
+        if left >= bins:
+            beyond[1] += 1.0
+            continue
+        if (x[i] + radius - low) / width <= 0.0:
+            beyond[0] += 1.0
+            continue
+        u = vx[i]
+        kinetic = 0.5 * (u * u + vy[i] * vy[i])
+        first = max(floor(left), -1)
+        done = 0.0
+        k = first
+        while done < 1.0:
+            # everything outside the range is one bin on either side
+            upto = 1.0 if k >= bins else _left_share((low + (k + 1) * width - x[i]) / radius)
+            share = upto - done
+            done = upto
+            if k < 0:
+                beyond[0] += share
+            elif k >= bins:
+                beyond[1] += share
+            else:
+                sums[0, k] += share
+                sums[1, k] += share * u
+                sums[2, k] += share * u * u
+                sums[3, k] += share * u * kinetic
+                sums[4, k] += share * y[i]
+                sums[5, k] += share * vy[i]
+            k += 1
+
+
+def _connected_py(x, y, bed, reach, radius):
+    """Whether each disc is connected to the bed (breadth-first search over a cell grid of side `reach`)."""
+    n = len(x)
+    joined = np.zeros(n, np.bool_)
+    if n == 0:
+        return joined
+    cell, start, members, nx, ny = sort_into_cells(x, y, reach)
+    queue = np.empty(n, np.int64)
+    tail = 0
+    for i in range(n):
+        # at most a diameter of air below the disc; false where the bed is NaN
+        if -2.0 * radius <= y[i] - bed[i] <= 3.0 * radius:
+            joined[i] = True
+            queue[tail] = i
+            tail += 1
+    head = 0
+    limit = reach * reach * (1.0 + 1e-12)
+    while head < tail:
+        i = queue[head]
+        head += 1
+        cx, cy = cell[i] // ny, cell[i] % ny
+        for kx in range(max(cx - 1, 0), min(cx + 2, nx)):
+            for ky in range(max(cy - 1, 0), min(cy + 2, ny)):
+                c = kx * ny + ky
+                for m in range(start[c], start[c + 1]):
+                    j = members[m]
+                    if not joined[j]:
+                        dx, dy = x[j] - x[i], y[j] - y[i]
+                        if dx * dx + dy * dy <= limit:
+                            joined[j] = True
+                            queue[tail] = j
+                            tail += 1
+    return joined
+
+
+def _surface_frame_py(x, y, vx, bed, bed_lines, low, width, bins, radius):
+    """Depth of the free surface (m) and mean u of the discs that form it (m/s, NaN where dry), a value a bin.
+
+    `bed` is the floor's height under each disc, `bed_lines` at each line, m; line k of the range stands at
+    ``low + (k + 1/2) spacing``. A line without a floor makes its bin NaN.
+    """
+    joined = _connected(x, y, bed, REACH * 2.0 * radius, radius)
+    lines = len(bed_lines)
+    per_bin = lines // bins
+    spacing = width / per_bin
+    top = np.full(lines, -1, np.int64)
+    for i in range(len(x)):
+        if joined[i]:
+            first = max(ceil((x[i] - radius - low) / spacing - 0.5), 0)
+            last = min(floor((x[i] + radius - low) / spacing - 0.5), lines - 1)
+            for k in range(first, last + 1):
+                if top[k] < 0 or y[i] > y[top[k]]:
+                    top[k] = i
+    depth = np.zeros(bins)
+    speed = np.zeros(bins)
+    for b in range(bins):
+        wet = 0
+        for k in range(b * per_bin, (b + 1) * per_bin):
+            if np.isnan(bed_lines[k]):
+                depth[b] = np.nan
+            elif top[k] >= 0 and y[top[k]] + radius > bed_lines[k]:
+                depth[b] += y[top[k]] + radius - bed_lines[k]
+                speed[b] += vx[top[k]]
+                wet += 1
+        depth[b] /= per_bin
+        speed[b] = speed[b] / wet if wet else np.nan
+    return depth, speed
+
+
+_left_share = njit(cache=True)(_left_share_py)
+_connected = njit(cache=True)(_connected_py)
+bin_frame = njit(cache=True)(_bin_frame_py)
+surface_frame = njit(cache=True)(_surface_frame_py)

@@ -35,6 +35,7 @@ RESULT_FILES = (
     "profiles.nc",
     "summary.json",
     "animation.mp4",
+    "animation.gif",
     "report.html",
     "live.png",
     "profiles.csv",

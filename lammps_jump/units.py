@@ -1,15 +1,110 @@
-"""Numbers of a case file: SI floats, or strings with a unit."""
+"""Numbers in: SI floats, or strings with a unit. Numbers out: each described once, and one formatter for all.
+
+A result is a frozen dataclass whose numbers are made with `number`. The key of ``summary.json``, the row of the report
+and the line on the screen come from that description.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from functools import lru_cache
-from math import inf, isfinite
-from typing import Annotated, Any
+from math import floor, inf, isfinite, log10
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, WithJsonSchema
 
 from lammps_jump.errors import CaseError
+
+ABSENT = "–"  # noqa: RUF001  (a dash for readers)
+"""Shown in place of a number that was not measured."""
+
+
+class Number(NamedTuple):
+    """Description of one number of a result.
+
+    Attributes
+    ----------
+    key : str
+        Name of the field, and key of ``summary.json``.
+    unit : str
+        SI unit, empty where there is none.
+    meaning : str
+        What the number is, in a few words.
+    label : str
+        Short name for the screen and for boxes; the meaning where none was given.
+    """
+
+    key: str
+    unit: str
+    meaning: str
+    label: str
+
+
+def number(unit: str, meaning: str, *, default: Any = dataclasses.MISSING, label: str = "") -> Any:
+    """Field of a frozen dataclass that carries its description.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit, empty for a number without one.
+    meaning : str
+    default : optional
+        NaN means not measured, None absent.
+    label : str
+        Short name, default the meaning.
+    """
+    return dataclasses.field(default=default, metadata={"number": (unit, meaning, label or meaning)})
+
+
+def numbers_of(result: object) -> dict[str, Number]:
+    """Descriptions of the numbers of a dataclass or of an instance of one, by key, in the order of its fields."""
+    fields = dataclasses.fields(result)  # type: ignore[arg-type]
+    return {f.name: Number(f.name, *f.metadata["number"]) for f in fields if "number" in f.metadata}
+
+
+def as_summary(result: object) -> dict[str, object]:
+    """Fields of a result as they stand in ``summary.json``, results inside it as mappings.
+
+    Fields with ``metadata={"summary": False}`` (arrays, inputs of figures) are left out; ``metadata={"key": …}`` names
+    a field that Python cannot name.
+    """
+    found: dict[str, object] = {}
+    for field in dataclasses.fields(result):  # type: ignore[arg-type]
+        if field.metadata.get("summary", True):
+            value = getattr(result, field.name)
+            found[field.metadata.get("key", field.name)] = (
+                as_summary(value) if dataclasses.is_dataclass(value) else value
+            )
+    return found
+
+
+def shown(value: object, unit: str = "", error: float | None = None, *, digits: int = 4) -> str:
+    """A value as text, for the screen, the report, ``check`` and the docs.
+
+    Parameters
+    ----------
+    value : float, int, bool, str or None
+        None and NaN become a dash, booleans yes and no.
+    unit : str
+        Put behind the number.
+    error : float, optional
+        Standard error in the same unit. The value is rounded to the error's second digit.
+    digits : int
+        Significant digits of a number without an error.
+    """
+    if value is None or (isinstance(value, float) and value != value):
+        return ABSENT
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, int | float):
+        return str(value)
+    if error is not None and isfinite(error) and error > 0:
+        text = f"{value:.{max(0, 1 - floor(log10(error)))}f} ± {error:.2g}"
+    else:
+        text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+    return f"{text} {unit}" if unit else text
+
 
 _FACTOR = r"(?:[^\W\d_]\w*|°|%)(?:(?:\^|\*\*)[+-]?[0-9]+)?"
 _QUANTITY = re.compile(
@@ -20,7 +115,7 @@ _QUANTITY = re.compile(
 
 @lru_cache(maxsize=1)
 def _registry():
-    import pint  # a quarter of a second, so only where a string with a unit is met
+    import pint  # 0.14 s, so only where a string with a unit is met
 
     return pint.UnitRegistry()
 
@@ -51,7 +146,7 @@ def to_si(value: Any, unit: str) -> Any:
 
 
 def _from_text(text: str, unit: str) -> float:
-    # pint alone would reckon with what it gets: 0.1.2 is 0.02 to it, 1:30 is 30, 1 000 is 0
+    # pint evaluates malformed numbers instead of refusing them: 0.1.2 gives 0.02, 1:30 gives 30, 1 000 gives 0
     found = _QUANTITY.fullmatch(text)
     if not found:
         raise ValueError(f"{text!r} is not one number with or without a unit; expected {_expected(unit)}")
@@ -84,7 +179,7 @@ _EXAMPLES = {
 }
 
 
-def number(unit: str) -> Any:
+def si_field(unit: str) -> Any:
     """Annotated float type that accepts a number in `unit` or a string with a unit."""
     return Annotated[
         float,
@@ -93,15 +188,15 @@ def number(unit: str) -> Any:
     ]
 
 
-Metre = number("m")
-MetrePerSecond = number("m/s")
-MetrePerSecond2 = number("m/s^2")
-Second = number("s")
-Density = number("kg/m^3")
-Stiffness = number("N/m")
-Degree = number("degree")
-PerSecond = number("1/s")
-Plain = number("")
+Metre = si_field("m")
+MetrePerSecond = si_field("m/s")
+MetrePerSecond2 = si_field("m/s^2")
+Second = si_field("s")
+Density = si_field("kg/m^3")
+Stiffness = si_field("N/m")
+Degree = si_field("degree")
+PerSecond = si_field("1/s")
+Plain = si_field("")
 
 
 def parse_accuracy(text: str | float) -> float:

@@ -8,19 +8,40 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.guess import known_coefficients
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
+from lammps_jump.files import plain
+from lammps_jump.scene.scene import Scene
+from lammps_jump.units import as_summary
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
 
-def flow_context(**fields) -> FlowContext:
-    """A flow of discs of 0.2 m and 40 kg; at least `domain` and `x_range` are the test's own."""
-    discs = {"diameter": 0.2, "mass": 40.0, "density": 1000.0}
-    return FlowContext(**{"name": "made-up", "gravity": (0.0, -9.81), **discs, **fields})
+COEFFICIENTS = (
+    "mass", "stiffness", "stiffness_wall", "time_step", "restitution", "friction",
+    "gamma_tangential", "gamma_tangential_wall",
+)  # fmt: skip
+FLOW = ("x_range", "bin_width", "window", "inflow_depth", "inflow_speed", "notes")
+
+
+def flow_context(*, dashpot=0.0, dashpot_wall=0.0, **given) -> Flow:
+    """A flow of discs of 0.2 m and 40 kg; at least `domain` and `x_range` are the test's own.
+
+    Fields of Flow, of Scene and of its Coefficients side by side; `dashpot` of a pair, `dashpot_wall` at walls, N s/m.
+    """
+    given = {"mass": 40.0, "bin_width": 1.0, **given}
+    known = {name: given.pop(name) for name in COEFFICIENTS if name in given}
+    known.setdefault("stiffness_wall", known.get("stiffness"))
+    known |= {"gamma_normal": dashpot / (0.5 * known["mass"]), "gamma_normal_wall": dashpot_wall / known["mass"]}
+    flow = {name: given.pop(name) for name in FLOW if name in given}
+    nothing = {"description": "", "positions": np.empty((0, 2)), "velocities": np.empty((0, 2)), "walls": ()}
+    law = {"friction_law": "hooke", "rotation": False, "integrator": "velocity_verlet"}
+    discs = {"name": "made-up", "diameter": 0.2, "density": 1000.0, "gravity": (0.0, -9.81)}
+    return Flow(Scene(**nothing | law | discs | given, coefficients=known_coefficients(**known)), **flow)
 
 
 def disc_frame(x, y, vx=0.0, vy=0.0, *, box, step=0, time=0.0, **more) -> Frame:
@@ -28,6 +49,11 @@ def disc_frame(x, y, vx=0.0, vy=0.0, *, box, step=0, time=0.0, **more) -> Frame:
     x, y = np.asarray(x, float), np.asarray(y, float)
     columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x + vx, "vy": 0 * x + vy, **more}
     return make_frame(step, time, box, columns)
+
+
+def numbers(result) -> dict:
+    """A result of the analysis as it stands in ``summary.json``."""
+    return plain(as_summary(result))
 
 
 def columns_of_discs(layers, low, high, *, d=0.2, bed=0.0) -> tuple[np.ndarray, np.ndarray]:

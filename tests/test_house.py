@@ -34,24 +34,16 @@ MOST_FILES = 12
 
 LARGE_FILES: dict[str, int] = {"lammps_jump/cli/app.py": 346}
 """Files over `LARGEST_FILE`, with their lines of code today."""
-FULL_FOLDERS: dict[str, int] = {"analysis": 17}
+FULL_FOLDERS: dict[str, int] = {}
 """Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()
 """(file, private name) that a file takes from another."""
 IMPORTS_INSIDE: dict[str, int] = {
-    "analysis/analyze.py": 9,
-    "analysis/contacts.py": 1,
-    "analysis/draw/film.py": 2,
-    "analysis/extras.py": 8,
-    "analysis/passes.py": 6,
-    "analysis/result_figures.py": 4,
-    "lammps_jump/cli/analyze.py": 19,
+    "lammps_jump/cli/analyze.py": 18,
     "lammps_jump/cli/app.py": 21,
     "lammps_jump/cli/doctor.py": 1,
-    "lammps_jump/dump/formats.py": 1,
-    "lammps_jump/runs/live.py": 3,
     "lammps_jump/runs/reopen.py": 5,
-    "lammps_jump/runs/start.py": 6,
+    "lammps_jump/runs/start.py": 3,
 }
 """Imports of our own modules inside functions, by file."""
 

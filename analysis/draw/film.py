@@ -1,20 +1,18 @@
 """Animated colour output: discs as true circles coloured by speed, force arrows on structures, simulated time.
 
 The frame around the moving picture (axes, labels, colour bar) is drawn once with matplotlib; each frame then paints
-its discs in software straight into it and goes to ffmpeg through a pipe (mp4) or into Pillow (gif).
+its discs in software straight into it and goes to ffmpeg (mp4) or into Pillow (gif).
 """
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
@@ -22,7 +20,11 @@ from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.scene.walls import Interval
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
+from .snapshots import disc_speeds, seen_heights, seen_range, top_of
+from .style import style
 
+NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
+"""What to tell users where a GIF took the place of an MP4."""
 ARROW = (179, 38, 58)
 SAMPLE = 12
 """Frames that are looked at to find the heights and the speeds worth showing."""
@@ -44,7 +46,7 @@ class _Stage:
 
 def animate(
     dump: Dump,
-    context: FlowContext,
+    flow: Flow,
     out: str | Path,
     *,
     fps: float = 20.0,
@@ -61,9 +63,10 @@ def animate(
     Parameters
     ----------
     dump : Dump
-    context : FlowContext
+    flow : Flow
     out : str or Path
-        Ends in ``.mp4`` (H.264, plays everywhere) or ``.gif``.
+        Ends in ``.mp4`` (H.264, plays everywhere) or ``.gif``. Without ffmpeg a GIF of the same name takes the place
+        of an MP4.
     fps : float
         Frames of the dump shown a second.
     forces : mapping of structure to ForceHistory, optional
@@ -88,7 +91,7 @@ def animate(
     DumpError
         No frame, an ending other than mp4 and gif, a place that cannot be written.
     SetupError
-        mp4 without a working ffmpeg.
+        ffmpeg failed.
     """
     out = Path(out)
     kind = out.suffix.lower()
@@ -102,7 +105,9 @@ def animate(
     if not indices or indices[-1] >= dump.count():
         raise DumpError(f"{dump.path}: no such frames to show; it has {dump.count()}.")
     sample = list(dump.select({indices[round(i)] for i in np.linspace(0, len(indices) - 1, SAMPLE)}))
-    painter = _Painter(_stage(sample, context, x, y, width, top_speed), context, forces or {})
+    if kind == ".mp4" and not has_ffmpeg():
+        kind, out = ".gif", out.with_suffix(".gif")
+    painter = _Painter(_stage(sample, flow, x, y, width, top_speed), flow, forces or {})
     pictures = _counted((painter.paint(frame) for frame in dump.select(indices)), len(indices), progress)
     try:
         if kind == ".mp4":
@@ -114,7 +119,7 @@ def animate(
     return out
 
 
-def still(frame: Frame, context: FlowContext, out: str | Path, *, width: int = 1280, **view) -> Path:
+def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280, **view) -> Path:
     """One frame as the animation shows it, as a PNG: for watching a run where there is no screen.
 
     The file is replaced at once, so that a viewer never sees half a picture. Keywords: x, y, top_speed, forces.
@@ -123,10 +128,10 @@ def still(frame: Frame, context: FlowContext, out: str | Path, *, width: int = 1
 
     out = Path(out)
     forces = view.pop("forces", None) or {}
-    stage = _stage([frame], context, view.get("x"), view.get("y"), width, view.get("top_speed"))
+    stage = _stage([frame], flow, view.get("x"), view.get("y"), width, view.get("top_speed"))
     part = out.with_name(out.name + ".part")
     try:
-        Image.fromarray(_Painter(stage, context, forces).paint(frame)).save(part, format="PNG")
+        Image.fromarray(_Painter(stage, flow, forces).paint(frame)).save(part, format="PNG")
         part.replace(out)
     except OSError as error:
         raise DumpError(f"{out}: the picture cannot be written ({error.strerror or error}).") from error
@@ -143,12 +148,12 @@ def _counted(pictures, total, progress):
 class _Painter:
     """Paints frames onto copies of the stage."""
 
-    def __init__(self, stage: _Stage, context: FlowContext, forces: Mapping[str, ForceHistory]):
-        self.stage, self.context = stage, context
+    def __init__(self, stage: _Stage, flow: Flow, forces: Mapping[str, ForceHistory]):
+        self.stage, self.flow = stage, flow
         self.forces = {}
         for name, history in forces.items():
             try:
-                self.forces[name] = (_anchor(context.wall(name), stage.view), history)
+                self.forces[name] = (_anchor(flow.scene.wall(name), stage.view), history)
             except KeyError:
                 continue  # a force on something that is no wall of this scene
         biggest = max(
@@ -161,12 +166,14 @@ class _Painter:
 
     def paint(self, frame: Frame) -> np.ndarray:
         """The picture of a frame, shape (height, width, 3), uint8."""
-        stage, view, time = self.stage, self.stage.view, self.context.time(frame)
-        picture = self._ground(self.context.shut_gates(time)).copy()
+        stage, view, time = self.stage, self.stage.view, self.flow.time(frame)
+        picture = self._ground(self.flow.shut_gates(time)).copy()
         inner = picture[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
         moving = "vx" in frame.columns and "vy" in frame.columns
         speed = np.hypot(frame.vx, frame.vy) if moving else np.zeros(frame.n)
-        paint_discs(inner, view, frame.x, frame.y, self.context.radius, coloured(speed, stage.top_speed, stage.table))
+        paint_discs(
+            inner, view, frame.x, frame.y, self.flow.scene.radius, coloured(speed, stage.top_speed, stage.table)
+        )
         for anchor, history in self.forces.values():
             if not len(history.time):
                 continue
@@ -184,7 +191,7 @@ class _Painter:
             stage, view = self.stage, self.stage.view
             ground = stage.picture.copy()
             inner = ground[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
-            paint_walls(inner, view, self.context.walls, gates)
+            paint_walls(inner, view, self.flow.scene.walls, gates)
             self.grounds[gates] = ground
         return self.grounds[gates]
 
@@ -205,18 +212,15 @@ def _anchor(wall, view: View) -> tuple[float, float]:
     return tuple(float(np.mean(np.clip(side, *seen))) if side[0] < side[1] else side[0] for side, seen in sides)
 
 
-def _stage(sample, context, x, y, width, top_speed) -> _Stage:
+def _stage(sample, flow, x, y, width, top_speed) -> _Stage:
     """Axes, labels and colour bar around an empty place for the discs; everything in whole, even pixels."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    from .snapshots import disc_speeds, seen_heights, seen_range, top_of
-    from .style import style
-
-    x = x or seen_range(sample, context)
-    y = y or seen_heights(sample, context, x)
+    x = x or seen_range(sample, flow)
+    y = y or seen_heights(sample, flow, x)
     top_speed = top_speed or top_of([disc_speeds(frame) for frame in sample])
     left, right, above, below = 62, 92, 34, 46
     inner = width - left - right
@@ -251,7 +255,9 @@ def _stage(sample, context, x, y, width, top_speed) -> _Stage:
         bar = figure.colorbar(ScalarMappable(Normalize(0, top_speed), "cividis"), cax=bar_axes)
         bar.set_label("Speed [m/s]")
         bar.outline.set_visible(False)
-        figure.text(1 - 8 / total_width, 1 - 20 / total_height, context.name, ha="right", fontsize=9, color="#555555")
+        figure.text(
+            1 - 8 / total_width, 1 - 20 / total_height, flow.scene.name, ha="right", fontsize=9, color="#555555"
+        )
         canvas.draw()
         picture = np.asarray(canvas.buffer_rgba())[..., :3].copy()
     return _Stage(picture, view, above, left, (9, left), _glyphs(), colour_table(), top_speed)
@@ -277,36 +283,37 @@ def _font_file() -> str:
     return font_manager.findfont("DejaVu Sans")
 
 
-def _mp4(pictures, out: Path, fps: float, shape) -> None:
-    from imageio_ffmpeg import get_ffmpeg_exe
+def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int, ...]) -> None:
+    from imageio_ffmpeg import write_frames
 
-    height, width = shape[:2]
-    try:
-        program = get_ffmpeg_exe()
-    except RuntimeError as error:
-        raise SetupError(f"no ffmpeg for {out.name}: reinstall imageio-ffmpeg, or write a .gif ({error}).") from error
-    out.parent.joinpath(out.name).open("ab").close()  # a place that cannot be written is found before ffmpeg starts
-    command = [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
-    command += ["-r", f"{fps:g}", "-i", "-", "-an", "-c:v", "libx264", "-preset", "fast", "-crf", "20"]
+    out.open("ab").close()  # a place that cannot be written is found before ffmpeg starts
     # yuv420p and the index in front: plays in every browser while loading
-    command += ["-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(out)]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+    options = ["-preset", "fast", "-crf", "20", "-movflags", "+faststart", "-f", "mp4"]
     try:
-        for picture in pictures:
-            process.stdin.write(picture.tobytes())
-    except BrokenPipeError:
-        pass  # ffmpeg ended early; its message says why
-    except BaseException:
-        process.kill()
-        raise
-    finally:
-        with suppress(OSError):
-            process.stdin.close()
-        message = process.stderr.read().decode(errors="replace").strip()
-        process.stderr.close()
-        process.wait()
-    if process.returncode:
-        raise SetupError(f"{out}: ffmpeg failed ({message.splitlines()[-1] if message else process.returncode}).")
+        writer = write_frames(
+            str(out), (shape[1], shape[0]), fps=fps, codec="libx264", quality=None, macro_block_size=2,
+            ffmpeg_log_level="error", output_params=options,
+        )  # fmt: skip
+        writer.send(None)
+        try:
+            for picture in pictures:
+                writer.send(np.ascontiguousarray(picture))
+        finally:
+            writer.close()
+    except (RuntimeError, OSError) as error:
+        last = str(error).strip().splitlines()[-1:]
+        raise SetupError(f"{out}: ffmpeg failed ({''.join(last)}).") from error
+
+
+def has_ffmpeg() -> bool:
+    """Whether MP4 files can be written."""
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        get_ffmpeg_exe()
+    except (ImportError, RuntimeError):
+        return False
+    return True
 
 
 def _gif(pictures, out: Path, fps: float) -> None:

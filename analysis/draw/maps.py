@@ -6,21 +6,19 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 
 from .style import BLUE, GOLD, axis_label, draw_walls, new_figure, style
 
 
-def field_map(
-    fields: xr.Dataset, context: FlowContext, variable: str = "pressure", *, title: str | None = None
-) -> Figure:
+def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure", *, title: str | None = None) -> Figure:
     """Map of one field over the channel, walls in grey.
 
     Parameters
     ----------
     fields : xarray.Dataset
         Of `compute_fields` or `mean_fields`.
-    context : FlowContext
+    flow : Flow
     variable : str
     """
     quantity = fields[variable]
@@ -31,16 +29,16 @@ def field_map(
     x = np.append(fields.x.values - spacing / 2, fields.x.values[-1] + spacing / 2)
     y = np.append(fields.y.values - spacing / 2, fields.y.values[-1] + spacing / 2)
     # where the kernel has only the rim of a disc there is nothing to see
-    flow = fields["density"].values > 0.05 * context.density
-    finite = values[np.isfinite(values) & flow]
+    dense = fields["density"].values > 0.05 * flow.scene.density
+    finite = values[np.isfinite(values) & dense]
     low, high = (float(np.quantile(finite, q)) for q in (0.005, 0.995)) if finite.size else (0.0, 1.0)
-    shown = np.where(flow, values, np.nan)
+    shown = np.where(dense, values, np.nan)
     wide = (x[-1] - x[0]) / (y[-1] - y[0])
     with style():
         figure, axes = new_figure(8.4, float(np.clip((7.6 / wide + 1.7) if wide > 3 else 6.4 / wide + 0.8, 2.4, 9.0)))
         axes.grid(False)
         below = 0.08 * (y[-1] - y[0])
-        draw_walls(axes, context.walls, (x[0], x[-1]), (y[0] - below, y[-1]))
+        draw_walls(axes, flow.scene.walls, (x[0], x[-1]), (y[0] - below, y[-1]))
         image = axes.pcolormesh(x, y, shown, vmin=min(low, 0.0), vmax=max(high, 1e-12), rasterized=True)
         axes.set_aspect("equal")
         bar = figure.colorbar(image, ax=axes, pad=0.02, orientation="horizontal" if wide > 3 else "vertical", aspect=40)
@@ -48,13 +46,13 @@ def field_map(
         bar.outline.set_visible(False)
         axes.set_xlabel("Distance x [m]")
         axes.set_ylabel("Height y [m]")
-        axes.set_title(title or _heading(fields, context, variable))
+        axes.set_title(title or _heading(fields, flow, variable))
     return figure
 
 
-def _heading(fields: xr.Dataset, context: FlowContext, what: str) -> str:
+def _heading(fields: xr.Dataset, flow: Flow, what: str) -> str:
     when = f"mean of {fields.attrs['frames']} frames" if "frames" in fields.attrs else f"t = {float(fields.time):.2f} s"
-    return f"{context.name}: {what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
+    return f"{flow.scene.name}: {what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
 
 
 def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
@@ -89,7 +87,7 @@ def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
     )
 
 
-def bed_pressure_figure(fields: xr.Dataset, context: FlowContext, *, title: str | None = None) -> Figure:
+def bed_pressure_figure(fields: xr.Dataset, flow: Flow, *, title: str | None = None) -> Figure:
     """Vertical stress at the bed along the channel beside the weight of what lies above."""
     pressure = bed_pressure(fields)
     with style():
@@ -100,5 +98,5 @@ def bed_pressure_figure(fields: xr.Dataset, context: FlowContext, *, title: str 
         axes.set_ylabel("Vertical stress [kPa]")
         axes.set_ylim(bottom=min(0.0, float(pressure.stress.min(skipna=True).fillna(0)) / 1e3))
         axes.legend(loc="upper left")
-        axes.set_title(title or _heading(fields, context, "pressure at the bed"))
+        axes.set_title(title or _heading(fields, flow, "pressure at the bed"))
     return figure

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame, ten_indices
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
@@ -22,7 +22,7 @@ from .style import STYLE, style
 
 def snapshots(
     frames: Dump | Sequence[Frame] | Iterable[Frame],
-    context: FlowContext,
+    flow: Flow,
     *,
     x: Interval | None = None,
     y: Interval | None = None,
@@ -36,7 +36,7 @@ def snapshots(
     ----------
     frames : Dump or iterable of Frame
         Of a Dump only the ten frames are parsed.
-    context : FlowContext
+    flow : Flow
     x, y : (float, float), optional
         What is shown, m; default the studied stretch, and as high as discs go.
     top_speed : float, optional
@@ -49,8 +49,8 @@ def snapshots(
         chosen = [given[i] for i in ten_indices(len(given), pictures)]
     if not chosen:
         raise DumpError("there is no frame to draw.")
-    x = x or seen_range(chosen, context)
-    y = y or seen_heights(chosen, context, x)
+    x = x or seen_range(chosen, flow)
+    y = y or seen_heights(chosen, flow, x)
     speeds = [disc_speeds(frame) for frame in chosen]
     top_speed = top_speed or top_of(speeds)
     grid = _Grid.fitted(len(chosen), (x[1] - x[0]) / (y[1] - y[0]))
@@ -62,13 +62,13 @@ def snapshots(
         first = None
         for index, (frame, speed) in enumerate(zip(chosen, speeds, strict=True)):
             picture = blank(view)
-            paint_walls(picture, view, context.walls, context.shut_gates(context.time(frame)))
-            paint_discs(picture, view, frame.x, frame.y, context.radius, coloured(speed, top_speed, table))
+            paint_walls(picture, view, flow.scene.walls, flow.shut_gates(flow.time(frame)))
+            paint_discs(picture, view, frame.x, frame.y, flow.scene.radius, coloured(speed, top_speed, table))
             axes = figure.add_axes(grid.place(index), sharex=first, sharey=first)
             first = first or axes
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")
             axes.grid(False)
-            axes.set_title(f"t = {context.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=3)
+            axes.set_title(f"t = {flow.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=3)
             lowest, leftmost = index + grid.columns >= len(chosen), index % grid.columns == 0
             axes.tick_params(labelsize=7, labelbottom=lowest, labelleft=leftmost)
             if lowest:
@@ -81,7 +81,7 @@ def snapshots(
         )  # fmt: skip
         bar.set_label("Speed [m/s]")
         bar.outline.set_visible(False)
-        figure.suptitle(title or context.name, x=0.01, y=1 - 0.07 / grid.size[1], ha="left", va="top", fontsize=10)
+        figure.suptitle(title or flow.scene.name, x=0.01, y=1 - 0.07 / grid.size[1], ha="left", va="top", fontsize=10)
     return figure
 
 
@@ -153,29 +153,29 @@ def top_of(speeds: Sequence[np.ndarray]) -> float:
     return float(np.ceil(2 * high / unit) / 2 * unit)
 
 
-def seen_range(frames: Sequence[Frame], context: FlowContext) -> Interval:
+def seen_range(frames: Sequence[Frame], flow: Flow) -> Interval:
     """The studied stretch, cut short where the frames hold neither a disc nor a block, m."""
-    low, high = context.x_range
+    low, high = flow.x_range
     parts = [frame.x[(frame.x >= low) & (frame.x <= high)] for frame in frames]
     ends = [float(np.quantile(part, q)) for part in parts if part.size for q in (0.0, 0.999)]
-    ends += [end for wall in context.walls if wall.finite for end in wall.extent[0] if low < end < high]
+    ends += [end for wall in flow.scene.walls if wall.finite for end in wall.extent[0] if low < end < high]
     if not ends:
         return low, high
-    margin = 0.02 * (max(ends) - min(ends)) + 2 * context.diameter
+    margin = 0.02 * (max(ends) - min(ends)) + 2 * flow.scene.diameter
     return max(low, min(ends) - margin), min(high, max(ends) + margin)
 
 
-def seen_heights(frames: Sequence[Frame], context: FlowContext, x: Interval) -> Interval:
+def seen_heights(frames: Sequence[Frame], flow: Flow, x: Interval) -> Interval:
     """Heights worth showing, m: from just below the floor to just above nearly all discs within x."""
-    floors = context.bed_height(np.linspace(*x, 200))
+    floors = flow.bed_height(np.linspace(*x, 200))
     floors = floors[np.isfinite(floors)]
-    low = float(np.min(floors)) if floors.size else context.domain[1][0]
+    low = float(np.min(floors)) if floors.size else flow.scene.domain[1][0]
     heights = [frame.y[(frame.x >= x[0]) & (frame.x <= x[1])] for frame in frames]
     tops = [float(np.quantile(part, 0.995)) for part in heights if part.size]
-    top = max([*tops, low + 5 * context.diameter])
-    for wall in context.walls:
+    top = max([*tops, low + 5 * flow.scene.diameter])
+    for wall in flow.scene.walls:
         (start, end), (_, highest) = wall.extent
         if wall.finite and end > x[0] and start < x[1]:
             top = max(top, highest)
-    margin = 0.06 * (top - low) + context.diameter
+    margin = 0.06 * (top - low) + flow.scene.diameter
     return low - margin, top + margin

@@ -16,7 +16,7 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 
@@ -119,7 +119,7 @@ def axis_label(quantity: xr.DataArray) -> str:
 
 def depth_profile(
     profiles: xr.Dataset,
-    context: FlowContext,
+    flow: Flow,
     *,
     lines: Mapping[str, float] | None = None,
     y1: float | None = None,
@@ -133,7 +133,7 @@ def depth_profile(
     ----------
     profiles : xarray.Dataset
         Of `compute_profiles`.
-    context : FlowContext
+    flow : Flow
     lines : mapping of label to depth (m), optional
         Horizontal lines to compare with.
     y1, y2 : float, optional
@@ -154,7 +154,7 @@ def depth_profile(
         figure, (upper, lower) = new_figure(7.6, 5.0, 2, 1, sharex=True, height_ratios=[2.2, 1])
         low = min(0.0, float(np.min(bed[np.isfinite(bed)], initial=0.0)))
         tops = [1.0, *compare.values(), *surface[np.isfinite(surface)], *mass[np.isfinite(mass)]]
-        draw_walls(upper, context.walls, extent, (low - 0.04 * max(tops), 1.15 * max(tops)))
+        draw_walls(upper, flow.scene.walls, extent, (low - 0.04 * max(tops), 1.15 * max(tops)))
         upper.plot(x, surface, color=BLUE, label="free surface")
         _band(upper, x, surface, profiles.surface_depth_stderr.values, BLUE)
         upper.plot(x, mass, color=GOLD, ls="--", label="mass depth")
@@ -169,7 +169,7 @@ def depth_profile(
         upper.legend(loc="upper left", bbox_to_anchor=(0, 0.97), frameon=True, edgecolor="none", framealpha=0.95)
         begin, end = profiles.attrs["window_begin"], profiles.attrs["window_end"]
         upper.set_title(
-            title or f"{context.name}: mean of {profiles.attrs['window_frames']} frames, t = {begin:g} … {end:g} s"
+            title or f"{flow.scene.name}: mean of {profiles.attrs['window_frames']} frames, t = {begin:g} … {end:g} s"
         )
         velocity = profiles.velocity_mean.values
         lower.plot(x, velocity, color=BLUE, label="mean velocity")

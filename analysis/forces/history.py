@@ -3,19 +3,23 @@
 Fx and fy are what the discs do to a structure, N per metre of width.
 """
 
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import Tables
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Wall
+from lammps_jump.units import as_summary, number
 
 from .impulse import Identity, MomentumHistory, identity_numbers, identity_sentence, impulse_identity, window_lengths
 from .reflection import ReflectedWave, track_reflection
@@ -45,7 +49,7 @@ class StructureForce:
     Attributes
     ----------
     wall : Wall or None
-        None where the context does not know the name.
+        None where the flow does not know the name.
     history : ForceHistory
     smooth : dict of ndarray
         fx, fy, moment behind the low-pass; the moment of upright faces is about their foot at the bed.
@@ -72,30 +76,81 @@ class StructureForce:
 
 
 @dataclass(frozen=True)
-class ForceResult:
-    """Everything about forces: see `analyse_forces`."""
+class Force:
+    """Force of the discs on one structure, per metre of width; peaks are behind the low-pass, after t = 0.
 
-    context: FlowContext
-    structures: dict[str, StructureForce]
+    `component` is the one with the larger integral of its magnitude: `peak` and `impulse` are of it.
+    """
+
+    component: str | None = None
+    peak: float = number("N/m", "peak force", default=nan, label="peak")
+    peak_time: float = number("s", "time of the peak", default=nan, label="at")
+    peak_unfiltered: float = number("N/m", "peak of the record without low-pass", default=nan)
+    impulse: float = number("N s/m", "impulse", default=nan)
+    impulse_x: float = number("N s/m", "impulse along x", default=nan)
+    impulse_y: float = number("N s/m", "impulse along y", default=nan)
+    peak_fx: float = number("N/m", "peak of Fx", default=nan)
+    peak_fy: float = number("N/m", "peak of Fy", default=nan)
+    peak_moment: float = number("N m/m", "peak moment", default=nan)
+    hydrostatic: float = number("N/m", "ρgh²/2", default=nan)
+    stagnation: float = number("N/m", "with ρhu²", default=nan)
+    largest_depth: float = number("m", "largest mass depth in front of it", default=nan)
+    mean_fx: float = number("N/m", "mean Fx of the window", default=nan)
+    mean_fx_error: float = number("N/m", "standard error of the mean Fx", default=nan)
+    mean_fy: float = number("N/m", "mean Fy of the window", default=nan)
+    mean_fy_error: float = number("N/m", "standard error of the mean Fy", default=nan)
+    mean_hydrostatic: float = number("N/m", "mean of ρgh²/2 in the window", default=nan)
+    series: StructureForce | None = field(default=None, metadata={"summary": False})
+
+    @property
+    def history(self) -> ForceHistory:
+        """The record: time (s), fx, fy (N/m), moment (N), shape (n,) each."""
+        return self.series.history
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Forces on all structures, the impulse identities along x and y, the reflected wave."""
+
+    flow: Flow
+    structures: dict[str, Force]
     identities: tuple[Identity, ...]
     reflected: ReflectedWave | None
-    summary: dict = field(default_factory=dict)
+    settled: dict[str, dict[str, float]]
 
-    def tables(self) -> dict[str, dict[str, np.ndarray]]:
+    @property
+    def notes(self) -> list[str]:
+        """Sentences on the identities and the reflected wave."""
+        found = [identity_sentence(identity) for identity in self.identities]
+        return [*found, *([self.reflected.sentence()] if self.reflected else [])]
+
+    def summary(self) -> dict[str, object]:
+        """As under ``force`` in ``summary.json``: the structures by name, and what belongs to all of them."""
+        return {
+            **{name: as_summary(force) for name, force in self.structures.items()},
+            **({"settled": self.settled} if self.settled else {}),
+            **({"reflected_wave": self.reflected.summary()} if self.reflected else {}),
+            "identity": {identity.axis: identity_numbers(identity) for identity in self.identities},
+            "low_pass": LOW_PASS,
+            "notes": self.notes,
+        }
+
+    def tables(self) -> Tables:
         """CSV tables: one a structure, and the reflected wave."""
         result = {}
         for name, force in self.structures.items():
+            series = force.series
             result[f"force_{name}.csv"] = {
                 "time": force.history.time,
                 "fx": force.history.fx,
                 "fy": force.history.fy,
                 "moment": force.history.moment,
-                **{f"{key}_smooth": values for key, values in force.smooth.items()},
-                "impulse_x": force.impulse[:, 0],
-                "impulse_y": force.impulse[:, 1],
-                "depth": force.depth,
-                "hydrostatic": force.hydrostatic,
-                "oncoming": force.oncoming,
+                **{f"{key}_smooth": values for key, values in series.smooth.items()},
+                "impulse_x": series.impulse[:, 0],
+                "impulse_y": series.impulse[:, 1],
+                "depth": series.depth,
+                "hydrostatic": series.hydrostatic,
+                "oncoming": series.oncoming,
             }
         if self.reflected is not None:
             result["reflected_wave.csv"] = {"time": self.reflected.time, "position": self.reflected.position}
@@ -103,42 +158,26 @@ class ForceResult:
 
 
 def analyse_forces(
-    forces: dict[str, ForceHistory],
-    context: FlowContext,
-    momentum: MomentumHistory | None,
-    profiles: xr.Dataset,
-) -> ForceResult:
+    forces: Mapping[str, ForceHistory], flow: Flow, momentum: MomentumHistory | None, profiles: xr.Dataset
+) -> Forces:
     """Histories, peaks, estimates, identities and the reflected wave of a run.
 
     Parameters
     ----------
-    forces : dict of str to ForceHistory
+    forces : mapping of str to ForceHistory
         Of ``forces.csv``.
-    context : FlowContext
+    flow : Flow
     momentum : MomentumHistory, optional
     profiles : xarray.Dataset
-
-    Returns
-    -------
-    ForceResult
-        ``summary`` holds a dict for every structure (peak, impulse …) and ``identity``, ``reflected_wave``, ``notes``.
     """
-    structures = {name: _structure(name, history, context, profiles) for name, history in forces.items()}
+    series = {name: _structure(name, history, flow, profiles) for name, history in forces.items()}
     identities = ()
     if momentum is not None:
-        identities = tuple(impulse_identity(forces, momentum, context, axis) for axis in ("x", "y"))
-    reflected = _reflected(structures, context, profiles)
+        identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in ("x", "y"))
     window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
-    summary: dict = {name: _numbers(force, window) for name, force in structures.items()}
-    summary |= _settled(structures, context, profiles, momentum)
-    notes = [identity_sentence(identity) for identity in identities]
-    if reflected is not None:
-        summary["reflected_wave"] = reflected.summary()
-        notes.append(reflected.sentence())
-    summary["identity"] = {identity.axis: identity_numbers(identity) for identity in identities}
-    summary["low_pass"] = LOW_PASS
-    summary["notes"] = notes
-    return ForceResult(context, structures, identities, reflected, summary)
+    structures = {name: _numbers(one, window) for name, one in series.items()}
+    settled = _settled(series, flow, profiles, momentum)
+    return Forces(flow, structures, identities, _reflected(series, flow, profiles), settled)
 
 
 def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
@@ -154,9 +193,9 @@ def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
     return (low, -np.inf, np.inf, 1) if np.isfinite(low) else (high, -np.inf, np.inf, -1)
 
 
-def _structure(name: str, history: ForceHistory, context: FlowContext, profiles: xr.Dataset) -> StructureForce:
+def _structure(name: str, history: ForceHistory, flow: Flow, profiles: xr.Dataset) -> StructureForce:
     try:
-        wall = context.wall(name)
+        wall = flow.scene.wall(name)
     except KeyError:
         wall = None
     lengths = window_lengths(history.time)
@@ -169,11 +208,11 @@ def _structure(name: str, history: ForceHistory, context: FlowContext, profiles:
     nothing = np.full(len(history.time), nan)
     depth, hydrostatic, oncoming = nothing, nothing, nothing
     face = _face(wall)
-    gravity = -context.gravity[1]
+    gravity = -flow.scene.gravity[1]
     if face is not None and gravity > 0:
         at, foot, top, side = face
-        near = _station(profiles, at, side, 1, context)
-        far = _station(profiles, at, side, 2, context)
+        near = _station(profiles, at, side, 1, flow)
+        far = _station(profiles, at, side, 2, flow)
         if near is not None:
             bed = float(profiles["bed"].values[near])
             # the record's point is the block's corner, or y = 0 of a plane: moved up to where the face leaves the bed
@@ -181,18 +220,18 @@ def _structure(name: str, history: ForceHistory, context: FlowContext, profiles:
             high = top - max(foot, bed)
             depth = _at_times(history.time, profiles, profiles["mass_depth"].values[:, near])
             wetted = np.clip(depth, 0, high)
-            hydrostatic = context.density * gravity * wetted * (depth - 0.5 * wetted)
+            hydrostatic = flow.scene.density * gravity * wetted * (depth - 0.5 * wetted)
         if far is not None:
             flux = profiles["momentum_flux"].values[:, far]
             towards = side * profiles["discharge"].values[:, far] < 0
             still = 0.5 * gravity * profiles["mass_depth"].values[:, far] ** 2
-            oncoming = _at_times(history.time, profiles, context.density * (np.where(towards, flux, 0.0) + still))
+            oncoming = _at_times(history.time, profiles, flow.scene.density * (np.where(towards, flux, 0.0) + still))
     smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
     smooth = {key: moving_mean(values, samples) for key, values in smooth.items()}
     return StructureForce(wall, history, smooth, impulse, component, depth, hydrostatic, oncoming)
 
 
-def _station(profiles: xr.Dataset, at: float, side: int, bins: int, context: FlowContext) -> int | None:
+def _station(profiles: xr.Dataset, at: float, side: int, bins: int, flow: Flow) -> int | None:
     """The bin that lies `bins` bins before a face, or None outside the profiles."""
     width = profiles.attrs["bin_width"]
     place = at + side * (bins - 0.5) * width
@@ -206,11 +245,11 @@ def _at_times(time: np.ndarray, profiles: xr.Dataset, values: np.ndarray) -> np.
     return np.interp(time, frames, values, left=nan, right=nan) if len(frames) > 1 else np.full(len(time), nan)
 
 
-def _window_mean(force: StructureForce, window: tuple[float, float]) -> dict:
+def _window_mean(force: StructureForce, window: tuple[float, float]) -> dict[str, float]:
     """Mean force over the window of the profiles with its standard error, and the mean hydrostatic estimate."""
     inside = (force.history.time > window[0]) & (force.history.time <= window[1] + 1e-9)
     if not inside.any():
-        return {"mean_fx": None, "mean_fy": None}
+        return {}
     numbers = {}
     for key in ("fx", "fy"):
         result = block_average(getattr(force.history, key)[inside])
@@ -218,48 +257,48 @@ def _window_mean(force: StructureForce, window: tuple[float, float]) -> dict:
         numbers[f"mean_{key}"] = float(result.mean)
         numbers[f"mean_{key}_error"] = error if np.isfinite(error) else float(result.lower_bound)
     known = inside & np.isfinite(force.hydrostatic)
-    numbers["mean_hydrostatic"] = float(force.hydrostatic[known].mean()) if known.any() else None
-    return numbers
+    return numbers | ({"mean_hydrostatic": float(force.hydrostatic[known].mean())} if known.any() else {})
 
 
-def _numbers(force: StructureForce, window: tuple[float, float]) -> dict:
-    history = force.history
-    values = force.smooth[force.component]
+def _numbers(series: StructureForce, window: tuple[float, float]) -> Force:
+    history, component = series.history, series.component
     live = history.time > 0 if (history.time > 0).any() else np.ones(len(history.time), bool)
     if not live.any():
-        return {"peak": None, "impulse": None}
+        return Force(series=series)
 
-    def biggest(series: np.ndarray) -> tuple[float, float]:
-        chosen = np.where(live & np.isfinite(series), np.abs(series), -1.0)
+    def biggest(values: np.ndarray) -> tuple[float, float]:
+        chosen = np.where(live & np.isfinite(values), np.abs(values), -1.0)
         k = int(np.argmax(chosen))
-        return (float(series[k]), float(history.time[k])) if chosen[k] >= 0 else (nan, nan)
+        return (float(values[k]), float(history.time[k])) if chosen[k] >= 0 else (nan, nan)
 
-    peak, peak_time = biggest(values)
-    before = force.impulse[np.flatnonzero(live)[0] - 1] if not live[0] else np.zeros(2)
-    after = force.impulse[np.flatnonzero(live)[-1]]
-    index = 0 if force.component == "fx" else 1
-    return {
-        "component": force.component,
-        "peak": peak,
-        "peak_time": peak_time,
-        "peak_unfiltered": biggest(getattr(history, force.component))[0],
-        "impulse": float(after[index] - before[index]),
-        "impulse_x": float(after[0] - before[0]),
-        "impulse_y": float(after[1] - before[1]),
-        "peak_fx": biggest(force.smooth["fx"])[0],
-        "peak_fy": biggest(force.smooth["fy"])[0],
-        "peak_moment": biggest(force.smooth["moment"])[0],
-        "hydrostatic": biggest(force.hydrostatic)[0],
-        "stagnation": biggest(force.oncoming)[0],
-        "largest_depth": biggest(force.depth)[0],
-        **_window_mean(force, window),
-    }
+    peak, peak_time = biggest(series.smooth[component])
+    before = series.impulse[np.flatnonzero(live)[0] - 1] if not live[0] else np.zeros(2)
+    impulse = series.impulse[np.flatnonzero(live)[-1]] - before
+    return Force(
+        component=component,
+        peak=peak,
+        peak_time=peak_time,
+        peak_unfiltered=biggest(getattr(history, component))[0],
+        impulse=float(impulse[0 if component == "fx" else 1]),
+        impulse_x=float(impulse[0]),
+        impulse_y=float(impulse[1]),
+        peak_fx=biggest(series.smooth["fx"])[0],
+        peak_fy=biggest(series.smooth["fy"])[0],
+        peak_moment=biggest(series.smooth["moment"])[0],
+        hydrostatic=biggest(series.hydrostatic)[0],
+        stagnation=biggest(series.oncoming)[0],
+        largest_depth=biggest(series.depth)[0],
+        **_window_mean(series, window),
+        series=series,
+    )
 
 
-def _settled(structures: dict, context: FlowContext, profiles: xr.Dataset, momentum: MomentumHistory | None) -> dict:
+def _settled(
+    structures: Mapping[str, StructureForce], flow: Flow, profiles: xr.Dataset, momentum: MomentumHistory | None
+) -> dict[str, dict[str, float]]:
     """Mean force over the last quarter of the time before the gate opens, against hydrostatics and the weight."""
     times = profiles["time"].values
-    gravity = -context.gravity[1]
+    gravity = -flow.scene.gravity[1]
     if gravity <= 0 or not (times < 0).any():
         return {}
     start = 0.25 * float(times[0])
@@ -272,14 +311,14 @@ def _settled(structures: dict, context: FlowContext, profiles: xr.Dataset, momen
         mean_x, mean_y = float(force.history.fx[chosen].mean()), float(force.history.fy[chosen].mean())
         face = _face(force.wall)
         if face is not None and not force.wall.finite:
-            index = _station(profiles, *face[::3], 2, context)
+            index = _station(profiles, *face[::3], 2, flow)
             depth = nan if index is None else float(profiles["mass_depth"].values[frames, index].mean())
-            expected = theory.hydrostatic_force(depth, context.density, gravity)
+            expected = theory.hydrostatic_force(depth, flow.scene.density, gravity)
             result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": _ratio(mean_x, expected)}
         elif momentum is not None and abs(mean_y) > abs(mean_x):
-            weight = context.mass * gravity * float(momentum.discs[frames].mean())
+            weight = flow.scene.mass * gravity * float(momentum.discs[frames].mean())
             result[name] = {"force": mean_y, "weight": weight, "ratio": _ratio(mean_y, weight)}
-    return {"settled": result} if result else {}
+    return result
 
 
 def _ratio(force: float, expected: float) -> float:
@@ -287,10 +326,10 @@ def _ratio(force: float, expected: float) -> float:
     return abs(force) / expected if expected > 0 else nan
 
 
-def _reflected(structures: dict, context: FlowContext, profiles: xr.Dataset) -> ReflectedWave | None:
+def _reflected(structures: Mapping[str, StructureForce], flow: Flow, profiles: xr.Dataset) -> ReflectedWave | None:
     """The wave thrown back by the first block that stands in a stream towards +x."""
     along = [force.wall for force in structures.values() if force.wall is not None and force.component == "fx"]
     blocks = [wall for wall in along if wall.finite and not wall.hollow]
-    if not blocks or -context.gravity[1] <= 0 or context.inlets:
+    if not blocks or -flow.scene.gravity[1] <= 0 or flow.scene.inlets:
         return None
-    return track_reflection(profiles, min(blocks, key=lambda wall: wall.extent[0][0]), context)
+    return track_reflection(profiles, min(blocks, key=lambda wall: wall.extent[0][0]), flow)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
 
 import numpy as np
 
-from lammps_jump.analysis.contact_sums import wall_sums
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.contacts import ContactCollector, wall_sums
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
 
@@ -41,8 +42,8 @@ class MomentumHistory:
 class MomentumLedger:
     """Collects a `MomentumHistory`."""
 
-    def __init__(self, context: FlowContext):
-        self.context = context
+    def __init__(self, flow: Flow, _: ContactCollector | None = None):
+        self.flow = flow
         self._rows: list[tuple] = []
         self._ids: np.ndarray | None = None
         self._forces: dict[str, dict[int, tuple]] = {}
@@ -50,22 +51,22 @@ class MomentumLedger:
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        context, k = self.context, len(self._rows)
+        flow, k = self.flow, len(self._rows)
         ids = np.sort(frame.ids)
         same = self._ids is not None and np.array_equal(ids, self._ids)
         self._ids = ids
-        mass = context.mass
+        mass = flow.scene.mass
         self._rows.append((time, mass * float(frame.vx.sum()), mass * float(frame.vy.sum()), frame.n, same))
-        if context.stiffness_wall is None:
+        if not flow.knows_contacts:
             return
-        standing = context.walls_at(time)
+        standing = flow.walls_at(time)
         # the last frame before a gate opens counts as with the gate, the first one after as without
         for wall in standing:
-            sums = wall_sums(frame, wall, context)
-            if wall.name in context.probes:
+            sums = wall_sums(frame, wall, flow)
+            if wall.name in flow.scene.probes:
                 self._forces.setdefault(wall.name, {})[k] = sums.force
             elif sums.index.size:
-                pushes_x = sums.sideways or bool(context.friction)
+                pushes_x = sums.sideways or bool(flow.scene.coefficients.friction)
                 self._unprobed.setdefault(wall.name, {})[k] = (pushes_x, bool(np.any(sums.fy != 0)))
 
     def result(self) -> MomentumHistory:
@@ -136,9 +137,7 @@ class Identity:
         return abs(self.difference) / self.scale if self.scale else nan
 
 
-def impulse_identity(
-    forces: dict[str, ForceHistory], momentum: MomentumHistory, context: FlowContext, axis: str
-) -> Identity:
+def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHistory, flow: Flow, axis: str) -> Identity:
     """Hold the walls' impulse and gravity's against the change of the discs' momentum.
 
     Over the longest run of frames with the same discs, whose ends fall on ends of force windows, after all gates have
@@ -149,14 +148,14 @@ def impulse_identity(
     ----------
     forces : dict of str to ForceHistory
     momentum : MomentumHistory
-    context : FlowContext
+    flow : Flow
     axis : {'x', 'y'}
     """
     column = 0 if axis == "x" else 1
     if not forces:
         return Identity(axis, reason="no wall was probed")
     first = next(iter(forces.values()))
-    span = _common_span(first.time, momentum, context)
+    span = _common_span(first.time, momentum, flow)
     if not momentum.same.any():
         return Identity(axis, reason="discs enter or leave between all frames")
     if span is None:
@@ -167,13 +166,13 @@ def impulse_identity(
     for name, pushed in momentum.unprobed.items():
         if pushed[a : b + 1, column].any():
             reasons.append(f"wall '{name}' pushes along {axis} and is not probed")
-    if context.stiffness_wall is None:
+    if not flow.knows_contacts:
         reasons.append("without stiffnesses nothing tells whether other walls push")
     reasons += [
-        f"wall '{wall.name}' has no force record" for wall in context.walls
-        if wall.name in context.probes and wall.name not in forces
+        f"wall '{wall.name}' has no force record" for wall in flow.scene.walls
+        if wall.name in flow.scene.probes and wall.name not in forces
     ]  # fmt: skip
-    slack = 0.25 * (context.time_step or 0.0) or 1e-9
+    slack = 0.25 * flow.time_step or 1e-9
     walls = scale = 0.0
     for name, history in forces.items():
         lengths = window_lengths(history.time)
@@ -184,18 +183,18 @@ def impulse_identity(
         values = (history.fx, history.fy)[column]
         walls -= float(np.dot(values[inside], lengths[inside]))
         scale += float(np.dot(np.abs(values[inside]), lengths[inside]))
-        if name in momentum.forces and context.time_step:
+        if name in momentum.forces and flow.time_step:
             ends = momentum.forces[name][:, column]
-            walls += 0.5 * context.time_step * float(ends[a] - ends[b])
-    gravity = context.gravity[column] * context.mass * float(momentum.discs[a]) * (end - start)
+            walls += 0.5 * flow.time_step * float(ends[a] - ends[b])
+    gravity = flow.scene.gravity[column] * flow.scene.mass * float(momentum.discs[a]) * (end - start)
     change = float(momentum.momentum[b, column] - momentum.momentum[a, column])
     return Identity(axis, float(start), float(end), change, walls, gravity, scale, "; ".join(dict.fromkeys(reasons)))
 
 
-def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, context: FlowContext) -> tuple[int, int] | None:
+def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, flow: Flow) -> tuple[int, int] | None:
     """First and last frame of the longest stretch the identity may use."""
-    step = context.time_step or 0.0
-    opened = max(((gate.release_step - context.settle_steps) * step for gate in context.gates), default=-np.inf)
+    step = flow.time_step
+    opened = max(((gate.release_step - flow.scene.settle_steps) * step for gate in flow.scene.gates), default=-np.inf)
     slack = 0.25 * step or 1e-9
     gap = np.abs(momentum.time[:, None] - window_ends[None, :]).min(axis=1) if len(window_ends) else np.full(1, np.inf)
     lengths = window_lengths(window_ends)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.jump.track import Motion, straight_motion
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Wall
@@ -71,7 +71,7 @@ class ReflectedWave:
         )
 
 
-def track_reflection(profiles: xr.Dataset, structure: Wall, context: FlowContext) -> ReflectedWave | None:
+def track_reflection(profiles: xr.Dataset, structure: Wall, flow: Flow) -> ReflectedWave | None:
     """Follow the front between oncoming and stopped flow from the structure back upstream; None without a stream.
 
     In every frame with a stream towards the structure it is the place, downstream of the highest velocity, where the
@@ -85,9 +85,9 @@ def track_reflection(profiles: xr.Dataset, structure: Wall, context: FlowContext
     x = profiles["x"].values[:stop]
     depth, discharge = profiles["mass_depth"].values[:, :stop], profiles["discharge"].values[:, :stop]
     time = profiles["time"].values
-    wet = depth > 0.5 * context.diameter
+    wet = depth > 0.5 * flow.scene.diameter
     velocity = np.where(wet, discharge / np.where(wet, depth, 1.0), nan)
-    arrived = np.flatnonzero((depth[:, -1] > context.diameter) & (time > 0))
+    arrived = np.flatnonzero((depth[:, -1] > flow.scene.diameter) & (time > 0))
     if not arrived.size:
         return None
     position = np.full(len(time), nan)
@@ -115,6 +115,6 @@ def track_reflection(profiles: xr.Dataset, structure: Wall, context: FlowContext
     if not good.any():
         return None
     oncoming_depth, oncoming_velocity = (float(v) for v in np.mean(streams, axis=0))
-    bore = theory.reflected_bore(oncoming_depth, oncoming_velocity, -context.gravity[1])
+    bore = theory.reflected_bore(oncoming_depth, oncoming_velocity, -flow.scene.gravity[1])
     motion = straight_motion(time[good], position[good])
     return ReflectedWave(structure.name, time, position, motion, oncoming_depth, oncoming_velocity, *bore)

@@ -1,8 +1,9 @@
-"""Figures of the hydraulic jump: its track, its mean shape, its momentum account, the energy head."""
+"""Figures of the hydraulic jump: its track, its mean shape, its momentum balance, the energy head."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,15 +12,15 @@ from matplotlib.figure import Figure
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, new_figure, style
 from lammps_jump.physics import jump as theory
 
-from .result import JumpResult
-from .summary import summarise_jump
+from .summary import Jump
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def track_figure(result: JumpResult) -> Figure | None:
+def track_figure(jump: Jump) -> Figure | None:
     """Toe, end and equal-mass front against time with the fitted straight motion; None where nothing was tracked."""
+    result = jump.measured
     track = result.track
     if track is None or not track.found.any():
         return None
@@ -37,16 +38,17 @@ def track_figure(result: JumpResult) -> Figure | None:
         axes.axvspan(*result.window, color="#eeeeee", zorder=0)
         axes.set_xlabel("Time t [s]")
         axes.set_ylabel("Distance x [m]")
-        axes.set_title(f"{result.context.name}: {result.verdict}")
+        axes.set_title(f"{result.flow.scene.name}: {result.verdict}")
         axes.legend(fontsize=8)
     return figure
 
 
-def frame_figure(result: JumpResult) -> Figure | None:
+def frame_figure(jump: Jump) -> Figure | None:
     """Mean depth, velocity and packing in the frame of the front, with Bélanger's depth beside them."""
+    result = jump.measured
     if result.moving is None:
         return None
-    moving, found = result.moving, summarise_jump(result)
+    moving = result.moving
     depth = moving.mean("mass_depth")
     covered = np.flatnonzero(np.isfinite(depth))
     near = (result.upstream.zone[0] - 2, result.downstream.zone[1] + 2)
@@ -55,12 +57,11 @@ def frame_figure(result: JumpResult) -> Figure | None:
         figure, (upper, lower) = new_figure(7.2, 5.4, 2, 1, sharex=True, height_ratios=[1.8, 1])
         upper.plot(moving.xi, moving.mean("surface_depth"), color=BLUE, label="free surface h")
         upper.plot(moving.xi, depth, color=GOLD, ls="--", label="mass depth s")
-        for label, key, dash in (
-            ("Bélanger, front's frame", "belanger_y2", "-"),
-            ("with the measured density change", "density_relation_ratio", (0, (5, 2, 1, 2))),
+        for label, value, dash in (
+            ("Bélanger, front's frame", jump.belanger_y2, "-"),
+            ("with the measured density change", jump.density_relation_ratio * jump.y1, (0, (5, 2, 1, 2))),
         ):
-            value = found[key] * (found["y1"] if key.endswith("ratio") else 1.0) if found[key] else None
-            if value:
+            if value > 0:
                 upper.axhline(value, color=BLACK, lw=1, ls=dash, label=f"{label}: {value:.2f} m")
         for state, name in ((result.upstream, "1"), (result.downstream, "2")):
             upper.plot(state.zone, [state.mass_depth.value] * 2, color=RED, lw=4, alpha=0.5, solid_capstyle="butt")
@@ -71,9 +72,9 @@ def frame_figure(result: JumpResult) -> Figure | None:
         for axes in (upper, lower):
             for place, dash in ((result.surface_toe, ":"), (result.surface_end, "-.")):
                 axes.axvline(place, color=GREY, lw=1, ls=dash)
-        theory_length = "" if found["length_theory"] is None else f"; thesis (4.27) {found['length_theory']:.1f} m"
-        upper.set_title(f"{result.context.name}, front's frame: length {found['length']:.1f} m{theory_length}")
-        upper.set_ylim(bottom=0, top=1.1 * max(np.nanmax(depth), found["belanger_y2"] or 0))
+        theory_length = f"; thesis (4.27) {jump.length_theory:.1f} m" if isfinite(jump.length_theory) else ""
+        upper.set_title(f"{result.flow.scene.name}, front's frame: length {jump.length:.1f} m{theory_length}")
+        upper.set_ylim(bottom=0, top=1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2)))
         upper.set_ylabel("Depth [m]")
         upper.legend(loc="lower right", frameon=True, framealpha=0.95, edgecolor="none")
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -87,11 +88,11 @@ def frame_figure(result: JumpResult) -> Figure | None:
     return figure
 
 
-def balance_figure(result: JumpResult) -> Figure | None:
-    """Terms of the momentum account across the jump, in per cent of the downstream momentum function."""
-    if result.balance is None:
+def balance_figure(jump: Jump) -> Figure | None:
+    """Terms of the momentum balance across the jump, in per cent of the downstream momentum function."""
+    terms = jump.measured.balance
+    if terms is None:
         return None
-    terms = result.balance
     rows = {
         "Bélanger's balance, 1 − 2": terms.classical,
         "uneven velocities (β)": terms.profile,
@@ -123,16 +124,16 @@ def balance_figure(result: JumpResult) -> Figure | None:
     return figure
 
 
-def head_figure(profiles: xr.Dataset, result: JumpResult) -> Figure | None:
+def head_figure(profiles: xr.Dataset, jump: Jump) -> Figure | None:
     """Energy head along the channel, averaged over the window, and its loss against theory."""
-    context = result.context
-    gravity = -context.gravity[1]
+    flow = jump.measured.flow
+    gravity = -flow.scene.gravity[1]
     if gravity <= 0:
         return None
     x, depth, bed = profiles["x"].values, profiles["mass_depth_mean"].values, profiles["bed"].values
     with np.errstate(invalid="ignore", divide="ignore"):
         discharge = profiles["discharge_mean"].values
-        flowing = (depth > 0.5 * context.diameter) & (np.abs(discharge) > 1e-3 * np.nanmax(np.abs(discharge)))
+        flowing = (depth > 0.5 * flow.scene.diameter) & (np.abs(discharge) > 1e-3 * np.nanmax(np.abs(discharge)))
         kinetic = np.where(flowing, profiles["energy_flux_mean"].values / discharge / gravity, np.nan)
         uniform = np.where(flowing, (discharge / depth) ** 2 / (2 * gravity), np.nan)
     if not flowing.any():
@@ -142,24 +143,22 @@ def head_figure(profiles: xr.Dataset, result: JumpResult) -> Figure | None:
         axes.plot(x, bed + depth + kinetic, color=BLUE, label="head H = z + s + ∫ρu|v|²/2 / (ρ g q)")
         axes.plot(x, bed + depth + uniform, color=GOLD, ls="--", label="with the mean velocity, z + s + u²/2g")
         axes.plot(x, bed + depth, color=GREY, ls=":", label="z + s (mass depth)")
-        found = summarise_jump(result)
-        if result.upstream is not None:
+        if isfinite(jump.y1):
             text = (
-                f"front's frame: {found['head_upstream']:.2f} m → {found['head_downstream']:.2f} m,\n"
-                f"lost {found['energy_loss']:.2f} m; Bélanger {found['energy_loss_theory']:.2f} m"
+                f"front's frame: {jump.head_upstream:.2f} m → {jump.head_downstream:.2f} m,\n"
+                f"lost {jump.energy_loss:.2f} m; Bélanger {jump.energy_loss_theory:.2f} m"
             )
             box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
             axes.annotate(text, (0.99, 0.98), xycoords="axes fraction", ha="right", va="top", fontsize=8, color=RED,
                           bbox=box)  # fmt: skip
-            for place in (found["toe"], found["end"]):
+            for place in (jump.toe, jump.end):
                 axes.axvline(place, color=RED, lw=1, ls=":")
-        elif found["inflow"]:
-            inflow = found["inflow"]
-            head = theory.specific_energy(inflow["depth"], inflow["velocity"], gravity)
+        elif jump.inflow:
+            head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)
             axes.axhline(head, color=BLACK, lw=1, ls="-.", label=f"inflow {head:.2f} m")
         axes.set_ylim(bottom=min(0.0, np.nanmin(bed)))
         axes.set_xlabel("Distance x [m]")
         axes.set_ylabel("Energy head [m]")
-        axes.set_title(f"{context.name}: energy head, mean of the window (laboratory frame)")
+        axes.set_title(f"{flow.scene.name}: energy head, mean of the window (laboratory frame)")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.12), frameon=True, framealpha=0.95, edgecolor="none")
     return figure

@@ -13,17 +13,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lammps_jump.analysis.flow import FlowContext
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.units import number
 
-from .state import (
+from .frame import (
     END_SHARE,
     TOE_SHARE,
     Balance,
+    Mass,
     MovingProfile,
+    Roller,
     State,
-    account_of_mass,
     balance,
     crossing,
+    mass_balance,
     measure_state,
     move_along,
     roller,
@@ -34,7 +37,7 @@ from .track import JumpTrack, Motion, straight_motion, track_jump
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lammps_jump.analysis.contact_series import ContactSeries
+    from lammps_jump.analysis.contacts import ContactSeries
 
 FIELDS = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity")
 STILL = 0.02
@@ -43,6 +46,19 @@ HEAP_SLOPE = 0.02
 """A standing surface steeper than this is a heap: water at rest is level."""
 INLET_REACH = 2.0
 """The inlet is drowned when the toe is closer than this many inflow depths (or bins) to it."""
+
+
+@dataclass(frozen=True)
+class Heap:
+    """Discs behind the jump that stand still."""
+
+    standing_share: float = number("", "share of the discs behind the toe that stand still", default=nan)
+    surface_slope: float = number("", "slope of the surface behind the crest", default=nan)
+
+    @property
+    def locked(self) -> bool:
+        """Most discs stand still under a sloping surface: friction has locked them."""
+        return self.standing_share > 0.5 and abs(self.surface_slope) > HEAP_SLOPE
 
 
 @dataclass(frozen=True)
@@ -68,12 +84,14 @@ class JumpResult:
     developed : bool
         A level stretch behind the end was there to be measured.
     balance : Balance or None
-    mass, roller, heap, theory : dict
+    mass : Mass or None
+    roller : Roller or None
+    heap : Heap or None
     """
 
     verdict: str
     reason: str
-    context: FlowContext
+    flow: Flow
     direction: int
     track: JumpTrack | None = None
     in_window: np.ndarray | None = None
@@ -89,9 +107,9 @@ class JumpResult:
     downstream: State | None = None
     developed: bool = False
     balance: Balance | None = None
-    mass: dict | None = None
-    roller: dict | None = None
-    heap: dict | None = None
+    mass: Mass | None = None
+    roller: Roller | None = None
+    heap: Heap | None = None
     window: tuple[float, float] = (nan, nan)
     bin_width: float = nan
 
@@ -122,27 +140,27 @@ class JumpResult:
         return result
 
 
-def level_reach(profiles: xr.Dataset, context: FlowContext, direction: int) -> slice:
+def level_reach(profiles: xr.Dataset, flow: Flow, direction: int) -> slice:
     """Bins, in the stream's order, of the longest stretch of level bed: up to a sill or a fall."""
     bed = profiles["bed"].values[::direction]
     with np.errstate(invalid="ignore"):
-        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * context.diameter)) + 1
+        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * flow.scene.diameter)) + 1
     ends = np.concatenate([[0], breaks, [len(bed)]])
     runs = [(stop - start, -start) for start, stop in itertools.pairwise(ends) if np.isfinite(bed[start])]
     length, start = max(runs, default=(0, 0))
     return slice(int(-start), int(-start + length))
 
 
-def analyse_jump(profiles: xr.Dataset, context: FlowContext, contacts: ContactSeries | None = None) -> JumpResult:
+def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> JumpResult:
     """Find the jump in depth profiles, follow it, measure it in its own frame.
 
     Parameters
     ----------
     profiles : xarray.Dataset
         Of `profiles.compute_profiles`; its window is used.
-    context : FlowContext
+    flow : Flow
     contacts : ContactSeries, optional
-        On the same bins; adds contact pressure and the force of the bed to the momentum account.
+        On the same bins; adds contact pressure and the force of the bed to the momentum balance.
 
     Returns
     -------
@@ -155,11 +173,11 @@ def analyse_jump(profiles: xr.Dataset, context: FlowContext, contacts: ContactSe
     in_window = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
     total = float(np.nansum(profiles["discharge"].values[in_window]))
     direction = -1 if total < 0 else 1
-    common = {"context": context, "direction": direction, "window": window, "bin_width": width, "in_window": in_window}
-    gravity = -context.gravity[1]
+    common = {"flow": flow, "direction": direction, "window": window, "bin_width": width, "in_window": in_window}
+    gravity = -flow.scene.gravity[1]
     if gravity <= 0:
         return JumpResult("no jump found", "there is no gravity towards the bed", **common)
-    reach = level_reach(profiles, context, direction)
+    reach = level_reach(profiles, flow, direction)
     if reach.stop - reach.start < 8:
         return JumpResult("no jump found", "fewer than eight bins of level bed to look at", **common)
     x = direction * profiles["x"].values[::direction][reach]
@@ -167,14 +185,14 @@ def analyse_jump(profiles: xr.Dataset, context: FlowContext, contacts: ContactSe
     for name in ("discharge", "energy_flux", "surface_velocity"):
         data[name] = direction * data[name]
     if contacts is not None:
-        scale = 1.0 / context.density
+        scale = 1.0 / flow.scene.density
         data["thrust"] = scale * contacts.thrust[:, ::direction][:, reach]
         data["bed"] = direction * scale / width * contacts.wall_fx[:, ::direction][:, reach]
     edges = np.concatenate([x - 0.5 * width, [x[-1] + 0.5 * width]])
-    track = track_jump(edges, time, data["mass_depth"], data["discharge"], gravity, context.diameter, in_window)
+    track = track_jump(edges, time, data["mass_depth"], data["discharge"], gravity, flow.scene.diameter, in_window)
     used = track.found & in_window
     if used.sum() < max(2, 0.5 * in_window.sum()):
-        return replace(_none_found(track, in_window, data, edges, gravity, context, common), track=track)
+        return replace(_none_found(track, in_window, data, edges, gravity, flow, common), track=track)
     motions = {
         "toe_motion": straight_motion(time[used], track.toe[used]),
         "end_motion": straight_motion(time[used], track.end[used]),
@@ -189,7 +207,7 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
     """Average in the moving frame; toe, end, states, balances."""
     track, speed = result.track, result.motion.speed
     shifted = {name: values[used] for name, values in data.items()}
-    # the fitted straight motion carries the frame: a control volume at a steady speed has an exact account
+    # the frame moves with the fitted straight motion: a control volume at a steady speed has an exact balance
     front = result.motion.start + speed * track.time[used]
     moving = move_along(x, track.time[used], shifted, front, track.reach_end[used])
     toe = float(np.median(track.toe[used] - front))
@@ -203,8 +221,8 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
         two = measure_state(moving, behind, speed, gravity)
         toe, end = _ends(moving.xi, depth, one.mass_depth.value, two.mass_depth.value, toe, end)
     ends = _ends(moving.xi, surface, one.surface_depth.value, two.surface_depth.value, toe, end)
-    context = result.context
-    along = result.direction * context.gravity[0]
+    flow = result.flow
+    along = result.direction * flow.scene.gravity[0]
     return replace(
         result,
         moving=moving,
@@ -216,7 +234,7 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
         downstream=two,
         developed=enough,
         balance=balance(moving, one, two, speed, gravity, along),
-        mass=account_of_mass(moving, one, two, speed),
+        mass=mass_balance(moving, one, two, speed),
         roller=roller(moving, speed, toe, end),
     )
 
@@ -230,13 +248,13 @@ def _ends(xi, values, level_1, level_2, toe, end) -> tuple[float, float]:
     return new_toe, max(new_end if isfinite(new_end) else end, new_toe)
 
 
-def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, gravity: float) -> dict:
+def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, gravity: float) -> Heap:
     """How much of the discs behind the jump stands still, and how steep their surface is."""
     middle = 0.5 * (edges[1:] + edges[:-1])
     depth, discharge = data["mass_depth"][chosen].mean(axis=0), data["discharge"][chosen].mean(axis=0)
     behind = (middle > float(np.mean(start))) & (depth > 0)
     if behind.sum() < 3:
-        return {"standing_share": None, "surface_slope": None}
+        return Heap()
     s, q = depth[behind], discharge[behind]
     standing = np.abs(q / s) < STILL * np.sqrt(gravity * s)
     share = float(s[standing].sum() / s.sum())
@@ -244,25 +262,25 @@ def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, 
     slope = nan
     if len(s) - crest >= 3:
         slope = float(np.polyfit(middle[behind][crest:], s[crest:], 1)[0])
-    return {"standing_share": share, "surface_slope": slope}
+    return Heap(share, slope)
 
 
 def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
     """Jump, locked heap or drowned inlet."""
-    track, context = result.track, result.context
+    track, flow = result.track, result.flow
     late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
     heap = _heap(edges, data, used, track.end[used], gravity)
     result = replace(result, heap=heap)
-    inflow = context.inflow_depth or 0.0
+    inflow = flow.inflow_depth or 0.0
     distance = float(np.median(track.toe[late])) - edges[0]
     drowned = distance < INLET_REACH * max(inflow, result.bin_width)
-    if _locked(heap):
+    if heap.locked:
         also = " It has reached the inlet." if drowned else ""
         return replace(
             result,
             verdict="locked heap",
-            reason=f"behind the toe {100 * heap['standing_share']:.0f} % of the discs stand still under a surface that "
-            f"slopes by {heap['surface_slope']:+.3f}: friction has locked them, this is no hydraulic jump.{also}",
+            reason=f"behind the toe {100 * heap.standing_share:.0f} % of the discs stand still under a surface that "
+            f"slopes by {heap.surface_slope:+.3f}: friction has locked them, this is no hydraulic jump.{also}",
         )
     if drowned:
         return replace(
@@ -278,12 +296,7 @@ def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, 
     return replace(result, reason=f"the front {words} at {result.speed:+.2f} m/s.{tail}")
 
 
-def _locked(heap: dict) -> bool:
-    slope = heap["surface_slope"]
-    return (heap["standing_share"] or 0.0) > 0.5 and slope is not None and isfinite(slope) and abs(slope) > HEAP_SLOPE
-
-
-def _none_found(track, in_window, data, edges, gravity, context, common) -> JumpResult:
+def _none_found(track, in_window, data, edges, gravity, flow, common) -> JumpResult:
     """Say why: the commonest reason of the window, and whether the inlet is drowned or the flow locked."""
     reasons = Counter(reason.split(" (")[0] for reason, inside in zip(track.why, in_window, strict=True) if inside)
     reasons.pop("", None)
@@ -292,9 +305,9 @@ def _none_found(track, in_window, data, edges, gravity, context, common) -> Jump
     first = slice(0, 3)
     start = np.full(int(in_window.sum()), edges[0])
     heap = _heap(edges, data, in_window, start, gravity) if in_window.any() else None
-    inflow = context.inflow_depth
-    if heap and _locked(heap):
-        share, slope = heap["standing_share"], heap["surface_slope"]
+    inflow = flow.inflow_depth
+    if heap and heap.locked:
+        share, slope = heap.standing_share, heap.surface_slope
         reason = f"{100 * share:.0f} % of the discs stand still under a surface that slopes by {slope:+.3f}; {counted}"
         return JumpResult("locked heap", reason, heap=heap, **common)
     if inflow and depth[first].mean() > 0:

@@ -1,6 +1,6 @@
 """Where the jump is in each frame: a ramp between two levels, fitted to the mass depth; and how fast it moves.
 
-Everything here speaks of a stream that flows towards larger x; `jump.analyse_jump` mirrors the others.
+The stream flows towards larger x here; `result.analyse_jump` mirrors streams towards smaller x.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -54,10 +55,9 @@ def _positive(option: str, value: float | None, unit: str) -> None:
 
 
 def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say) -> dict[str, Any]:
-    from lammps_jump.analysis.analyze import analyze_dump
     from lammps_jump.analysis.flow import from_scene
     from lammps_jump.analysis.guess import from_dump
-    from lammps_jump.analysis.passes import AnalysisRequest
+    from lammps_jump.analysis.quantities import analyse
     from lammps_jump.case.checks import MOST_BINS
     from lammps_jump.dump.find import find_dump
     from lammps_jump.dump.read import open_dump
@@ -75,27 +75,27 @@ def _bare_dump(target, out, case, diameter, density, bin_width, assignments, say
         from lammps_jump.case import load_case
         from lammps_jump.case.to_scene import build_scene
 
-        context = from_scene(build_scene(load_case(case, assignments)))
+        flow = from_scene(build_scene(load_case(case, assignments)))
     else:
-        context = from_dump(open_dump(path), diameter=diameter, density=1000.0 if density is None else density)
-    low, high = context.x_range
+        flow = from_dump(open_dump(path), diameter=diameter, density=1000.0 if density is None else density)
+    low, high = flow.x_range
     if bin_width is not None and not (high - low) / MOST_BINS <= bin_width <= high - low:
         raise CaseError(
             f"--bin-width {bin_width}: allowed is {(high - low) / MOST_BINS:.2g} to {high - low:.4g} m, the length of "
             f"the channel in {path}"
         )
     folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
-    parts = analyze_dump(path, context, AnalysisRequest(bin_width=bin_width, jump=True, front=True), folder)
+    parts = analyse(replace(flow, bin_width=bin_width or flow.bin_width), path, folder, ("jump", "front"))
     write_summary(folder, {"name": path.name, **parts})
-    for note in parts["warnings"]:  # what the context guessed is among them
+    for note in parts["warnings"]:  # what was guessed is among them
         say(f"note: {note}")
     say(f"results are in {folder}")
     return parts
 
 
-def animate_target(target: Path, out: Path | None, fps: int) -> Path:
+def animate_target(target: Path, out: Path | None, fps: int, say: Say = print) -> Path:
     """Write the moving picture of a folder or dump; returns its path."""
-    from lammps_jump.analysis.draw.film import animate
+    from lammps_jump.analysis.draw.film import NO_FFMPEG, animate
     from lammps_jump.analysis.flow import from_scene
     from lammps_jump.analysis.guess import from_dump
     from lammps_jump.dump.find import find_dump, read_forces
@@ -110,11 +110,13 @@ def animate_target(target: Path, out: Path | None, fps: int) -> Path:
         from lammps_jump.case import load_case
         from lammps_jump.case.to_scene import build_scene
 
-        context = from_scene(build_scene(load_case(path.parent / "case.yaml")))
+        flow = from_scene(build_scene(load_case(path.parent / "case.yaml")))
         if (path.parent / "forces.csv").exists():
             forces = read_forces(path.parent / "forces.csv")
     else:
-        context = from_dump(dump)
+        flow = from_dump(dump)
     destination = out or path.parent / "animation.mp4"
-    animate(dump, context, destination, fps=fps, forces=forces)
-    return destination
+    written = animate(dump, flow, destination, fps=fps, forces=forces)
+    if written != destination:
+        say(f"note: {NO_FFMPEG}")
+    return written

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,12 +12,14 @@ import numpy as np
 
 from lammps_jump.errors import DumpError
 
+from .find import open_run_dump
 from .frame import Frame, ten_indices
 from .read import Dump
 
 if TYPE_CHECKING:
     import xarray as xr
 
+EXPORTS = ("csv", "vtk", "pictures")
 PICTURES = 10
 
 
@@ -56,6 +58,70 @@ def _cell(value) -> str:
     return str(value)
 
 
+def export(place: str | Path, kinds: Collection[str], out: str | Path | None = None) -> list[Path]:
+    """Write what lies in a run folder for other programs.
+
+    Parameters
+    ----------
+    place : str or Path
+        A run folder or a folder of results: its dump, ``profiles.nc`` and ``fields.nc`` are read.
+    kinds : collection of str
+        Of 'csv' (profiles as tables), 'vtk' (discs at ten equal times, and ``fields.nc`` where it is there) and
+        'pictures' (the thesis' picture0.dat … picture9.dat).
+    out : str or Path, optional
+        Folder for the files; default `place`.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    DumpError
+        A kind that is not known, no dump or no profiles, a place that cannot be written.
+    """
+    unknown = [kind for kind in kinds if kind not in EXPORTS]
+    if unknown:
+        raise DumpError(f"export '{unknown[0]}' is not known: use one of {', '.join(EXPORTS)}.")
+    place = Path(place)
+    out = place if out is None else Path(out)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DumpError(f"{out}: cannot be made ({error.strerror}); name another folder.") from error
+    written = write_profiles_csv(_dataset(place / "profiles.nc"), out) if "csv" in kinds else []
+    if "pictures" in kinds:
+        written += write_pictures(open_run_dump(place), out)
+    if "vtk" in kinds:
+        written += _discs_for_paraview(open_run_dump(place), _dataset(place / "profiles.nc"), out)
+        if (place / "fields.nc").is_file():
+            written.append(write_vti(_dataset(place / "fields.nc"), out / "fields.vti"))
+    return written
+
+
+def _dataset(path: Path) -> xr.Dataset:
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            return dataset.load()
+    except (OSError, ValueError) as error:
+        raise DumpError(
+            f"{path}: cannot be read ({error}); `lammps-jump analyze {path.parent}` makes it from the dump."
+        ) from error
+
+
+def _discs_for_paraview(dump: Dump, profiles: xr.Dataset, out: Path) -> list[Path]:
+    """Ten frames of discs as .vtp with a .pvd that holds their times."""
+    diameter = profiles.attrs["disc_diameter"]
+    times = dict(zip(profiles.step.values, profiles.time.values, strict=True))
+    frames = list(dump.select(ten_indices(dump.count(), PICTURES)))
+    files = [write_vtp(frame, out / f"discs{number}.vtp", diameter) for number, frame in enumerate(frames)]
+    seconds = [float(times.get(frame.step, frame.time or frame.step)) for frame in frames]
+    return [*files, write_pvd(zip(seconds, files, strict=True), out / "discs.pvd")]
+
+
 def write_profiles_csv(profiles: xr.Dataset, folder: str | Path) -> list[Path]:
     """Profiles as two tables: ``profiles_mean.csv`` (a row a bin) and ``profiles.csv`` (a row a time and bin).
 
@@ -90,15 +156,9 @@ def write_vti(fields: xr.Dataset, path: str | Path) -> Path:
     extent = f"0 {len(x)} 0 {len(y)} 0 1"
     origin = f"{x[0] - spacing / 2:.17g} {y[0] - spacing / 2:.17g} 0"
     steps = " ".join([f"{spacing:.17g}"] * 3)
-    with _writing(path) as file:
-        file.write('<?xml version="1.0"?>\n')
-        file.write('<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
-        file.write(f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{steps}">\n')
-        file.write(f'<Piece Extent="{extent}">\n<CellData>\n')
-        for name, values in arrays.items():
-            file.write(_data_array(name, values))
-        file.write("</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n")
-    return Path(path)
+    cells = "".join(_data_array(name, values) for name, values in arrays.items())
+    image = f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{steps}">\n<Piece Extent="{extent}">\n'
+    return _vtk(path, "ImageData", f"{image}<CellData>\n{cells}</CellData>\n</Piece>\n</ImageData>\n")
 
 
 def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
@@ -107,17 +167,12 @@ def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
     arrays = {"id": frame.ids.astype(float), "diameter": np.full(frame.n, float(diameter))}
     if "vx" in frame.columns and "vy" in frame.columns:
         arrays["velocity"] = np.column_stack([frame.vx, frame.vy, np.zeros(frame.n)])
-    with _writing(path) as file:
-        file.write('<?xml version="1.0"?>\n')
-        file.write('<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
-        file.write(f'<PolyData>\n<Piece NumberOfPoints="{frame.n}" NumberOfVerts="{frame.n}">\n<PointData>\n')
-        for name, values in arrays.items():
-            file.write(_data_array(name, values))
-        file.write(f"</PointData>\n<Points>\n{_data_array('points', points)}</Points>\n<Verts>\n")
-        file.write(_data_array("connectivity", np.arange(frame.n), "Int64"))
-        file.write(_data_array("offsets", np.arange(1, frame.n + 1), "Int64"))
-        file.write("</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n")
-    return Path(path)
+    data = "".join(_data_array(name, values) for name, values in arrays.items())
+    verts = _data_array("connectivity", np.arange(frame.n), "Int64")
+    verts += _data_array("offsets", np.arange(1, frame.n + 1), "Int64")
+    piece = f'<Piece NumberOfPoints="{frame.n}" NumberOfVerts="{frame.n}">\n<PointData>\n{data}</PointData>\n'
+    piece += f"<Points>\n{_data_array('points', points)}</Points>\n<Verts>\n{verts}</Verts>\n</Piece>\n"
+    return _vtk(path, "PolyData", f"<PolyData>\n{piece}</PolyData>\n")
 
 
 def write_pvd(files: Iterable[tuple[float, str | Path]], path: str | Path) -> Path:
@@ -149,6 +204,14 @@ def write_pictures(dump: Dump, folder: str | Path) -> list[Path]:
             file.write((row * frame.n) % tuple(values.ravel().tolist()))
         written.append(path)
     return written
+
+
+def _vtk(path: str | Path, kind: str, body: str) -> Path:
+    with _writing(path) as file:
+        file.write('<?xml version="1.0"?>\n')
+        file.write(f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
+        file.write(f"{body}</VTKFile>\n")
+    return Path(path)
 
 
 def _data_array(name: str, values: np.ndarray, kind: str = "Float64") -> str:

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from lammps_jump.errors import DumpError
+from lammps_jump.files import DUMP_NAMES, FORCES_HEADER
+from lammps_jump.scene.scene import Scene
 
 from .read import Dump, open_dump
 
-DUMP_NAMES = (
-    "dump.lammpstrj",
-    "dump.lammpstrj.gz",
-    "dump.lammpsbin",
-    "dump.bin",
-    "dump.lammpsbin.gz",
-)
-FORCE_COLUMNS = ("time", "structure", "fx", "fy", "moment")
+KNOWN_NAMES = (*DUMP_NAMES.values(), "dump.bin", "dump.lammpsbin.gz")
+FORCE_COLUMNS = tuple(FORCES_HEADER.split(","))
 
 
 @dataclass(frozen=True)
@@ -44,8 +41,8 @@ class ForceHistory:
 def find_dump(place: str | Path) -> Path:
     """The dump of a folder, or the file itself.
 
-    A folder's dump is the first of `DUMP_NAMES` in it, else its only file ``dump.*``: in a folder of ours the run's
-    own dump whatever else lies there, in anybody's the one that can be meant.
+    A folder's dump is the first of `KNOWN_NAMES` in it, else its only file ``dump.*``. A run folder may so
+    hold other dumps beside its own.
 
     Raises
     ------
@@ -57,7 +54,7 @@ def find_dump(place: str | Path) -> Path:
         raise DumpError(f"{place}: there is no such file or folder.")
     if not place.is_dir():
         return place
-    for name in DUMP_NAMES:
+    for name in KNOWN_NAMES:
         if (place / name).is_file():
             return place / name
     others = sorted(path for path in place.glob("dump.*") if path.is_file())
@@ -110,3 +107,9 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
             raise DumpError(f"{path}, line {number}: {','.join(row)[:60]!r} is no row of {','.join(header)}.") from None
         rows.setdefault(row[where["structure"]].strip(), []).append(values)
     return {name: ForceHistory(*np.array(values).T) for name, values in rows.items()}
+
+
+def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple[int, str, float, float, float]]) -> None:
+    """Write ``forces.csv``: rows of step at the end of the window, structure, fx, fy (N/m), moment (N), all means."""
+    rows = [f"{scene.time(s):.10g},{name},{fx:.10g},{fy:.10g},{m:.10g}\n" for s, name, fx, fy, m in forces]
+    Path(path).write_text("".join([f"{FORCES_HEADER}\n", *rows]))

@@ -11,6 +11,7 @@ import numpy as np
 from lammps_jump.errors import DumpError
 
 from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
+from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
 
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
@@ -185,8 +186,6 @@ def _check_names(dump: DumpFile, names: tuple[str, ...], tilt: float, where: str
 
 
 def _text_rows(dump: DumpFile, buffer: _Buffer, header: FrameHeader, box, names, wanted: bool) -> Frame | None:
-    from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
-
     first_line = buffer.line_number + 1
     if 2 * len(names) * header.n > dump.most_bytes:
         raise _Truncated(f": the file is too short for {header.n} discs")

@@ -1,6 +1,6 @@
 """Writer of LAMMPS dumps, byte for byte as ``dump custom`` writes them: text, gzipped text, binary.
 
-Checked against files of LAMMPS 22Jul2025: see ``tests/unit/test_dump_write.py``.
+Checked against files of LAMMPS 22Jul2025: see ``tests/unit/test_dump.py``.
 """
 
 from __future__ import annotations
@@ -12,7 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.errors import DumpError
+from lammps_jump.errors import CaseError, DumpError
+from lammps_jump.files import DUMP_NAMES
+from lammps_jump.scene.scene import Scene
+
+from .frame import Frame, bounds_of
 
 INTEGER_COLUMNS = frozenset({"id", "mol", "type", "proc", "procp1", "ix", "iy", "iz"})
 """Columns that LAMMPS writes as integers in text."""
@@ -80,8 +84,9 @@ class DumpWriter:
         """Finish the file."""
         self._file.close()
 
-    def flush(self) -> None:
-        """Hand what was written to the system, so that a reader sees it."""
+    def write_frame(self, frame: Frame) -> None:
+        """Write a frame and hand it to the system, so that a reader sees it."""
+        self.write(frame.step, frame.time, frame.box, frame.columns)
         self._file.flush()
 
     def write(self, step: int, time: float | None, box, columns: Mapping[str, np.ndarray]) -> None:
@@ -97,9 +102,7 @@ class DumpWriter:
         columns : mapping of str to array_like, shape (n,)
             At least the columns of this writer.
         """
-        bounds = np.array([[0.0, 0.0], [0.0, 0.0], [-0.1, 0.1]])
-        given = np.asarray(box, float)
-        bounds[: len(given)] = given
+        bounds = bounds_of(box)
         missing = [name for name in self.columns if name not in columns]
         if missing:
             raise DumpError(f"{self.path}: step {step} lacks column {missing[0]!r}; it has {' '.join(columns)}.")
@@ -139,3 +142,27 @@ class DumpWriter:
             values.astype("<f8").tobytes(),
         ]
         return b"".join(parts)
+
+
+def run_writer(folder: Path, scene: Scene, dump_format: str = "text", *, append: bool = False) -> DumpWriter:
+    """Writer of the dump of a run: id x y vx vy, and omegaz where discs spin.
+
+    Parameters
+    ----------
+    folder : Path
+        Run folder.
+    scene : Scene
+    dump_format : {'text', 'gz', 'binary'}
+        Of `files.DUMP_NAMES`; text has 10 digits, binary is LAMMPS' revision 2.
+    append : bool
+        Write behind the frames that are there.
+
+    Raises
+    ------
+    CaseError
+        A format that is not known.
+    """
+    if dump_format not in DUMP_NAMES:
+        raise CaseError(f"dump format {dump_format!r} is not known: use one of {', '.join(DUMP_NAMES)}")
+    columns = ("id", "x", "y", "vx", "vy", *(("omegaz",) if scene.rotation else ()))
+    return DumpWriter(folder / DUMP_NAMES[dump_format], columns, dump_format, append=append)

@@ -5,10 +5,13 @@ derivation where the thesis is silent. Symbols: m_eff effective mass (m/2 of a p
 sqrt(k/m_eff), xi damping ratio, h = omega dt, f = dt / (2/omega of a pair).
 """
 
+# ruff: noqa: RUF001  (Greek letters are meant for readers)
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import acos, asin, atan2, exp, log, pi, sqrt
+
+from lammps_jump.units import number
 
 
 def disc_mass(density: float, diameter: float) -> float:
@@ -226,30 +229,30 @@ class Coefficients:
     slip at proportionally lower speeds. ``stable_fraction`` is the lesser of a hexagonal bed's and its lowest row's.
     """
 
-    mass: float
-    restitution: float
-    friction: float
-    stiffness: float
-    stiffness_wall: float
-    damping_ratio: float
-    damping: float
-    damping_wall: float
-    correction: float
-    correction_wall: float
-    gamma_normal: float
-    gamma_normal_wall: float
-    gamma_tangential: float
-    gamma_tangential_wall: float
-    omega: float
-    omega_wall: float
-    time_step: float
-    critical_time_step: float
-    time_step_fraction: float
-    stable_fraction: float
-    contact_duration: float
-    contact_steps: float
-    slip_speed: float
-    largest_overlap: float
+    mass: float = number("kg/m", "disc mass m = ρd²")
+    restitution: float = number("", "restitution coefficient e")
+    friction: float = number("", "friction coefficient ks")
+    stiffness: float = number("N/m", "stiffness k, disc-disc")
+    stiffness_wall: float = number("N/m", "stiffness k, disc-wall")
+    damping_ratio: float = number("", "damping ratio ξ")
+    damping: float = number("N s/m", "dashpot c, disc-disc")
+    damping_wall: float = number("N s/m", "dashpot c, disc-wall")
+    correction: float = number("", "dashpot correction, disc-disc")
+    correction_wall: float = number("", "dashpot correction, disc-wall")
+    gamma_normal: float = number("1/s", "γn, disc-disc")
+    gamma_normal_wall: float = number("1/s", "γn, disc-wall")
+    gamma_tangential: float = number("1/s", "γt, disc-disc")
+    gamma_tangential_wall: float = number("1/s", "γt, disc-wall")
+    omega: float = number("rad/s", "contact frequency ω, disc-disc")
+    omega_wall: float = number("rad/s", "contact frequency ω, disc-wall")
+    time_step: float = number("s", "time step")
+    critical_time_step: float = number("s", "critical time step 2/ω")
+    time_step_fraction: float = number("", "time step over 2/ω")
+    stable_fraction: float = number("", "largest stable fraction, densest packing")
+    contact_duration: float = number("s", "contact duration")
+    contact_steps: float = number("", "steps per contact")
+    slip_speed: float = number("m/s", "slip speed where Coulomb friction takes over")
+    largest_overlap: float = number("m", "largest overlap at the reference speed")
 
     @property
     def inertia(self) -> float:

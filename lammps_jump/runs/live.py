@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 import time
 from pathlib import Path
 
+from lammps_jump.analysis.draw.film import still
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.dump.tail import Tail
 from lammps_jump.engines.result import Progress, ProgressCallback
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
@@ -15,29 +17,6 @@ from lammps_jump.scene.scene import Scene
 SECONDS = 1.5
 """Time between pictures; one costs some hundredths of a second."""
 PICTURE = "live.png"
-
-
-def newest_frame_text(path: Path, guess: int = 2_000_000, ended: bool = False) -> bytes | None:
-    """The last whole frame of a text dump that is still being written, None where there is none yet.
-
-    Reads from the end only: `guess` bytes, more where a frame is larger. Where the run has `ended` the last is whole.
-    """
-    try:
-        size = path.stat().st_size
-        with path.open("rb") as file:
-            while True:
-                start = max(0, size - guess)
-                file.seek(start)
-                tail = file.read(size - start)
-                first = len(tail) if ended else tail.rfind(b"ITEM: TIME\n")
-                previous = tail.rfind(b"ITEM: TIME\n", 0, max(first, 0))
-                if previous >= 0:
-                    return tail[previous:first]
-                if start == 0:
-                    return None
-                guess *= 4
-    except OSError:
-        return None
 
 
 class LiveView:
@@ -55,10 +34,8 @@ class LiveView:
     """
 
     def __init__(self, scene: Scene, folder: Path, then: ProgressCallback):
-        from lammps_jump.analysis.flow import from_scene
-
-        self.context = from_scene(scene)
-        self.dump = folder / "dump.lammpstrj"
+        self.flow = from_scene(scene)
+        self.tail = Tail(folder / "dump.lammpstrj")
         self.picture = folder / PICTURE
         self.then = then
         self.shown = time.perf_counter()
@@ -71,31 +48,21 @@ class LiveView:
         self.then(report)
         if time.perf_counter() - self.shown < SECONDS:
             return
-        text = newest_frame_text(self.dump)
-        if text is not None:
-            self._draw(text)
+        self._draw(ended=False)
         self.shown = time.perf_counter()
 
     def finish(self) -> None:
         """Draw the last frame of the run."""
-        text = newest_frame_text(self.dump, ended=True)
-        if text is not None:
-            self._draw(text)
+        self._draw(ended=True)
 
-    def _draw(self, text: bytes) -> None:
-        from lammps_jump.analysis.draw.film import still
-        from lammps_jump.dump.read import open_dump
-
-        with tempfile.NamedTemporaryFile(suffix=".lammpstrj") as copy:
-            copy.write(text)
-            copy.flush()
-            try:
-                frames = list(open_dump(copy.name))
-                if frames and frames[-1].n:
-                    still(frames[-1], self.context, self.picture)
-            except DumpError:
-                return  # a frame in the making: the next one will do
-        if self.window is not None and self.picture.exists():
+    def _draw(self, *, ended: bool) -> None:
+        try:
+            frame = self.tail.newest(ended=ended)
+            if frame is not None and frame.n:
+                still(frame, self.flow, self.picture)
+        except DumpError:
+            return  # a frame in the making: the next one will do
+        if frame is not None and self.window is not None and self.picture.exists():
             self._show()
 
     def _show(self) -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from lammps_jump import analysis, dump
 from lammps_jump.case import LoadedCase, case_hash, resolved_yaml
 from lammps_jump.case.derived import inflow_theory
 from lammps_jump.case.to_scene import build_scene
@@ -248,11 +249,10 @@ def _steady_watch(prepared: Prepared):
     run = prepared.loaded.case.run
     if not run.stop_when_steady or not prepared.scene.inlets:
         return None
-    from lammps_jump.analysis.flow import from_scene
 
     from .steady_watch import SteadyWatch, studied_reach
 
-    return SteadyWatch(prepared.scene, prepared.folder, studied_reach(from_scene(prepared.scene)))
+    return SteadyWatch(prepared.scene, prepared.folder, studied_reach(analysis.from_scene(prepared.scene)))
 
 
 def _load_analysis() -> None:
@@ -285,33 +285,21 @@ def _run_engine(
     return result, ""
 
 
-def analysis_request(prepared: Prepared):
-    """What the case asks of the analysis."""
-    from lammps_jump.analysis.passes import AnalysisRequest
-
+def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
+    """Analyse the dump of a run folder as its case asks; the parts of the summary that came of it."""
     case = prepared.loaded.case
     asked = case.analysis
     inflow = case.inflow if case.inflow is not None and case.inflow.kind == "rows" else None
-    return AnalysisRequest(
+    flow = analysis.from_scene(
+        prepared.scene,
         bin_width=asked.bin_width,
         window=asked.window,
-        jump=asked.jump,
-        energy=asked.energy,
-        front=asked.front,
-        fields=asked.fields,
-        animate=asked.animation,
-        forces=bool(prepared.scene.probes),
         inflow_depth=inflow.depth if inflow else None,
         inflow_speed=inflow.mean_speed if inflow else None,
     )
-
-
-def analyse(prepared: Prepared, result: RunResult, quiet: bool) -> dict[str, Any]:
-    """Analyse the dump of a run folder as its case asks; the parts of the summary that came of it."""
-    from lammps_jump.analysis.analyze import analyze_run
-
-    wanted = analysis_request(prepared)
-    return analyze_run(prepared.folder, prepared.scene, wanted, engine=result.engine, quiet=quiet)
+    wanted = [name for name in (*analysis.QUANTITIES, "fields") if getattr(asked, name, False)]
+    folder = prepared.folder
+    return analysis.analyse(flow, dump.find_dump(folder), folder, wanted, film=asked.animation, quiet=quiet)
 
 
 @contextmanager
@@ -328,6 +316,6 @@ def analysis_of(folder: Path):
 
 def report(prepared: Prepared, summary: dict[str, Any]) -> None:
     """Write ``report.html``."""
-    from lammps_jump.analysis.report.page import write_report
+    from lammps_jump.analysis.report.run import write_report
 
     write_report(prepared.folder, summary, resolved_yaml(prepared.loaded.case))

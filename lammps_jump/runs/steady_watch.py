@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.dump.tail import Tail
 from lammps_jump.scene.scene import Scene
 
 from .steady import SteadyDetector, flow_state
@@ -14,7 +15,6 @@ PASSAGES = 1.5
 """Length of the tested record in times that the inflow needs for the studied reach."""
 FEWEST_FRAMES = 48
 """The detector wants sixteen batches of several frames each."""
-MARKER = b"ITEM: TIME\n"
 
 
 def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
@@ -26,11 +26,11 @@ def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
     return max(PASSAGES * passage, FEWEST_FRAMES * scene.output_steps * scene.time_step)
 
 
-def studied_reach(context) -> tuple[float, float]:
+def studied_reach(flow) -> tuple[float, float]:
     """The part of the studied range that has one and the same floor from its upstream end on (up to a sill), m."""
-    low, high = context.x_range
+    low, high = flow.x_range
     x = np.linspace(low, high, 2001)[1:-1]
-    bed = context.bed_height(x)
+    bed = flow.bed_height(x)
     other = np.flatnonzero(~(np.abs(bed - bed[0]) < 1e-9))
     return (low, float(x[other[0]])) if other.size and np.isfinite(bed[0]) else (low, high)
 
@@ -54,10 +54,9 @@ class SteadyWatch:
 
     def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float]):
         self.scene, self.reach = scene, reach
-        self.path = folder / "dump.lammpstrj"
+        self.tail = Tail(folder / "dump.lammpstrj")
         window = steady_window(scene, reach)
         self.detector = SteadyDetector(window) if window else None
-        self.read = 0
 
     @property
     def reason(self) -> str:
@@ -66,26 +65,10 @@ class SteadyWatch:
 
     def __call__(self) -> bool:
         """Take in the frames that are new; True once the flow is steady."""
-        if self.detector is None or not self.path.exists():
+        if self.detector is None:
             return False
-        with self.path.open("rb") as file:
-            file.seek(self.read)
-            text = file.read()
-        last = text.rfind(MARKER)
-        if last <= 0:
-            return self.detector.steady
-        for chunk in text[:last].split(MARKER)[1:]:
-            self._feed(chunk)
-        self.read += last
+        for frame in self.tail.new_frames():
+            if frame.n:
+                state = flow_state(frame.x, frame.vx, self.scene.mass, self.scene.density, self.reach)
+                self.detector.feed(frame.time, *state)
         return self.detector.steady
-
-    def _feed(self, chunk: bytes) -> None:
-        """One whole frame as text, from the line after its first header."""
-        lines = chunk.split(b"\n", 10)
-        time, columns = float(lines[0]), lines[9].split()[2:]
-        values = np.array(lines[10].split() if len(lines) > 10 else [], dtype=float).reshape(-1, len(columns))
-        if not len(values):
-            return
-        x, vx = values[:, columns.index(b"x")], values[:, columns.index(b"vx")]
-        state = flow_state(x, vx, self.scene.mass, self.scene.density, self.reach)
-        self.detector.feed(time, *state)

@@ -9,16 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.analysis.energy import EnergyLedger, summarise_energy
+from lammps_jump.analysis.energy import EnergyLedger, analyse_energy
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.front import FrontTracker, summarise_front
+from lammps_jump.analysis.front import FrontTracker, analyse_front
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.case import Case
 from lammps_jump.dump.find import open_run_dump, read_forces
 from lammps_jump.errors import DumpError, JumpError, RunInterrupted
+from lammps_jump.files import plain
 from lammps_jump.scene.scene import Scene
+from lammps_jump.units import as_summary
 
 from .runs import StudyCase, execute
 from .settings import Setting
@@ -133,14 +135,15 @@ def measure(folder: Path, scene: Scene, case: Case) -> dict[str, Measure]:
     dump = open_run_dump(folder)
     measures: dict[str, Measure] = {}
     if asked.energy:
-        energy = summarise_energy(_history(EnergyLedger(flow), dump, flow), flow)
-        measures["energy deviation"] = energy["max_deviation"]
+        energy = analyse_energy(_history(EnergyLedger(flow), dump, flow), flow)
+        measures["energy deviation"] = plain(energy.max_deviation)
     if asked.front:
         front = _history(FrontTracker(flow), dump, flow)
         times = np.linspace(0.1, 1.0, CURVE_POINTS) * case.run.duration
         measures["front position"] = np.interp(times, front.time, front.quantile).tolist()
         measures["column height"] = np.interp(times, front.time, front.height).tolist()
-        measures["martin_moyce"] = summarise_front(front, flow).get("martin_moyce")
+        moyce = analyse_front(front, flow).martin_moyce
+        measures["martin_moyce"] = moyce and plain(as_summary(moyce))
     if asked.jump:
         measures |= _jump(dump, flow)
     if scene.probes and (folder / "forces.csv").is_file():
@@ -159,7 +162,7 @@ def _history(accumulator, dump: Iterable, flow):
 
 def _jump(dump: Iterable, flow) -> dict[str, Measure]:
     profiles = compute_profiles(dump, flow)
-    summary = summarise_jump(analyse_jump(profiles, flow))
+    summary = plain(as_summary(summarise_jump(analyse_jump(profiles, flow))))
     return {
         "depth profile": np.nan_to_num(profiles["mass_depth_mean"].values, posinf=0.0, neginf=0.0).tolist(),
         "sequent depth": summary["y2"],

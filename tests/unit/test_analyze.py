@@ -1,6 +1,7 @@
 """The whole analysis of made-up dumps: files, numbers that JSON can carry, dumps that are nearly nothing."""
 
 import json
+import re
 from fnmatch import fnmatch
 from functools import partial
 
@@ -8,19 +9,20 @@ import numpy as np
 import pytest
 from made_up import columns_of_discs, flow_context
 
-from lammps_jump.analysis.analyze import analyze_dump, plain
 from lammps_jump.analysis.guess import from_dump
-from lammps_jump.analysis.passes import AnalysisRequest, with_velocities
+from lammps_jump.analysis.passes import with_velocities
 from lammps_jump.analysis.profiles import read_profiles
+from lammps_jump.analysis.quantities import analyse, main_numbers
 from lammps_jump.cli.analyze import analyze_target
+from lammps_jump.dump.exports import export
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.files import RESULT_FILES
+from lammps_jump.files import RESULT_FILES, plain
 from lammps_jump.scene.walls import Plane
 
 D = 0.2
-EVERYTHING = AnalysisRequest(jump=True, energy=True, front=True, forces=True)
+EVERYTHING = ("jump", "energy", "front", "force")
 
 
 context = partial(
@@ -55,7 +57,7 @@ def analysed(tmp_path_factory):
     path = dump_of(out / "dump.lammpstrj", [bore(25.0 - 0.2 * k) for k in range(12)])
     rows = "".join(f"{0.1 * k + 0.1:g},floor,0,-5,0\n" for k in range(11))
     (out / "forces.csv").write_text("time,structure,fx,fy,moment\n" + rows)
-    return out, analyze_dump(path, context(probes=("floor",)), EVERYTHING, out)
+    return out, analyse(context(probes=("floor",)), path, out, EVERYTHING)
 
 
 def test_one_pass_leaves_all_files_and_numbers(analysed):
@@ -88,7 +90,7 @@ def test_energy_of_the_dump(analysed):
 
 def test_nothing_but_profiles_when_nothing_is_asked(tmp_path):
     path = dump_of(tmp_path / "d", [bore(20.0)])
-    parts = analyze_dump(path, context(), AnalysisRequest(figures=False), tmp_path / "new" / "folder")
+    parts = analyse(context(), path, tmp_path / "new" / "folder", (), figures=False)
     assert parts["files"] == ["profiles.nc"]
     assert not {"jump", "front", "energy", "force"} & set(parts)
     assert read_profiles(tmp_path / "new" / "folder" / "profiles.nc").sizes["time"] == 1
@@ -108,7 +110,7 @@ def test_nothing_but_profiles_when_nothing_is_asked(tmp_path):
 def test_next_to_nothing(tmp_path, frames):
     """Nulls and reasons instead of numbers, every figure that can be drawn, no warning from numpy (they are errors)."""
     path = dump_of(tmp_path / "d", frames)
-    parts = analyze_dump(path, context(), EVERYTHING, tmp_path)
+    parts = analyse(context(), path, tmp_path, EVERYTHING)
     json.dumps(parts, allow_nan=False)
     assert parts["jump"]["verdict"] == "no jump found"
     assert parts["jump"]["reason"]
@@ -116,7 +118,7 @@ def test_next_to_nothing(tmp_path, frames):
 
 def test_window_without_frames_falls_back_and_says_so(tmp_path):
     path = dump_of(tmp_path / "d", [bore(20.0)] * 4)
-    parts = analyze_dump(path, context(window=(50.0, 60.0)), AnalysisRequest(figures=False), tmp_path)
+    parts = analyse(context(window=(50.0, 60.0)), path, tmp_path, (), figures=False)
     assert any("second half" in warning for warning in parts["warnings"])
     assert parts["profiles"]["window"][1] == pytest.approx(0.3)
 
@@ -129,23 +131,40 @@ def test_velocities_from_positions(tmp_path):
     assert made[0].vx == pytest.approx([0, 0])
     assert made[1].vx == pytest.approx([5.0, 0.0])
     assert "no vx, vy" in warnings[0]
-    parts = analyze_dump(dump.path, from_dump(dump, diameter=D), AnalysisRequest(jump=True, front=True), tmp_path)
+    parts = analyse(from_dump(dump, diameter=D), dump.path, tmp_path, ("jump", "front"))
     assert parts["front"]["position"] is not None
 
 
 def test_unknown_export_is_refused(tmp_path):
     path = dump_of(tmp_path / "d", [bore(20.0)])
     with pytest.raises(DumpError, match=r"export 'xls' is not known: use one of csv, vtk, pictures"):
-        analyze_dump(path, context(), AnalysisRequest(figures=False, exports=("xls",)), tmp_path)
+        export(tmp_path, ("xls",))
+    with pytest.raises(DumpError, match=r"quantity 'waves' is not known: use jump, front, force, energy or fields"):
+        analyse(context(), path, tmp_path, ("waves",))
 
 
 def test_exports_and_fields(tmp_path):
-    path = dump_of(tmp_path / "d", [bore(20.0)] * 2)
-    wanted = AnalysisRequest(figures=False, fields=True, exports=("csv", "vtk", "pictures"))
-    parts = analyze_dump(path, context(), wanted, tmp_path)
-    assert {"fields.nc", "fields.vti", "profiles.csv", "picture0.dat", "discs.pvd"} <= set(parts["files"])
-    assert_ours(parts["files"])
-    assert all((tmp_path / name).exists() for name in parts["files"])
+    path = dump_of(tmp_path / "dump.lammpstrj", [bore(20.0)] * 2)
+    parts = analyse(context(), path, tmp_path, ("fields",), figures=False)
+    files = [*parts["files"], *(written.name for written in export(tmp_path, ("csv", "vtk", "pictures")))]
+    assert {"fields.nc", "fields.vti", "profiles.csv", "picture0.dat", "discs.pvd"} <= set(files)
+    assert_ours(files)
+    assert all((tmp_path / name).exists() for name in files)
+    assert re.findall(r'timestep="([^"]+)"', (tmp_path / "discs.pvd").read_text()) == ["0", "0.1"]
+
+
+def test_an_export_of_an_analysis_needs_one(tmp_path):
+    dump_of(tmp_path / "dump.lammpstrj", [bore(20.0)])
+    assert [path.name for path in export(tmp_path, ("pictures",), tmp_path / "elsewhere")] == ["picture0.dat"]
+    with pytest.raises(DumpError, match=r"profiles\.nc: cannot be read .*lammps-jump analyze"):
+        export(tmp_path, ("vtk",))
+
+
+def test_the_screen_shows_the_labelled_numbers(analysed):
+    lines = main_numbers(analysed[1])
+    assert [line.split(":")[0] for line in lines] == ["jump", "front", "energy"]
+    assert lines[0].startswith("jump: verdict jump, Fr1 ") and ", shock speed -2 m/s," in lines[0]
+    assert main_numbers({"jump": {"verdict": "no jump found", "y1": None}}) == ["jump: verdict no jump found"]
 
 
 def test_plain():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from made_up import flow_context
 
-from lammps_jump.analysis.draw import painter
+from lammps_jump.analysis.draw import film, painter
 from lammps_jump.analysis.draw.film import animate, still
 from lammps_jump.analysis.draw.painter import View, blank, coloured, paint_arrow, paint_discs, paint_walls
 from lammps_jump.dump.find import ForceHistory
@@ -146,6 +146,14 @@ def test_gif_has_its_frames(dump, tmp_path):
     out = animate(dump, CONTEXT, tmp_path / "a.gif", fps=20, width=400, frames=[0, 4, 8])
     with Image.open(out) as image:
         assert image.n_frames == 3 and image.info["duration"] == 50
+
+
+def test_without_ffmpeg_a_gif_takes_the_place_of_an_mp4(dump, tmp_path, monkeypatch):
+    monkeypatch.setattr(film, "has_ffmpeg", lambda: False)
+    out = animate(dump, CONTEXT, tmp_path / "a.mp4", width=400, frames=[0, 4])
+    assert out == tmp_path / "a.gif" and out.stat().st_size > 1000
+    assert [path.name for path in tmp_path.glob("a.*")] == ["a.gif"]
+    assert "lammps-jump[movie]" in film.NO_FFMPEG
 
 
 def test_a_still_shows_walls_discs_and_a_gate(dump, tmp_path):

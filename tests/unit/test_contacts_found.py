@@ -8,8 +8,7 @@ from made_up import disc_frame, flow_context
 
 from lammps_jump.analysis import cell_grid
 from lammps_jump.analysis.cell_grid import close_pairs
-from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
-from lammps_jump.analysis.contacts import face_contacts, find_contacts
+from lammps_jump.analysis.contacts import find_contacts, pair_sums, wall_contacts, wall_sums
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
@@ -65,7 +64,7 @@ def test_sums_are_those_over_the_contacts_found():
     # bins of half a metre; what is left is the rounding of sums of 1e7 N
     across = found.force * np.abs(found.normal[:, 0])
     assert thrust.sum() * 0.5 == pytest.approx(np.sum((across * extent)[pairs]), rel=1e-10)
-    push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.walls)
+    push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.scene.walls)
     assert push == pytest.approx((found.force[:, None] * found.normal)[found.is_wall].sum(axis=0), rel=1e-12)
 
 
@@ -91,12 +90,31 @@ def test_forces_are_those_of_the_engine(width):
     np.testing.assert_allclose(total, expected, atol=1e-10 * np.abs(expected).max())  # sums in another order
 
 
+def test_friction_at_a_wall_is_that_of_the_engine():
+    """A wall has its own viscous ramp, gamma_t of the wall: with that of a pair the force would be 1.4 times this."""
+    rng = np.random.default_rng(9)
+    x, y, vx = 0.3 * np.arange(20), rng.uniform(0.085, 0.095, 20), rng.normal(0, 2, 20)
+    scene = handmade_scene(
+        np.column_stack([x, y]), np.column_stack([vx, 0 * vx]), (FLOOR,), gravity=(0.0, 0.0), friction=0.3,
+        impact_speed=160.0,
+    )  # fmt: skip
+    c = scene.coefficients
+    assert c.gamma_tangential != c.gamma_tangential_wall
+    engine = NativeSimulation(scene)
+    expected = float(engine.discs.fx[:20].sum())
+    sums = wall_sums(disc_frame(x, y, vx, box=BOX), FLOOR, from_scene(scene))
+    assert sums.force[0] == pytest.approx(expected, rel=1e-12)
+    ramp = c.mass * c.gamma_tangential_wall * np.abs(vx)
+    assert np.any(ramp < 0.3 * np.abs(engine.discs.fy[:20]))  # some discs are below the slip speed
+
+
 def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_it_is_not():
     frame = disc_frame([0.5, 3.0], [-0.01, -0.01], box=BOX)
-    (behind,) = face_contacts(frame, FLOOR, 0.5 * D)
+    flow = flow_context(domain=((0, 4), (0, 4)), x_range=(0, 4), stiffness=K)
+    (behind,) = wall_contacts(frame, FLOOR, flow)
     assert behind.index.tolist() == [0, 1] and behind.ny.tolist() == [1, 1]
     assert behind.overlap == pytest.approx(0.11)
-    assert not list(face_contacts(frame, Block("bed", (0, 4), (-1, 0)), 0.5 * D))
+    assert not list(wall_contacts(frame, Block("bed", (0, 4), (-1, 0)), flow))
 
 
 def test_discs_at_one_place_are_no_contact():

@@ -4,18 +4,18 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from made_up import collected, disc_frame, flow_context
+from made_up import collected, disc_frame, flow_context, numbers
 
 from lammps_jump.analysis.front import (
     FrontHistory,
     FrontTracker,
     against_curve,
+    analyse_front,
     back_wall,
     bulk_front,
     free_length,
     quantile_front,
     stack_top,
-    summarise_front,
 )
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
@@ -70,12 +70,12 @@ def test_empty_frame_and_one_disc():
     nothing = block(0, 0)
     history = tracked([nothing, nothing], context())
     assert np.isnan(history.bulk).all()
-    assert "no frame holds a disc" in summarise_front(history, context())["reason"]
+    assert "no frame holds a disc" in numbers(analyse_front(history, context()))["reason"]
     alone = tracked([make_frame(0, 0.0, [[0, 9], [0, 9]], {"id": [1], "x": [0.1], "y": [0.1], "vx": [2.0], "vy": [0]})],
                     context())  # fmt: skip
     assert alone.bulk[0] == pytest.approx(0.2)
     assert alone.height[0] == pytest.approx(0.2)
-    summary = summarise_front(alone, context())
+    summary = numbers(analyse_front(alone, context()))
     assert summary["position"] == pytest.approx(0.2)
     assert summary["martin_moyce"]["rms_bulk"] is None
     assert np.isnan(bulk_front(np.zeros(0), D))
@@ -95,7 +95,7 @@ def test_falling_column():
     history = tracked(frames, context())
     expected = (4 - D / 2) * (1 + speed * history.time / 4) + D / 2
     assert history.bulk == pytest.approx(expected, abs=1e-12)
-    summary = summarise_front(history, context())
+    summary = numbers(analyse_front(history, context()))
     assert summary["speed"] == pytest.approx(speed * (4 - D / 2) / 4, rel=1e-9)
     assert summary["column_depth"] == pytest.approx(4.0)
 
@@ -109,7 +109,7 @@ def test_ritters_front_agrees_with_itself():
     base, depth = 60.0, 12.0
     time = np.linspace(0, 5, 101)
     front = base + np.array([theory.ritter_front(t, depth, G) for t in time])
-    summary = summarise_front(made_history(time, front, depth + 0 * time, (base, depth)), context())
+    summary = numbers(analyse_front(made_history(time, front, depth + 0 * time, (base, depth)), context()))
     ritter = summary["ritter"]
     assert ritter["rms"] == pytest.approx(0.0, abs=1e-12)
     assert ritter["valid_until"] == pytest.approx(60 / sqrt(G * 12))
@@ -123,13 +123,13 @@ def test_martin_and_moyces_front_agrees_with_itself():
     time = tau / sqrt(G / base)
     front = base * np.interp(sqrt(2) * tau, table.x, table.y)
     height = depth * np.interp(tau, tall.x, tall.y)
-    summary = summarise_front(made_history(time, front, height, (base, depth)), context())["martin_moyce"]
+    summary = numbers(analyse_front(made_history(time, front, height, (base, depth)), context()))["martin_moyce"]
     assert summary["comparable"]
     assert summary["rms_bulk"] == pytest.approx(0.0, abs=1e-12)
     assert summary["rms_height"] == pytest.approx(0.0, abs=1e-12)
     assert summary["points"] == 14  # those beyond T = 0.8
     assert summary["slope"] == pytest.approx(reference_data.MARTIN_MOYCE_FRONT_SLOPE[2], abs=0.05)
-    lagging = summarise_front(made_history(time, 0.9 * front, height, (base, depth)), context())["martin_moyce"]
+    lagging = numbers(analyse_front(made_history(time, 0.9 * front, height, (base, depth)), context()))["martin_moyce"]
     assert lagging["rms_bulk"] == pytest.approx(0.1, rel=1e-9)
 
 
@@ -140,7 +140,7 @@ def test_front_stops_to_count_at_an_obstacle():
     front = np.minimum(4 + 10 * time, 20.0)
     history = made_history(time, front, 12 + 0 * time, (4.0, 12.0))
     assert free_length(flow, history) == pytest.approx(20.0)
-    summary = summarise_front(history, flow)
+    summary = numbers(analyse_front(history, flow))
     assert summary["arrival_time"] == pytest.approx(1.6, abs=0.06)  # frames every 0.05 s
     assert summary["speed"] == pytest.approx(10.0, rel=1e-9)
 

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_up import collected, disc_frame, flow_context
+from made_up import collected, disc_frame, flow_context, numbers
 
-from lammps_jump.analysis import contact_sums
-from lammps_jump.analysis.contact_series import ContactCollector
-from lammps_jump.analysis.contact_sums import pair_sums, wall_sums
-from lammps_jump.analysis.energy import EnergyLedger, drift, summarise_energy
+from lammps_jump.analysis import contacts
+from lammps_jump.analysis.contacts import ContactCollector, pair_sums, wall_sums
+from lammps_jump.analysis.energy import EnergyLedger, analyse_energy, drift
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D, K = 0.2, 1.0e6
@@ -76,7 +75,7 @@ def test_kernel_without_jit_gives_the_same(monkeypatch):
     x, y, vx, vy = rng.uniform(0, 1, (4, 60))
     cloud, edges = frame(x, y, vx, vy), np.linspace(0, 1, 6)
     fast = pair_sums(cloud, context(dashpot=10.0), edges)
-    monkeypatch.setattr(contact_sums, "_pair_sums", contact_sums._pair_sums_py)
+    monkeypatch.setattr(contacts, "_pair_sums", contacts._pair_sums_py)
     slow = pair_sums(cloud, context(dashpot=10.0), edges)
     assert (slow.energy, slow.contacts) == (pytest.approx(fast.energy, rel=1e-12), fast.contacts)
     assert slow.thrust == pytest.approx(fast.thrust, rel=1e-9)
@@ -123,11 +122,11 @@ def test_wall_contacts():
     [("hooke", min(40.0 * 500.0 * 2.0, 0.3 * K * 0.01)), ("sign", 0.3 * K * 0.01)],
 )
 def test_wall_friction(law, expected):
-    rough = context(friction=0.3, gamma_tangential=500.0, friction_law=law)
+    rough = context(friction=0.3, gamma_tangential_wall=500.0, friction_law=law)
     sums = wall_sums(frame([0], [0.09], vx=2.0), Plane("floor", "y", 0.0, "above"), rough)
     assert sums.force[0] == pytest.approx(-expected)
     slow = wall_sums(
-        frame([0], [0.09], vx=1e-3), Plane("floor", "y", 0.0, "above"), context(friction=0.3, gamma_tangential=5.0)
+        frame([0], [0.09], vx=1e-3), Plane("floor", "y", 0.0, "above"), context(friction=0.3, gamma_tangential_wall=5.0)
     )
     assert slow.force[0] == pytest.approx(-40.0 * 5.0 * 1e-3)  # below the slip speed the ramp holds
 
@@ -141,7 +140,7 @@ def test_energy_box_starts_with_5760_joules():
     box = context(diameter=0.4, mass=160.0, gravity=(0.0, 0.0), walls=(Box("box", (0, 2), (0, 2)),))
     history = summed([frame(x, y, speed, -speed, step=k) for k in range(3)], box)
     assert history.total == pytest.approx(5760.0, rel=1e-14)
-    summary = summarise_energy(history, box)
+    summary = numbers(analyse_energy(history, box))
     assert (summary["initial"], summary["max_deviation"], summary["closed"]) == (5760.0, 0.0, True)
     assert summary["drift"] == pytest.approx(0.0, abs=1e-14)
     assert summary["conservative"]
@@ -161,20 +160,20 @@ def test_parts_of_the_energy():
 def test_falling_disc_keeps_its_energy():
     times = np.arange(6)
     frames = [frame([0.0], [5 - 0.5 * 9.81 * (0.1 * k) ** 2], vy=-9.81 * 0.1 * k, step=k) for k in times]
-    summary = summarise_energy(summed(frames, context()), context())
+    summary = numbers(analyse_energy(summed(frames, context()), context()))
     assert summary["max_deviation"] < 1e-14
     assert summary["initial"] == pytest.approx(40 * 9.81 * 5)
 
 
 def test_a_disc_that_comes_is_no_drift_of_the_engine():
-    summary = summarise_energy(summed([frame([0], [1]), frame([0, 1], [1, 1], step=1)], context()), context())
+    summary = numbers(analyse_energy(summed([frame([0], [1]), frame([0, 1], [1, 1], step=1)], context()), context()))
     assert summary["closed"] is False
     assert summary["conservative"] is False
 
 
 def test_no_frame_and_empty_frame():
-    assert summarise_energy(summed([], context()), context())["initial"] is None
-    summary = summarise_energy(summed([frame([], [])], context()), context())
+    assert numbers(analyse_energy(summed([], context()), context()))["initial"] is None
+    summary = numbers(analyse_energy(summed([frame([], [])], context()), context()))
     assert summary["initial"] == 0.0
     assert summary["max_deviation"] is None
 

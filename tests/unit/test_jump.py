@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_up import columns_of_discs, disc_frame, flow_context
+from made_up import columns_of_discs, disc_frame, flow_context, numbers
 
+from lammps_jump.analysis.jump.frame import growth_rate
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
-from lammps_jump.analysis.jump.state import growth_rate
 from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.jump.track import equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.profiles import compute_profiles
@@ -82,14 +82,14 @@ def test_step_states_and_balance(step_result):
         assert state.surface_depth.value == pytest.approx(depth, rel=0.01)  # eight lines a diameter see the arcs
         assert state.beta(SPEED) == pytest.approx(1.0, rel=1e-9)
     assert one.froude_relative == pytest.approx(FROUDE, rel=1e-9)
-    assert step_result.mass["closure"] == pytest.approx(0.0, abs=1e-9)
+    assert step_result.mass.closure == pytest.approx(0.0, abs=1e-9)
     assert step_result.balance.classical == pytest.approx(0.0, abs=1e-7 * step_result.balance.downstream)
     # nothing is stored between stations that move with the step, but the shifted profile is linear between bins
     assert abs(step_result.balance.unsteady) < 0.02 * step_result.balance.downstream
 
 
 def test_step_summary(step_result):
-    summary = summarise_jump(step_result)
+    summary = numbers(summarise_jump(step_result))
     assert summary["sequent_ratio"] == pytest.approx(6.0, rel=1e-9)
     assert summary["belanger_ratio"] == pytest.approx(6.0, rel=1e-9)
     assert summary["density_ratio"] == pytest.approx(1.0, abs=0.01)
@@ -106,7 +106,7 @@ def test_mirror_symmetry(step_result):
     frames = [mirrored(frame) for frame in moving_step()]
     turned = context(x_range=(-60.0, 0.0), domain=((-65.0, 5.0), (-5.0, 20.0)))
     result = analyse_jump(compute_profiles(frames, turned), turned)
-    straight, there = summarise_jump(step_result), summarise_jump(result)
+    straight, there = numbers(summarise_jump(step_result)), numbers(summarise_jump(result))
     assert result.direction == -1
     for key in ("speed", "toe", "end", "position", "u1", "u2"):
         assert there[key] == pytest.approx(-straight[key], abs=1e-9), key
@@ -121,7 +121,7 @@ def test_ramp_length_is_found():
         return 5 + 25 * np.clip((x - 30) / 10, 0, 1)
 
     frames = [flow(layers, lambda x: U1 * 5 / layers(x), 0.1 * k) for k in range(10)]
-    summary = summarise_jump(analyse_jump(compute_profiles(frames, context()), context()))
+    summary = numbers(summarise_jump(analyse_jump(compute_profiles(frames, context()), context())))
     assert summary["verdict"] == "jump"
     assert summary["speed"] == pytest.approx(0.0, abs=1e-9)
     assert summary["length_mass"] == pytest.approx(9.0, abs=0.5)  # whole layers of 0.2 m, half a bin of 1 m
@@ -142,7 +142,7 @@ def test_ramp_length_is_found():
 def test_no_jump_says_why(layers, speed, reason):
     profiles = compute_profiles([flow(layers, speed, 0.1 * k) for k in range(4)], context())
     result = analyse_jump(profiles, context())
-    summary = summarise_jump(result)
+    summary = numbers(summarise_jump(result))
     assert result.verdict == "no jump found"
     assert reason in result.reason
     assert summary["y1"] is None
@@ -166,8 +166,8 @@ def test_locked_heap_is_named():
     frames = [flow(layers, lambda x: np.where(x < 20, 12.0, 0.0), 0.1 * k) for k in range(10)]
     result = analyse_jump(compute_profiles(frames, context()), context())
     assert result.verdict == "locked heap"
-    assert result.heap["surface_slope"] == pytest.approx(-0.15, abs=0.01)
-    assert result.heap["standing_share"] > 0.9
+    assert result.heap.surface_slope == pytest.approx(-0.15, abs=0.01)
+    assert result.heap.standing_share > 0.9
 
 
 def test_level_water_at_rest_behind_a_bore_is_a_jump():

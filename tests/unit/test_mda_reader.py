@@ -1,6 +1,7 @@
 """The bridge, tested with MDAnalysis itself: selections, RDF, a transformation, copies."""
 
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -132,3 +133,15 @@ def test_without_dimensions_and_copies(varying):
         assert other.trajectory.n_frames == 4
         assert other.trajectory[3].data["present"].sum() == 31
     assert mda_reader.JumpDumpReader.parse_n_atoms(varying) == 39
+
+
+def test_the_example_of_the_page_runs(tmp_path, capsys):
+    page = (Path(__file__).parents[2] / "docs" / "mdanalysis.md").read_text()
+    example = page.split("```python\n")[1].split("```")[0]
+    path = tmp_path / "dump.lammpstrj"
+    with DumpWriter(path, ("id", "x", "y", "vx", "vy")) as writer:
+        for k in range(2):
+            columns = {"id": [1, 2 + k], "x": [1.0, 2.0], "y": [0.1, 0.1], "vx": [3.0, 3.0], "vy": [4.0, 4.0]}
+            writer.write(k, 0.5 * k, [[0, 20], [0, 5]], columns)
+    exec(compile(example.replace("runs/quick_jump/dump.lammpstrj", str(path)), "docs/mdanalysis.md", "exec"), {})
+    assert capsys.readouterr().out == "t = 0.00 s: 2 discs, 5.00 m/s\nt = 0.50 s: 2 discs, 5.00 m/s\n"

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context
 
-from lammps_jump.analysis import profile_kernels
+from lammps_jump.analysis import profiles as profile_kernels
 from lammps_jump.analysis.profiles import add_means, bin_edges, compute_profiles, read_profiles, write_profiles
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.frame import make_frame
@@ -122,9 +122,9 @@ def test_mass_over_bins_and_outside_is_the_mass_of_the_discs(points, width, diam
     c = context(diameter=diameter, mass=1000 * diameter**2, bin_width=width)
     columns = {"id": np.arange(len(x)), "x": x, "y": y, "vx": u, "vy": v}
     ds = compute_profiles([make_frame(0, 0.0, BOX, columns)], c)
-    binned = float((ds.mass_depth * c.density * width).sum() + ds.mass_left[0] + ds.mass_right[0])
+    binned = float((ds.mass_depth * c.scene.density * width).sum() + ds.mass_left[0] + ds.mass_right[0])
     # round-off: one unit in the last place a share
-    assert binned == pytest.approx(len(x) * c.mass, rel=1e-13, abs=1e-12)
+    assert binned == pytest.approx(len(x) * c.scene.mass, rel=1e-13, abs=1e-12)
     assert float(ds["count"].min()) >= -1e-15
 
 

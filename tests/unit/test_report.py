@@ -7,8 +7,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from lammps_jump.analysis.report.page import LARGEST, write_report
-from lammps_jump.analysis.report.tables import table, text
+from lammps_jump.analysis.report.page import Section, Table, render, text
+from lammps_jump.analysis.report.run import LARGEST, write_report
 from lammps_jump.errors import DumpError
 
 VOID = {"meta", "link", "img", "br", "!doctype"}
@@ -115,9 +115,9 @@ def test_text_of_values(value, shown):
 
 
 def test_table_aligns_numbers_with_their_heads():
-    made = table([("depth", 1.5), ("none", None)], ("", "value"))
-    assert "<th class=n>value</th>" in made
-    assert made.count("<td class=n>") == 2
+    made = render("", [Section("", [Table([("depth", 1.5), ("none", None)], ("", "value"))])])
+    assert '<th class="n">value</th>' in made
+    assert made.count('<td class="n">') == 2
 
 
 def test_place_that_cannot_be_written(tmp_path):

@@ -124,7 +124,7 @@ def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
 
     (folder / "summary.json").unlink()
     with monkeypatch.context() as patch:
-        patch.setattr("lammps_jump.analysis.analyze.analyze_run", ended)
+        patch.setattr("lammps_jump.analysis.analyse", ended)
         with pytest.raises(RunInterrupted, match=r"analysis was ended.*lammps-jump analyze"):
             reanalyse(folder, [], quiet=True)
     status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")

@@ -13,12 +13,13 @@ from PIL import Image
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.dump.tail import Tail
 from lammps_jump.engines.choice import choose_ranks, expected_discs
 from lammps_jump.engines.lammps.job import job_text
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
-from lammps_jump.runs.live import SECONDS, LiveView, newest_frame_text
+from lammps_jump.runs.live import SECONDS, LiveView
 from lammps_jump.runs.progress import ProgressLine
 from lammps_jump.runs.steady_watch import SteadyWatch, steady_window
 
@@ -89,13 +90,13 @@ def test_scene_without_inflow_has_no_window(tmp_path):
 
 def test_newest_frame_is_the_last_whole_one(tmp_path):
     path = tmp_path / "dump.lammpstrj"
-    assert newest_frame_text(path) is None
+    assert Tail(path).newest_text() is None
     whole = [frame_text(t, t, step_flow(10)) for t in range(3)]
     path.write_text(whole[0])
-    assert newest_frame_text(path) is None  # it may still be written to
+    assert Tail(path).newest_text() is None  # it may still be written to
     path.write_text("".join(whole))
-    assert newest_frame_text(path) == whole[1].encode()
-    assert newest_frame_text(path, guess=100) == whole[1].encode()  # grows until a frame fits
+    assert Tail(path).newest_text() == whole[1].encode()
+    assert Tail(path).newest_text(guess=100) == whole[1].encode()  # grows until a frame fits
 
 
 def test_last_frame_of_an_ended_run_is_shown(tmp_path, scene, monkeypatch):
@@ -105,7 +106,7 @@ def test_last_frame_of_an_ended_run_is_shown(tmp_path, scene, monkeypatch):
     path = tmp_path / "dump.lammpstrj"
     whole = [frame_text(t, t, step_flow(10)) for t in range(2)]
     path.write_text("".join(whole))
-    assert newest_frame_text(path, ended=True) == newest_frame_text(path, guess=100, ended=True) == whole[1].encode()
+    assert Tail(path).newest_text(ended=True) == Tail(path).newest_text(guess=100, ended=True) == whole[1].encode()
     view = LiveView(scene, tmp_path, lambda report: None)
     view(Progress(step=1, steps=1, time=0.1, discs=10))
     assert not view.picture.exists()

@@ -7,6 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter, process_time
 
+from lammps_jump.dump.find import write_forces
+from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.dump.write import run_writer
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.checkpoint import (
     Checkpoint,
@@ -24,17 +27,17 @@ from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
 from .cells import CellSimulation
-from .output import DumpWriter, Frame, write_forces
 from .simulation import NativeSimulation
 from .state import load_state, save_state
 
 
 def take_frame(simulation) -> Frame:
-    """The discs of a simulation now."""
-    positions, velocities = simulation.positions, simulation.velocities
-    spin = simulation.spin if simulation.scene.rotation else None
-    time = simulation.scene.time(simulation.step)
-    return Frame(simulation.step, time, simulation.ids, *positions.T, *velocities.T, spin)
+    """The discs of a simulation now, sorted by id."""
+    scene, (x, y), (vx, vy) = simulation.scene, simulation.positions.T, simulation.velocities.T
+    spin = {"omegaz": simulation.spin} if scene.rotation else {}
+    columns = {"id": simulation.ids, "x": x, "y": y, "vx": vx, "vy": vy, **spin}
+    box = (*scene.domain, (-scene.radius, scene.radius))
+    return make_frame(simulation.step, scene.time(simulation.step), box, columns)
 
 
 def make_simulation(scene: Scene, cell_size: float | None = None, ledger: bool = True) -> NativeSimulation:
@@ -93,11 +96,12 @@ def run_native(
         Path(folder).mkdir(parents=True, exist_ok=True)
         if resume is None:
             remove_checkpoint(Path(folder))  # of an earlier run: not this one's beginning
-    writer = DumpWriter(folder, scene, dump_format, append=resume is not None) if folder is not None else None
+    append = resume is not None
+    writer = run_writer(Path(folder), scene, dump_format, append=append) if folder is not None else None
 
     def output() -> None:
         if writer is not None:
-            writer.write(take_frame(simulation))
+            writer.write_frame(take_frame(simulation))
 
     def report() -> None:
         if progress is not None:
@@ -145,7 +149,7 @@ def run_native(
         if writer is not None:
             writer.close()
             if scene.probes:
-                write_forces(folder, scene, simulation.forces)
+                write_forces(Path(folder) / "forces.csv", scene, simulation.forces)
     report()
     earlier = resume.result if resume else None
     result = _result(scene, simulation, status, message, seconds, writing, earlier)

@@ -146,8 +146,7 @@ def _jump(member: Member, scene: Scene, binning: Binning, scalars: dict, curves:
         ("length", "jump length", "m"),
     )
     for key, label, unit in names:
-        value = numbers.get(key)
-        scalars[label] = nan if value is None else float(value), unit
+        scalars[label] = float(getattr(numbers, key)), unit
     if found.track is not None:
         sign, track = found.direction, found.track
         if track.found.sum() >= TIME_BLOCKS:

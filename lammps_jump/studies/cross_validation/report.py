@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from pathlib import Path
 
+from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
 from lammps_jump.runs.summary import versions
-from lammps_jump.studies.page import Mark, Picture, Section, Table, Text, picture, render
 from lammps_jump.studies.store import as_json
 
 from .divergence import Divergence

@@ -4,6 +4,7 @@ Symbols: c speed of the front, s mass depth, h surface depth, u mean velocity, q
 Forces and momentum fluxes are divided by the density: m^3/s^2.
 """
 
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.physics import jump as theory
+from lammps_jump.units import number
 
 TOE_SHARE, END_SHARE = 0.05, 0.95
 """Toe and end of the mean profile: where these shares of the rise are reached."""
@@ -210,7 +212,7 @@ class Balance:
     unsteady : float
         Growth of the momentum between the two stations, taken off.
     unexplained : float
-        Sum of all of them: 0 for a perfect account; contains the pressure where that is not known.
+        Sum of all of them: 0 for a perfect balance; contains the pressure where that is not known.
     pressure_error : float
         Standard error of `pressure` from the scatter between frames.
     """
@@ -229,7 +231,7 @@ class Balance:
 
 
 def balance(moving: MovingProfile, one: State, two: State, speed: float, gravity: float, along: float) -> Balance:
-    """The momentum account between the middles of the two states' zones.
+    """Momentum balance between the middles of the two states' zones.
 
     Parameters
     ----------
@@ -284,45 +286,62 @@ def growth_rate(time: np.ndarray, amount: np.ndarray) -> float:
     return float((amount[good[-1]] - amount[good[0]]) / (time[good[-1]] - time[good[0]]))
 
 
-def account_of_mass(moving: MovingProfile, one: State, two: State, speed: float) -> dict[str, float]:
-    """Mass fluxes through the moving front, m^2/s: s1 (u1 - c), s2 (u2 - c), their relative difference, storage."""
+@dataclass(frozen=True)
+class Mass:
+    """Mass through the moving front."""
+
+    upstream: float = number("m^2/s", "mass flux through the front upstream, s₁(u₁ − c)")
+    downstream: float = number("m^2/s", "mass flux through the front downstream, s₂(u₂ − c)")
+    storage: float = number("m^2/s", "growth of the mass between the stations")
+    closure: float = number("", "downstream less upstream, over upstream")
+    closure_with_storage: float = number("", "the same with the storage")
+    speed_from_mass: float = number("m/s", "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁)")
+
+
+def mass_balance(moving: MovingProfile, one: State, two: State, speed: float) -> Mass:
+    """Mass fluxes through the moving front, their relative difference, storage in between."""
     flux_1 = one.discharge.value - speed * one.mass_depth.value
     flux_2 = two.discharge.value - speed * two.mass_depth.value
     start, stop = np.mean(one.zone), np.mean(two.zone)
-    mass = integral(moving, moving.fields["mass_depth"], start, stop)
-    growth = growth_rate(moving.time, mass)
-    return {
-        "upstream": flux_1,
-        "downstream": flux_2,
-        "storage": growth,
-        "closure": (flux_2 - flux_1) / flux_1,
-        "closure_with_storage": (flux_2 + growth - flux_1) / flux_1,
-        "speed_from_mass": theory.shock_speed_from_mass(
-            one.mass_depth.value, one.velocity.value, two.mass_depth.value, two.velocity.value
-        ),
-    }
+    growth = growth_rate(moving.time, integral(moving, moving.fields["mass_depth"], start, stop))
+    speed_from_mass = theory.shock_speed_from_mass(
+        one.mass_depth.value, one.velocity.value, two.mass_depth.value, two.velocity.value
+    )
+    return Mass(
+        flux_1, flux_2, growth, (flux_2 - flux_1) / flux_1, (flux_2 + growth - flux_1) / flux_1, speed_from_mass
+    )
 
 
-def roller(moving: MovingProfile, speed: float, toe: float, end: float) -> dict[str, float | None]:
-    """Extent of the reversed surface, m: where the mean surface velocity is below 0 (lab) and below c (front's frame).
+@dataclass(frozen=True)
+class Roller:
+    """Reversed surface: below 0 in the laboratory, below c in the front's frame; NaN where there is none."""
 
-    The longest run of such bins from a jump's length before the toe to two behind the end; None where there is none.
+    length: float = number("m", "length of the reversed surface", default=nan)
+    start: float = number("m", "its start behind the toe", default=nan)
+    length_in_jump_frame: float = number("m", "length of the reversed surface, front's frame", default=nan)
+    start_in_jump_frame: float = number("m", "its start behind the toe, front's frame", default=nan)
+    reversed_share: float = number("", "share of frames and bins with a reversed surface", default=nan)
+
+
+def roller(moving: MovingProfile, speed: float, toe: float, end: float) -> Roller:
+    """Extent of the reversed surface.
+
+    The longest run of such bins from a jump's length before the toe to two behind the end.
     """
     surface = moving.mean("surface_velocity")
-    length = max(end - toe, moving.xi[1] - moving.xi[0])
+    width = moving.xi[1] - moving.xi[0]
+    length = max(end - toe, width)
     near = (moving.xi > toe - length) & (moving.xi < end + 2 * length)
-    found: dict[str, float | None] = {}
+    found: dict[str, float] = {}
     for name, level in (("", 0.0), ("_in_jump_frame", speed)):
         with np.errstate(invalid="ignore"):
-            back = near & (surface < level)
-        run = _longest_run(back)
-        width = moving.xi[1] - moving.xi[0]
-        found[f"length{name}"] = float(width * len(run)) if len(run) else None
-        found[f"start{name}"] = float(moving.xi[run[0]] - width / 2 - toe) if len(run) else None
+            run = _longest_run(near & (surface < level))
+        if len(run):
+            found |= {f"length{name}": float(width * len(run))}
+            found |= {f"start{name}": float(moving.xi[run[0]] - width / 2 - toe)}
     shifted = moving.fields["surface_velocity"][:, near]
     good = np.isfinite(shifted)
-    found["reversed_share"] = float((shifted[good] < 0).mean()) if good.any() else None
-    return found
+    return Roller(**found, reversed_share=float((shifted[good] < 0).mean()) if good.any() else nan)
 
 
 def _longest_run(flags: np.ndarray) -> np.ndarray:

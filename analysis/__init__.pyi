@@ -1,0 +1,10 @@
+from .energy import Energy as Energy
+from .flow import Flow as Flow
+from .flow import from_scene as from_scene
+from .forces.history import Force as Force
+from .front import Front as Front
+from .guess import from_dump as from_dump
+from .jump.summary import Jump as Jump
+from .quantities import QUANTITIES as QUANTITIES
+from .quantities import analyse as analyse
+from .quantities import main_numbers as main_numbers

@@ -1,0 +1,223 @@
+"""The analyses of a run, and how a dump becomes numbers, tables and figures."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from lammps_jump.dump.exports import write_table
+from lammps_jump.dump.find import ForceHistory, read_forces
+from lammps_jump.dump.read import open_dump
+from lammps_jump.errors import DumpError, SetupError
+from lammps_jump.files import plain
+from lammps_jump.units import as_summary, numbers_of, shown
+
+from . import energy, front
+from .contacts import ContactCollector
+from .draw.film import NO_FFMPEG, animate
+from .draw.snapshots import snapshots
+from .draw.style import depth_profile, save, xt_map
+from .fields import write_fields
+from .flow import Flow
+from .forces import figures as forces
+from .forces.history import Force, Forces
+from .forces.impulse import MomentumLedger
+from .jump import section as jump
+from .jump.summary import Jump
+from .passes import Collector, Drawings, Gathered, Tables, gather
+from .profiles import bin_edges, write_profiles
+from .report.page import Section
+
+
+class Quantity(NamedTuple):
+    """One analysis of a run.
+
+    Attributes
+    ----------
+    result : type
+        Its numbers, described; labelled ones are shown on the screen.
+    collector : callable(flow, contacts) -> Collector, or None
+        Takes in the frames; None where profiles and contacts are enough.
+    analyse : callable(Gathered) -> result, or None where there is nothing to be said
+    tables, figures, section : callable
+        CSV tables of the result, figures of result and `Gathered`, section of the report from ``summary.json``.
+    summary : callable(result) -> dict
+        As the result stands in ``summary.json``.
+    """
+
+    result: type
+    collector: Callable[[Flow, ContactCollector | None], Collector] | None
+    analyse: Callable[[Gathered], object | None]
+    tables: Callable[[object], Tables]
+    figures: Callable[[object, Gathered], Drawings]
+    section: Callable[[Mapping], Section | None]
+    summary: Callable[[object], dict[str, object]] = as_summary
+
+
+QUANTITIES = {
+    "jump": Quantity(Jump, None, jump.analyse, jump.tables, jump.figures, jump.section),
+    "front": Quantity(front.Front, front.FrontTracker, front.analyse, front.tables, front.figures, front.section),
+    "force": Quantity(
+        Force, MomentumLedger, forces.analyse, Forces.tables, forces.figures, forces.section, Forces.summary
+    ),
+    "energy": Quantity(
+        energy.Energy, energy.EnergyLedger, energy.analyse, energy.tables, energy.figures, energy.section
+    ),
+}
+"""By the key in ``summary.json``, in the order of the report."""
+
+
+def analyse(
+    flow: Flow,
+    dump: Path,
+    out: Path,
+    wanted: Collection[str],
+    *,
+    figures: bool = True,
+    film: bool = False,
+    quiet: bool = False,
+) -> dict[str, object]:
+    """Analyse a dump file.
+
+    Parameters
+    ----------
+    flow : Flow
+        Of `flow.from_scene` or `guess.from_dump`.
+    dump : Path
+    out : Path
+        Folder that gets ``profiles.nc``, ``*.csv``, ``figures/*.png`` and the film. ``forces.csv`` is looked for here
+        and beside the dump.
+    wanted : collection of str
+        Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and forces where the scene
+        has probes.
+    figures, film : bool
+        Write ``figures/*.png``; write ``animation.mp4``, or ``animation.gif`` where there is no ffmpeg.
+    quiet : bool
+        Print nothing while the film is made.
+
+    Returns
+    -------
+    dict
+        ``profiles`` (what is in profiles.nc), the quantities, ``files`` (names written) and ``warnings`` (sentences).
+        Plain numbers, text and None; never NaN.
+
+    Raises
+    ------
+    DumpError
+        A quantity that is not known, no frame, a malformed dump, a place that cannot be written.
+    """
+    if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
+        raise DumpError(f"quantity '{unknown[0]}' is not known: use {', '.join(QUANTITIES)} or fields.")
+    warnings = list(flow.notes)
+    gathered = collect(flow, dump, out, wanted, warnings)
+    out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
+    asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, "force"}}
+    results = {name: result for name, result in asked.items() if result is not None}
+    parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
+    files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
+    for name, result in results.items():
+        files += [write_table(columns, out / file).name for file, columns in QUANTITIES[name].tables(result).items()]
+    if figures:
+        files += _draw(gathered, results, out / "figures", dump)
+    if "fields" in wanted:
+        written, parts["fields"] = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out, figures)
+        files += written
+    if film:
+        files += _film(gathered, dump, out, warnings, quiet)
+    parts |= {"profiles": _about_profiles(gathered), "files": files, "warnings": list(dict.fromkeys(warnings))}
+    return plain(parts)
+
+
+def collect(flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings: list[str]) -> Gathered:
+    """One pass over a dump with the collectors of the wanted quantities; notes are added to `warnings`."""
+    forces_found = _find_forces((out, dump.parent), warnings) if "force" in wanted or flow.scene.probes else {}
+    edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
+    contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
+    collectors = {
+        name: quantity.collector(flow, contacts)
+        for name, quantity in QUANTITIES.items()
+        if quantity.collector and (name in wanted if name != "force" else forces_found)
+    }
+    # contacts first: the energy takes each frame's elastic energy from them
+    profiles = gather(open_dump(dump), flow, [*([contacts] if contacts else []), *collectors.values()], warnings)
+    histories = {name: collector.result() for name, collector in collectors.items()}
+    return Gathered(flow, profiles, contacts.result() if contacts else None, histories, forces_found)
+
+
+def _find_forces(places: tuple[Path, ...], warnings: list[str]) -> dict[str, ForceHistory]:
+    for place in places:
+        if (place / "forces.csv").is_file():
+            try:
+                return read_forces(place / "forces.csv")
+            except DumpError as error:
+                warnings.append(str(error))
+                return {}
+    return {}
+
+
+def _draw(gathered: Gathered, results: Mapping[str, object], folder: Path, dump: Path) -> list[str]:
+    """Draw every figure that the results call for; their names relative to the run folder."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
+    flow, found = gathered.flow, results.get("jump")
+    looks = jump.marks(found) if isinstance(found, Jump) else jump.Marks()
+    drawings: Drawings = {
+        "depth_profile.png": partial(depth_profile, gathered.profiles, flow, lines=looks.lines, marks=looks.places),
+        "depth_map.png": partial(xt_map, gathered.thinned, toe=looks.track),
+        "snapshots.png": lambda: snapshots(open_dump(dump), flow),
+    }
+    for name, result in results.items():
+        drawings |= QUANTITIES[name].figures(result, gathered)
+    drawn = ((name, draw()) for name, draw in drawings.items())
+    return [f"{folder.name}/{save(figure, folder / name).name}" for name, figure in drawn if figure is not None]
+
+
+def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet: bool) -> list[str]:
+    """The film; without ffmpeg a GIF and a note, and no failure where that cannot be made either."""
+
+    def told(done: int, total: int) -> None:
+        print(f"\ranimation: {done} of {total} frames", end="\n" if done == total else "", flush=True)
+
+    progress = None if quiet or not sys.stdout.isatty() else told
+    try:
+        path = out / "animation.mp4"
+        made = animate(open_dump(dump), gathered.flow, path, forces=gathered.forces, progress=progress)
+    except SetupError as error:
+        warnings.append(f"no animation: {error}")
+        return []
+    warnings += [NO_FFMPEG] if made != path else []
+    return [made.name]
+
+
+def _about_profiles(gathered: Gathered) -> dict[str, object]:
+    profiles = gathered.profiles
+    return {
+        "file": "profiles.nc",
+        "frames": profiles.sizes["time"],
+        "bins": profiles.sizes["x"],
+        "bin_width": profiles.attrs["bin_width"],
+        "first_time": float(profiles["time"][0]),
+        "last_time": float(profiles["time"][-1]),
+        "window": [profiles.attrs["window_begin"], profiles.attrs["window_end"]],
+        "window_frames": profiles.attrs["window_frames"],
+    }
+
+
+def main_numbers(summary: Mapping[str, object]) -> list[str]:
+    """A line for each quantity of a summary: its verdict and its labelled numbers that were found."""
+    lines = []
+    for name, quantity in QUANTITIES.items():
+        found = summary.get(name)
+        if not isinstance(found, Mapping):
+            continue
+        texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
+        for number in numbers_of(quantity.result).values():
+            if number.label != number.meaning and found.get(number.key) is not None:
+                texts.append(f"{number.label} {shown(found[number.key], number.unit)}")
+        lines += [f"{name}: {', '.join(texts)}"] if texts else []
+    return lines

@@ -1,0 +1,161 @@
+"""Report of a run: its summary, figures and film in one page below 5 MB."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+from lammps_jump.analysis.jump.summary import Jump
+from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.errors import DumpError
+from lammps_jump.physics.contact import Coefficients
+from lammps_jump.units import ABSENT, numbers_of
+
+from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, picture, render
+
+LARGEST = 5_000_000
+"""Bytes of a report; figures come first, the film only where it still fits."""
+BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy_loss")
+"""Numbers of a jump that stand in boxes at the top."""
+CAPTIONS = {
+    "depth_profile.png": "Depth and velocity along the channel, mean of the window",
+    "depth_map.png": "Depth of the free surface over distance and time",
+    "jump_track.png": "The jump in time",
+    "jump_frame.png": "The jump in its own frame",
+    "jump_balance.png": "Where the momentum goes",
+    "energy_head.png": "Energy head along the channel",
+    "front.png": "Front and column",
+    "martin_moyce.png": "Against Martin & Moyce (1952)",
+    "forces.png": "Force on the structures",
+    "impulse.png": "Impulse",
+    "reflected_wave.png": "The reflected wave",
+    "energy.png": "Energy of the discs",
+    "snapshots.png": "Ten equal times, discs coloured by speed",
+    "field_density.png": "Density of the flow",
+    "field_pressure.png": "Pressure",
+    "bed_pressure.png": "Pressure at the bed against the weight above",
+}
+
+
+def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: str = "report.html") -> Path:
+    """Write the report of a run folder from its summary, its figures and its film.
+
+    Parameters
+    ----------
+    folder : Path
+        Holds ``figures/*.png`` and, if asked for, ``animation.mp4`` or ``animation.gif``.
+    summary : mapping
+        As in ``summary.json``; what it lacks is left out.
+    case_yaml : str
+        The case as run.
+    name : str
+        File name.
+
+    Raises
+    ------
+    DumpError
+        The file cannot be written.
+    """
+    name_of_run = str(summary.get("name", "run"))
+    title, tab = name_of_run.replace("_", " "), f"{name_of_run}: report"
+    before = [Section("", [*_lead(summary), *_key_numbers(summary), *_notes(summary)])]
+    before += [quantity.section(summary[key]) for key, quantity in QUANTITIES.items() if summary.get(key)]
+    after = [_coefficients(summary), _skipped(summary), _case(case_yaml), _how(summary)]
+    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode())
+    path = Path(folder) / name
+    try:
+        path.write_text(render(title, [*before, _figures(Path(folder), room), *after], tab=tab), encoding="utf-8")
+    except OSError as error:
+        raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
+    return path
+
+
+def _lead(summary: Mapping) -> list[Text]:
+    blocks = [Text(summary["description"], "lead")] if summary.get("description") else []
+    status = summary.get("status")
+    if status not in (None, "complete"):
+        blocks.append(Text(f"The run is {status}. {summary.get('message') or ''}", "bad"))
+    return blocks
+
+
+def _key_numbers(summary: Mapping) -> list[Boxes]:
+    """The few numbers that readers look for first."""
+    jump, front, energy, force = (summary.get(key) or {} for key in ("jump", "front", "energy", "force"))
+    boxes: list[tuple[str, float | str, str]] = [("verdict", jump["verdict"], "")] if jump else []
+    numbers = numbers_of(Jump)
+    boxes += [(numbers[key].meaning, jump[key], numbers[key].unit) for key in BOXES if jump.get(key) is not None]
+    if front.get("position") is not None:
+        boxes.append((f"front at t = {front['time']:.3g} s", front["position"], "m"))
+        boxes += [("speed of the front", front["speed"], "m/s")] if front.get("speed") is not None else []
+    for name, values in force.items():
+        if isinstance(values, dict) and values.get("peak") is not None:
+            boxes.append((f"peak force on {name}", values["peak"] / 1e3, "kN/m"))
+    if energy.get("conservative") and energy.get("max_deviation") is not None:
+        boxes.append(("largest energy deviation", 100 * energy["max_deviation"], "%"))
+    discs = summary.get("discs") or {}
+    boxes += [("discs in all", discs["inserted"], "")] if discs.get("inserted") is not None else []
+    return [Boxes(boxes)] if boxes else []
+
+
+def _notes(summary: Mapping) -> list[Items]:
+    return [Items(summary["warnings"], "Notes")] if summary.get("warnings") else []
+
+
+def _figures(folder: Path, room: int) -> Section | None:
+    """The film, then figures in a fixed order, as long as there is room; the film gives way to the figures."""
+    found = {path.name: path for path in sorted((folder / "figures").glob("*.png"))}
+    order = [name for name in CAPTIONS if name in found] + [name for name in found if name not in CAPTIONS]
+    files = [(found[name], CAPTIONS.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
+    films = [folder / f"animation.{kind}" for kind in ("mp4", "gif")]
+    shown: list[Picture] = []
+    left_out = []
+    for path, caption in [*files, *((film, "The flow") for film in films if film.is_file())]:
+        block = picture(path, caption) if path.stat().st_size < LARGEST else None
+        if block is None or len(block.source) + 500 > room:
+            left_out.append(path.name if path in films else f"figures/{path.name}")
+            continue
+        room -= len(block.source) + 200
+        shown.insert(0 if path in films else len(shown), block)
+    tail = [Text(f"Too large for this page, beside it in the run folder: {', '.join(left_out)}.")] if left_out else []
+    return Section("Figures", [*shown, *tail]) if shown or tail else None
+
+
+def _coefficients(summary: Mapping) -> Section | None:
+    values, numbers = summary.get("coefficients"), numbers_of(Coefficients)
+    if not values:
+        return None
+    rows = [
+        (heading(numbers[key].meaning, ""), value, numbers[key].unit) for key, value in values.items() if key in numbers
+    ]
+    return Section("Coefficients", [Table(rows, ("", "value", "unit"))])
+
+
+def _skipped(summary: Mapping) -> Section | None:
+    skipped = summary.get("skipped")
+    return Section("What this case did not need", [Items(skipped)]) if skipped else None
+
+
+def _case(case_yaml: str) -> Section | None:
+    folded = Code(case_yaml, "case.yaml, every default filled in")
+    return Section("The case", [folded]) if case_yaml else None
+
+
+def _how(summary: Mapping) -> Section:
+    seconds, discs = summary.get("wall_seconds") or {}, summary.get("discs") or {}
+    speed, versions = summary.get("disc_steps_per_second"), summary.get("versions") or {}
+    rows = [("Engine", f"{summary.get('engine') or ABSENT}, kernel {summary.get('kernel') or ABSENT}")]
+    rows += [(f"Wall time, {name}", f"{value:.2f} s") for name, value in seconds.items() if value is not None]
+    rows += [("Steps", summary["steps"])] if summary.get("steps") is not None else []
+    rows += [("Disc-steps per second", f"{speed / 1e6:.1f} million")] if speed else []
+    rows += [("Discs", ", ".join(f"{value} {name}" for name, value in discs.items()))] if discs else []
+    rows += [(f"Version of {name}", value) for name, value in versions.items()]
+    return Section(
+        "How to repeat it",
+        [
+            Text("In this run folder, with the versions below:"),
+            Code("lammps-jump build-and-run case.yaml"),
+            Table(rows),
+            Code(json.dumps(summary, indent=1), "summary.json"),
+        ],
+    )

@@ -1,0 +1,11 @@
+from .exports import export as export
+from .find import ForceHistory as ForceHistory
+from .find import find_dump as find_dump
+from .find import open_run_dump as open_run_dump
+from .find import read_forces as read_forces
+from .frame import Frame as Frame
+from .frame import make_frame as make_frame
+from .read import Dump as Dump
+from .read import open_dump as open_dump
+from .tail import Tail as Tail
+from .write import DumpWriter as DumpWriter

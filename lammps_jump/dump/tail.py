@@ -1,0 +1,68 @@
+"""Whole frames of a text dump that an engine is still writing."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+from .formats import walk_text
+from .frame import DumpFile, Frame
+
+MARKER = b"ITEM: TIME\n"
+"""First line of each frame that our engines write."""
+
+
+class Tail:
+    """The end of a dump that grows.
+
+    Parameters
+    ----------
+    path : Path
+        Text dump with times; it need not be there yet.
+    """
+
+    def __init__(self, path: Path):
+        self.path = path
+        self._read = 0
+
+    def new_frames(self) -> Iterator[Frame]:
+        """Frames that have become whole since the last call; the newest is whole once another begins."""
+        if not self.path.exists():
+            return
+        with self.path.open("rb") as file:
+            file.seek(self._read)
+            text = file.read()
+        last = max(text.rfind(MARKER), 0)
+        self._read += last
+        if last:
+            yield from self._frames(text[text.find(MARKER) : last])
+
+    def newest(self, *, ended: bool = False) -> Frame | None:
+        """The last whole frame, None where there is none yet; where the run has `ended` the last one is whole."""
+        text = self.newest_text(ended=ended)
+        return None if text is None else next(self._frames(text), None)
+
+    def newest_text(self, guess: int = 2_000_000, *, ended: bool = False) -> bytes | None:
+        """Text of the last whole frame; reads `guess` bytes from the end, more where a frame is larger."""
+        try:
+            size = self.path.stat().st_size
+            with self.path.open("rb") as file:
+                while True:
+                    start = max(0, size - guess)
+                    file.seek(start)
+                    tail = file.read(size - start)
+                    stop = len(tail) if ended else tail.rfind(MARKER)
+                    begin = tail.rfind(MARKER, 0, max(stop, 0))
+                    if begin >= 0:
+                        return tail[begin:stop]
+                    if start == 0:
+                        return None
+                    guess *= 4
+        except OSError:
+            return None
+
+    def _frames(self, text: bytes) -> Iterator[Frame]:
+        """Frames of whole text; DumpError where it is malformed."""
+        walked = walk_text(DumpFile(self.path, "text", False), io.BytesIO(text), lambda index: True)
+        return (frame for _, frame in walked)

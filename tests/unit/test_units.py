@@ -1,0 +1,56 @@
+"""Numbers of results: described once, shown by one formatter, written into the summary."""
+
+from dataclasses import dataclass, field, replace
+from math import nan
+
+import pytest
+
+from lammps_jump.units import ABSENT, Number, as_summary, number, numbers_of, shown
+
+
+@dataclass(frozen=True)
+class Inner:
+    share: float = number("", "share of the whole")
+
+
+@dataclass(frozen=True)
+class Result:
+    verdict: str
+    y2: float = number("m", "sequent depth, by mass", label="y2")
+    y2_error: float = number("m", "standard error of y2", default=nan)
+    inner: Inner | None = None
+    curve: tuple[float, ...] = field(default=(1.0,), metadata={"summary": False})
+
+
+def test_a_class_and_its_instance_describe_their_numbers():
+    expected = {
+        "y2": Number("y2", "m", "sequent depth, by mass", "y2"),
+        "y2_error": Number("y2_error", "m", "standard error of y2", "standard error of y2"),
+    }
+    assert numbers_of(Result) == numbers_of(Result("jump", 2.0)) == expected
+
+
+def test_the_summary_holds_the_fields_by_name():
+    result = Result("jump", 2.0, inner=Inner(0.5))
+    found = as_summary(result)
+    assert list(found) == ["verdict", "y2", "y2_error", "inner"] and found["inner"] == {"share": 0.5}
+    assert as_summary(replace(result, inner=None))["inner"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ((None,), ABSENT),
+        ((nan, "m"), ABSENT),
+        ((True,), "yes"),
+        ((3,), "3"),
+        ((0.123456,), "0.1235"),
+        ((2.0, "m"), "2 m"),
+        ((1.23456, "m", 0.0123), "1.235 ± 0.012 m"),
+        ((123.456, "", 12.3), "123 ± 12"),
+        ((1.5, "m", nan), "1.5 m"),
+        (("jump",), "jump"),
+    ],
+)
+def test_one_formatter_shows_every_value(arguments, text):
+    assert shown(*arguments) == text
