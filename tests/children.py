@@ -47,6 +47,7 @@ def run_child(command, *, signal_at: tuple[int, int] | None = None, env=None, **
         Added to the environment.
     """
     environment = {**os.environ, **(env or {})}
+    environment.pop("JUMP_TEST_PROCESS", None)  # the child is the first process of its own run
     if signal_at is not None:
         environment["JUMP_TEST_SIGNAL"] = "{:d}@{:d}".format(*signal_at)
     environment["PYTHONPATH"] = os.pathsep.join([str(HOOK), *filter(None, [environment.get("PYTHONPATH")])])

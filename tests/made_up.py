@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,9 @@ import lammps_jump as lj
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.guess import known_coefficients
 from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.engines.choice import choose
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.files import plain
 from lammps_jump.runs import start
 from lammps_jump.scene.scene import Scene
@@ -89,3 +93,22 @@ def plugin_or_skip() -> Path:
         return plugin_path()
     except SetupError as error:
         pytest.skip(f"no compiled kernel here: {error}")
+
+
+def choose_to_stop_at(step: int):
+    """In place of `lammps_jump.engines.choice.choose`: what it chooses, ended as by an interruption at a step."""
+
+    def stopping(*arguments):
+        setting, notes = choose(*arguments)
+        return replace(setting, stop_at=step), notes
+
+    return stopping
+
+
+def native_frames(scene):
+    """Frames of a run of the native engine, held in memory."""
+    simulation = NativeSimulation(scene, ledger=False)
+    yield take_frame(simulation)
+    while simulation.step < scene.steps:
+        simulation.run(scene.output_steps)
+        yield take_frame(simulation)

@@ -40,9 +40,7 @@ FULL_FOLDERS: dict[str, int] = {}
 """Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()
 """(file, private name) that a file takes from another."""
-IMPORTS_INSIDE: dict[str, int] = {
-    "lammps_jump/engines/lammps/diagnose.py": 2,
-}
+IMPORTS_INSIDE: dict[str, int] = {}
 """Imports of our own modules inside functions, by file."""
 
 

@@ -1,4 +1,4 @@
-"""The engines: LAMMPS with stock styles or the plugin, and the native one."""
+"""The engines: LAMMPS with stock styles or the plugin, and the native one; `run` is the one way to run a scene."""
 
 import lazy_loader
 

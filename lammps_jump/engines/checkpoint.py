@@ -74,8 +74,7 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
         return None
     try:
         stored = json.loads(path.read_text())
-        earlier = stored["result"]
-        result = RunResult(**{**earlier, "resumed": tuple(earlier["resumed"])})
+        result = RunResult.from_json(stored["result"])
         checkpoint = Checkpoint(**{**stored, "removed": tuple(stored["removed"]), "result": result})
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise ResumeError(f"{path}: cannot be read ({error}); the same command without --resume starts anew") from None

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import signal
 import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 @contextmanager
-def _handled_by(handler):
+def handled_by(handler: Callable) -> Iterator[None]:
     """Give both signals to `handler`; nothing changes outside the main thread, which alone receives signals.
 
     A signal that is ignored stays ignored, as in a job that the shell has put into the background.
@@ -29,18 +30,18 @@ def _handled_by(handler):
 
 
 @contextmanager
-def terminate_as_interrupt():
+def terminate_as_interrupt() -> Iterator[None]:
     """Let SIGTERM raise a KeyboardInterrupt, as Ctrl-C does."""
 
     def interrupt(number, stack) -> None:
         raise KeyboardInterrupt
 
-    with _handled_by(interrupt):
+    with handled_by(interrupt):
         yield
 
 
 @contextmanager
-def counted_interrupts(most: float = 1):
+def counted_interrupts(most: float = 1) -> Iterator[Callable[[], int]]:
     """Count the signals, so that none ends a step half way.
 
     Parameters
@@ -61,5 +62,47 @@ def counted_interrupts(most: float = 1):
         if seen > most:
             raise KeyboardInterrupt
 
-    with _handled_by(count):
+    with handled_by(count):
         yield lambda: seen
+
+
+class StopRequest:
+    """Whether the parent has asked this process to end its run in order."""
+
+    def __init__(self) -> None:
+        self._made = threading.Event()
+        self._act: Callable[[], None] | None = None
+
+    def make(self) -> None:
+        """Ask, and call the function that listens."""
+        self._made.set()
+        act = self._act
+        if act is not None:
+            act()
+
+    def clear(self) -> None:
+        """Forget the request, for the next run."""
+        self._made.clear()
+
+    def is_made(self) -> bool:
+        """Whether the request was made."""
+        return self._made.is_set()
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for the request; False where it has not come in time."""
+        return self._made.wait(seconds)
+
+    @contextmanager
+    def calls(self, act: Callable[[], None]) -> Iterator[None]:
+        """Call `act` when the request is made, at once where it is made already."""
+        self._act = act
+        if self.is_made():
+            act()
+        try:
+            yield
+        finally:
+            self._act = None
+
+
+stop_request = StopRequest()
+"""Of this process: an engine's worker makes it when the parent asks."""

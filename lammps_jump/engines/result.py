@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
+
+MARK = "\x1e"
+"""Begins the lines of a worker's output that are messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +49,8 @@ class RunResult:
         Seconds by kind of work (pair, neighbour, modify, output …) where the engine tells.
     resumed : tuple of float
         Simulated times (s) at which the run went on after an interruption; all other numbers are of all parts.
+    cpu_seconds : float
+        Processor time of the stepping, s; of LAMMPS on several ranks, that of the first rank times their number.
     """
 
     engine: str
@@ -62,6 +68,12 @@ class RunResult:
     ledger: dict[str, float] | None = None
     breakdown: dict[str, float] = field(default_factory=dict)
     resumed: tuple[float, ...] = ()
+    cpu_seconds: float = 0.0
+
+    @classmethod
+    def from_json(cls, stored: dict[str, Any]) -> RunResult:
+        """The result of what ``dataclasses.asdict`` and JSON made of it."""
+        return cls(**{**stored, "resumed": tuple(stored["resumed"])})
 
 
 def interruption(time: float, end: float, folder: object, *, again: float | None = None, reason: str = "") -> str:

@@ -93,11 +93,6 @@ def clipped_restitution(xi: float) -> float:
     return exp(-(xi / s) * log((xi + s) / (xi - s))) if s > 0 else exp(-2.0)
 
 
-def friction_impulse_factor(restitution: float) -> float:
-    """Ratio of int |F_n| dt to m_eff (1+e) v0 with the tensile tail kept: (1 + 2 e_clip - e) / (1 + e)."""
-    return (1.0 + 2.0 * clipped_restitution(damping_ratio(restitution)) - restitution) / (1.0 + restitution)
-
-
 def lagged_restitution(xi: float, h: float) -> float:
     """Mean restitution of velocity Verlet with the dashpot fed by the half-step velocity (LAMMPS).
 

@@ -9,30 +9,19 @@ available here under the same names.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import floor, inf, nan, sqrt, tanh
+from math import floor, inf, nan, sqrt
 
 from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
 from .waves import (
-    bore_strength,
-    column_final_height,
-    column_runout,
-    column_stop_time,
-    cross_wall_force,
+    GRAVITY,
     hydrostatic_force,
-    hydrostatic_moment,
-    hydrostatic_overlap_horizontal,
-    hydrostatic_overlap_vertical,
     reflected_bore,
     relative_froude,
-    ritter_depth,
     ritter_front,
-    ritter_velocity,
     ritter_wall_time,
     shock_speed,
     shock_speed_from_mass,
     stagnation_force,
-    stoker_profile,
-    stoker_state,
 )
 
 __all__ = [
@@ -41,32 +30,19 @@ __all__ = [
     "PROFILE_MEAN_HEIGHT",
     "PROFILE_MOMENTUM_COEFFICIENT",
     "belanger",
-    "bore_strength",
     "channel_length",
-    "column_final_height",
-    "column_runout",
-    "column_stop_time",
     "critical_depth",
-    "cross_wall_force",
     "downstream_froude",
     "energy_loss",
     "froude",
-    "hager_jump_length",
     "hydrostatic_force",
-    "hydrostatic_moment",
-    "hydrostatic_overlap_horizontal",
-    "hydrostatic_overlap_vertical",
     "inflow_discharge",
     "jump_class",
-    "linear_jump_length",
     "momentum_flux",
-    "momentum_function",
     "power_law_velocity",
     "reflected_bore",
     "relative_froude",
-    "ritter_depth",
     "ritter_front",
-    "ritter_velocity",
     "ritter_wall_time",
     "row_count",
     "row_heights",
@@ -81,14 +57,9 @@ __all__ = [
     "silvester_jump_length",
     "specific_energy",
     "stagnation_force",
-    "stoker_profile",
-    "stoker_state",
     "usbr_jump_length",
     "velocity_range",
 ]
-
-GRAVITY = 9.81
-"""m/s^2, where a caller has no case at hand."""
 
 PROFILE_MOMENTUM_COEFFICIENT = 64.0 / 63.0
 """beta = mean(u^2) / mean(u)^2 of the continuous one-seventh profile."""
@@ -193,11 +164,6 @@ def energy_loss(depth_1: float, depth_2: float) -> float:
     return (depth_2 - depth_1) ** 3 / (4.0 * depth_1 * depth_2)
 
 
-def momentum_function(depth: float, discharge: float, gravity: float = GRAVITY) -> float:
-    """Momentum function (specific force) M = q^2/(g y) + y^2/2, m^2; equal on both sides of a jump at rest."""
-    return discharge**2 / (gravity * depth) + 0.5 * depth**2
-
-
 def momentum_flux(depth: float, velocity: float, density: float, gravity: float = GRAVITY, beta: float = 1.0) -> float:
     """Momentum flux and hydrostatic force, N/m: beta rho y u^2 + rho g y^2/2 = rho g M."""
     return beta * density * depth * velocity**2 + 0.5 * density * gravity * depth**2
@@ -232,16 +198,6 @@ def usbr_jump_length(froude_1: float, depth_1: float) -> float:
     i = next(i for i in range(1, len(xs)) if froude_1 <= xs[i])
     share = (froude_1 - xs[i - 1]) / (xs[i] - xs[i - 1])
     return (ys[i - 1] + share * (ys[i] - ys[i - 1])) * belanger(froude_1) * depth_1
-
-
-def linear_jump_length(froude_1: float, depth_1: float) -> float:
-    """Length of the jump, m: 6.9 (y2 - y1) (attributed to Elevatorski 1959; from memory of the literature)."""
-    return 6.9 * depth_1 * (belanger(froude_1) - 1.0) if froude_1 >= 1 else nan
-
-
-def hager_jump_length(froude_1: float, depth_1: float) -> float:
-    """Length of the jump, m: 220 y1 tanh((Fr1 - 1)/22) (attributed to Hager 1992; from memory of the literature)."""
-    return 220.0 * depth_1 * tanh((froude_1 - 1.0) / 22.0) if froude_1 >= 1 else nan
 
 
 def channel_length(froude_1: float, depth_1: float) -> float:

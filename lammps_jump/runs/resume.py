@@ -6,10 +6,10 @@ from pathlib import Path
 
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, Checkpoint, read_checkpoint
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import ResumeError
 from lammps_jump.provenance import fingerprint
 
-from .engine import Setting
 from .folder import reached_end
 from .summary import read_summary
 

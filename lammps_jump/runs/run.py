@@ -20,11 +20,11 @@ from lammps_jump.case.load import Changes
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame
 from lammps_jump.engines.result import ProgressCallback, RunResult
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunError
 from lammps_jump.files import is_written
 from lammps_jump.scene.scene import Scene
 
-from .engine import Setting
 from .folder import default_folder, require_case, result_of_files, result_of_summary
 from .summary import compose, read_summary
 from .view import case_html, number_table

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.accuracy import with_accuracy
@@ -17,10 +20,11 @@ from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.lammps.job import write_job
 from lammps_jump.engines.result import ProgressCallback, RunResult
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
 from lammps_jump.files import RESULT_FILES, clear, writing
 
-from .engine import Setting, choose, run_engine
+from .engine import choose_setting, with_header
 from .folder import require_case, result_of_files, result_of_summary, stored_result, write_folder
 from .resume import resumable
 from .summary import compose, read_summary, write_summary
@@ -47,7 +51,7 @@ def start(
     if resume and force:
         raise CaseError("--resume goes on with a run, --force starts a new one: use one of the two")
     case, chosen = with_accuracy(case)
-    setting, notes = choose(case)
+    setting, notes = choose_setting(case)
     notes = (*chosen, *notes)
     if resume:
         _go_on(case, folder, setting, notes, progress, should_stop)
@@ -73,7 +77,7 @@ def build(case: ReadCase, folder: Path, *, job: bool = False) -> Setting:
     CaseError, SetupError
     """
     case, _ = with_accuracy(case)
-    setting, _ = choose(case)
+    setting, _ = choose_setting(case)
     write_folder(case, folder, setting)
     if job:
         write_job(case.scene(), folder, setting.ranks)
@@ -99,7 +103,7 @@ def reopen(folder: Path, changes: Sequence[str] = ()) -> tuple[ReadCase, Setting
         The folder holds no ``case.yaml``.
     """
     case, chosen = with_accuracy(load_case(require_case(folder), changes))
-    setting, notes = choose(case)
+    setting, notes = choose_setting(case)
     stored = read_summary(folder)
     if stored and stored.get("kernel") in ("stock", "compiled") and setting.kernel != "numba":
         setting = replace(setting, kernel=stored["kernel"])
@@ -231,6 +235,12 @@ def _execute(
         raise RunError(f"the run is complete, its dump could not be analysed: {trouble}")
 
 
+def _load_analysis() -> None:
+    """Import what the analysis needs, 0.7 s."""
+    for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
+        importlib.import_module(name)
+
+
 def _run_engine(
     case: ReadCase,
     folder: Path,
@@ -242,10 +252,11 @@ def _run_engine(
     """Run; the text says why it was stopped as steady, and is empty where it was not."""
     watch = steady_watch(case, folder)
     asked = [ask for ask in (watch, should_stop) if ask is not None]
-    result = run_engine(
-        case,
+    threading.Thread(target=_load_analysis).start()  # meanwhile
+    result = engines.run(
+        case.scene(),
         folder,
-        setting,
+        with_header(case, setting),
         progress=progress,
         should_stop=(lambda: any([ask() for ask in asked])) if asked else None,
         resume=checkpoint,

@@ -10,11 +10,12 @@ from typing import Any
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.derived import coefficients, inflow_theory
 from lammps_jump.engines.result import RunResult
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain, write_json
 from lammps_jump.provenance import versions
 
-from .engine import Setting, run_key
+from .engine import run_key
 
 SUMMARY_FILE = "summary.json"
 FIELD_TYPES = {

@@ -9,14 +9,10 @@ from functools import cached_property
 from pathlib import Path
 
 from lammps_jump.case import CaseFields, ReadCase, load_case
-from lammps_jump.engines.lammps import run_lammps
-from lammps_jump.engines.lammps.loader import load_lammps
+from lammps_jump.engines import Setting, choose, plugin, run
 from lammps_jump.engines.native import run_native
-from lammps_jump.engines.plugin.build import availability, plugin_path
 from lammps_jump.engines.result import ProgressCallback, RunResult
-from lammps_jump.errors import SetupError
 from lammps_jump.scene.scene import Scene
-from lammps_jump.script import write_script
 
 from .timing import Stopwatch
 
@@ -83,22 +79,6 @@ def default_integrator(kernel: str) -> str:
     return "leapfrog_extrapolated" if kernel == "native" else "velocity_verlet"
 
 
-def usable_kernels() -> tuple[list[str], list[str]]:
-    """Return the kernels that run here, and a note for each that does not."""
-    kernels, notes = [], []
-    try:
-        load_lammps()
-        kernels.append("stock")
-        status = availability()
-        if status.available:
-            kernels.append("compiled")
-        else:
-            notes.append(f"compiled kernel left out: {status.reason}")
-    except SetupError as error:
-        notes.append(f"LAMMPS left out: {error}")
-    return [*kernels, "native"], notes
-
-
 def choose_kernel(kernel: str, scene: Scene) -> tuple[str, list[str]]:
     """Return the LAMMPS kernel for a wish of 'auto', 'stock' or 'compiled', and notes.
 
@@ -107,24 +87,8 @@ def choose_kernel(kernel: str, scene: Scene) -> tuple[str, list[str]]:
     SetupError
         LAMMPS is missing; or the compiled kernel is asked for, or needed by a smooth touch, and is missing.
     """
-    load_lammps()
-    if kernel not in ("auto", "stock", "compiled"):
-        raise SetupError(f"--kernel {kernel}: is not known; use auto, stock or compiled")
-    smooth = scene.touch == "smooth"
-    if kernel == "stock" and smooth:
-        raise SetupError("--kernel stock: 'touch: smooth' is not in stock LAMMPS; use --kernel compiled")
-    if kernel == "stock":
-        return "stock", []
-    try:
-        status = availability()
-        if not status.available:
-            raise SetupError(status.reason)
-        plugin_path()
-    except SetupError as error:
-        if kernel == "compiled" or smooth:
-            raise
-        return "stock", [f"the ensembles use stock LAMMPS styles: {error}"]
-    return "compiled", []
+    setting, notes = choose("lammps", kernel, 1, scene)
+    return setting.kernel, notes
 
 
 def execute(
@@ -161,14 +125,11 @@ def execute(
         with Stopwatch() as watch:
             result = run_native(scene, folder, dump_format=dump_format, progress=progress)
         return result, watch
-    plugin = plugin_path() if kernel == "compiled" else None
-    write_script(scene, folder, kernel=kernel, ranks=ranks, plugin=plugin, dump_format=dump_format)
-    if script is not None:
-        (folder / "in.lammps").write_text(script)
-    with Stopwatch() as watch:
-        result = run_lammps(scene, folder, kernel=kernel, ranks=ranks, plugin=plugin, progress=progress)
-    if ranks > 1:  # the ranks are other processes, whose processor time is not measured
-        watch.cpu = watch.wall * ranks
+    library = plugin.plugin_path() if kernel == "compiled" else None
+    setting = Setting(kernel=kernel, ranks=ranks, plugin=library, dump_format=dump_format, script=script)
+    result = run(scene, folder, setting, progress=progress)
+    watch = Stopwatch()
+    watch.wall, watch.cpu = result.seconds, result.cpu_seconds
     return result, watch
 
 

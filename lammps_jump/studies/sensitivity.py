@@ -16,11 +16,12 @@ import numpy as np
 
 from lammps_jump.analysis.draw.style import new_figure, save, style
 from lammps_jump.case.templates import scene_folder
+from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import jump as theory
 
 from .measure import Measured, run_setting
-from .runs import StudyCase, usable_kernels
+from .runs import StudyCase
 from .settings import Setting, reference_setting, stable
 from .store import Store
 from .table import markdown, number, percent

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from closed_forms import friction_impulse_factor
 
 from lammps_jump.physics import contact
 from lammps_jump.scene.walls import Box
@@ -56,7 +57,7 @@ def oblique_pair(r) -> dict:
     approach = -(relative @ n)
     tangent = relative + approach * n
     slip = np.hypot(*tangent)
-    rub = mu * contact.friction_impulse_factor(e) * (1 + e) * approach
+    rub = mu * friction_impulse_factor(e) * (1 + e) * approach
     assert slip > (3 if r.case["rotation"] else 1) * rub, "the table must ask for gross sliding"
     impulse = 0.5 * (1 + e) * approach * n - 0.5 * rub * tangent / slip
     speed = float(np.hypot(*relative))
@@ -79,7 +80,7 @@ def sliding_impact(r) -> dict:
     approach = -(v @ n)
     tangent = v + approach * n
     slip = np.hypot(*tangent)
-    rub = mu * contact.friction_impulse_factor(e) * (1 + e) * approach
+    rub = mu * friction_impulse_factor(e) * (1 + e) * approach
     assert slip > (3 if r.case["rotation"] else 1) * rub, "the table must ask for gross sliding"
     unit = tangent / slip
     found = {"change": ((r.v[-1, 0] - v) @ unit, -rub, None)}

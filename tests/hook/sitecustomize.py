@@ -1,25 +1,33 @@
 """What tests do at a step of an engine, set by the environment.
 
-Python runs this file when it starts with this folder on its path, as the children of `children.run_child` do.
-`conftest` runs it for the processes of the tests themselves. The program itself reads neither variable.
+Python runs this file when it starts with this folder on its path, as the children of `children.run_child` do, and as
+the engine's process that such a child starts. `conftest` runs it for the processes of the tests themselves. The program
+itself reads none of these variables.
 
-JUMP_TEST_SIGNAL : ``NUMBER@STEP``; the process sends itself this signal at the first step from STEP on.
+JUMP_TEST_SIGNAL : ``NUMBER@STEP``; the engine's process sends the first process this signal at the first step from STEP
+    on, and waits until it is asked to end.
 JUMP_TEST_SLEEP : seconds to sleep at every step.
+JUMP_TEST_PROCESS : the first process; set here.
 """
 
 import os
 import time
 
 signal_at, sleep = os.environ.get("JUMP_TEST_SIGNAL"), float(os.environ.get("JUMP_TEST_SLEEP", 0))
+LIMIT = 600
 
 if signal_at or sleep:
     from lammps_jump.engines import step_hook
+    from lammps_jump.engines.interrupts import stop_request
 
+    first = int(os.environ.setdefault("JUMP_TEST_PROCESS", str(os.getpid())))
     left = [tuple(int(part) for part in signal_at.split("@"))] if signal_at else []
 
     def at_step(step):
         time.sleep(sleep)
         if left and step >= left[0][1]:
-            os.kill(os.getpid(), left.pop()[0])
+            os.kill(first, left.pop()[0])
+            if os.getpid() != first:
+                stop_request.wait(LIMIT)
 
     step_hook.at_step = at_step

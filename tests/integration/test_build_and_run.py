@@ -18,11 +18,10 @@ from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.read import open_dump
-from lammps_jump.engines.lammps import run_lammps
 from lammps_jump.engines.lammps.loader import program
+from lammps_jump.engines.launch import Setting, run
 from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.runs import results, start
-from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
 
@@ -166,8 +165,7 @@ def test_stored_result_is_returned_and_force_runs_again(tmp_path, caplog):
 
 def test_interrupted_run_keeps_its_frames(tmp_path):
     scene = build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=20000"]))
-    write_script(scene, tmp_path)
-    result = run_lammps(scene, tmp_path, stop_at=20_000)
+    result = run(scene, tmp_path, Setting(stop_at=20_000))
     assert result.status == "interrupted" and result.steps == 20_000
     assert 0 < result.steps < scene.steps
     assert result.inserted == result.present == 16 and result.lost == 0
@@ -198,8 +196,7 @@ def test_deep_overlap_ends_the_run_and_names_the_discs(tmp_path):
         "domain: {x: [-5, 6], y: [-1, 1]}\nrun: {duration: 0.02, output_interval: 0.0002}\n"
     )
     scene = build_scene(case)
-    write_script(scene, tmp_path)
-    result = run_lammps(scene, tmp_path)
+    result = run(scene, tmp_path)
     assert result.status == "failed"
     assert "overlap too deeply at t = 0.0" in result.message and "discs" in result.message and "2 d/n" in result.message
 
@@ -213,8 +210,7 @@ def test_a_run_that_blows_up_is_reported(tmp_path):
         "run: {duration: 5, time_step_fraction: 1.2, allow_unstable: true}\n"
     )
     scene = build_scene(case)
-    write_script(scene, tmp_path)
-    result = run_lammps(scene, tmp_path)
+    result = run(scene, tmp_path)
     assert (result.status == "failed" and "time_step_fraction" in result.message) or "domain" in result.message
     assert "nan" not in (tmp_path / "dump.lammpstrj").read_text().lower()
 
@@ -336,8 +332,7 @@ def test_positions_that_are_no_numbers_end_the_run(tmp_path, kernel):
     together = scene.positions.copy()
     together[1] = together[0]
     scene = replace(scene, positions=together)
-    write_script(scene, tmp_path, kernel=kernel, plugin=plugin)
-    result = run_lammps(scene, tmp_path, kernel=kernel, plugin=plugin)
+    result = run(scene, tmp_path, Setting(kernel=kernel, plugin=plugin))
     assert result.status == "failed"
     assert "no longer a number" in result.message or "overlap too deeply" in result.message
 
@@ -405,5 +400,4 @@ def test_plugin_in_a_folder_with_a_blank(tmp_path):
     library.parent.mkdir()
     shutil.copy(plugin_or_skip(), library)
     scene = build_scene(load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.1"]))
-    write_script(scene, tmp_path, kernel="compiled", plugin=library)
-    assert run_lammps(scene, tmp_path, kernel="compiled", plugin=library).status == "complete"
+    assert run(scene, tmp_path, Setting(kernel="compiled", plugin=library)).status == "complete"

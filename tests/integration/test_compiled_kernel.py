@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 from lammps_jump.errors import SetupError
+from lammps_jump.physics import law
+from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Gate, InletRow, Outlet
 from lammps_jump.scene.walls import Block, Box, Plane
@@ -119,14 +121,13 @@ def stock(case, folder, newton="off"):
     return [*lines, *(line for wall in case.walls for line in stock_wall(wall, law)), *traffic(case, folder)]
 
 
-def styles(case, plugin, *, probe="", ledger=False, skin=None, dashpot=None):
+def styles(case, plugin, *, probe="", ledger=False, skin=None):
     c = case.coefficients
     words = f"law {case.friction_law} k {c.stiffness!r} gamma {c.gamma_normal!r} gammat {c.gamma_tangential!r}"
     words += f" mu {c.friction!r} mass {case.mass!r} diameter {case.diameter!r}"
     words += f" spin {'yes' if case.rotation else 'no'} ledger {'yes' if ledger else 'no'}"
     words += f" touch smooth {case.touch_width!r}" if case.touch == "smooth" else ""
     words += f" skin {skin!r}" if skin else ""
-    words += f" dashpot {dashpot}" if dashpot else ""
     walls = " ".join(f"wall {text(wall)}" for wall in case.walls)
     walls += "".join(f" wall {text(gate.wall)} until {gate.release_step}" for gate in case.gates)
     fix = f"fix step all jump/step gravity {case.gravity[0]!r} {case.gravity[1]!r} k_wall {c.stiffness_wall!r}"
@@ -203,6 +204,30 @@ def test_hooke_equals_the_stock_styles(lammps, plugin, tmp_path, name):
         assert np.abs(found[2] - expected[2]).max() < 1e-7  # rad/s, of 20 rad/s
 
 
+@pytest.mark.parametrize("touch", [{}, {"touch": "smooth", "touch_width": 0.01}], ids=["sharp", "smooth"])
+@pytest.mark.parametrize("friction_law", ["hooke", "sign"])
+def test_the_plugins_law_is_the_packages(lammps, plugin, tmp_path, touch, friction_law):
+    """Forces and energies of two discs over a grid of overlaps and speeds against `lammps_jump.physics.law`."""
+    case = scene(
+        [[0.0, 0.0], [DIAMETER, 0.0]], np.zeros((2, 2)), (), friction=0.3, law=friction_law, gravity=(0.0, 0.0), **touch
+    )
+    c, width = case.coefficients, touch.get("touch_width")
+    damping, tangential = (0.5 * case.mass * gamma for gamma in (c.gamma_normal, c.gamma_tangential))
+    with Run(lammps, compiled(case, plugin, tmp_path)) as run:
+        for depth in (1e-6, 1e-3, 0.004, 0.0099, 0.0101, 0.03):
+            for vx, vy in ((0.0, 0.0), (2.0, 0.01), (-3.0, -4.0), (0.3, 1e-4), (-20.0, 3.0)):
+                run.do(f"set atom 2 x {DIAMETER - depth!r}", f"set atom 2 vx {vx!r} vy {vy!r}", "run 0 post no")
+                overlap = DIAMETER - run.discs("x")[1, 0]
+                slope = 1 / (SIGN_RAMP * np.hypot(vx, vy)) if vx else 1e300
+                normal, _ = law.normal_force(overlap, vx, c.stiffness, damping, width)
+                slip = law.friction_force(normal, vy, c.friction, tangential, slope if friction_law == "sign" else None)
+                force = run.discs("f")
+                assert force[1, :2] == pytest.approx([normal, slip], rel=1e-10, abs=1e-9 * c.stiffness * overlap)
+                assert force[0, :2] == pytest.approx(-force[1, :2], rel=1e-14)
+                energy = c.stiffness * law.stored_energy(overlap, width)
+                assert run.vector(1)[0] == pytest.approx(energy, rel=1e-9)
+
+
 @pytest.mark.parametrize("newton", ["on", "off"])
 def test_discs_that_come_and_go_equal_the_stock_styles(lammps, plugin, tmp_path, newton):
     rows = tuple(InletRow(2.5, 1.0 + 0.25 * i, -12.0, 0.0, 0, 180 - 30 * i, 0.999 * DIAMETER) for i in range(3))
@@ -269,21 +294,20 @@ NATIVE = {
 
 @pytest.mark.parametrize("name", NATIVE)
 def test_every_law_equals_the_native_engine(lammps, plugin, tmp_path, name):
-    from lammps_jump.engines.native.engine import simulate
+    from lammps_jump.engines.native import NativeSimulation
 
     walls = (*CORNERS[:2], Plane("left", "x", 0.1, "above"))
     case = scene(*CLOUD, walls, **NATIVE[name], probes=("ground", "sill"), probe_steps=250)
-    native = simulate(case, keep_frames=True)
-    last = native.frames[-1]
-    order = np.argsort(last.ids)
-    expected = np.column_stack([last.x, last.y])[order]
+    native = NativeSimulation(case)
+    native.run(1000)
+    expected = native.positions
     lines = compiled(case, plugin, tmp_path, ledger=True, probe="probe 250 ground sill")
     with Run(lammps, lines) as run:
         run.do("run 1000")
         found, values = run.discs()[:, :2], run.vector(15)
     assert np.abs(found - expected).max() < EQUAL * DIAMETER
     # the same books, to round-off of energies of 1e5 J/m
-    books = native.result.ledger
+    books = native.ledger
     assert values[0] + values[1] == pytest.approx(books["elastic"], rel=1e-6, abs=1e-5)
     assert values[2] == pytest.approx(books["dissipated_dashpots"], rel=1e-8)
     assert values[3] == pytest.approx(books["dissipated_friction"], rel=1e-8, abs=1e-6)
@@ -296,7 +320,7 @@ def test_every_law_equals_the_native_engine(lammps, plugin, tmp_path, name):
         assert values[9 + 3 * index : 12 + 3 * index] == pytest.approx(rows[wall], rel=1e-7, abs=1e-4)
 
 
-def restitution(lammps, plugin, folder, speed, *, at_wall, dashpot):
+def restitution(lammps, plugin, folder, speed, *, at_wall):
     """Mean over eight phases of entry; touch width = one step at 16 m/s."""
     found = []
     for phase in range(8):
@@ -307,22 +331,17 @@ def restitution(lammps, plugin, folder, speed, *, at_wall, dashpot):
         x = [[0.5 * DIAMETER + gap, 0.0]] if at_wall else [[0.0, 0.0], [DIAMETER + gap, 0.0]]
         v = [[-speed, 0.0]] if at_wall else [[0.5 * speed, 0.0], [-0.5 * speed, 0.0]]
         case = replace(case, positions=np.array(x), velocities=np.array(v), walls=walls, touch_width=16.0 * step)
-        after = final(lammps, compiled(case, plugin, folder, dashpot=dashpot), 1000, "v")[0][:, 0]
+        after = final(lammps, compiled(case, plugin, folder), 1000, "v")[0][:, 0]
         found.append(after[0] / speed if at_wall else (after[1] - after[0]) / speed)
     return np.mean(found)
 
 
 @pytest.mark.parametrize("at_wall", [False, True], ids=["pair", "wall"])
-def test_the_even_dashpot_keeps_restitution_at_every_speed(lammps, plugin, tmp_path, at_wall):
-    e = [
-        restitution(lammps, plugin, tmp_path, speed, at_wall=at_wall, dashpot="even")
-        for speed in (0.8, 4.0, 16.0, 32.0)
-    ]
+def test_the_smooth_touch_keeps_restitution_at_every_speed(lammps, plugin, tmp_path, at_wall):
+    e = [restitution(lammps, plugin, tmp_path, speed, at_wall=at_wall) for speed in (0.8, 4.0, 16.0, 32.0)]
     # exact in continuous time; the lag of the dashpot is corrected in the mean over the speeds, and at f = 0.05
     # leaves 0.0025 (docs/kernels.md; 8 phases scatter by less than 0.002)
     assert np.abs(np.array(e) - 0.2).max() < 0.005
-    # what it is for: the plain ramp lets slow contacts rebound
-    assert restitution(lammps, plugin, tmp_path, 0.8, at_wall=at_wall, dashpot="ramp") > 0.3
 
 
 @pytest.mark.parametrize("touch", [{}, {"touch": "smooth", "touch_width": 0.003}], ids=["sharp", "smooth"])
@@ -332,7 +351,7 @@ def test_the_ledger_closes_with_the_square_of_the_step(lammps, plugin, tmp_path,
         case = scene(
             *CLOUD, (Box("room", (0.1, 3.0), (0.1, 3.5)),), friction=0.2, rotation=True, fraction=fraction, **touch
         )
-        with Run(lammps, compiled(case, plugin, tmp_path, ledger=True, dashpot="even")) as run:
+        with Run(lammps, compiled(case, plugin, tmp_path, ledger=True)) as run:
             run.do("run 0")
             before = run.vector(6)
             assert before[2] == before[3] == 0

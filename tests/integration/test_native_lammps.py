@@ -7,7 +7,7 @@ import importlib.metadata
 import numpy as np
 import pytest
 
-from lammps_jump.engines.native import NativeSimulation, simulate
+from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import InletRow
 from lammps_jump.scene.walls import Block, Box, Plane
@@ -157,7 +157,7 @@ def test_binary_dump_is_byte_for_byte_what_lammps_writes(lammps, tmp_path):
         [[0.5, 1.0], [1.5, 1.0]], [[1.0, 0.0], [0.0, 2.0]], domain=((0.0, 2.0), (0.0, 2.0)), gravity=(0.0, 0.0)
     )
     scene = dataclasses.replace(scene, steps=0)
-    simulate(scene, tmp_path, dump_format="binary")
+    run_native(scene, tmp_path, dump_format="binary")
     engine = start(lammps, scene, tmp_path)
     try:
         theirs = tmp_path / "lammps.bin"

@@ -14,10 +14,10 @@ from made_up import INPUTS
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.read import open_dump
-from lammps_jump.engines.lammps import run_lammps
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.lammps.log import read_log
-from lammps_jump.script import write_script
+from lammps_jump.engines.launch import Setting
+from lammps_jump.engines.launch import run as run_scene
 
 pytestmark = pytest.mark.lammps
 
@@ -30,8 +30,8 @@ def mpiexec():
 
 def run(name, folder, plugin, ranks, *changes, **options):
     scene = build_scene(load_case(INPUTS / f"{name}.yaml", list(changes)))
-    write_script(scene, folder, kernel="compiled", ranks=ranks, dump_format="binary", plugin=plugin)
-    return scene, run_lammps(scene, folder, kernel="compiled", ranks=ranks, plugin=plugin, **options)
+    setting = Setting(kernel="compiled", ranks=ranks, dump_format="binary", plugin=plugin, **options)
+    return scene, run_scene(scene, folder, setting)
 
 
 def frames(folder):

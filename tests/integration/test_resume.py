@@ -6,28 +6,26 @@ import json
 import re
 import shutil
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up import run_case
+from made_up import choose_to_stop_at, run_case
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import read_checkpoint
-from lammps_jump.engines.lammps import run_lammps
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.launch import Setting, run
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
 from lammps_jump.runs import engine, results
 from lammps_jump.scene.scene import Gate, Pour
 from lammps_jump.scene.walls import Plane
-from lammps_jump.script import write_script
-from lammps_jump.script.resume import write_continuation
+from lammps_jump.script.resume import continuation_text, write_continuation
 
 INPUTS = Path(__file__).parents[2] / "inputs"
 pytestmark = pytest.mark.lammps
@@ -52,10 +50,9 @@ def plugin_of(kernel: str) -> Path | None:
 
 
 def go_on(scene, folder: Path, dump_format: str = "text", stop_at: int | None = None, **engine):
-    checkpoint = read_checkpoint(folder)
-    options = {"state": checkpoint.state, "step": checkpoint.step, "removed": checkpoint.removed}
-    write_continuation(scene, folder, dump_format=dump_format, **options, **engine)
-    return run_lammps(scene, folder, resume=checkpoint, stop_at=stop_at, **engine)
+    return run(
+        scene, folder, Setting(dump_format=dump_format, stop_at=stop_at, **engine), resume=read_checkpoint(folder)
+    )
 
 
 def frames(folder: Path):
@@ -81,11 +78,10 @@ def apart(one, two) -> float:
 def test_continued_run_is_the_uninterrupted_one(kernel, dump_format, name, changes, tmp_path):
     scene = scene_of(name, *changes)
     engine = {"kernel": kernel, "plugin": plugin_of(kernel)}
-    for place in ("whole", "parts"):
-        write_script(scene, tmp_path / place, dump_format=dump_format, **engine)
-    whole = run_lammps(scene, tmp_path / "whole", **engine)
+    setting = Setting(dump_format=dump_format, **engine)
+    whole = run(scene, tmp_path / "whole", setting)
     parts = tmp_path / "parts"
-    first = run_lammps(scene, parts, stop_at=scene.steps // 4, **engine)
+    first = run(scene, parts, replace(setting, stop_at=scene.steps // 4))
     second = go_on(scene, parts, dump_format, 3 * scene.steps // 5, **engine)
     third = go_on(scene, parts, dump_format, **engine)
     assert [result.status for result in (first, second, third)] == ["interrupted", "interrupted", "complete"]
@@ -130,23 +126,18 @@ def log_rows(path: Path) -> list[str]:
 def test_full_step_velocities_would_not_do(tmp_path):
     """The half step is no ornament: without it the first frames differ by more than the digits of the dump."""
     scene = scene_of("dam_break", *COLLAPSE)
-    engine = {"kernel": "stock"}
-    write_script(scene, tmp_path / "whole", **engine)
-    run_lammps(scene, tmp_path / "whole", **engine)
+    run(scene, tmp_path / "whole")
     place = tmp_path / "parts"
-    write_script(scene, place, **engine)
-    run_lammps(scene, place, stop_at=scene.steps // 5, **engine)
+    run(scene, place, Setting(stop_at=scene.steps // 5))
     checkpoint = read_checkpoint(place)
     options = {"state": checkpoint.state, "step": checkpoint.step, "removed": checkpoint.removed}
-    script = write_continuation(scene, place, **options, **engine)
-    lines = script.read_text().splitlines()
+    lines = continuation_text(scene, **options).splitlines()
     # set the velocities of the step first, and let the run compute its forces with them
     start = lines.index("run             0 post no")
-    run = next(i for i, line in enumerate(lines) if line.endswith("upto pre no"))
-    lines = [*lines[:run], lines[run].replace(" pre no", ""), *lines[run + 1 :]]
-    assert start < run
-    script.write_text("\n".join(lines) + "\n")
-    run_lammps(scene, place, resume=checkpoint, **engine)
+    last = next(i for i, line in enumerate(lines) if line.endswith("upto pre no"))
+    lines = [*lines[:last], lines[last].replace(" pre no", ""), *lines[last + 1 :]]
+    assert start < last
+    run(scene, place, Setting(script="\n".join(lines) + "\n"), resume=checkpoint)
     one, two = frames(tmp_path / "whole"), frames(place)
     later = next(i for i, frame in enumerate(one) if frame.step > checkpoint.step + 50)
     assert 1e-8 * scene.diameter < apart(one[later], two[later]) < 1e-3 * scene.diameter
@@ -159,8 +150,7 @@ def test_a_pour_that_goes_on_is_refused(tmp_path):
     pour = Pour(x=(12.0, 20.0), y=(6.0, 8.0), count=2000, volume_fraction=0.2, speed_down=1.0)
     scene = scene_of("dam_break", *COLLAPSE)
     scene = replace(scene, pours=(pour,), probes=())
-    write_script(scene, tmp_path)
-    result = run_lammps(scene, tmp_path, stop_at=scene.steps // 5)
+    result = run(scene, tmp_path, Setting(stop_at=scene.steps // 5))
     assert result.status == "interrupted" and "still pouring" in result.message
     assert read_checkpoint(tmp_path) is None and not list(tmp_path.glob("checkpoint*"))
 
@@ -171,13 +161,11 @@ def test_a_gate_before_inlets_is_refused_until_it_is_open(tmp_path):
     rows = tuple(replace(row, first_step=row.first_step + 3000) for row in scene.inlets)
     scene = replace(scene, gates=(gate,), settle_steps=3000, inlets=rows, positions=np.array([[1.0, 0.1]]))
     scene = replace(scene, velocities=np.zeros((1, 2)))
-    write_script(scene, tmp_path)
-    result = run_lammps(scene, tmp_path, stop_at=1000)
+    result = run(scene, tmp_path, Setting(stop_at=1000))
     assert 0 < result.steps <= 1000  # of the last line of the log
     assert result.status == "interrupted" and "gates open and inlets begin" in result.message
     assert read_checkpoint(tmp_path) is None
-    write_script(scene, tmp_path)
-    assert run_lammps(scene, tmp_path, stop_at=3500).status == "interrupted"
+    assert run(scene, tmp_path, Setting(stop_at=3500)).status == "interrupted"
     assert 3500 <= read_checkpoint(tmp_path).step < 3500 + scene.probe_steps
     assert "wall_gate" not in write_continuation(scene, tmp_path, state="x", step=1, removed=()).read_text()
     result = go_on(scene, tmp_path)
@@ -186,8 +174,7 @@ def test_a_gate_before_inlets_is_refused_until_it_is_open(tmp_path):
 
 def test_an_end_asked_for_too_late_is_no_interruption(tmp_path):
     scene = scene_of("energy_box_16", "run.duration=0.2")
-    write_script(scene, tmp_path)
-    result = run_lammps(scene, tmp_path, stop_at=scene.steps)
+    result = run(scene, tmp_path, Setting(stop_at=scene.steps))
     assert result.status == "complete" and result.message == ""
 
 
@@ -201,8 +188,7 @@ def test_two_ranks_end_in_order_and_go_on(tmp_path):
     scene = scene_of("quick_jump", "run.duration=40", "run.output_interval=0.01")
     window = scene.probe_steps
     place = tmp_path / "parts"
-    write_script(scene, place, **engine)
-    first = run_lammps(scene, place, stop_at=3 * window - 1, **engine)
+    first = run(scene, place, Setting(stop_at=3 * window - 1, **engine))
     assert first.status == "interrupted" and "--resume" in first.message and first.steps == 3 * window
     second = go_on(scene, place, stop_at=5 * window, **engine)
     assert second.status == "interrupted" and second.resumed == (scene.time(first.steps),)
@@ -214,8 +200,7 @@ def test_two_ranks_end_in_order_and_go_on(tmp_path):
     assert third.status == "interrupted" and third.steps == 7 * window
 
     short = replace(scene, steps=third.steps)
-    write_script(short, tmp_path / "whole", **alone)
-    run_lammps(short, tmp_path / "whole", **alone)
+    run(short, tmp_path / "whole", Setting(**alone))
     one, two = frames(tmp_path / "whole"), frames(place)
     assert [frame.step for frame in two] == [frame.step for frame in one]
     ranked = [pair for pair in zip(one, two, strict=True) if pair[0].step <= second.steps]
@@ -231,8 +216,7 @@ def test_ranks_that_are_asked_by_their_file_end_in_order(tmp_path):
     if program("mpiexec") is None:
         pytest.skip("the mpich wheel brings no mpiexec")
     scene = scene_of("quick_jump", "run.duration=20000")
-    write_script(scene, tmp_path, **engine)
-    result = run_lammps(scene, tmp_path, should_stop=lambda: True, **engine)
+    result = run(scene, tmp_path, Setting(**engine), should_stop=lambda: True)
     assert result.status == "interrupted" and 0 <= result.steps < scene.steps
     assert result.steps % scene.probe_steps == 0 and not (tmp_path / "stop.request").exists()
 
@@ -244,7 +228,7 @@ def test_whole_job(tmp_path, monkeypatch):
     monkeypatch.setattr(results, "analyse", lambda case, folder: {})  # seconds, and the same as ever
     monkeypatch.setattr(results, "write_report", lambda folder, summary, case: (folder / "report.html").write_text(""))
     with monkeypatch.context() as patch:
-        patch.setattr("lammps_jump.engines.lammps.run_lammps", partial(run_lammps, stop_at=3000))
+        patch.setattr(engine, "choose", choose_to_stop_at(3000))
         with pytest.raises(RunInterrupted, match="--resume"):
             run_case(case, folder, changes)
     first = json.loads((tmp_path / "run/summary.json").read_text())
@@ -253,7 +237,7 @@ def test_whole_job(tmp_path, monkeypatch):
         run_case(case, folder, [*changes, "run.seed=5"], resume=True)
     shutil.copytree(tmp_path / "run", tmp_path / "copy")
     with monkeypatch.context() as patch:  # a part that cannot begin, for want of a library say, spoils nothing
-        patch.setattr(engine, "write_continuation", lambda *place, **options: None)
+        patch.setattr("lammps_jump.engines.launch.write_continuation", lambda scene, folder, **options: folder)
         with pytest.raises(RunError, match="checkpoint is kept"):
             run_case(case, folder, changes, resume=True)
     summary = run_case(case, folder, changes, resume=True)

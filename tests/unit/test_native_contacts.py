@@ -4,9 +4,10 @@ from math import atan2, cos, exp, log, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from closed_forms import friction_impulse_factor
 
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.physics.contact import friction_impulse_factor, lagged_restitution
+from lammps_jump.physics.contact import lagged_restitution
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.walls import Block, Plane
 

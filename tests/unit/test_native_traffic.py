@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lammps_jump.engines import step_hook
-from lammps_jump.engines.native import NativeSimulation, run_native, simulate
+from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.scene.build import handmade_scene
@@ -69,10 +69,9 @@ def channel(**kw):
     return handmade_scene(EMPTY, EMPTY, walls, inlets=rows, outlets=outlets, **kw)
 
 
-@pytest.mark.parametrize("search", ["verlet", "cells"])
-def test_discs_balance(search):
-    run = simulate(channel(), search=search)
-    result = run.result
+@pytest.mark.parametrize("cell_size", [None, 2 * D], ids=["lists", "cells"])
+def test_discs_balance(cell_size):
+    result = run_native(channel(), None, cell_size=cell_size)
     assert result.status == "complete"
     assert result.removed > 0 and result.present > 0
     assert result.inserted == result.present + result.removed
@@ -211,11 +210,9 @@ def test_keyboard_interrupt_is_an_interruption():
     assert result.steps == 1000
 
 
-def test_wrong_search_is_refused():
-    with pytest.raises(CaseError, match="'verlet' or 'cells'"):
-        run_native(handmade_scene([[0, 0]], [[0, 0]]), None, search="octree")
+def test_a_wrong_cell_size_is_refused():
     with pytest.raises(CaseError, match="a tenth of the disc diameter"):
-        CellSimulation(handmade_scene([[0, 0]], [[0, 0]]), cell_size=0.001)
+        run_native(handmade_scene([[0, 0]], [[0, 0]]), None, cell_size=0.001)
 
 
 def test_probe_on_a_gate_counts_until_its_release():

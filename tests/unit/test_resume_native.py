@@ -7,13 +7,12 @@ import os
 import signal
 import sys
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from children import run_program
-from made_up import run_case
+from made_up import choose_to_stop_at, run_case
 
 import lammps_jump as lj
 from lammps_jump.case import load_case
@@ -30,7 +29,7 @@ from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.engines.result import Progress, interruption
 from lammps_jump.errors import CaseError, ResumeError, RunInterrupted
 from lammps_jump.provenance import fingerprint
-from lammps_jump.runs import results, start
+from lammps_jump.runs import engine, results, start
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Box
@@ -189,7 +188,7 @@ def light(monkeypatch):
 def interrupted(tmp_path, monkeypatch, light):
     """A run folder of a run that was interrupted half way."""
     with monkeypatch.context() as patch:
-        patch.setattr("lammps_jump.engines.native.run_native", partial(run_native, stop_at=2500))
+        patch.setattr(engine, "choose", choose_to_stop_at(2500))
         with pytest.raises(RunInterrupted, match=r"lammps-jump run .* --resume"):
             job(tmp_path / "run")
     return tmp_path / "run"

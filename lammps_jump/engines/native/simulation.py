@@ -16,6 +16,7 @@ from time import perf_counter
 import numpy as np
 
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.scene import Scene
 
 from . import ledger as books
@@ -28,9 +29,6 @@ from .ledger import Energy
 
 DEFAULT_SKIN = 0.3
 """Skin of the neighbour list over the diameter where the scene gives none."""
-
-SLIP_FRACTION = 0.01
-"""eps over v_max, thesis (4.20)."""
 
 KNOWN = {
     "integrator": ("velocity_verlet", "leapfrog_extrapolated"),
@@ -84,7 +82,7 @@ class NativeSimulation:
         coefficients = scene.coefficients
         mass = scene.mass
         self._friction = coefficients.friction if coefficients.friction > 0 else None
-        self._sign = SLIP_FRACTION if self._friction is not None and scene.friction_law == "sign" else None
+        self._sign = SIGN_RAMP if self._friction is not None and scene.friction_law == "sign" else None
         self._touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
         self._law = kernels.Law(
             scene.diameter,

@@ -1,5 +1,5 @@
-"""LAMMPS plugin of this project: styles made for equal discs in 2-D, compiled on demand and cached."""
+"""LAMMPS plugin of this project: styles for equal discs in two dimensions, compiled on demand and cached."""
 
-from .build import KernelStatus, availability, plugin_path
+import lazy_loader
 
-__all__ = ["KernelStatus", "availability", "plugin_path"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

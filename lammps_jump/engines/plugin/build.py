@@ -7,8 +7,6 @@ with the record written after it, which holds its checksum: a half-written or da
 
 from __future__ import annotations
 
-import contextlib
-import fcntl
 import hashlib
 import importlib.metadata
 import importlib.util
@@ -19,10 +17,12 @@ import shlex
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+
+from filelock import FileLock
+from platformdirs import user_cache_path
 
 from lammps_jump.errors import SetupError
 
@@ -93,10 +93,7 @@ class _Recipe:
 def cache_folder() -> Path:
     """Folder of the built plugins: LAMMPS_JUMP_CACHE, else XDG_CACHE_HOME/lammps-jump, else ~/.cache/lammps-jump."""
     override = os.environ.get("LAMMPS_JUMP_CACHE")
-    if override:
-        return Path(override) / "kernels"
-    home = os.environ.get("XDG_CACHE_HOME")
-    return (Path(home) if home else Path.home() / ".cache") / "lammps-jump" / "kernels"
+    return (Path(override) if override else user_cache_path("lammps-jump")) / "kernels"
 
 
 def find_compiler() -> tuple[str, ...] | None:
@@ -224,14 +221,6 @@ def _is_whole(library: Path) -> bool:
         return False
 
 
-@contextlib.contextmanager
-def _only_one(folder: Path) -> Iterator[None]:
-    """Holds the lock of a cache entry; the system frees it even where the holder dies."""
-    with open(folder / "lock", "w") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-
-
 def _compile(recipe: _Recipe, library: Path) -> None:
     """Compile into a file beside `library`, then move it there in one go, then write its record."""
     folder = _source_folder()
@@ -287,8 +276,9 @@ def plugin_path(*, build: bool = True, force: bool = False) -> Path:
         raise SetupError("the compiled kernel is not built yet; run `lammps-jump kernels build`")
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
-        with _only_one(library.parent):
-            if force or not _is_whole(library):  # somebody else may have built it while we waited
+        # the system frees the lock even where its holder dies
+        with FileLock(library.parent / "lock"):
+            if force or not _is_whole(library):  # another process may have built it meanwhile
                 _compile(recipe, library)
     except OSError as error:
         advice = "name a writable folder in the variable LAMMPS_JUMP_CACHE"

@@ -8,9 +8,10 @@
    hooke      F_t = min(ks |F_n|, m_eff gamma_t |v_t|)            LAMMPS gran/hooke, opposite to v_t
    sign       F_t = ks |F_n| min(1, |v_t| / eps), eps = v_max/100 thesis (4.18)-(4.21), opposite to v_t
    smooth     k delta -> F = k delta^2/(2 s) below delta = s, k (delta - s/2) beyond; E(delta) its energy; the dashpot
-              times min(1, delta/s) (ramp), or times F / sqrt(2 k E) (even): in z = sqrt(2 E / k) and the time that
-              runs with dz/ddelta the contact is then the linear one, so that restitution is the same at every speed
-              and width (derived in docs/kernels.md)
+              times F / sqrt(2 k E): in z = sqrt(2 E / k) and the time that runs with dz/ddelta the contact is then
+              the linear one, so that restitution is the same at every speed and width (derived in docs/kernels.md)
+
+   lammps_jump/physics/law.py holds the same law for the native engine; tests compare the two.
 
    The tensile tail of F_n is kept, as the thesis keeps it. Every branch is a template argument: a scene pays for
    nothing it lacks. The order of the operations follows gran/hooke, so that results agree with it to round-off
@@ -28,7 +29,7 @@ namespace jump {
 
 enum class Friction { NONE, HOOKE, HOOKE_SPIN, SIGN, SIGN_SPIN };
 
-enum class Touch { SHARP, RAMP, EVEN };
+enum class Touch { SHARP, SMOOTH };
 
 constexpr bool has_friction(Friction f) { return f != Friction::NONE; }
 constexpr bool has_spin(Friction f) { return f == Friction::HOOKE_SPIN || f == Friction::SIGN_SPIN; }
@@ -86,15 +87,11 @@ inline ContactForce<Number> contact_force(const Law &law, const Number &dx, cons
     const Number share = overlap * law.inverse_width;
     const Number one = spread(1.0, rsq);
     const Number ramp = least(share, one);
-    if (TOUCH == Touch::RAMP) {
-      damp *= ramp;
-    } else {
-      // (F / sqrt(2 k E))^2: 3 delta/(4 s) below s, q^2/(q^2 + s^2/12) with q = delta - s/2 beyond
-      const Number q = overlap - 0.5 * law.width;
-      const Number beyond = q * q / (q * q + law.width * law.width / 12.0);
-      const Number squared = share < one ? 0.75 * share : beyond;
-      damp *= root(squared);
-    }
+    // (F / sqrt(2 k E))^2: 3 delta/(4 s) below s, q^2/(q^2 + s^2/12) with q = delta - s/2 beyond
+    const Number q = overlap - 0.5 * law.width;
+    const Number beyond = q * q / (q * q + law.width * law.width / 12.0);
+    const Number squared = share < one ? 0.75 * share : beyond;
+    damp *= root(squared);
     // both branches in one: k (overlap - s ramp/2) ramp is k delta^2/(2 s) below s and k (delta - s/2) beyond
     const Number spring = law.k * ramp * (overlap - 0.5 * law.width * ramp);
     ccel = spring * rinv - damp;

@@ -381,8 +381,7 @@ void FixJumpStep::post_force(int)
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
   switch (pair->touch) {
     case Touch::SHARP: push_all<Touch::SHARP>(); break;
-    case Touch::RAMP: push_all<Touch::RAMP>(); break;
-    case Touch::EVEN: push_all<Touch::EVEN>(); break;
+    case Touch::SMOOTH: push_all<Touch::SMOOTH>(); break;
   }
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step

@@ -99,9 +99,7 @@ void PairJumpDisc::settings(int narg, char **arg)
       }
     } else if (key == "dashpot") {
       const std::string name = a + 1 < narg ? arg[a + 1] : "";
-      if (name != "ramp" && name != "even")
-        error->all(FLERR, "pair_style jump/disc: dashpot (of a smooth touch) is ramp or even, not '{}'", name);
-      even = name == "even";
+      if (name != "even") error->all(FLERR, "pair_style jump/disc: dashpot is even, not '{}'", name);
     } else if (key == "spin") {
       spin = yes(a + 1);
     } else if (key == "skin") {
@@ -132,7 +130,7 @@ void PairJumpDisc::choose()
   friction = !rubs ? Friction::NONE
       : sign       ? (spin ? Friction::SIGN_SPIN : Friction::SIGN)
                    : (spin ? Friction::HOOKE_SPIN : Friction::HOOKE);
-  touch = !smooth ? Touch::SHARP : even ? Touch::EVEN : Touch::RAMP;
+  touch = smooth ? Touch::SMOOTH : Touch::SHARP;
   const double m_eff = mass * mass / (mass + mass);
   law.k = k;
   law.damping = m_eff * gamma;
@@ -283,7 +281,7 @@ void PairJumpDisc::read_restart(FILE *fp)
 void PairJumpDisc::write_restart_settings(FILE *fp)
 {
   const double numbers[8] = {k, gamma, gamma_t, mu, mass, diameter, width, skin};
-  const int flags[6] = {sign, smooth, even, spin, ledger, halo};
+  const int flags[6] = {sign, smooth, 1, spin, ledger, halo};    // the third chose between two dashpots once
   fwrite(&RESTART_FORM, sizeof(int), 1, fp);
   fwrite(numbers, sizeof(double), 8, fp);
   fwrite(flags, sizeof(int), 6, fp);
@@ -313,7 +311,6 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
   skin = numbers[7];
   sign = flags[0];
   smooth = flags[1];
-  even = flags[2];
   spin = flags[3];
   ledger = flags[4];
   halo = flags[5];

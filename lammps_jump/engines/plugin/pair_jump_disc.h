@@ -1,5 +1,5 @@
 /* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D
-                        [touch sharp | touch smooth S] [dashpot even|ramp] [spin yes|no] [ledger yes|no] [skin L]
+                        [touch sharp | touch smooth S] [dashpot even] [spin yes|no] [ledger yes|no] [skin L]
                         [halo yes|no]
    pair_coeff * *
 
@@ -55,7 +55,7 @@ class PairJumpDisc : public Pair {
   // shared with fix jump/step
 
   jump::Friction friction = jump::Friction::NONE;
-  bool sign = false, smooth = false, even = true, spin = false, ledger = false, halo = false;
+  bool sign = false, smooth = false, spin = false, ledger = false, halo = false;
   double mass = 0.0, diameter = 0.0, width = 0.0;
   std::vector<Loss> loss;                            // what takes energy from the local discs, with the ledger
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s

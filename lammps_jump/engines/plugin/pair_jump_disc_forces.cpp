@@ -203,15 +203,14 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
   };
   switch (touch) {
     case Touch::SHARP: run_touch(std::integral_constant<Touch, Touch::SHARP>{}); break;
-    case Touch::RAMP: run_touch(std::integral_constant<Touch, Touch::RAMP>{}); break;
-    case Touch::EVEN: run_touch(std::integral_constant<Touch, Touch::EVEN>{}); break;
+    case Touch::SMOOTH: run_touch(std::integral_constant<Touch, Touch::SMOOTH>{}); break;
   }
 }
 
 /** Elastic energy of one overlap under the touch in use, J/m. */
 double PairJumpDisc::elastic_energy(const jump::Law &rule, double overlap) const
 {
-  return smooth ? jump::elastic_energy<Touch::RAMP>(rule, overlap) : jump::elastic_energy<Touch::SHARP>(rule, overlap);
+  return smooth ? jump::elastic_energy<Touch::SMOOTH>(rule, overlap) : jump::elastic_energy<Touch::SHARP>(rule, overlap);
 }
 
 /** Elastic energy in the pairs of this rank, from the positions of the last force evaluation, J/m. */
@@ -249,8 +248,7 @@ double PairJumpDisc::single(int i, int j, int, int, double rsq, double, double, 
   const double vx = atom->v[i][0] - atom->v[j][0], vy = atom->v[i][1] - atom->v[j][1];
   const ContactForce<double> out = touch == Touch::SHARP
       ? jump::contact_force<Friction::NONE, Touch::SHARP>(law, dx, dy, vx, vy, 0.0)
-      : touch == Touch::RAMP ? jump::contact_force<Friction::NONE, Touch::RAMP>(law, dx, dy, vx, vy, 0.0)
-                             : jump::contact_force<Friction::NONE, Touch::EVEN>(law, dx, dy, vx, vy, 0.0);
+      : jump::contact_force<Friction::NONE, Touch::SMOOTH>(law, dx, dy, vx, vy, 0.0);
   fforce = (out.fx * dx + out.fy * dy) / rsq;
   const double overlap = law.reach - std::sqrt(rsq);
   return elastic_energy(law, overlap);

@@ -49,9 +49,9 @@ class Row:
 
 def cell_time(scene: Scene, size: float | None) -> tuple[float, float]:
     """Return (processor seconds, disc-steps) of a run with cells of `size` diameters, None for the neighbour list."""
-    search = {"search": "verlet"} if size is None else {"search": "cells", "cell_size": size * scene.diameter}
+    cell_size = None if size is None else size * scene.diameter
     with tempfile.TemporaryDirectory() as folder, Stopwatch() as watch:
-        result = run_native(scene, Path(folder), ledger=False, **search)
+        result = run_native(scene, Path(folder), ledger=False, cell_size=cell_size)
     return watch.cpu, result.disc_steps
 
 

@@ -14,9 +14,10 @@ import numpy as np
 
 from lammps_jump.analysis.draw.style import new_figure, save, style
 from lammps_jump.dump.read import open_dump
+from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.runs import KERNELS, StudyCase, execute, usable_kernels
+from lammps_jump.studies.runs import KERNELS, StudyCase, execute
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.table import markdown
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
 
+from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import SetupError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.cross_validation.trajectories import (
@@ -21,7 +22,7 @@ from lammps_jump.studies.cross_validation.trajectories import (
     separation,
     trajectory,
 )
-from lammps_jump.studies.runs import StudyCase, execute, kernel_changes, usable_kernels
+from lammps_jump.studies.runs import StudyCase, execute, kernel_changes
 from lammps_jump.studies.settings import SKINS
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.table import markdown

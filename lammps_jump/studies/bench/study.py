@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 
+from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.studies.measure import Measured, run_setting
-from lammps_jump.studies.runs import StudyCase, usable_kernels
+from lammps_jump.studies.runs import StudyCase
 from lammps_jump.studies.settings import (
     FRACTIONS,
     QUICK_FRACTIONS,

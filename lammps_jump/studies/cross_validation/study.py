@@ -13,8 +13,9 @@ from collections.abc import Callable
 from math import isfinite, nan
 from pathlib import Path
 
+from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import SetupError
-from lammps_jump.studies.runs import StudyCase, choose_kernel, usable_kernels
+from lammps_jump.studies.runs import StudyCase, choose_kernel
 
 from .divergence import TWIN_JITTER, Divergence, measure_divergence
 from .ensembles import perturbed

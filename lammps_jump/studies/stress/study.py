@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
-from lammps_jump.studies.runs import usable_kernels
 from lammps_jump.studies.store import Store, as_json
 
 from .bed import Bed, resting_bed

@@ -1,0 +1,104 @@
+"""Which engine, kernel and number of MPI ranks a scene gets."""
+
+from __future__ import annotations
+
+import os
+
+from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.scene.scene import Scene
+
+from .lammps.loader import check_installed
+from .plugin.build import availability, plugin_path
+from .setting import Setting
+
+KERNELS = ("auto", "stock", "compiled")
+DISCS_PER_RANK = 2_500
+"""Below this another rank waits for a good part of its time, spinning (docs/scaling.md)."""
+
+
+def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Setting, list[str]]:
+    """Setting for a scene, and notes for the user. The plugin is built where it is chosen and not in the cache yet.
+
+    Parameters
+    ----------
+    engine : {'lammps', 'native'}
+    kernel : {'auto', 'stock', 'compiled'}
+        LAMMPS only. ``auto`` is the compiled kernel, or stock where that cannot be used.
+    ranks : int or 'auto'
+    scene : Scene
+
+    Raises
+    ------
+    CaseError
+        A kernel that is not known, or ranks of the native engine.
+    SetupError
+        LAMMPS is not installed, or the scene needs the compiled kernel, which cannot be used.
+    """
+    if engine == "native":
+        if ranks not in (1, "auto"):
+            raise CaseError(f"engine.ranks: {ranks} ranks; the native engine runs on one core")
+        return Setting("native", "numba"), []
+    if kernel not in KERNELS:
+        raise CaseError(f"engine.kernel: {kernel} is not known; use {', '.join(KERNELS)}")
+    check_installed()
+    number, notes = choose_ranks(ranks, scene)
+    if kernel == "stock":
+        if scene.touch == "smooth":
+            raise SetupError("kernel stock: 'touch: smooth' is not in stock LAMMPS; use the compiled kernel")
+        return Setting(ranks=number), notes
+    try:
+        status = availability()
+        if not status.available:
+            raise SetupError(status.reason)
+        return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes
+    except SetupError as error:
+        if kernel == "compiled" or needs_plugin(scene):
+            raise SetupError(f"the compiled kernel is needed here and cannot be used: {error}") from None
+        return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}"]
+
+
+def needs_plugin(scene: Scene) -> bool:
+    """Whether stock LAMMPS lacks something of a scene: a smooth touch, or the thesis' friction."""
+    return scene.touch == "smooth" or (scene.friction_law == "sign" and scene.coefficients.friction > 0)
+
+
+def usable_kernels() -> tuple[list[str], list[str]]:
+    """Those of 'stock', 'compiled' and 'native' that run here, and a note for each that does not."""
+    try:
+        check_installed()
+    except SetupError as error:
+        return ["native"], [f"LAMMPS left out: {error}"]
+    status = availability()
+    if status.available:
+        return ["stock", "compiled", "native"], []
+    return ["stock", "native"], [f"compiled kernel left out: {status.reason}"]
+
+
+def free_cores() -> int:
+    """Cores this process may use, less those that the load of the last minute takes; at least 1."""
+    cores = len(os.sched_getaffinity(0))
+    try:
+        busy = os.getloadavg()[0]
+    except OSError:
+        busy = 0.0
+    return max(1, cores - round(busy))
+
+
+def expected_discs(scene: Scene) -> int:
+    """Discs in play at the end if none leaves: those at the start and all that the inlets can bring."""
+    steps = scene.steps - scene.settle_steps
+    brought = sum(row.limit or steps // row.every_steps for row in scene.inlets)
+    return len(scene.positions) + brought + sum(item.count for item in scene.pours)
+
+
+def choose_ranks(wanted: int | str, scene: Scene) -> tuple[int, list[str]]:
+    """Number of ranks, and notes for the user.
+
+    ``auto``: one for small scenes, never more than free cores. A number is obeyed, with a note where cores lack.
+    """
+    if wanted == "auto":
+        return max(1, min(free_cores(), expected_discs(scene) // DISCS_PER_RANK)), []
+    cores = len(os.sched_getaffinity(0))
+    if int(wanted) > cores:
+        return int(wanted), [f"{wanted} ranks on {cores} cores: ranks spin while they wait, fewer would be faster"]
+    return int(wanted), []

@@ -1,0 +1,124 @@
+"""The one way to run a scene: an engine in a child process, which this process watches.
+
+The child is in a session of its own, so that Ctrl-C comes to this process alone. This process asks the child to save
+and end; a second Ctrl-C or SIGTERM kills it. A child without a job is kept for the next run, and ends with this
+process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from lammps_jump.errors import SetupError
+from lammps_jump.scene.scene import Scene
+from lammps_jump.script.assemble import write_script
+from lammps_jump.script.resume import write_continuation
+
+from .checkpoint import Checkpoint
+from .child import Child, child_for, prepare_worker
+from .interrupts import handled_by
+from .lammps.drive import make_ready
+from .lammps.finish import Outcome, conclude
+from .lammps.log import read_log
+from .result import Progress, ProgressCallback, RunResult, interruption
+from .setting import Job, Setting
+
+__all__ = ["Setting", "prepare_worker", "run", "write_inputs"]
+
+
+def run(
+    scene: Scene,
+    folder: Path,
+    setting: Setting | None = None,
+    *,
+    progress: ProgressCallback | None = None,
+    should_stop: Callable[[], bool] | None = None,
+    resume: Checkpoint | None = None,
+) -> RunResult:
+    """Run a scene in a folder, and leave there the dump, ``forces.csv`` and the engine's own files.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        Made where it is missing. What an earlier run left of the same names is replaced.
+    setting : Setting, optional
+    progress : callable, optional
+        Called with a `Progress` about ten times a second.
+    should_stop : callable, optional
+        Asked at the same rate; True ends the run as an interruption does.
+    resume : Checkpoint, optional
+        Go on with the interrupted run that left it in `folder`. The result is of all parts.
+
+    Returns
+    -------
+    RunResult
+        With status 'complete', 'interrupted' or 'failed' and a message. An interrupted run leaves a checkpoint where
+        it can.
+
+    Raises
+    ------
+    SetupError
+        The engine cannot be used here, or the folder cannot be written.
+    CaseError
+        The engine does not know an option of the scene.
+    """
+    setting = setting or Setting()
+    job = Job(scene, Path(folder), setting, Path.cwd(), resume)
+    try:
+        write_inputs(job)
+    except OSError as error:
+        raise SetupError(
+            f"{folder}: cannot be written ({error.strerror or error}); name another folder, or correct its permissions"
+        ) from None
+    with child_for(job) as child, handled_by(child.signalled):
+        found = child.run(job, progress, should_stop)
+        if found is None:
+            found = _without_result(job, child)
+    return found
+
+
+def write_inputs(job: Job) -> None:
+    """Write the script of a job, and clear its folder of an earlier run; the native engine needs the folder alone."""
+    scene, setting, resume = job.scene, job.setting, job.resume
+    job.folder.mkdir(parents=True, exist_ok=True)
+    if setting.engine == "native":
+        return
+    options = {"kernel": setting.kernel, "ranks": setting.ranks, "plugin": setting.plugin}
+    options |= {"dump_format": setting.dump_format, "header": setting.header}
+    if resume is None:
+        path = write_script(scene, job.folder, **options)
+    else:
+        options["header"] = tuple(line.replace("in.lammps", "in.resume.lammps") for line in setting.header)
+        checkpoint = {"state": resume.state, "step": resume.step, "removed": resume.removed}
+        path = write_continuation(scene, job.folder, **checkpoint, **options)
+    if setting.script is not None:
+        path.write_text(setting.script)
+    make_ready(job)
+
+
+def _without_result(job: Job, child: Child) -> RunResult:
+    """The result of a run whose process was killed, or ended by itself."""
+    said = [line for line in child.output if "ERROR" in line] or child.output[-3:]
+    log = read_log(job.folder / "log.lammps").error
+    status = child.process.returncode
+    error = " ".join(said[:1]) or log or (f"the engine's process ended with status {status}" if status else "")
+    if job.setting.engine == "lammps":
+        return conclude(job, Outcome(error="" if child.asked else error, interrupted=child.asked > 0))
+    scene, last = job.scene, child.last or Progress(0, job.scene.steps, 0.0, len(job.scene.positions))
+    found = RunResult(
+        engine="native", kernel="numba", status="failed", steps=last.step, disc_steps=0.0, inserted=last.discs,
+        present=last.discs, removed=0, lost=0, seconds=0.0,
+        message=f"the engine's process ended at t = {last.time:.4g} s: {error}. What it wrote is kept in {job.folder}.",
+    )  # fmt: skip
+    if not child.asked:
+        return found
+    reason = "it was not ended in order, so that no state was saved"
+    again = job.resume.time if job.resume else None
+    return replace(
+        found,
+        status="interrupted",
+        message=interruption(last.time, scene.time(scene.steps), job.folder, again=again, reason=reason),
+    )

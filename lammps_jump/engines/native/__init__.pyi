@@ -1,0 +1,3 @@
+from .engine import run_native as run_native
+from .ledger import Energy as Energy
+from .simulation import NativeSimulation as NativeSimulation

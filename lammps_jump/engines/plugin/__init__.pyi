@@ -1,0 +1,3 @@
+from .build import KernelStatus as KernelStatus
+from .build import availability as availability
+from .build import plugin_path as plugin_path

@@ -1,0 +1,61 @@
+"""How a scene is to be run: the engine and its options, and the job that goes to the engine's process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lammps_jump.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from .checkpoint import Checkpoint
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Engine of a run and its options.
+
+    Attributes
+    ----------
+    engine : {'lammps', 'native'}
+    kernel : {'stock', 'compiled', 'numba'}
+        The first two are of LAMMPS, the last is of the native engine.
+    ranks : int
+        MPI ranks, LAMMPS only.
+    plugin : Path, optional
+        The plugin's shared object, for the compiled kernel.
+    dump_format : {'text', 'gz', 'binary'}
+    header : tuple of str
+        Comment lines for the top of the LAMMPS script.
+    script : str, optional
+        Text of the LAMMPS script in place of the one that is made of the scene.
+    stop_at : int, optional
+        End the run as an interruption does at this step. LAMMPS with probes goes on to the end of their window.
+    ledger : bool
+        Native engine: keep the energy ledger, a quarter of the stepping time.
+    cell_size : float, optional
+        Native engine: the thesis' own contact search in square cells of this width (m), in place of neighbour lists.
+    """
+
+    engine: str = "lammps"
+    kernel: str = "stock"
+    ranks: int = 1
+    plugin: Path | None = None
+    dump_format: str = "text"
+    header: tuple[str, ...] = ()
+    script: str | None = None
+    stop_at: int | None = None
+    ledger: bool = True
+    cell_size: float | None = None
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run as the engine's process gets it; `home` is the working directory to which `folder` may be relative."""
+
+    scene: Scene
+    folder: Path
+    setting: Setting
+    home: Path
+    resume: Checkpoint | None = None

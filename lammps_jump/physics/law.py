@@ -1,0 +1,91 @@
+"""Contact law of two discs, or of a disc and a wall: normal force, friction, stored energy (thesis 3.11, 4.18-4.21).
+
+Plain functions of one contact, compiled at the end of the file. The loops of the native engine and of the analysis call
+them. The plugin holds its own copy (``contact_law.h``), which tests compare with these.
+
+`touch` is the width s (m) of a smooth touch, or None for a sharp one. With overlap delta and stiffness k, the spring of
+a smooth touch is k delta^2/(2 s) below delta = s and k (delta - s/2) beyond. Its dashpot is c F / sqrt(2 k E), where F
+is the spring's force and E its energy. The restitution is then that of the linear law at every speed and width (derived
+in docs/kernels.md).
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from numba import njit
+
+
+def _normal_force_py(overlap, opening, stiffness, damping, touch):
+    """Normal force and its dashpot part, N per m of width, positive where they push apart; tensile tail kept (3.11).
+
+    Parameters
+    ----------
+    overlap : float
+        m, above 0.
+    opening : float
+        Normal speed at which the two part, m/s.
+    stiffness, damping : float
+        N/m and N s/m, per m of width.
+    touch : float or None
+        Width of a smooth touch, m.
+    """
+    if touch is None:
+        dashpot = -damping * opening
+        return stiffness * overlap + dashpot, dashpot
+    if overlap < touch:
+        dashpot = -damping * opening * sqrt(0.75 * overlap / touch)
+        return 0.5 * stiffness * overlap * overlap / touch + dashpot, dashpot
+    beyond = overlap - 0.5 * touch
+    dashpot = -damping * opening * beyond / sqrt(beyond * beyond + touch * touch / 12.0)
+    return stiffness * beyond + dashpot, dashpot
+
+
+def _friction_force_py(normal, slip, friction, damping, slope):
+    """Friction, N per m of width, against the slip; at most friction abs(normal) (Coulomb).
+
+    Parameters
+    ----------
+    normal : float
+        Normal force, N per m of width.
+    slip : float
+        Tangential speed at the contact, m/s.
+    friction : float
+        Coefficient of friction ks.
+    damping : float
+        Slope of LAMMPS' viscous ramp (gran/hooke), N s/m per m of width.
+    slope : float or None
+        1/eps (s/m) of the thesis' law ks abs(F_n) sat(v_t / eps) (4.18-4.21); None for the viscous ramp.
+    """
+    bound = friction * abs(normal)
+    if slope is None:
+        return min(max(-damping * slip, -bound), bound)
+    return -bound * min(max(slip * slope, -1.0), 1.0)
+
+
+def _stored_energy_py(overlap, touch):
+    """Elastic energy over stiffness, m^2: integral of the spring's force over the overlap (thesis 4.28).
+
+    delta^2/2; with a smooth touch delta^3/(6 s) below delta = s and (delta^2 - s delta + s^2/3)/2 beyond.
+    """
+    if touch is None:
+        return 0.5 * overlap * overlap
+    if overlap < touch:
+        return overlap**3 / (6.0 * touch)
+    return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
+
+
+normal_force = njit(cache=True)(_normal_force_py)
+friction_force = njit(cache=True)(_friction_force_py)
+stored_energy = njit(cache=True)(_stored_energy_py)
+
+
+def watching_law(dispatcher):
+    """The same compiled function, with a disk cache that also expires when this file changes.
+
+    numba compares the date of a function's own file only. Machine code that holds these functions inline would
+    otherwise outlive a change here.
+    """
+    file = dispatcher._cache._cache_file
+    file._source_stamp = (file._source_stamp, normal_force._cache._cache_file._source_stamp)
+    return dispatcher

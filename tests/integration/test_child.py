@@ -1,0 +1,217 @@
+"""The engine's process: what goes to and fro, what ends it, and what it leaves when its parent is gone."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import re
+import signal
+import sys
+from dataclasses import asdict
+from json import dumps
+from pathlib import Path
+
+import pytest
+from children import run_child
+from made_up import INPUTS
+
+from lammps_jump.case import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.engines import child as children
+from lammps_jump.engines.checkpoint import read_checkpoint
+from lammps_jump.engines.child import Child, prepare_worker
+from lammps_jump.engines.launch import run
+from lammps_jump.engines.result import MARK, Progress, RunResult
+from lammps_jump.engines.setting import Job, Setting
+from lammps_jump.errors import CaseError, SetupError
+
+pytestmark = pytest.mark.lammps
+SETTINGS = {"lammps": Setting(), "native": Setting("native", "numba")}
+RESULT = RunResult("native", "numba", "complete", "", 900, 1.0, 7, 7, 0, 0, 1.0)
+
+
+@pytest.fixture
+def scene():
+    return build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=2"]))
+
+
+@pytest.fixture
+def endless():
+    return build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=200000"]))
+
+
+class FakeProcess:
+    """Keeps what it is told."""
+
+    returncode = 0
+    pid = 0
+
+    def __init__(self):
+        self.heard, write = os.pipe()
+        self.stdin = os.fdopen(write, "w")
+
+    def poll(self):
+        return 0
+
+    def wait(self, seconds=None):
+        return 0
+
+    def told(self) -> list[str]:
+        """What it was told; closes it."""
+        self.stdin.close()
+        with os.fdopen(self.heard) as file:
+            return file.read().splitlines()[1:]  # the job apart
+
+
+def fake_child(monkeypatch, reports=9, ends=True) -> Child:
+    lines = [f"{MARK}{dumps({'report': [100 * (k + 1), 7]})}\n" for k in range(reports)]
+    lines = [f"{MARK}{dumps({'report': None})}\n", "words of the engine\n", f"{MARK}torn", *lines]
+    if ends:
+        lines.append(f"{MARK}{dumps({'result': asdict(RESULT)})}\n")
+    monkeypatch.setattr(children.subprocess, "Popen", lambda *_, **__: FakeProcess())
+    child = Child("native")
+    child.messages.close()
+    child.messages = iter(lines)
+    return child
+
+
+def job(scene, folder=Path("nowhere")) -> Job:
+    return Job(scene, folder, Setting("native", "numba"), Path.cwd())
+
+
+def test_reports_and_result_come_through(scene, monkeypatch):
+    child, seen = fake_child(monkeypatch), []
+    assert child.run(job(scene), seen.append, None) == RESULT
+    assert seen == [Progress(100 * k, scene.steps, scene.time(100 * k), 7) for k in range(1, 10)]
+    assert child.output == ["words of the engine"] and child.process.told() == []
+
+
+def test_a_caller_that_wants_an_end_is_asked_until_it_says_so(scene, monkeypatch):
+    child, answers = fake_child(monkeypatch), iter([False, False, True])
+    assert child.run(job(scene), None, lambda: next(answers)) == RESULT
+    assert child.process.told() == ["stop 1"]
+
+
+def test_the_first_signal_asks_and_a_later_one_kills(scene, monkeypatch):
+    child, ended = fake_child(monkeypatch), []
+    monkeypatch.setattr(child, "end", lambda: ended.append(True))
+    monkeypatch.setattr(children, "ONE_SIGNAL", float("inf"))
+    child.run(job(scene), lambda report: child.signalled(15, None), None)  # nine at once, as from `timeout`
+    assert child.process.told() == ["stop 1"] and not ended
+    monkeypatch.setattr(children, "ONE_SIGNAL", -1.0)
+    child.signalled(15, None)
+    assert ended
+
+
+def test_a_process_that_ends_without_a_word_gives_no_result(scene, monkeypatch):
+    child = fake_child(monkeypatch, ends=False)
+    assert child.run(job(scene), None, None) is None
+    assert child.last.step == 900 and child.process.told() == []
+
+
+# --- real ones -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("engine", SETTINGS)
+def test_a_run_leaves_the_callers_process_as_it_was(scene, tmp_path, monkeypatch, engine):
+    monkeypatch.chdir(tmp_path)
+    before = Path.cwd(), dict(os.environ), signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    result = run(scene, Path("run"), SETTINGS[engine])
+    assert result.status == "complete" and result.steps == scene.steps and result.present == 16
+    assert result.seconds > 0 and result.cpu_seconds > 0
+    assert (Path.cwd(), dict(os.environ), signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
+    assert (tmp_path / "run/dump.lammpstrj").exists()
+
+
+@pytest.mark.parametrize("engine", SETTINGS)
+def test_the_process_serves_one_run_after_another(scene, tmp_path, engine):
+    prepare_worker(engine)
+    [child] = children._idle[engine]
+    for name in "ab":
+        run(scene, tmp_path / name, SETTINGS[engine])
+        assert children._idle[engine] == [child]
+    assert (tmp_path / "a/dump.lammpstrj").read_bytes() == (tmp_path / "b/dump.lammpstrj").read_bytes()
+
+
+@pytest.mark.parametrize("engine", SETTINGS)
+def test_a_killed_process_is_a_failed_run(endless, tmp_path, engine):
+    prepare_worker(engine)
+    [child] = children._idle[engine]
+
+    def kill(report: Progress) -> None:
+        if report.step:
+            child.end()
+
+    result = run(endless, tmp_path, SETTINGS[engine], progress=kill)
+    assert result.status == "failed" and "status -9" in result.message and str(tmp_path) in result.message
+    assert child not in children._idle[engine]
+    assert run(endless, tmp_path, Setting(engine, SETTINGS[engine].kernel, stop_at=1000)).status == "interrupted"
+
+
+@pytest.mark.parametrize("engine", SETTINGS)
+def test_a_second_signal_kills_and_the_earlier_checkpoint_stays(endless, tmp_path, engine, monkeypatch):
+    monkeypatch.setattr(children, "ONE_SIGNAL", -1.0)
+    setting = SETTINGS[engine]
+    first = run(endless, tmp_path, Setting(engine, setting.kernel, stop_at=1000))
+    monkeypatch.setattr(Child, "_tell", lambda child: None)  # else it may save before the second signal comes
+
+    def press(report: Progress) -> None:
+        if report.step > 1000:
+            signal.raise_signal(signal.SIGTERM)
+            signal.raise_signal(signal.SIGTERM)
+
+    result = run(endless, tmp_path, setting, progress=press, resume=read_checkpoint(tmp_path))
+    assert result.status == "interrupted" and f"goes on from t = {endless.time(first.steps):.4g} s" in result.message
+    assert read_checkpoint(tmp_path).step == first.steps
+
+
+def test_errors_of_the_engine_are_the_callers(scene, tmp_path, monkeypatch):
+    with pytest.raises(CaseError, match="xyz"):
+        run(scene, tmp_path, Setting("native", "numba", dump_format="xyz"))
+    (tmp_path / "file").touch()
+    with pytest.raises(SetupError, match="cannot be written"):
+        run(scene, tmp_path / "file" / "run", Setting("native", "numba"))
+
+
+ORPHAN = """
+import os, signal, sys
+from pathlib import Path
+from lammps_jump.case import load_case
+from lammps_jump.case.to_scene import build_scene
+from lammps_jump.engines import child
+from lammps_jump.engines.launch import Setting, run
+
+case, folder, engine, kernel, ranks = sys.argv[1:]
+scene = build_scene(load_case(case, ["run.duration=200000"]))
+made = []
+class Noted(child.Child):
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        print("engine", self.process.pid, flush=True)
+child.Child = Noted
+def die(report):
+    if report.step:
+        os.kill(os.getpid(), signal.SIGKILL)
+run(scene, Path(folder), Setting(engine, kernel, ranks=int(ranks)), progress=die)
+"""
+SUBREAPER = 36
+
+
+@pytest.mark.parametrize(
+    ("engine", "kernel", "ranks"), [("lammps", "stock", 1), ("native", "numba", 1), ("lammps", "stock", 2)]
+)
+def test_without_its_parent_a_run_is_saved_and_ends(endless, tmp_path, engine, kernel, ranks):
+    libc = ctypes.CDLL(None)
+    libc.prctl(SUBREAPER, 1, 0, 0, 0)  # orphans become children of this process, which can wait for them
+    try:
+        arguments = [INPUTS / "energy_box_16.yaml", tmp_path, engine, kernel, ranks]
+        status, output = run_child([sys.executable, "-c", ORPHAN, *arguments])
+        assert status == -signal.SIGKILL
+        os.waitpid(int(re.search(r"engine (\d+)", output)[1]), 0)
+    finally:
+        libc.prctl(SUBREAPER, 0, 0, 0, 0)
+    checkpoint = read_checkpoint(tmp_path)
+    assert 0 < checkpoint.step < endless.steps and checkpoint.result.status == "interrupted"
+    setting = Setting(engine, kernel, stop_at=checkpoint.step + 1000)
+    result = run(endless, tmp_path, setting, resume=checkpoint)
+    assert result.steps == checkpoint.step + 1000 and result.resumed == (endless.time(checkpoint.step),)
