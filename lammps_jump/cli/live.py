@@ -6,6 +6,7 @@ import os
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lammps_jump.analysis.draw.film import still
 from lammps_jump.analysis.flow import from_scene
@@ -13,6 +14,9 @@ from lammps_jump.dump.tail import Tail
 from lammps_jump.engines.result import Progress, ProgressCallback
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.image import AxesImage
 
 SECONDS = 1.5
 """Time between pictures; one costs some hundredths of a second."""
@@ -63,14 +67,14 @@ class LiveView:
         except DumpError:
             return  # the frame is still being written; the next one is drawn
         if frame is not None and self.window is not None and self.picture.exists():
-            self._show()
+            self._show(self.window)
 
-    def _show(self) -> None:
+    def _show(self, window: _Window) -> None:
         """Show the picture; without a window from then on where the user has closed it or its toolkit fails."""
         try:
-            if not self.window.closed:
-                self.window.show(self.picture)
-            if self.window.closed:
+            if not window.closed:
+                window.show(self.picture)
+            if window.closed:
                 self.window = None
         except Exception:  # whatever becomes of the window, the run goes on
             self.window = None
@@ -87,7 +91,7 @@ class _Window:
         self.figure, self.axes = plt.subplots(figsize=(12, 5), num=title)
         self.figure.subplots_adjust(0, 0, 1, 1)
         self.axes.axis("off")
-        self.image = None
+        self.image: AxesImage | None = None
 
     @property
     def closed(self) -> bool:
@@ -109,10 +113,10 @@ def _open_window(title: str) -> tuple[_Window | None, str]:
         return None, "there is no screen"
     try:
         import matplotlib
-        from matplotlib.backends import BackendFilter, backend_registry
+        from matplotlib.backends.registry import BackendFilter, backend_registry
 
         backend = matplotlib.get_backend()  # the user's choice, else the first that works here
-        if backend.lower() in backend_registry.list_builtin(BackendFilter.NON_INTERACTIVE):
+        if backend.lower() in backend_registry.list_builtin(BackendFilter.NON_INTERACTIVE):  # type: ignore[no-untyped-call]
             return None, f"matplotlib has no toolkit for windows here (backend {backend})"
         return _Window(title), ""
     except Exception as error:  # toolkits fail in their own ways; the file is written all the same

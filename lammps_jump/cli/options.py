@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -51,7 +51,7 @@ Resume = Annotated[
 Force = Annotated[bool, typer.Option("--force", help="Run even where the folder already holds this result.")]
 
 
-def place(text: str):
+def place(text: str) -> Any:
     """The option ``--out``, with its help."""
     return typer.Option("--out", parser=folder_option, metavar="PATH", help=text)
 

@@ -13,6 +13,7 @@ import lammps_jump as lj
 import lammps_jump.analysis as analysis
 import lammps_jump.cli as cli
 import lammps_jump.runs as runs
+from lammps_jump.engines.result import ProgressCallback
 from lammps_jump.errors import CaseError, RunError
 
 from .options import Accuracy, CaseFile, EngineName, Force, Kernel, Out, Quiet, Ranks, Resume, Sets, assignments, told
@@ -78,7 +79,7 @@ def run(
 
 
 @contextmanager
-def _shown(case: lj.Case, folder: Path | None, quiet: bool, live: bool, resume: bool) -> Iterator:
+def _shown(case: lj.Case, folder: Path | None, quiet: bool, live: bool, resume: bool) -> Iterator[ProgressCallback]:
     """What shows the progress of a run while the block runs: a line, with `live` also pictures."""
     line = ProgressLine(case.fields.run.duration, quiet=quiet, first_step=None if resume else 0)
     if not live:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import errno
 import os
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any, TextIO
 
 
 class PatientStream:
@@ -17,7 +19,7 @@ class PatientStream:
         The first error; None where a reader has closed its end (``| head``).
     """
 
-    def __init__(self, stream):
+    def __init__(self, stream: TextIO):
         self.stream = stream
         self.trouble: OSError | None = None
 
@@ -43,12 +45,12 @@ class PatientStream:
         os.dup2(nowhere, self.stream.fileno())  # takes what is still in the buffer
         os.close(nowhere)
 
-    def __getattr__(self, name: str):
+    def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)
 
 
 @contextmanager
-def patient_output():
+def patient_output() -> Iterator[PatientStream]:
     """Make stdout and stderr a `PatientStream`, with ``?`` for what their encoding lacks; yield stdout."""
     before = sys.stdout, sys.stderr
     streams = [stream or open(os.devnull, "w") for stream in before]  # None where the shell has closed it

@@ -30,9 +30,18 @@ def cross_validate(
     quiet: Quiet = False,
 ) -> None:
     """Hold LAMMPS and the native engine against each other; exit status 1 where they must agree and do not."""
-    line = partial(ProgressLine, quiet=quiet)
-    options = {"members": members, "kernel": kernel, "quick": quick, "quiet": quiet, "line": line}
-    if not studies.cross_validation.run_command(case, out=out, assignments=set_ or [], say=sayer(quiet), **options):
+    agree = studies.cross_validation.run_command(
+        case,
+        out=out,
+        assignments=set_ or [],
+        members=members,
+        kernel=kernel,
+        quick=quick,
+        quiet=quiet,
+        line=partial(ProgressLine, quiet=quiet),
+        say=sayer(quiet),
+    )
+    if not agree:
         raise typer.Exit(1)
 
 
@@ -67,12 +76,13 @@ def bench(
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
     part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
     varied = studies.bench.read_axes(axes, fractions, kernels, diameters)
-    options = {"axes": varied, "members": members, "quick": quick, "fresh": fresh, "say": sayer(quiet)}
     if table and part is None:
         return studies.table.show(studies.bench.stored_table(case, out))
-    studies.table.show(
-        studies.bench.run_bench(studies.runs.StudyCase(case, tuple(set_ or ())), out=out, part=part, **options)
+    wanted = studies.runs.StudyCase(case, tuple(set_ or ()))
+    found = studies.bench.run_bench(
+        wanted, out=out, part=part, axes=varied, members=members, quick=quick, fresh=fresh, say=sayer(quiet)
     )
+    studies.table.show(found)
 
 
 @app.command()

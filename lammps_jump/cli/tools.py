@@ -63,13 +63,13 @@ def kernels_build(
     force: Annotated[bool, typer.Option("--force", help="Build again even where a whole one is cached.")] = False,
 ) -> None:
     """Build the plugin into the cache, for administrators and for job files; prints its path."""
-    print(engines.plugin.build.plugin_path(build=True, force=force))
+    print(engines.plugin.plugin_path(build=True, force=force))
 
 
 @kernels.command("status")
 def kernels_status() -> None:
     """Tell whether the plugin can be used here."""
-    status = engines.plugin.build.availability()
+    status = engines.plugin.availability()
     print(status.reason or "usable")
     if not status.available:
         raise typer.Exit(1)

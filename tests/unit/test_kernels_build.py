@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from children import run_child
 
+from lammps_jump.cli import tools
 from lammps_jump.engines.plugin import availability, build, plugin_path
 from lammps_jump.errors import SetupError
 
@@ -175,3 +176,10 @@ def test_cache_folder_follows_the_variables(monkeypatch):
 def test_results_may_be_compared_so_the_flags_must_not_reorder_sums():
     assert "-ffp-contract=off" in build.FLAGS
     assert not {"-ffast-math", "-Ofast", "-funsafe-math-optimizations"} & set(build.FLAGS)
+
+
+def test_commands_that_tell_of_the_plugin(plugin, capsys):
+    tools.kernels_build()
+    assert Path(capsys.readouterr().out.strip()) == plugin
+    tools.kernels_status()
+    assert capsys.readouterr().out.strip()
