@@ -21,7 +21,7 @@ from lammps_jump.scene.walls import Interval
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
 from .snapshots import disc_speeds, seen_heights, seen_range, top_of
-from .style import style
+from .style import colour_bar, style
 
 NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
 """What to tell users where a GIF took the place of an MP4."""
@@ -252,9 +252,7 @@ def _stage(sample, flow, x, y, width, top_speed) -> _Stage:
                 max(view.height, 120) / total_height,
             )
         )
-        bar = figure.colorbar(ScalarMappable(Normalize(0, top_speed), "cividis"), cax=bar_axes)
-        bar.set_label("Speed [m/s]")
-        bar.outline.set_visible(False)
+        colour_bar(figure, ScalarMappable(Normalize(0, top_speed), "cividis"), "Speed [m/s]", cax=bar_axes)
         figure.text(
             1 - 8 / total_width, 1 - 20 / total_height, flow.scene.name, ha="right", fontsize=9, color="#555555"
         )
