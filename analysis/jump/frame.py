@@ -44,10 +44,15 @@ class MovingProfile:
     def mean(self, name: str, share: float = 0.5) -> np.ndarray:
         """Mean over the frames, NaN where fewer than this share of them has a value, shape (bins,)."""
         values = self.fields[name]
-        good = np.isfinite(values)
-        counts = good.sum(axis=0)
-        total = np.where(good, values, 0.0).sum(axis=0)
-        return np.where(counts >= max(1, share * len(values)), total / np.maximum(counts, 1), np.nan)
+        return _mean_of_known(values, axis=0, least=share * len(values))
+
+
+def _mean_of_known(values: np.ndarray, axis: int, least: float = 1) -> np.ndarray:
+    """Mean along an axis of what is not NaN; NaN where fewer than `least` values are known, or none."""
+    good = np.isfinite(values)
+    counts = good.sum(axis=axis)
+    total = np.where(good, values, 0.0).sum(axis=axis)
+    return np.where(counts >= max(1, least), total / np.maximum(counts, 1), np.nan)
 
 
 def move_along(
@@ -153,10 +158,7 @@ def measure_state(moving: MovingProfile, zone: tuple[float, float], speed: float
     inside = (moving.xi >= zone[0] - 1e-9) & (moving.xi <= zone[1] + 1e-9)
 
     def series(name: str) -> np.ndarray:
-        block = moving.fields[name][:, inside]
-        good = np.isfinite(block)
-        count = good.sum(axis=1)
-        return np.where(count > 0, np.where(good, block, 0.0).sum(axis=1) / np.maximum(count, 1), np.nan)
+        return _mean_of_known(moving.fields[name][:, inside], axis=1)
 
     names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing", "thrust")
     rows = {name: series(name) if name in moving.fields else np.full(len(moving.time), nan) for name in names}
