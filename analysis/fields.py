@@ -147,15 +147,13 @@ def compute_fields(
     above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
     fields["hydrostatic"] = above * spacing * abs(flow.scene.gravity[1])
     inner = (slice(margin, margin + ny), slice(margin, margin + nx))
+    variables = {}
+    for name, values in fields.items():
+        units, long_name = LONG_NAMES[name]
+        attributes = {"units": units, "long_name": long_name}
+        variables[name] = (("y", "x"), np.where(open_, values, np.nan)[inner], attributes)
     return xr.Dataset(
-        {
-            name: (
-                ("y", "x"),
-                np.where(open_, values, np.nan)[inner],
-                dict(zip(("units", "long_name"), LONG_NAMES[name], strict=True)),
-            )
-            for name, values in fields.items()
-        },
+        variables,
         coords={
             "x": ("x", centre_x[margin : margin + nx], {"units": "m", "long_name": "distance along the channel"}),
             "y": ("y", centre_y[margin : margin + ny], {"units": "m", "long_name": "height"}),

@@ -70,18 +70,12 @@ def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
     columns = np.arange(open_.shape[1])
     some = open_.any(axis=0)
 
-    def there(values):
-        return np.where(some, values[lowest, columns], np.nan)
+    def there(values, long_name):
+        return "x", np.where(some, values[lowest, columns], np.nan), {"units": "Pa", "long_name": long_name}
 
-    stress = fields["contact_yy"].values + fields["kinetic_yy"].values
-    attributes = {"units": "Pa"}
-    return xr.Dataset(
-        {
-            "stress": ("x", there(stress), {**attributes, "long_name": "vertical stress at the bed"}),
-            "hydrostatic": ("x", there(fields["hydrostatic"].values), {**attributes, "long_name": "weight above"}),
-        },
-        coords={"x": fields.x},
-    )
+    stress = there(fields["contact_yy"].values + fields["kinetic_yy"].values, "vertical stress at the bed")
+    weight = there(fields["hydrostatic"].values, "weight above")
+    return xr.Dataset({"stress": stress, "hydrostatic": weight}, coords={"x": fields.x})
 
 
 def bed_pressure_figure(fields: xr.Dataset, flow: Flow, *, title: str | None = None) -> Figure:

@@ -12,7 +12,7 @@ from math import nan, sqrt
 
 import numpy as np
 
-from lammps_jump.analysis.statistics import block_average
+from lammps_jump.analysis.statistics import Mean, mean_of
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
@@ -94,23 +94,6 @@ def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) ->
 
 
 @dataclass(frozen=True)
-class Mean:
-    """A mean and its standard error (blocking; its lower bound where the window is too short; NaN below 8 frames)."""
-
-    value: float
-    error: float
-
-
-def _mean(series: np.ndarray) -> Mean:
-    good = series[np.isfinite(series)]
-    if not good.size:
-        return Mean(nan, nan)
-    result = block_average(good)
-    error = float(result.standard_error)
-    return Mean(float(result.mean), error if np.isfinite(error) else float(result.lower_bound))
-
-
-@dataclass(frozen=True)
 class State:
     """The flow on one side of the jump.
 
@@ -162,8 +145,8 @@ def measure_state(moving: MovingProfile, zone: tuple[float, float], speed: float
 
     names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing", "thrust")
     rows = {name: series(name) if name in moving.fields else np.full(len(moving.time), nan) for name in names}
-    means = {name: _mean(values) for name, values in rows.items()}
-    ratio = _mean(rows["discharge"] / rows["mass_depth"])
+    means = {name: mean_of(values) for name, values in rows.items()}
+    ratio = mean_of(rows["discharge"] / rows["mass_depth"])
     depth = means["mass_depth"].value
     velocity = Mean(means["discharge"].value / depth, ratio.error)
     wave = sqrt(gravity * depth)
