@@ -12,7 +12,7 @@ from math import nan
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, new_figure, style
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing
 from lammps_jump.analysis.report.page import Section, Table, described, percent
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
@@ -183,8 +183,7 @@ def energy_figure(energy: Energy, name: str) -> Figure | None:
         return None
     total = history.total
     deviates = energy.conservative and total[0] != 0
-    with style():
-        figure, rows = new_figure(7.2, 5.2 if deviates else 3.6, 2 if deviates else 1, 1, sharex=True, squeeze=False)
+    with drawing(7.2, 5.2 if deviates else 3.6, 2 if deviates else 1, 1, sharex=True, squeeze=False) as (figure, rows):
         upper, lowest = rows[0, 0], rows[-1, 0]
         scale, unit = (1e6, "MJ/m") if total.max() > 1e6 else (1e3, "kJ/m") if total.max() > 1e4 else (1.0, "J/m")
         upper.plot(history.time, total / scale, color=BLACK, label="total")
@@ -196,8 +195,7 @@ def energy_figure(energy: Energy, name: str) -> Figure | None:
         ):
             if part is not None and (label in ("kinetic", "elastic") or np.any(part)):
                 upper.plot(history.time, part / scale, label=label, **looks)
-        upper.set_ylabel(f"Energy [{unit}]")
-        upper.set_title(f"{name}: energy of the discs")
+        upper.set(ylabel=f"Energy [{unit}]", title=f"{name}: energy of the discs")
         upper.legend(ncols=2)
         if deviates:
             lowest.plot(history.time, 100 * (total / total[0] - 1), color=BLUE)

@@ -14,6 +14,7 @@ cells. With it a uniform fluid stays uniform up to the wall, and nothing is lost
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from math import ceil, exp, floor, sqrt
 from pathlib import Path
 
@@ -115,7 +116,7 @@ def compute_fields(
     open_ = np.ones(mesh[0].shape, bool)
     for wall in flow.walls_at(flow.time(frame)):
         open_ &= wall.distance(*mesh) > 0
-    cell_weight = _cell_weight(open_, spacing, reach, KERNELS[kernel])
+    cell_weight = _cell_weight(open_.tobytes(), open_.shape, spacing, reach, KERNELS[kernel])
     geometry = (low_x, low_y, spacing, reach, KERNELS[kernel])
 
     m = flow.scene.mass
@@ -147,15 +148,13 @@ def compute_fields(
     above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
     fields["hydrostatic"] = above * spacing * abs(flow.scene.gravity[1])
     inner = (slice(margin, margin + ny), slice(margin, margin + nx))
+    variables = {}
+    for name, values in fields.items():
+        units, long_name = LONG_NAMES[name]
+        attributes = {"units": units, "long_name": long_name}
+        variables[name] = (("y", "x"), np.where(open_, values, np.nan)[inner], attributes)
     return xr.Dataset(
-        {
-            name: (
-                ("y", "x"),
-                np.where(open_, values, np.nan)[inner],
-                dict(zip(("units", "long_name"), LONG_NAMES[name], strict=True)),
-            )
-            for name, values in fields.items()
-        },
+        variables,
         coords={
             "x": ("x", centre_x[margin : margin + nx], {"units": "m", "long_name": "distance along the channel"}),
             "y": ("y", centre_y[margin : margin + ny], {"units": "m", "long_name": "height"}),
@@ -277,16 +276,11 @@ def _force_moments(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray]:
     return points, (weights[None, :, None] * moment[:, None, :]).reshape(-1, 3)
 
 
-def _cell_weight(open_: np.ndarray, spacing: float, reach: float, kind: int) -> np.ndarray:
-    """`balance` of these cells; the last answer is kept, for the frames of a run share their walls."""
-    key = (open_.shape, hash(open_.tobytes()), spacing, reach, kind)
-    if key not in _last_weight:
-        _last_weight.clear()
-        _last_weight[key] = balance(open_, _kernel_table(spacing, reach, kind), BALANCING_ROUNDS)
-    return _last_weight[key]
-
-
-_last_weight: dict[tuple, np.ndarray] = {}
+@lru_cache(maxsize=1)  # the frames of a run share their walls
+def _cell_weight(open_: bytes, shape: tuple[int, int], spacing: float, reach: float, kind: int) -> np.ndarray:
+    """`balance` of cells that are open where the bytes say so."""
+    cells = np.frombuffer(open_, bool).reshape(shape).copy()
+    return balance(cells, _kernel_table(spacing, reach, kind), BALANCING_ROUNDS)
 
 
 def _kernel_table(spacing: float, reach: float, kind: int) -> np.ndarray:

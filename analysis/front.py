@@ -15,7 +15,7 @@ from math import inf, isfinite, nan, sqrt
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, new_figure, style
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, drawing
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
@@ -347,8 +347,7 @@ def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
         return None
     base, depth = history.column
     gravity = -flow.scene.gravity[1]
-    with style():
-        figure, (upper, middle, lower) = new_figure(7.2, 6.4, 3, 1, sharex=True, height_ratios=[1.5, 1, 1])
+    with drawing(7.2, 6.4, 3, 1, sharex=True, height_ratios=[1.5, 1, 1]) as (figure, (upper, middle, lower)):
         upper.plot(history.time, history.bulk, color=BLUE, label="bulk front")
         upper.plot(history.time, history.quantile, color=GOLD, ls="--", label="99 % of the discs")
         if gravity > 0 and depth > 0:
@@ -356,17 +355,14 @@ def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
             t = np.linspace(0, max(min(limit, history.time.max()), 1e-9), 20)
             label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
             upper.plot(t, base + 2 * t * np.sqrt(gravity * depth), color=BLACK, ls=":", label=label)
-        upper.set_ylabel("Distance from\nthe back wall [m]")
-        upper.set_title(f"{flow.scene.name}: front and column")
+        upper.set(ylabel="Distance from\nthe back wall [m]", title=f"{flow.scene.name}: front and column")
         upper.legend()
         middle.plot(history.time, history.height, color=BLUE)
-        middle.set_ylabel("Column at the\nback wall [m]")
-        middle.set_ylim(bottom=0)
+        middle.set(ylabel="Column at the\nback wall [m]", ylim=(0, None))
         lower.plot(history.time, history.top_speed, color=BLUE, label="surface, mean")
         lower.plot(history.time, history.tip_speed, color=GOLD, ls="--", label="tip (last 5 d)")
         lower.axhline(0, color=GREY, lw=0.8)
-        lower.set_ylabel("Velocity u [m/s]")
-        lower.set_xlabel("Time t [s]")
+        lower.set(xlabel="Time t [s]", ylabel="Velocity u [m/s]")
         lower.legend()
     return figure
 
@@ -382,8 +378,7 @@ def martin_moyce_figure(history: FrontHistory, flow: Flow) -> Figure | None:
     if live.sum() < 2:
         return None
     free = free_length(flow, history) / base
-    with style():
-        figure, (left, right) = new_figure(8.4, 3.8, 1, 2)
+    with drawing(8.4, 3.8, 1, 2) as (figure, (left, right)):
         front, tall = measured.MARTIN_MOYCE_FRONT, measured.MARTIN_MOYCE_HEIGHT
         left.plot(values["T"][live], values["Z"][live], color=BLUE, label="bulk front")
         left.plot(values["T"][live], values["Z99"][live], color=GOLD, ls="--", label="99 % of the discs")
@@ -394,15 +389,10 @@ def martin_moyce_figure(history: FrontHistory, flow: Flow) -> Figure | None:
             left.axhline(free, color=GREY, ls="-.", lw=1)
             left.annotate("first obstacle", (0.02, free), (0, 2), xycoords=("axes fraction", "data"),
                           textcoords="offset points", fontsize=8, color=GREY)  # fmt: skip
-        left.set_xlabel("T = n t √(g/a)")
-        left.set_ylabel("Z = front / a")
+        left.set(xlabel="T = n t √(g/a)", ylabel="Z = front / a", title=f"n² = H/a = {depth / base:.3g} here")
         left.legend(loc="lower right")
-        left.set_title(f"n² = H/a = {depth / base:.3g} here")
         right.plot(values["tau"][live], values["h"][live], color=BLUE, label="column")
         right.plot(tall.x, tall.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
-        right.set_xlim(0, min(values["tau"].max(), 5.5))
-        right.set_ylim(0, 1.05)
-        right.set_xlabel("τ = t √(g/a)")
-        right.set_ylabel("h / H")
+        right.set(xlim=(0, min(values["tau"].max(), 5.5)), ylim=(0, 1.05), xlabel="τ = t √(g/a)", ylabel="h / H")
         right.legend()
     return figure

@@ -100,19 +100,13 @@ def from_dump(
             notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
         walls = (Plane("floor", "y", floor, "above"),)
     if x_range is None:
-        x_range = tuple(
-            float(v)
-            for v in (
-                min(f.x.min() for f in occupied) - 0.5 * diameter,
-                max(f.x.max() for f in occupied) + 0.5 * diameter,
-            )
-        )
+        low, high = min(f.x.min() for f in occupied), max(f.x.max() for f in occupied)
+        x_range = (float(low - 0.5 * diameter), float(high + 0.5 * diameter))
         notes.append(f"Profiles from x = {x_range[0]:.6g} to {x_range[1]:.6g} m: as far as discs were seen.")
     if all(header.time is None for header in headers) and time_step is None:
         notes.append("The dump carries no times and no time step was given: times are step numbers.")
-    known = {"mass": mass, "stiffness": stiffness, "stiffness_wall": stiffness_wall, "time_step": time_step}
-    if stiffness_wall is None:
-        known["stiffness_wall"] = stiffness
+    at_wall = stiffness if stiffness_wall is None else stiffness_wall
+    known = {"mass": mass, "stiffness": stiffness, "stiffness_wall": at_wall, "time_step": time_step}
     scene = Scene(
         name=name or dump.path.name.split(".")[0],
         description="",

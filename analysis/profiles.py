@@ -106,12 +106,9 @@ def compute_profiles(
     edges = bin_edges(flow.x_range if x_range is None else x_range, width)
     bins, radius = len(edges) - 1, flow.scene.radius
     bed = flow.mean_bed(edges)
-    depth_unit = flow.scene.mass / (flow.scene.density * width)
-    disc_area = np.pi * radius**2
     lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
     bed_lines = flow.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
-    rows: dict[str, list] = {name: [] for name in VARIABLES}
-    times, steps, discs, outside = [], [], [], []
+    kept: list[tuple] = []
     for frame in frames:
         x, y = np.ascontiguousarray(frame.x), np.ascontiguousarray(frame.y)
         vx, vy = frame.vx, frame.vy
@@ -124,58 +121,52 @@ def compute_profiles(
         beyond = np.zeros(2)
         bin_frame(x, y, vx, vy, edges[0], width, radius, sums, beyond)
         surface = surface_frame(x, y, vx, flow.bed_height(x), bed_lines, edges[0], width, bins, radius)
-        _append(rows, sums, *surface, bed, depth_unit, disc_area, width)
-        times.append(flow.time(frame))
-        steps.append(frame.step)
-        discs.append(frame.n)
-        outside.append(beyond)
-    if not times:
+        kept.append((flow.time(frame), frame.step, frame.n, beyond, sums[:5], *surface))
+    if not kept:
         raise DumpError("there is no frame to make profiles of.")
-    dataset = _dataset(rows, times, steps, discs, outside, edges, bed, flow)
+    times, steps, discs, beyond, sums, surface, top_speed = (np.array(part) for part in zip(*kept, strict=True))
+    values = _values(sums, surface, top_speed, bed, width, flow)
+    dataset = _dataset(values, times, steps, discs, beyond * flow.scene.mass, edges, bed, flow)
     return add_means(dataset, window or flow.window)
 
 
-def _append(rows, sums, surface, top_speed, bed, depth_unit, disc_area, width) -> None:
-    count, speed, momentum, energy, height, _ = sums
-    some = count > 1e-12
-    safe = np.where(some, count, 1.0)
-    with np.errstate(invalid="ignore"):
-        wet = surface > 0
-        packing = np.where(wet, count * disc_area / (width * np.where(wet, surface, 1.0)), np.nan)
-    values = {
+def _values(sums, surface, top_speed, bed, width, flow) -> dict[str, np.ndarray]:
+    """The `VARIABLES` of all frames, shape (frames, bins), of their sums over the bins, shape (frames, 5, bins)."""
+    count, speed, momentum, energy, height = sums.transpose(1, 0, 2)
+    some, wet = count > 1e-12, surface > 0
+    safe, disc_area = np.where(some, count, 1.0), np.pi * flow.scene.radius**2
+    depth_unit = flow.scene.mass / (flow.scene.density * width)
+    return {
         "surface_depth": surface,
         "mass_depth": count * depth_unit,
         "velocity": np.where(some, speed / safe, np.nan),
         "discharge": speed * depth_unit,
         "momentum_flux": momentum * depth_unit,
         "energy_flux": energy * depth_unit,
-        "packing": packing,
+        "packing": np.where(wet, count * disc_area / (width * np.where(wet, surface, 1.0)), np.nan),
         "surface_velocity": top_speed,
         "centroid_height": np.where(some, height / safe, np.nan) - bed,
-        "count": count,
+        "count": count.copy(),  # no view, which would keep all sums
     }
-    for name, value in values.items():
-        rows[name].append(value)
 
 
-def _dataset(rows, times, steps, discs, outside, edges, bed, flow) -> xr.Dataset:
-    def described(values, units, long_name, dims=("time",)):
-        return dims, np.asarray(values), {"units": units, "long_name": long_name}
+def _dataset(values, times, steps, discs, beyond, edges, bed, flow) -> xr.Dataset:
+    def described(array, units, long_name, dims=("time",)):
+        return dims, array, {"units": units, "long_name": long_name}
 
-    mass = flow.scene.mass
-    variables = {name: described(rows[name], *VARIABLES[name], ("time", "x")) for name in VARIABLES}
+    variables = {name: described(values[name], *VARIABLES[name], ("time", "x")) for name in VARIABLES}
     variables |= {
         "bed": described(bed, "m", "height of the bed (mean over the bin)", ("x",)),
-        "step": described(np.array(steps, np.int64), "1", "time step of the frame"),
-        "discs": described(np.array(discs, np.int64), "1", "discs in the frame"),
-        "mass_total": described(np.array(discs) * mass, "kg m-1", "mass of all discs per unit width"),
-        "mass_left": described(np.array(outside)[:, 0] * mass, "kg m-1", "mass left of the first bin"),
-        "mass_right": described(np.array(outside)[:, 1] * mass, "kg m-1", "mass right of the last bin"),
+        "step": described(steps, "1", "time step of the frame"),
+        "discs": described(discs, "1", "discs in the frame"),
+        "mass_total": described(discs * flow.scene.mass, "kg m-1", "mass of all discs per unit width"),
+        "mass_left": described(beyond[:, 0], "kg m-1", "mass left of the first bin"),
+        "mass_right": described(beyond[:, 1], "kg m-1", "mass right of the last bin"),
     }
     return xr.Dataset(
         variables,
         coords={
-            "time": ("time", np.array(times, float), {"units": "s", "long_name": "simulated time"}),
+            "time": ("time", times.astype(float), {"units": "s", "long_name": "simulated time"}),
             "x": ("x", 0.5 * (edges[1:] + edges[:-1]), {"units": "m", "long_name": "distance along the channel"}),
         },
         attrs={

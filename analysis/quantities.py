@@ -148,14 +148,12 @@ def collect(flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings
 
 
 def _find_forces(places: tuple[Path, ...], warnings: list[str]) -> dict[str, ForceHistory]:
-    for place in places:
-        if (place / "forces.csv").is_file():
-            try:
-                return read_forces(place / "forces.csv")
-            except DumpError as error:
-                warnings.append(str(error))
-                return {}
-    return {}
+    found = next((place / "forces.csv" for place in places if (place / "forces.csv").is_file()), None)
+    try:
+        return read_forces(found) if found else {}
+    except DumpError as error:
+        warnings.append(str(error))
+        return {}
 
 
 def drawings(gathered: Gathered, results: Mapping[str, object], dump: Path) -> Drawings:

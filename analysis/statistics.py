@@ -8,6 +8,7 @@ independent and then stays level.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 
@@ -81,3 +82,21 @@ def block_average(series: np.ndarray) -> BlockAverage:
         standard_error[constant], blocks[constant] = 0.0, counts[0]
     lower = np.max(levels, axis=0) if levels else nothing
     return BlockAverage(*(part.reshape(shape) for part in (mean, standard_error, lower, blocks)))
+
+
+@dataclass(frozen=True)
+class Mean:
+    """A mean and its standard error (blocking; its lower bound where the window is too short; NaN below 8 frames)."""
+
+    value: float
+    error: float
+
+
+def mean_of(series: np.ndarray) -> Mean:
+    """Mean of one series, shape (samples,), without the samples that are NaN; NaN where nothing is left."""
+    good = series[np.isfinite(series)]
+    if not good.size:
+        return Mean(nan, nan)
+    result = block_average(good)
+    error = float(result.standard_error)
+    return Mean(float(result.mean), error if np.isfinite(error) else float(result.lower_bound))

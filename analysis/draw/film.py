@@ -21,7 +21,7 @@ from lammps_jump.scene.walls import Interval
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
 from .snapshots import disc_speeds, seen_heights, seen_range, top_of
-from .style import style
+from .style import colour_bar, style
 
 NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
 """What to tell users where a GIF took the place of an MP4."""
@@ -169,20 +169,16 @@ class _Painter:
         stage, view, time = self.stage, self.stage.view, self.flow.time(frame)
         picture = self._ground(self.flow.shut_gates(time)).copy()
         inner = picture[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
-        moving = "vx" in frame.columns and "vy" in frame.columns
-        speed = np.hypot(frame.vx, frame.vy) if moving else np.zeros(frame.n)
-        paint_discs(
-            inner, view, frame.x, frame.y, self.flow.scene.radius, coloured(speed, stage.top_speed, stage.table)
-        )
+        colours = coloured(disc_speeds(frame), stage.top_speed, stage.table)
+        paint_discs(inner, view, frame.x, frame.y, self.flow.scene.radius, colours)
         for anchor, history in self.forces.values():
             if not len(history.time):
                 continue
             fx, fy = (float(np.interp(time, history.time, part)) for part in (history.fx, history.fy))
             pixels = self.metres_per_newton * view.scale
             start = (float(view.column(anchor[0])), float(view.row(anchor[1])))
-            paint_arrow(
-                inner, start, (start[0] + fx * pixels, start[1] - fy * pixels), max(3.0, view.height / 90), ARROW
-            )
+            end = (start[0] + fx * pixels, start[1] - fy * pixels)
+            paint_arrow(inner, start, end, max(3.0, view.height / 90), ARROW)
         self._write(picture, f"t = {time:.2f} s   {frame.n} discs")
         return picture
 
@@ -228,36 +224,25 @@ def _stage(sample, flow, x, y, width, top_speed) -> _Stage:
     if view.height > 1000:  # tall scenes: narrow the picture rather than letting it grow out of every screen
         inner = max(120, int(inner * 1000 / view.height))
         view = View.fitted(x, y, inner)
-    total_width, total_height = left + view.width + right, above + max(view.height, 120) + below
+    bar_height = max(view.height, 120)
+    total_width, total_height = left + view.width + right, above + bar_height + below
     total_width, total_height = total_width + total_width % 2, total_height + total_height % 2
     dpi = 100
+
+    def place(start: float, bottom: float, wide: float, high: float) -> tuple[float, float, float, float]:
+        """Shares of the picture, of pixels from the left and from above."""
+        return start / total_width, 1 - bottom / total_height, wide / total_width, high / total_height
+
     with style():
         figure = Figure(figsize=(total_width / dpi, total_height / dpi), dpi=dpi)
         canvas = FigureCanvasAgg(figure)
-        axes = figure.add_axes(
-            (
-                left / total_width,
-                1 - (above + view.height) / total_height,
-                view.width / total_width,
-                view.height / total_height,
-            )
-        )
+        axes = figure.add_axes(place(left, above + view.height, view.width, view.height))
         axes.set(xlim=view.x, ylim=view.y, xlabel="x [m]", ylabel="y [m]")
         axes.grid(False)
-        bar_axes = figure.add_axes(
-            (
-                (left + view.width + 16) / total_width,
-                1 - (above + max(view.height, 120)) / total_height,
-                14 / total_width,
-                max(view.height, 120) / total_height,
-            )
-        )
-        bar = figure.colorbar(ScalarMappable(Normalize(0, top_speed), "cividis"), cax=bar_axes)
-        bar.set_label("Speed [m/s]")
-        bar.outline.set_visible(False)
-        figure.text(
-            1 - 8 / total_width, 1 - 20 / total_height, flow.scene.name, ha="right", fontsize=9, color="#555555"
-        )
+        bar_axes = figure.add_axes(place(left + view.width + 16, above + bar_height, 14, bar_height))
+        colour_bar(figure, ScalarMappable(Normalize(0, top_speed), "cividis"), "Speed [m/s]", cax=bar_axes)
+        corner = 1 - 8 / total_width, 1 - 20 / total_height
+        figure.text(*corner, flow.scene.name, ha="right", fontsize=9, color="#555555")
         canvas.draw()
         picture = np.asarray(canvas.buffer_rgba())[..., :3].copy()
     return _Stage(picture, view, above, left, (9, left), _glyphs(), colour_table(), top_speed)
@@ -265,9 +250,10 @@ def _stage(sample, flow, x, y, width, top_speed) -> _Stage:
 
 def _glyphs() -> dict[str, np.ndarray]:
     """Letters of the clock as pictures of one height, drawn once."""
+    from matplotlib import font_manager
     from PIL import Image, ImageDraw, ImageFont
 
-    font = ImageFont.truetype(_font_file(), 16)
+    font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 16)
     pictures = {}
     for letter in "0123456789.-+e tsdicnaf=":
         width = round(font.getlength("0" if letter.isdigit() else letter))
@@ -275,12 +261,6 @@ def _glyphs() -> dict[str, np.ndarray]:
         ImageDraw.Draw(image).text((0, 0), letter, font=font, fill="#1a1a1a")
         pictures[letter] = np.asarray(image)
     return pictures
-
-
-def _font_file() -> str:
-    from matplotlib import font_manager
-
-    return font_manager.findfont("DejaVu Sans")
 
 
 def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int, ...]) -> None:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.flow import Flow
 
-from .style import BLUE, GOLD, axis_label, draw_walls, new_figure, style
+from .style import BLUE, GOLD, axis_label, colour_bar, draw_walls, drawing
 
 
 def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure", *, title: str | None = None) -> Figure:
@@ -34,19 +34,16 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure", *, tit
     low, high = (float(np.quantile(finite, q)) for q in (0.005, 0.995)) if finite.size else (0.0, 1.0)
     shown = np.where(dense, values, np.nan)
     wide = (x[-1] - x[0]) / (y[-1] - y[0])
-    with style():
-        figure, axes = new_figure(8.4, float(np.clip((7.6 / wide + 1.7) if wide > 3 else 6.4 / wide + 0.8, 2.4, 9.0)))
+    with drawing(8.4, float(np.clip((7.6 / wide + 1.7) if wide > 3 else 6.4 / wide + 0.8, 2.4, 9.0))) as (figure, axes):
         axes.grid(False)
         below = 0.08 * (y[-1] - y[0])
         draw_walls(axes, flow.scene.walls, (x[0], x[-1]), (y[0] - below, y[-1]))
         image = axes.pcolormesh(x, y, shown, vmin=min(low, 0.0), vmax=max(high, 1e-12), rasterized=True)
         axes.set_aspect("equal")
-        bar = figure.colorbar(image, ax=axes, pad=0.02, orientation="horizontal" if wide > 3 else "vertical", aspect=40)
-        bar.set_label(axis_label(quantity).replace(", compression positive", ""))
-        bar.outline.set_visible(False)
-        axes.set_xlabel("Distance x [m]")
-        axes.set_ylabel("Height y [m]")
-        axes.set_title(title or _heading(fields, flow, variable))
+        label = axis_label(quantity).replace(", compression positive", "")
+        side = "horizontal" if wide > 3 else "vertical"
+        colour_bar(figure, image, label, ax=axes, pad=0.02, orientation=side, aspect=40)
+        axes.set(xlabel="Distance x [m]", ylabel="Height y [m]", title=title or _heading(fields, flow, variable))
     return figure
 
 
@@ -73,30 +70,22 @@ def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
     columns = np.arange(open_.shape[1])
     some = open_.any(axis=0)
 
-    def there(values):
-        return np.where(some, values[lowest, columns], np.nan)
+    def there(values, long_name):
+        return "x", np.where(some, values[lowest, columns], np.nan), {"units": "Pa", "long_name": long_name}
 
-    stress = fields["contact_yy"].values + fields["kinetic_yy"].values
-    attributes = {"units": "Pa"}
-    return xr.Dataset(
-        {
-            "stress": ("x", there(stress), {**attributes, "long_name": "vertical stress at the bed"}),
-            "hydrostatic": ("x", there(fields["hydrostatic"].values), {**attributes, "long_name": "weight above"}),
-        },
-        coords={"x": fields.x},
-    )
+    stress = there(fields["contact_yy"].values + fields["kinetic_yy"].values, "vertical stress at the bed")
+    weight = there(fields["hydrostatic"].values, "weight above")
+    return xr.Dataset({"stress": stress, "hydrostatic": weight}, coords={"x": fields.x})
 
 
 def bed_pressure_figure(fields: xr.Dataset, flow: Flow, *, title: str | None = None) -> Figure:
     """Vertical stress at the bed along the channel beside the weight of what lies above."""
     pressure = bed_pressure(fields)
-    with style():
-        figure, axes = new_figure(7.6, 3.2)
+    with drawing(7.6, 3.2) as (figure, axes):
         axes.plot(pressure.x, pressure.stress / 1e3, color=BLUE, lw=1.2, label="contact and kinetic stress at the bed")
         axes.plot(pressure.x, pressure.hydrostatic / 1e3, color=GOLD, ls="--", label="hydrostatic: weight above")
-        axes.set_xlabel("Distance x [m]")
-        axes.set_ylabel("Vertical stress [kPa]")
         axes.set_ylim(bottom=min(0.0, float(pressure.stress.min(skipna=True).fillna(0)) / 1e3))
         axes.legend(loc="upper left")
-        axes.set_title(title or _heading(fields, flow, "pressure at the bed"))
+        title = title or _heading(fields, flow, "pressure at the bed")
+        axes.set(xlabel="Distance x [m]", ylabel="Vertical stress [kPa]", title=title)
     return figure

@@ -62,9 +62,7 @@ class View:
 
 def blank(view: View) -> np.ndarray:
     """A white picture, shape (height, width, 3), uint8."""
-    picture = np.empty((view.height, view.width, 3), np.uint8)
-    picture[:] = PAPER
-    return picture
+    return np.full((view.height, view.width, 3), PAPER, np.uint8)
 
 
 def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates: tuple[Wall, ...] = ()) -> None:

@@ -17,7 +17,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 
 from .painter import View, blank, colour_table, coloured, paint_discs, paint_walls
-from .style import STYLE, style
+from .style import STYLE, colour_bar, style
 
 
 def snapshots(
@@ -75,12 +75,8 @@ def snapshots(
                 axes.set_xlabel("x [m]", fontsize=8)
             if leftmost:
                 axes.set_ylabel("y [m]", fontsize=8)
-        bar = figure.colorbar(
-            mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis"),
-            cax=figure.add_axes(grid.bar), orientation="horizontal",
-        )  # fmt: skip
-        bar.set_label("Speed [m/s]")
-        bar.outline.set_visible(False)
+        scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")
+        colour_bar(figure, scale, "Speed [m/s]", cax=figure.add_axes(grid.bar), orientation="horizontal")
         figure.suptitle(title or flow.scene.name, x=0.01, y=1 - 0.07 / grid.size[1], ha="left", va="top", fontsize=10)
     return figure
 

@@ -65,6 +65,20 @@ def new_figure(width: float = 7.2, height: float = 3.6, rows: int = 1, columns: 
     return figure, figure.subplots(rows, columns, **subplots)
 
 
+@contextmanager
+def drawing(*size: float, **subplots) -> Iterator[tuple]:
+    """`new_figure` inside `style`, for the time of a ``with`` block; the arguments are those of `new_figure`."""
+    with style():
+        yield new_figure(*size, **subplots)
+
+
+def colour_bar(figure: Figure, colours, label: str, **place) -> None:
+    """Colour bar without a frame, of an image or map of colours; keywords go to ``Figure.colorbar``."""
+    bar = figure.colorbar(colours, **place)
+    bar.set_label(label)
+    bar.outline.set_visible(False)
+
+
 def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure; the format follows the ending of the name. DumpError where the place cannot be written."""
     path = Path(path)
@@ -150,8 +164,7 @@ def depth_profile(
     surface = profiles.surface_depth_mean.values + bed
     mass = profiles.mass_depth_mean.values + bed
     extent = _occupied(profiles)
-    with style():
-        figure, (upper, lower) = new_figure(7.6, 5.0, 2, 1, sharex=True, height_ratios=[2.2, 1])
+    with drawing(7.6, 5.0, 2, 1, sharex=True, height_ratios=[2.2, 1]) as (figure, (upper, lower)):
         low = min(0.0, float(np.min(bed[np.isfinite(bed)], initial=0.0)))
         tops = [1.0, *compare.values(), *surface[np.isfinite(surface)], *mass[np.isfinite(mass)]]
         draw_walls(upper, flow.scene.walls, extent, (low - 0.04 * max(tops), 1.15 * max(tops)))
@@ -165,19 +178,16 @@ def depth_profile(
                 label, (1, value), (-3, 2), xycoords=("axes fraction", "data"), textcoords="offset points",
                 ha="right", fontsize=8, color=BLACK,
             )  # fmt: skip
-        upper.set_ylabel("Height above y = 0 [m]")
         upper.legend(loc="upper left", bbox_to_anchor=(0, 0.97), frameon=True, edgecolor="none", framealpha=0.95)
-        begin, end = profiles.attrs["window_begin"], profiles.attrs["window_end"]
-        upper.set_title(
-            title or f"{flow.scene.name}: mean of {profiles.attrs['window_frames']} frames, t = {begin:g} … {end:g} s"
-        )
+        begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
+        title = title or f"{flow.scene.name}: mean of {frames} frames, t = {begin:g} … {end:g} s"
+        upper.set(ylabel="Height above y = 0 [m]", title=title)
         velocity = profiles.velocity_mean.values
         lower.plot(x, velocity, color=BLUE, label="mean velocity")
         _band(lower, x, velocity, profiles.velocity_stderr.values, BLUE)
         lower.plot(x, profiles.surface_velocity_mean.values, color=GOLD, ls="--", lw=1.2, label="at the surface")
         lower.axhline(0, color=GREY, lw=0.8)
-        lower.set_ylabel("Velocity [m/s]")
-        lower.set_xlabel("Distance x [m]")
+        lower.set(xlabel="Distance x [m]", ylabel="Velocity [m/s]")
         lower.legend(loc="best")
         for label, place in (marks or {}).items():
             for axes in (upper, lower):
@@ -228,8 +238,7 @@ def xt_map(
     """
     values = profiles[variable].values
     time = profiles.time.values
-    with style():
-        figure, axes = new_figure(7.6, 4.2)
+    with drawing(7.6, 4.2) as (figure, axes):
         axes.grid(False)
         signed = variable in ("velocity", "surface_velocity", "discharge") and np.nanmin(values, initial=0.0) < 0
         x = np.linspace(*_extent(profiles), values.shape[1] + 1)
@@ -238,9 +247,7 @@ def xt_map(
         image = axes.pcolormesh(
             x, _edges(time), values, vmin=low if signed else 0.0, vmax=max(high, 1e-12), rasterized=True
         )
-        bar = figure.colorbar(image, ax=axes, pad=0.02)
-        bar.set_label(axis_label(profiles[variable]))
-        bar.outline.set_visible(False)
+        colour_bar(figure, image, axis_label(profiles[variable]), ax=axes, pad=0.02)
         if finite.size and high > 0 and not signed and min(values.shape) > 1:
             axes.contour(
                 profiles.x.values, time, np.nan_to_num(values), levels=high * np.array([0.25, 0.5, 0.75]),
@@ -249,13 +256,12 @@ def xt_map(
         if toe is not None:
             axes.plot(*toe, color=RED, lw=1.4, ls="--", label="front")
             axes.legend(loc="upper right", labelcolor=BLACK, frameon=True, framealpha=0.9)
-        axes.set_xlabel("Distance x [m]")
-        axes.set_ylabel("Time t [s]")
         seen = np.flatnonzero(np.isfinite(values).any(axis=0))
         if seen.size:
             axes.set_xlim(x[seen[0]], x[seen[-1] + 1])
         name = profiles.attrs.get("title", "").removeprefix("depth profiles of ")
-        axes.set_title(title or f"{name}: {variable.replace('_', ' ')} over distance and time")
+        title = title or f"{name}: {variable.replace('_', ' ')} over distance and time"
+        axes.set(xlabel="Distance x [m]", ylabel="Time t [s]", title=title)
     return figure
 
 

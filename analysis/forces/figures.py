@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.draw.style import BLACK, BLUE, DASHES, GOLD, GREY, RED, new_figure, style, xt_map
+from lammps_jump.analysis.draw.style import BLACK, BLUE, DASHES, GOLD, GREY, RED, drawing, style, xt_map
 from lammps_jump.analysis.passes import Drawings, Gathered
 from lammps_jump.analysis.report.page import Section, Table, Text
 from lammps_jump.units import numbers_of
@@ -58,10 +58,8 @@ def history_figure(result: Forces) -> Figure | None:
     """Force components against time, one row a structure: windows of the record in grey, low-passed in colour."""
     if not result.structures:
         return None
-    with style():
-        figure, grid = new_figure(
-            7.6, 1.1 + 2.3 * len(result.structures), len(result.structures), 1, sharex=True, squeeze=False
-        )
+    rows = len(result.structures)
+    with drawing(7.6, 1.1 + 2.3 * rows, rows, 1, sharex=True, squeeze=False) as (figure, grid):
         for axes, (name, force) in zip(grid[:, 0], result.structures.items(), strict=True):
             time, series = force.history.time, force.series
             axes.plot(time, getattr(force.history, force.component) / 1e3, color="#c9c9c9", lw=0.6, label="as recorded")
@@ -85,8 +83,7 @@ def history_figure(result: Forces) -> Figure | None:
             shown = np.concatenate([[0.0], *(series.smooth[key] / 1e3 for key in ("fx", "fy"))])
             axes.set_ylim(1.2 * shown.min(), max(1.4 * shown.max(), 1e-9))
             axes.axhline(0, color=GREY, lw=0.8)
-            axes.set_ylabel("Force [kN/m]")
-            axes.set_title(f"{name}: force of the discs")
+            axes.set(ylabel="Force [kN/m]", title=f"{name}: force of the discs")
             axes.legend(ncols=2, fontsize=7)
         grid[-1, 0].set_xlabel("Time t [s]")
     return figure
@@ -96,8 +93,7 @@ def impulse_figure(result: Forces) -> Figure | None:
     """Running impulse and overturning moment of every structure."""
     if not result.structures:
         return None
-    with style():
-        figure, (left, right) = new_figure(8.4, 3.6, 1, 2)
+    with drawing(8.4, 3.6, 1, 2) as (figure, (left, right)):
         for i, (name, force) in enumerate(result.structures.items()):
             colour, dash = COLOURS[i % len(COLOURS)], DASHES[i % len(DASHES)]
             column = 0 if force.component == "fx" else 1
@@ -105,15 +101,16 @@ def impulse_figure(result: Forces) -> Figure | None:
             left.plot(force.history.time, force.series.impulse[:, column] / 1e3, color=colour, ls=dash, label=label)
             if np.isfinite(force.series.smooth["moment"]).any() and force.component == "fx":
                 right.plot(force.history.time, force.series.smooth["moment"] / 1e3, color=colour, ls=dash, label=name)
-        left.set_ylabel("Running impulse [kN s/m]")
-        right.set_ylabel(f"Overturning moment, {LOW_PASS:g} s mean [kN m/m]")
         for axes in (left, right):
             axes.axhline(0, color=GREY, lw=0.8)
             axes.set_xlabel("Time t [s]")
             if axes.get_legend_handles_labels()[0]:
                 axes.legend()
-        left.set_title("Impulse")
-        right.set_title("Moment about the foot at the bed, anticlockwise")
+        left.set(ylabel="Running impulse [kN s/m]", title="Impulse")
+        right.set(
+            ylabel=f"Overturning moment, {LOW_PASS:g} s mean [kN m/m]",
+            title="Moment about the foot at the bed, anticlockwise",
+        )
     return figure
 
 

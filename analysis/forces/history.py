@@ -15,7 +15,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Tables
-from lammps_jump.analysis.statistics import block_average
+from lammps_jump.analysis.statistics import mean_of
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Wall
@@ -245,21 +245,6 @@ def _at_times(time: np.ndarray, profiles: xr.Dataset, values: np.ndarray) -> np.
     return np.interp(time, frames, values, left=nan, right=nan) if len(frames) > 1 else np.full(len(time), nan)
 
 
-def _window_mean(force: StructureForce, window: tuple[float, float]) -> dict[str, float]:
-    """Mean force over the window of the profiles with its standard error, and the mean hydrostatic estimate."""
-    inside = (force.history.time > window[0]) & (force.history.time <= window[1] + 1e-9)
-    if not inside.any():
-        return {}
-    numbers = {}
-    for key in ("fx", "fy"):
-        result = block_average(getattr(force.history, key)[inside])
-        error = float(result.standard_error)
-        numbers[f"mean_{key}"] = float(result.mean)
-        numbers[f"mean_{key}_error"] = error if np.isfinite(error) else float(result.lower_bound)
-    known = inside & np.isfinite(force.hydrostatic)
-    return numbers | ({"mean_hydrostatic": float(force.hydrostatic[known].mean())} if known.any() else {})
-
-
 def _numbers(series: StructureForce, window: tuple[float, float]) -> Force:
     history, component = series.history, series.component
     live = history.time > 0 if (history.time > 0).any() else np.ones(len(history.time), bool)
@@ -274,6 +259,9 @@ def _numbers(series: StructureForce, window: tuple[float, float]) -> Force:
     peak, peak_time = biggest(series.smooth[component])
     before = series.impulse[np.flatnonzero(live)[0] - 1] if not live[0] else np.zeros(2)
     impulse = series.impulse[np.flatnonzero(live)[-1]] - before
+    inside = (history.time > window[0]) & (history.time <= window[1] + 1e-9)
+    mean_fx, mean_fy = mean_of(history.fx[inside]), mean_of(history.fy[inside])
+    known = inside & np.isfinite(series.hydrostatic)
     return Force(
         component=component,
         peak=peak,
@@ -288,7 +276,11 @@ def _numbers(series: StructureForce, window: tuple[float, float]) -> Force:
         hydrostatic=biggest(series.hydrostatic)[0],
         stagnation=biggest(series.oncoming)[0],
         largest_depth=biggest(series.depth)[0],
-        **_window_mean(series, window),
+        mean_fx=mean_fx.value,
+        mean_fx_error=mean_fx.error,
+        mean_fy=mean_fy.value,
+        mean_fy_error=mean_fy.error,
+        mean_hydrostatic=float(series.hydrostatic[known].mean()) if known.any() else nan,
         series=series,
     )
 

@@ -46,48 +46,39 @@ class MomentumLedger:
         self.flow = flow
         self._rows: list[tuple] = []
         self._ids: np.ndarray | None = None
-        self._forces: dict[str, dict[int, tuple]] = {}
-        self._unprobed: dict[str, dict[int, tuple]] = {}
+        self._forces: list[dict[str, tuple]] = []
+        self._unprobed: list[dict[str, tuple]] = []
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        flow, k = self.flow, len(self._rows)
+        flow = self.flow
         ids = np.sort(frame.ids)
         same = self._ids is not None and np.array_equal(ids, self._ids)
         self._ids = ids
         mass = flow.scene.mass
         self._rows.append((time, mass * float(frame.vx.sum()), mass * float(frame.vy.sum()), frame.n, same))
-        if not flow.knows_contacts:
-            return
-        standing = flow.walls_at(time)
+        self._forces.append({})
+        self._unprobed.append({})
         # the last frame before a gate opens counts as with the gate, the first one after as without
-        for wall in standing:
+        for wall in flow.walls_at(time) if flow.knows_contacts else ():
             sums = wall_sums(frame, wall, flow)
             if wall.name in flow.scene.probes:
-                self._forces.setdefault(wall.name, {})[k] = sums.force
+                self._forces[-1][wall.name] = sums.force
             elif sums.index.size:
                 pushes_x = sums.sideways or bool(flow.scene.coefficients.friction)
-                self._unprobed.setdefault(wall.name, {})[k] = (pushes_x, bool(np.any(sums.fy != 0)))
+                self._unprobed[-1][wall.name] = (pushes_x, bool(np.any(sums.fy != 0)))
 
     def result(self) -> MomentumHistory:
         """The history of all frames added."""
-        rows = np.array(self._rows, float).reshape(-1, 5)
-        n = len(rows)
+        time, *momentum, discs, same = np.array(self._rows, float).reshape(-1, 5).T
+        forces, unprobed = _by_wall(self._forces, float), _by_wall(self._unprobed, bool)
+        return MomentumHistory(time, np.transpose(momentum), discs.astype(int), same.astype(bool), forces, unprobed)
 
-        def spread(sparse: dict[int, tuple], kind) -> np.ndarray:
-            dense = np.zeros((n, 2), kind)
-            for k, value in sparse.items():
-                dense[k] = value
-            return dense
 
-        return MomentumHistory(
-            rows[:, 0],
-            rows[:, 1:3],
-            rows[:, 3].astype(int),
-            rows[:, 4].astype(bool),
-            {name: spread(sparse, float) for name, sparse in self._forces.items()},
-            {name: spread(sparse, bool) for name, sparse in self._unprobed.items()},
-        )
+def _by_wall(frames: list[dict[str, tuple]], kind: type) -> dict[str, np.ndarray]:
+    """Pairs of each wall, shape (frames, 2); zeros in frames without the wall."""
+    names = dict.fromkeys(name for frame in frames for name in frame)
+    return {name: np.array([frame.get(name, (0, 0)) for frame in frames], kind) for name in names}
 
 
 def window_lengths(time: np.ndarray) -> np.ndarray:
@@ -202,20 +193,11 @@ def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, flow: Flow)
     # the record may start at the first frame, with the window that ends later
     aligned = (gap <= slack) | (np.abs(momentum.time - begin) <= slack)
     usable = aligned & (momentum.time >= opened - slack)
-    best: tuple[int, int] | None = None
-    start: int | None = None
-    for k in range(len(momentum.time)):
-        if start is not None and not momentum.same[k]:
-            start = None
-        if start is None and usable[k]:
-            start = k
-        if start is not None and usable[k] and k > start:
-            longer = (
-                best is None
-                or momentum.time[k] - momentum.time[start] > momentum.time[best[1]] - momentum.time[best[0]]
-            )
-            best = (start, k) if longer else best
-    return best
+    # a frame with other discs than the one before begins a new stretch
+    frames, stretch = np.flatnonzero(usable), np.cumsum(~momentum.same)
+    parts = np.split(frames, np.flatnonzero(np.diff(stretch[frames])) + 1)
+    spans = [(int(part[0]), int(part[-1])) for part in parts if len(part) > 1]
+    return max(spans, key=lambda span: momentum.time[span[1]] - momentum.time[span[0]], default=None)
 
 
 def identity_numbers(identity: Identity) -> dict:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, new_figure, style
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing
 from lammps_jump.physics import jump as theory
 
 from .summary import Jump
@@ -25,8 +25,7 @@ def track_figure(jump: Jump) -> Figure | None:
     if track is None or not track.found.any():
         return None
     sign = result.direction
-    with style():
-        figure, axes = new_figure(7.2, 3.8)
+    with drawing(7.2, 3.8) as (figure, axes):
         axes.plot(track.time, sign * track.toe, color=BLUE, lw=1.1, label="toe")
         axes.plot(track.time, sign * track.end, color=GOLD, lw=1.1, ls="--", label="end")
         axes.plot(track.time, sign * track.position, color=BLACK, lw=1.4, ls=":", label="front of equal mass")
@@ -36,9 +35,7 @@ def track_figure(jump: Jump) -> Figure | None:
             label = f"c = {result.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
             axes.plot(ends, line, color=RED, lw=2.2, alpha=0.8, label=label)
         axes.axvspan(*result.window, color="#eeeeee", zorder=0)
-        axes.set_xlabel("Time t [s]")
-        axes.set_ylabel("Distance x [m]")
-        axes.set_title(f"{result.flow.scene.name}: {result.verdict}")
+        axes.set(xlabel="Time t [s]", ylabel="Distance x [m]", title=f"{result.flow.scene.name}: {result.verdict}")
         axes.legend(fontsize=8)
     return figure
 
@@ -53,8 +50,7 @@ def frame_figure(jump: Jump) -> Figure | None:
     covered = np.flatnonzero(np.isfinite(depth))
     near = (result.upstream.zone[0] - 2, result.downstream.zone[1] + 2)
     limits = max(near[0], moving.xi[covered[0]]), min(near[1], moving.xi[covered[-1]])
-    with style():
-        figure, (upper, lower) = new_figure(7.2, 5.4, 2, 1, sharex=True, height_ratios=[1.8, 1])
+    with drawing(7.2, 5.4, 2, 1, sharex=True, height_ratios=[1.8, 1]) as (figure, (upper, lower)):
         upper.plot(moving.xi, moving.mean("surface_depth"), color=BLUE, label="free surface h")
         upper.plot(moving.xi, depth, color=GOLD, ls="--", label="mass depth s")
         for label, value, dash in (
@@ -73,17 +69,15 @@ def frame_figure(jump: Jump) -> Figure | None:
             for place, dash in ((result.surface_toe, ":"), (result.surface_end, "-.")):
                 axes.axvline(place, color=GREY, lw=1, ls=dash)
         theory_length = f"; thesis (4.27) {jump.length_theory:.1f} m" if isfinite(jump.length_theory) else ""
-        upper.set_title(f"{result.flow.scene.name}, front's frame: length {jump.length:.1f} m{theory_length}")
-        upper.set_ylim(bottom=0, top=1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2)))
-        upper.set_ylabel("Depth [m]")
+        title = f"{result.flow.scene.name}, front's frame: length {jump.length:.1f} m{theory_length}"
+        top = 1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2))
+        upper.set(ylim=(0, top), ylabel="Depth [m]", title=title)
         upper.legend(loc="lower right", frameon=True, framealpha=0.95, edgecolor="none")
         with np.errstate(invalid="ignore", divide="ignore"):
             lower.plot(moving.xi, moving.mean("discharge") / depth, color=BLUE, label="mean velocity u")
         lower.plot(moving.xi, moving.mean("surface_velocity"), color=GOLD, ls="--", label="at the surface")
         lower.axhline(0, color=GREY, lw=0.8)
-        lower.set_ylabel("Velocity [m/s]")
-        lower.set_xlabel("Distance from the front [m]")
-        lower.set_xlim(*limits)
+        lower.set(xlim=limits, xlabel="Distance from the front [m]", ylabel="Velocity [m/s]")
         lower.legend(loc="upper right")
     return figure
 
@@ -104,8 +98,7 @@ def balance_figure(jump: Jump) -> Figure | None:
         "left unexplained": terms.unexplained,
     }
     rows = {name: 100 * value / terms.downstream for name, value in rows.items() if np.isfinite(value)}
-    with style():
-        figure, axes = new_figure(7.2, 3.4)
+    with drawing(7.2, 3.4) as (figure, axes):
         places = np.arange(len(rows))[::-1]
         values = np.array(list(rows.values()))
         colours = [GOLD, *[BLUE] * (len(rows) - 2), BLACK]
@@ -119,8 +112,10 @@ def balance_figure(jump: Jump) -> Figure | None:
                           ha="left" if side > 0 else "right")  # fmt: skip
         axes.set_yticks(places, rows)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel("Share of the downstream momentum function [%]")
-        axes.set_title("Momentum across the jump, front's frame: all parts and their sum")
+        axes.set(
+            xlabel="Share of the downstream momentum function [%]",
+            title="Momentum across the jump, front's frame: all parts and their sum",
+        )
     return figure
 
 
@@ -138,8 +133,7 @@ def head_figure(profiles: xr.Dataset, jump: Jump) -> Figure | None:
         uniform = np.where(flowing, (discharge / depth) ** 2 / (2 * gravity), np.nan)
     if not flowing.any():
         return None
-    with style():
-        figure, axes = new_figure(7.2, 3.8)
+    with drawing(7.2, 3.8) as (figure, axes):
         axes.plot(x, bed + depth + kinetic, color=BLUE, label="head H = z + s + ∫ρu|v|²/2 / (ρ g q)")
         axes.plot(x, bed + depth + uniform, color=GOLD, ls="--", label="with the mean velocity, z + s + u²/2g")
         axes.plot(x, bed + depth, color=GREY, ls=":", label="z + s (mass depth)")
@@ -157,8 +151,7 @@ def head_figure(profiles: xr.Dataset, jump: Jump) -> Figure | None:
             head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)
             axes.axhline(head, color=BLACK, lw=1, ls="-.", label=f"inflow {head:.2f} m")
         axes.set_ylim(bottom=min(0.0, np.nanmin(bed)))
-        axes.set_xlabel("Distance x [m]")
-        axes.set_ylabel("Energy head [m]")
-        axes.set_title(f"{flow.scene.name}: energy head, mean of the window (laboratory frame)")
+        title = f"{flow.scene.name}: energy head, mean of the window (laboratory frame)"
+        axes.set(xlabel="Distance x [m]", ylabel="Energy head [m]", title=title)
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.12), frameon=True, framealpha=0.95, edgecolor="none")
     return figure

@@ -12,7 +12,7 @@ from math import nan, sqrt
 
 import numpy as np
 
-from lammps_jump.analysis.statistics import block_average
+from lammps_jump.analysis.statistics import Mean, mean_of
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
@@ -44,10 +44,15 @@ class MovingProfile:
     def mean(self, name: str, share: float = 0.5) -> np.ndarray:
         """Mean over the frames, NaN where fewer than this share of them has a value, shape (bins,)."""
         values = self.fields[name]
-        good = np.isfinite(values)
-        counts = good.sum(axis=0)
-        total = np.where(good, values, 0.0).sum(axis=0)
-        return np.where(counts >= max(1, share * len(values)), total / np.maximum(counts, 1), np.nan)
+        return _mean_of_known(values, axis=0, least=share * len(values))
+
+
+def _mean_of_known(values: np.ndarray, axis: int, least: float = 1) -> np.ndarray:
+    """Mean along an axis of what is not NaN; NaN where fewer than `least` values are known, or none."""
+    good = np.isfinite(values)
+    counts = good.sum(axis=axis)
+    total = np.where(good, values, 0.0).sum(axis=axis)
+    return np.where(counts >= max(1, least), total / np.maximum(counts, 1), np.nan)
 
 
 def move_along(
@@ -86,23 +91,6 @@ def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) ->
     share = (level - values[up]) / (values[up + 1] - values[up])
     places = xi[up] + share * (xi[up + 1] - xi[up])
     return float(places[np.argmin(np.abs(places - around))])
-
-
-@dataclass(frozen=True)
-class Mean:
-    """A mean and its standard error (blocking; its lower bound where the window is too short; NaN below 8 frames)."""
-
-    value: float
-    error: float
-
-
-def _mean(series: np.ndarray) -> Mean:
-    good = series[np.isfinite(series)]
-    if not good.size:
-        return Mean(nan, nan)
-    result = block_average(good)
-    error = float(result.standard_error)
-    return Mean(float(result.mean), error if np.isfinite(error) else float(result.lower_bound))
 
 
 @dataclass(frozen=True)
@@ -153,15 +141,12 @@ def measure_state(moving: MovingProfile, zone: tuple[float, float], speed: float
     inside = (moving.xi >= zone[0] - 1e-9) & (moving.xi <= zone[1] + 1e-9)
 
     def series(name: str) -> np.ndarray:
-        block = moving.fields[name][:, inside]
-        good = np.isfinite(block)
-        count = good.sum(axis=1)
-        return np.where(count > 0, np.where(good, block, 0.0).sum(axis=1) / np.maximum(count, 1), np.nan)
+        return _mean_of_known(moving.fields[name][:, inside], axis=1)
 
     names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing", "thrust")
     rows = {name: series(name) if name in moving.fields else np.full(len(moving.time), nan) for name in names}
-    means = {name: _mean(values) for name, values in rows.items()}
-    ratio = _mean(rows["discharge"] / rows["mass_depth"])
+    means = {name: mean_of(values) for name, values in rows.items()}
+    ratio = mean_of(rows["discharge"] / rows["mass_depth"])
     depth = means["mass_depth"].value
     velocity = Mean(means["discharge"].value / depth, ratio.error)
     wave = sqrt(gravity * depth)

@@ -192,15 +192,19 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     track = track_jump(edges, time, data["mass_depth"], data["discharge"], gravity, flow.scene.diameter, in_window)
     used = track.found & in_window
     if used.sum() < max(2, 0.5 * in_window.sum()):
-        return replace(_none_found(track, in_window, data, edges, gravity, flow, common), track=track)
+        heap = _heap(edges, data, in_window, edges[0], gravity)
+        why = _why_none(track, in_window, data, heap, gravity, flow.inflow_depth)
+        return JumpResult(*why, track=track, heap=heap, **common)
     motions = {
         "toe_motion": straight_motion(time[used], track.toe[used]),
         "end_motion": straight_motion(time[used], track.end[used]),
         "motion": straight_motion(time[used], track.position[used]),
     }
-    result = JumpResult("jump", "", track=track, **motions, **common)
+    heap = _heap(edges, data, used, float(np.mean(track.end[used])), gravity)
+    result = JumpResult("jump", "", track=track, heap=heap, **motions, **common)
     result = _measure(result, x, data, used, gravity)
-    return _judge(result, edges, data, used, gravity)
+    verdict, reason = _judge(result, edges[0], used, gravity)
+    return replace(result, verdict=verdict, reason=reason)
 
 
 def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
@@ -248,11 +252,11 @@ def _ends(xi, values, level_1, level_2, toe, end) -> tuple[float, float]:
     return new_toe, max(new_end if isfinite(new_end) else end, new_toe)
 
 
-def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, gravity: float) -> Heap:
+def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: float, gravity: float) -> Heap:
     """How much of the discs behind the jump stands still, and how steep their surface is."""
     middle = 0.5 * (edges[1:] + edges[:-1])
     depth, discharge = data["mass_depth"][chosen].mean(axis=0), data["discharge"][chosen].mean(axis=0)
-    behind = (middle > float(np.mean(start))) & (depth > 0)
+    behind = (middle > start) & (depth > 0)
     if behind.sum() < 3:
         return Heap()
     s, q = depth[behind], discharge[behind]
@@ -265,57 +269,43 @@ def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: np.ndarray, 
     return Heap(share, slope)
 
 
-def _judge(result: JumpResult, edges: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
-    """Jump, locked heap or drowned inlet."""
-    track, flow = result.track, result.flow
+def _judge(result: JumpResult, inlet: float, used: np.ndarray, gravity: float) -> tuple[str, str]:
+    """Jump, locked heap or drowned inlet, and the reason."""
+    track, heap = result.track, result.heap
     late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
-    heap = _heap(edges, data, used, track.end[used], gravity)
-    result = replace(result, heap=heap)
-    inflow = flow.inflow_depth or 0.0
-    distance = float(np.median(track.toe[late])) - edges[0]
-    drowned = distance < INLET_REACH * max(inflow, result.bin_width)
+    distance = float(np.median(track.toe[late])) - inlet
+    drowned = distance < INLET_REACH * max(result.flow.inflow_depth or 0.0, result.bin_width)
     if heap.locked:
-        also = " It has reached the inlet." if drowned else ""
-        return replace(
-            result,
-            verdict="locked heap",
-            reason=f"behind the toe {100 * heap.standing_share:.0f} % of the discs stand still under a surface that "
-            f"slopes by {heap.surface_slope:+.3f}: friction has locked them, this is no hydraulic jump.{also}",
+        return "locked heap", (
+            f"behind the toe {100 * heap.standing_share:.0f} % of the discs stand still under a surface that "
+            f"slopes by {heap.surface_slope:+.3f}: friction has locked them, this is no hydraulic jump."
+            f"{' It has reached the inlet.' if drowned else ''}"
         )
     if drowned:
-        return replace(
-            result,
-            verdict="drowned inlet",
-            reason=f"the toe stands {distance:.2f} m from the inlet: the inflow is no longer free.",
-        )
+        return "drowned inlet", f"the toe stands {distance:.2f} m from the inlet: the inflow is no longer free."
     words = "moves upstream" if result.motion.speed < 0 else "moves downstream"
     uncertain = 2 * result.motion.error if isfinite(result.motion.error) else 0.0
     if abs(result.motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * track.depth_2[used].mean())):
         words = "stands still within the error"
     tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
-    return replace(result, reason=f"the front {words} at {result.speed:+.2f} m/s.{tail}")
+    return "jump", f"the front {words} at {result.speed:+.2f} m/s.{tail}"
 
 
-def _none_found(track, in_window, data, edges, gravity, flow, common) -> JumpResult:
-    """Say why: the commonest reason of the window, and whether the inlet is drowned or the flow locked."""
+def _why_none(track, in_window, data, heap, gravity, inflow) -> tuple[str, str]:
+    """Verdict and reason: the commonest reason of the window, and whether the inlet is drowned or the flow locked."""
     reasons = Counter(reason.split(" (")[0] for reason, inside in zip(track.why, in_window, strict=True) if inside)
     reasons.pop("", None)
     counted = ", ".join(f"{reason} ({n} of {int(in_window.sum())} frames)" for reason, n in reasons.most_common(2))
-    depth, discharge = data["mass_depth"][in_window].mean(axis=0), data["discharge"][in_window].mean(axis=0)
-    first = slice(0, 3)
-    start = np.full(int(in_window.sum()), edges[0])
-    heap = _heap(edges, data, in_window, start, gravity) if in_window.any() else None
-    inflow = flow.inflow_depth
-    if heap and heap.locked:
+    if heap.locked:
         share, slope = heap.standing_share, heap.surface_slope
         reason = f"{100 * share:.0f} % of the discs stand still under a surface that slopes by {slope:+.3f}; {counted}"
-        return JumpResult("locked heap", reason, heap=heap, **common)
-    if inflow and depth[first].mean() > 0:
-        froude = discharge[first].sum() / depth[first].sum() / sqrt(gravity * depth[first].mean())
-        if depth[first].mean() > 1.5 * inflow and froude < 1:
-            reason = (
-                f"the flow at the inlet is {depth[first].mean():.2f} m deep (inflow {inflow:.2f} m) and subcritical "
+        return "locked heap", reason
+    depth, discharge = (data[name][in_window].mean(axis=0)[:3] for name in ("mass_depth", "discharge"))
+    if inflow and depth.mean() > 0:
+        froude = discharge.sum() / depth.sum() / sqrt(gravity * depth.mean())
+        if depth.mean() > 1.5 * inflow and froude < 1:
+            return "drowned inlet", (
+                f"the flow at the inlet is {depth.mean():.2f} m deep (inflow {inflow:.2f} m) and subcritical "
                 f"(Fr = {froude:.2f}): what jump there was has run over the inlet"
             )
-            return JumpResult("drowned inlet", reason, heap=heap, **common)
-    return JumpResult("no jump found", counted or "no frame in the window", heap=heap, **common)
+    return "no jump found", counted or "no frame in the window"

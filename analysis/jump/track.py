@@ -186,8 +186,7 @@ def track_jump(
         level_1, level_2 = np.median(values[2, chosen]), np.median(values[3, chosen])
         for k in np.flatnonzero(found):
             position[k] = equivalent_position(edges, depth[k], values[0, k], values[1, k], level_1, level_2)
-    toe, end, depth_1, depth_2, velocity_1, velocity_2, reach = values
-    return JumpTrack(time, toe, end, position, depth_1, depth_2, velocity_1, velocity_2, reach, tuple(why))
+    return JumpTrack(time, *values[:2], position, *values[2:], tuple(why))
 
 
 def _look(edges, depth, discharge, gravity, diameter) -> tuple[str, tuple[float, ...]]:
@@ -206,10 +205,7 @@ def _look(edges, depth, discharge, gravity, diameter) -> tuple[str, tuple[float,
         return "no stream in front of the rise: a wave runs on a dry bed", nothing
     if ramp.share < LEAST_SHARE:
         return f"no ramp between two levels fits (it explains {100 * ramp.share:.0f} % of the variance)", nothing
-    velocity_1, velocity_2 = (
-        discharge[before].sum() / depth[before].sum(),
-        discharge[behind].sum() / depth[behind].sum(),
-    )
+    velocity_1, velocity_2 = (discharge[side].sum() / depth[side].sum() for side in (before, behind))
     froude_1, froude_2 = velocity_1 / sqrt(gravity * depth_1), velocity_2 / sqrt(gravity * depth_2)
     if froude_1 <= 1:
         return f"the stream in front of the rise is subcritical (Fr = {froude_1:.2f})", nothing

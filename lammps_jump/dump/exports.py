@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import base64
-import csv
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd  # xarray needs it and brings it
+import xarray as xr
 
 from lammps_jump.errors import DumpError
 
@@ -16,11 +16,10 @@ from .find import read_dump
 from .frame import Frame, ten_indices
 from .read import Dump
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 EXPORTS = ("csv", "vtk", "pictures")
 PICTURES = 10
+BINARY = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
+"""How VTK files with arrays say what is in them."""
 
 
 def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[str, str] | None = None) -> Path:
@@ -37,25 +36,15 @@ def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[
     DumpError
         Columns of different length, or a place that cannot be written.
     """
-    columns = {name: np.asarray(values) for name, values in table.items()}
-    if len({values.shape for values in columns.values()}) > 1 or any(v.ndim != 1 for v in columns.values()):
-        shapes = ", ".join(f"{name} {values.shape}" for name, values in columns.items())
-        raise DumpError(f"{path}: columns of a table must be equally long: {shapes}.")
     units = units or {}
-    header = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in columns]
+    header = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
+    try:
+        columns = pd.DataFrame(dict(table))
+    except ValueError as error:
+        raise DumpError(f"{path}: columns of a table must be equally long: {error}.") from error
     with _writing(path) as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(zip(*([_cell(v) for v in values.tolist()] for values in columns.values()), strict=True))
+        columns.to_csv(file, header=header, index=False, float_format="%.10g", lineterminator="\n")
     return Path(path)
-
-
-def _cell(value) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, float):
-        return "" if value != value else f"{value:.10g}"
-    return str(value)
 
 
 def export(place: str | Path, kinds: Collection[str], out: str | Path | None = None) -> list[Path]:
@@ -101,8 +90,6 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
 
 
 def _dataset(path: Path) -> xr.Dataset:
-    import xarray as xr
-
     try:
         with xr.open_dataset(path, engine="h5netcdf") as dataset:
             return dataset.load()
@@ -129,17 +116,13 @@ def write_profiles_csv(profiles: xr.Dataset, folder: str | Path) -> list[Path]:
     -------
     list of Path
     """
-    folder = Path(folder)
     units = {name: array.attrs.get("units", "") for name, array in profiles.variables.items()}
-    along = [name for name, array in profiles.data_vars.items() if array.dims == ("x",)]
-    both = [name for name, array in profiles.data_vars.items() if array.dims == ("time", "x")]
-    mean = {"x": profiles.x.values, **{name: profiles[name].values for name in along}}
-    time, x = (part.ravel() for part in np.meshgrid(profiles.time.values, profiles.x.values, indexing="ij"))
-    full = {"time": time, "x": x, **{name: profiles[name].values.ravel() for name in both}}
-    return [
-        write_table(mean, folder / "profiles_mean.csv", units),
-        write_table(full, folder / "profiles.csv", units),
-    ]
+    written = []
+    for file, dims in (("profiles_mean.csv", ("x",)), ("profiles.csv", ("time", "x"))):
+        names = [name for name, array in profiles.data_vars.items() if array.dims == dims]
+        rows = profiles[names].to_dataframe(dim_order=dims).reset_index()
+        written.append(write_table(rows, Path(folder) / file, units))
+    return written
 
 
 def write_vti(fields: xr.Dataset, path: str | Path) -> Path:
@@ -158,7 +141,7 @@ def write_vti(fields: xr.Dataset, path: str | Path) -> Path:
     steps = " ".join([f"{spacing:.17g}"] * 3)
     cells = "".join(_data_array(name, values) for name, values in arrays.items())
     image = f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{steps}">\n<Piece Extent="{extent}">\n'
-    return _vtk(path, "ImageData", f"{image}<CellData>\n{cells}</CellData>\n</Piece>\n</ImageData>\n")
+    return _vtk(path, f'type="ImageData" {BINARY}', f"{image}<CellData>\n{cells}</CellData>\n</Piece>\n</ImageData>\n")
 
 
 def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
@@ -172,21 +155,16 @@ def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
     verts += _data_array("offsets", np.arange(1, frame.n + 1), "Int64")
     piece = f'<Piece NumberOfPoints="{frame.n}" NumberOfVerts="{frame.n}">\n<PointData>\n{data}</PointData>\n'
     piece += f"<Points>\n{_data_array('points', points)}</Points>\n<Verts>\n{verts}</Verts>\n</Piece>\n"
-    return _vtk(path, "PolyData", f"<PolyData>\n{piece}</PolyData>\n")
+    return _vtk(path, f'type="PolyData" {BINARY}', f"<PolyData>\n{piece}</PolyData>\n")
 
 
 def write_pvd(files: Iterable[tuple[float, str | Path]], path: str | Path) -> Path:
     """A ParaView collection: (time, file) pairs; files beside or below it are named relative to it."""
-    path = Path(path)
-    with _writing(path) as file:
-        file.write('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n')
-        for time, name in files:
-            name = Path(name)
-            if name.is_relative_to(path.parent):
-                name = name.relative_to(path.parent)
-            file.write(f'<DataSet timestep="{time:.10g}" part="0" file="{name.as_posix()}"/>\n')
-        file.write("</Collection>\n</VTKFile>\n")
-    return path
+    folder, sets = Path(path).parent, ""
+    for time, name in files:
+        name = Path(name).relative_to(folder) if Path(name).is_relative_to(folder) else Path(name)
+        sets += f'<DataSet timestep="{time:.10g}" part="0" file="{name.as_posix()}"/>\n'
+    return _vtk(path, 'type="Collection" version="0.1"', f"<Collection>\n{sets}</Collection>\n")
 
 
 def write_pictures(dump: Dump, folder: str | Path) -> list[Path]:
@@ -194,23 +172,18 @@ def write_pictures(dump: Dump, folder: str | Path) -> list[Path]:
 
     A dump of fewer than ten frames gives as many files as it has frames.
     """
-    folder, written = Path(folder), []
+    written = []
     for number, frame in enumerate(dump.select(ten_indices(dump.count(), PICTURES))):
         frame = frame.sorted()
-        path = folder / f"picture{number}.dat"
-        row = "%d %.10g %.10g\n"
-        values = np.column_stack([frame.ids, frame.x, frame.y])
-        with _writing(path) as file:
-            file.write((row * frame.n) % tuple(values.ravel().tolist()))
-        written.append(path)
+        written.append(Path(folder) / f"picture{number}.dat")
+        with _writing(written[-1]) as file:
+            np.savetxt(file, np.column_stack([frame.ids, frame.x, frame.y]), "%d %.10g %.10g")
     return written
 
 
-def _vtk(path: str | Path, kind: str, body: str) -> Path:
+def _vtk(path: str | Path, head: str, body: str) -> Path:
     with _writing(path) as file:
-        file.write('<?xml version="1.0"?>\n')
-        file.write(f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
-        file.write(f"{body}</VTKFile>\n")
+        file.write(f'<?xml version="1.0"?>\n<VTKFile {head}>\n{body}</VTKFile>\n')
     return Path(path)
 
 

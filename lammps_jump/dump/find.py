@@ -91,21 +91,17 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
     missing = [name for name in FORCE_COLUMNS[:4] if name not in header]
     if missing:
         raise DumpError(f"{path}, line 1: no column '{missing[0]}'; expected {','.join(FORCE_COLUMNS)}.")
-    where = {name: header.index(name) for name in FORCE_COLUMNS if name in header}
     for number, row in enumerate(csv.reader(lines[1:]), start=2):
         if not row:
             continue
         try:
-            if len(row) != len(header):
-                raise ValueError
-            values = tuple(
-                float(row[where[name]]) if name in where else np.nan for name in ("time", "fx", "fy", "moment")
-            )
+            cells = dict(zip(header, row, strict=True))
+            values = tuple(float(cells.get(name, "nan")) for name in ("time", "fx", "fy", "moment"))
         except ValueError:
             if number == len(lines) and not text.endswith("\n"):
                 break
             raise DumpError(f"{path}, line {number}: {','.join(row)[:60]!r} is no row of {','.join(header)}.") from None
-        rows.setdefault(row[where["structure"]].strip(), []).append(values)
+        rows.setdefault(cells["structure"].strip(), []).append(values)
     return {name: ForceHistory(*np.array(values).T) for name, values in rows.items()}
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 import zlib
 from collections.abc import Callable, Iterator
+from typing import BinaryIO
 
 import numpy as np
 
@@ -49,6 +51,10 @@ class _Buffer:
         self.end += got
         return got > 0
 
+    def place(self) -> str:
+        """Where the next line stands in the file."""
+        return f"line {self.line_number + 1}"
+
     def line(self) -> str | None:
         """The next line without its end; None at the end of the file; _Truncated where it lacks its newline."""
         searched = self.begin
@@ -64,32 +70,36 @@ class _Buffer:
         return text
 
 
-def walk_text(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
-    """Headers, and the frames for whose index `parse` is true, of a text dump."""
-    buffer = _Buffer(stream)
-    index = 0
-    while True:
-        start = buffer.line_number + 1
+def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
+    """Headers, and the frames for whose index `parse` is true; a last frame that is cut off is left out and noted."""
+    source, read = (_Buffer(stream), _text_frame) if dump.format == "text" else (_Bytes(dump, stream), _binary_frame)
+    for index in itertools.count():
+        start = source.place()
         try:
-            head = _text_header(dump, buffer)
-            if head is None:
-                if buffer.damaged:
-                    raise _Truncated("at the end of a frame")
-                return
-            frame = _text_rows(dump, buffer, *head, parse(index))
+            found = read(dump, source, parse(index))
         except _Truncated as where:
-            dump.warn(
-                f"{dump.path}: the last frame (number {index + 1}, from line {start}) is cut off {where}"
-                f"{buffer.damaged}; it was skipped."
-            )
             if index == 0:
                 raise DumpError(
-                    f"{dump.path}: the file ends at line {buffer.line_number + 1}, inside its first frame "
-                    f"({where}){buffer.damaged}: no complete frame in it."
+                    f"{dump.path}: the file ends at {source.place()}, inside its first frame ({where})"
+                    f"{source.damaged}: no complete frame in it."
                 ) from None
+            dump.warn(
+                f"{dump.path}: the last frame (number {index + 1}, from {start}) is cut off {where}{source.damaged}; "
+                "it was skipped."
+            )
             return
-        yield head[0], frame
-        index += 1
+        if found is None:
+            return
+        yield found
+
+
+def _text_frame(dump: DumpFile, buffer: _Buffer, wanted: bool) -> tuple[FrameHeader, Frame | None] | None:
+    head = _text_header(dump, buffer)
+    if head is not None:
+        return head[0], _text_rows(dump, buffer, *head, wanted)
+    if buffer.damaged:
+        raise _Truncated("at the end of a frame")
+    return None
 
 
 def _wrong(dump: DumpFile, line: int, found: str, expected: str) -> DumpError:
@@ -127,11 +137,8 @@ def _text_header(dump: DumpFile, buffer: _Buffer):
         elif item == "BOX":
             box, tilt = _box(dump, buffer)
         elif item == "ATOMS":
-            missing = [
-                name
-                for name, value in (("TIMESTEP", step), ("NUMBER OF ATOMS", n), ("BOX BOUNDS", box))
-                if value is None
-            ]
+            needed = {"TIMESTEP": step, "NUMBER OF ATOMS": n, "BOX BOUNDS": box}
+            missing = [name for name, value in needed.items() if value is None]
             if missing:
                 raise _wrong(dump, buffer.line_number, line, f"'ITEM: {missing[0]}' first")
             names = tuple(rest.split())
@@ -211,10 +218,7 @@ def _text_rows(dump: DumpFile, buffer: _Buffer, header: FrameHeader, box, names,
             line = buffer.line()  # may read on; a row cut off here is a truncated file, not a malformed one
             out[:, row] = _slow_row(dump, line, names, first_line + row)
             row += 1
-    if not wanted:
-        return None
-    columns = {name: out[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
-    return Frame(header.step, header.time, box, read_only(columns))
+    return _frame(header, box, names, out) if wanted else None
 
 
 def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) -> list[float]:
@@ -231,98 +235,105 @@ def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) ->
     return values
 
 
-def walk_binary(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
-    """Headers, and the frames for whose index `parse` is true, of a binary dump (signature, revision 2)."""
-    position = 0
-    index = 0
+class _Bytes:
+    """The bytes of a binary dump, one number or block after the other."""
 
-    def take(size: int) -> bytes:
-        nonlocal position
-        if size < 0 or size > 8 * LARGEST_FRAME:
-            raise DumpError(f"{dump.path}, byte {position}: a length of {size} bytes: the file is damaged.")
+    damaged = ""
+
+    def __init__(self, dump: DumpFile, stream):
+        self.dump, self.stream = dump, stream
+        self.position = 0
+
+    def place(self) -> str:
+        """Where the next byte stands in the file."""
+        return f"byte {self.position}"
+
+    def take(self, size: int) -> bytes:
+        """The next `size` bytes; _Truncated where the file ends before."""
+        if not 0 <= size <= 8 * LARGEST_FRAME:
+            raise DumpError(f"{self.dump.path}, {self.place()}: a length of {size} bytes: the file is damaged.")
         parts, left = [], size
         while left:
-            try:
-                part = stream.read(left)
-            except (EOFError, zlib.error):
-                part = b""
+            part = read_some(self.stream, left)
             if not part:
-                raise _Truncated(f"at byte {position}")
+                raise _Truncated(f"at {self.place()}")
             parts.append(part)
             left -= len(part)
-            position += len(part)
-        return parts[0] if len(parts) == 1 else b"".join(parts)
+            self.position += len(part)
+        return b"".join(parts)
 
-    def number(code: str):
-        return struct.unpack("<" + code, take(struct.calcsize("<" + code)))[0]
-
-    while True:
-        start = position
-        try:
-            try:
-                first = number("q")
-            except _Truncated:
-                if position == start:
-                    return
-                raise
-            if not -64 <= first < 0:
-                raise DumpError(f"{dump.path}, byte {start}: no frame begins here (found {first}).")
-            signature = take(-first)
-            endian, revision = number("i"), number("i")
-            if not signature.startswith(b"DUMP") or endian != 1:
-                raise DumpError(f"{dump.path}, byte {start}: signature {signature!r}, byte order {endian}: not read.")
-            if revision < 2:
-                raise DumpError(
-                    f"{dump.path}: binary revision {revision} carries no column names; turn it into text with "
-                    "LAMMPS' binary2txt and add them to 'ITEM: ATOMS'."
-                )
-            step, n, triclinic = number("q"), number("q"), number("i")
-            take(24)
-            box = np.frombuffer(take(48)).reshape(3, 2).copy()
-            tilt = float(np.abs(np.frombuffer(take(24))).sum()) if triclinic else 0.0
-            width = number("i")
-            units = take(number("i"))
-            if units:
-                dump.units = units.decode("latin-1")
-            time = number("d") if number("b") else None
-            names = tuple(take(number("i")).decode("latin-1").split())
-            if len(names) != width or not 0 <= n <= LARGEST_FRAME:
-                raise DumpError(
-                    f"{dump.path}, byte {start}: damaged: {n} discs with {width} values each, but {len(names)} names."
-                )
-            _check_names(dump, names, tilt, f"byte {start}")
-            header = FrameHeader(step, time, n)
-            if 8 * width * n > dump.most_bytes:
-                raise _Truncated(f": the file is too short for {n} discs")
-            frame = _binary_rows(dump, header, box, names, number("i"), number, take, parse(index), start)
-        except _Truncated as where:
-            dump.warn(
-                f"{dump.path}: the last frame (number {index + 1}, from byte {start}) is cut off {where}; skipped."
-            )
-            if index == 0:
-                raise DumpError(f"{dump.path}: the file ends {where}, inside its first frame.") from None
-            return
-        yield header, frame
-        index += 1
+    def number(self, code: str):
+        """The next number, of this code of `struct`."""
+        return struct.unpack("<" + code, self.take(struct.calcsize("<" + code)))[0]
 
 
-def _binary_rows(dump, header, box, names, chunks, number, take, wanted, start) -> Frame | None:
+def read_some(stream: BinaryIO, size: int) -> bytes:
+    """At most `size` bytes; none at the end of a file, and where a gzip stream is damaged."""
+    try:
+        return stream.read(size)
+    except (EOFError, zlib.error):
+        return b""
+
+
+def _binary_frame(dump: DumpFile, source: _Bytes, wanted: bool) -> tuple[FrameHeader, Frame | None] | None:
+    """The next frame, with signature and revision 2; None at the end of the file."""
+    take, number, start = source.take, source.number, source.position
+    try:
+        first = number("q")
+    except _Truncated:
+        if source.position == start:
+            return None
+        raise
+    if not -64 <= first < 0:
+        raise DumpError(f"{dump.path}, byte {start}: no frame begins here (found {first}).")
+    signature = take(-first)
+    endian, revision = number("i"), number("i")
+    if not signature.startswith(b"DUMP") or endian != 1:
+        raise DumpError(f"{dump.path}, byte {start}: signature {signature!r}, byte order {endian}: not read.")
+    if revision < 2:
+        raise DumpError(
+            f"{dump.path}: binary revision {revision} carries no column names; turn it into text with "
+            "LAMMPS' binary2txt and add them to 'ITEM: ATOMS'."
+        )
+    step, n, triclinic = number("q"), number("q"), number("i")
+    take(24)
+    box = np.frombuffer(take(48)).reshape(3, 2).copy()
+    tilt = float(np.abs(np.frombuffer(take(24))).sum()) if triclinic else 0.0
+    width = number("i")
+    dump.units = take(number("i")).decode("latin-1") or dump.units
+    time = number("d") if number("b") else None
+    names = tuple(take(number("i")).decode("latin-1").split())
+    if len(names) != width or not 0 <= n <= LARGEST_FRAME:
+        raise DumpError(
+            f"{dump.path}, byte {start}: damaged: {n} discs with {width} values each, but {len(names)} names."
+        )
+    _check_names(dump, names, tilt, f"byte {start}")
+    header = FrameHeader(step, time, n)
+    if 8 * width * n > dump.most_bytes:
+        raise _Truncated(f": the file is too short for {n} discs")
+    return header, _binary_rows(dump, source, header, box, names, wanted, start)
+
+
+def _binary_rows(dump, source, header, box, names, wanted, start) -> Frame | None:
     width, rows, done = len(names), header.n, 0
     out = np.empty((width, rows if wanted else 0))
-    for _ in range(chunks):
-        values = number("i")
+    for _ in range(source.number("i")):
+        values = source.number("i")
         count, odd = divmod(values, width)
         if odd or count < 0 or done + count > rows:
             raise DumpError(
                 f"{dump.path}, frame at byte {start}: a block of {values} values does not fit {rows} discs."
             )
-        block = take(8 * values)
+        block = source.take(8 * values)
         if wanted:
             out[:, done : done + count] = np.frombuffer(block).reshape(count, width).T
         done += count
     if done != rows:
         raise DumpError(f"{dump.path}, frame at byte {start}: {done} discs found, {rows} announced.")
-    if not wanted:
-        return None
-    columns = {name: out[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
+    return _frame(header, box, names, out) if wanted else None
+
+
+def _frame(header: FrameHeader, box: np.ndarray, names: tuple[str, ...], values: np.ndarray) -> Frame:
+    """Frame of values, shape (columns, n), without the columns of words."""
+    columns = {name: values[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
     return Frame(header.step, header.time, box, read_only(columns))

@@ -10,12 +10,13 @@ import io
 import struct
 import zlib
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, overload
 
 from lammps_jump.errors import DumpError
 
-from .formats import walk_binary, walk_text
+from .formats import read_some, walk
 from .frame import DumpFile, Frame, FrameHeader
 
 
@@ -33,10 +34,6 @@ class Dump(DumpFile):
     warnings : list of str
         What the last pass found odd: a truncated last frame, columns of words.
     """
-
-    def __init__(self, path: Path, format: str, compressed: bool):
-        super().__init__(path, format, compressed)
-        self._headers: list[FrameHeader] | None = None
 
     def __iter__(self) -> Iterator[Frame]:
         return self.select(None)
@@ -73,9 +70,11 @@ class Dump(DumpFile):
 
     def headers(self) -> list[FrameHeader]:
         """Step, time and number of discs of every complete frame (one quick pass, remembered)."""
-        if self._headers is None:
-            self._headers = [header for header, _ in self._pass(lambda i: False)]
         return self._headers
+
+    @cached_property
+    def _headers(self) -> list[FrameHeader]:
+        return [header for header, _ in self._pass(lambda i: False)]
 
     def count(self) -> int:
         """Number of complete frames."""
@@ -83,7 +82,6 @@ class Dump(DumpFile):
 
     def _pass(self, parse) -> Iterator[tuple[FrameHeader, Frame | None]]:
         self.warnings = []
-        walk = walk_text if self.format == "text" else walk_binary
         try:
             with _open(self.path, self.compressed) as stream:
                 yield from walk(self, stream, parse)
@@ -116,7 +114,7 @@ def open_dump(path: str | Path) -> Dump:
         with open(path, "rb") as file:
             compressed = file.read(2) == b"\x1f\x8b"
         with _open(path, compressed) as stream:
-            head = _read_some(stream, 64)
+            head = read_some(stream, 64)
     except OSError as error:
         raise DumpError(f"{path}: cannot be read ({error.strerror or error}).") from error
     if not head.strip():
@@ -178,10 +176,3 @@ class _Unzipped(io.RawIOBase):
     def close(self) -> None:
         self.file.close()
         super().close()
-
-
-def _read_some(stream: BinaryIO, size: int) -> bytes:
-    try:
-        return stream.read(size)
-    except (EOFError, zlib.error):
-        return b""

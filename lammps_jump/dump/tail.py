@@ -6,7 +6,7 @@ import io
 from collections.abc import Iterator
 from pathlib import Path
 
-from .formats import walk_text
+from .formats import walk
 from .frame import DumpFile, Frame
 
 MARKER = b"ITEM: TIME\n"
@@ -64,5 +64,5 @@ class Tail:
 
     def _frames(self, text: bytes) -> Iterator[Frame]:
         """Frames of whole text; DumpError where it is malformed."""
-        walked = walk_text(DumpFile(self.path, "text", False), io.BytesIO(text), lambda index: True)
+        walked = walk(DumpFile(self.path, "text", False), io.BytesIO(text), lambda index: True)
         return (frame for _, frame in walked)

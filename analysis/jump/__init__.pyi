@@ -1,0 +1,7 @@
+from .result import JumpResult as JumpResult
+from .result import analyse_jump as analyse_jump
+from .summary import Jump as Jump
+from .summary import inflow_theory as inflow_theory
+from .summary import summarise_jump as summarise_jump
+from .track import straight_motion as straight_motion
+from .track import track_jump as track_jump
