@@ -1,4 +1,3 @@
 from .page import Section as Section
 from .page import Table as Table
 from .page import render as render
-from .run import write_report as write_report
