@@ -1,6 +1,6 @@
 """Writer of LAMMPS dumps, byte for byte as ``dump custom`` writes them: text, gzipped text, binary.
 
-Checked against files of LAMMPS 22Jul2025: see ``tests/unit/test_dump.py``.
+Checked against files of LAMMPS 22Jul2025: see ``tests/dump/test_read.py``.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ that merely fails to find a trend would call any noisy or short record steady.) 
 the interval: residuals with lag-1 correlation r > 0 inflate the standard error by sqrt((1 + r)/(1 - r)). Depth,
 discharge and toe must all be steady at two looks in a row, half a window apart.
 
-False-stop rate, measured (tests/unit/test_steady.py; 1,500 records of three windows whose depth drifts by the tolerance
+False-stop rate, measured (tests/runs/test_steady.py; 1,500 records of three windows whose depth drifts by the tolerance
 a window, 100 samples a window): below 0.1 % with independent noise, 0.5 % with AR(1) noise of 0.8 from sample to
 sample, 2.7 % with 0.95.
 """
