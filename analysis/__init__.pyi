@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from . import profiles as profiles
 from .energy import Energy as Energy
 from .flow import Flow as Flow

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Discs sorted into square cells: what every neighbour search of the analysis starts from."""
 
 from __future__ import annotations

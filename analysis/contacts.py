@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Contacts of one frame, found from positions: pairs, overlaps, forces, and their sums. All per metre of width."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Energy of the discs, frame by frame, from positions and velocities (thesis 4.28)."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Coarse-grained fields on a grid: density, velocity, kinetic and contact stress.
 
 Definitions: I. Goldhirsch, "Stress, stress asymmetry and couple stress: from discrete particles to continuous

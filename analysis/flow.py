@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Flow as the analysis sees it: the scene, where to look, and when."""
 
 from __future__ import annotations

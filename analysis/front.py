@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The front of a collapsing column: where it is, how high the column stands, how fast its surface moves.
 
 Definitions (docs/analysis.md): the *bulk front* ends the row of discs that starts at the back wall and has no gap of

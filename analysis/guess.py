@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Flow of a bare dump: what is not given is guessed, and every guess is noted."""
 
 from __future__ import annotations

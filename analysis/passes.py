@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """One pass over the frames of a dump, which feeds every analysis that was asked for."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Depth profiles along the channel: a dump's frames binned in x, and their means over a window of time.
 
 Every disc is shared among the bins it straddles by the area on each side (exact circular segments), so mass,

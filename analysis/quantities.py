@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The analyses of a run, and how a dump becomes numbers, tables and figures."""
 
 from __future__ import annotations

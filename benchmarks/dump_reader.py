@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """How fast dumps are read: rows a second of this reader, by format, against MDAnalysis where it is installed.
 
 Run as ``python benchmarks/dump_reader.py [--discs N] [--frames N] [--repeats N]``. The files are made up

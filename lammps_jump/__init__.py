@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """lammps-jump: free-surface flow with discs on LAMMPS, from a YAML case to a report.
 
 ``case = lammps_jump.load_case(file)`` reads a case, ``run = case.run(folder)`` runs and analyses it.

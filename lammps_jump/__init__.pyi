@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .analysis.energy import Energy as Energy
 from .analysis.forces.history import Force as Force
 from .analysis.front import Front as Front

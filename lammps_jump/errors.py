@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The errors a user can meet. Each says the value, what is allowed, where, and what to do."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The files of a run folder: their names, how they are cleared, written whole, and marked while they are written."""
 
 from __future__ import annotations

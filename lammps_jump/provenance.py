@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What a result depends on: versions, hashes, the machine."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers in: SI floats, or strings with a unit. Numbers out: each described once, and one formatter for all.
 
 A result is a frozen dataclass whose numbers are made with `number`. The key of ``summary.json``, the row of the report

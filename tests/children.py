@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Processes that tests start: one way, and none outlives its test."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Closed forms that tests compare engines with, and that the program itself does not need."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Fixtures and settings of all tests; functions that several share are in `made_up` and `children`."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What several tests make up: contexts, frames of discs placed by hand, the plugin or a reason to go without."""
 
 from __future__ import annotations

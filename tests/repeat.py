@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Run the test suite many times, under conditions that must not matter: ``python tests/repeat.py 20``.
 
 Half of the runs have two endless loops of the same priority beside them. Of each half one run ignores Ctrl-C, as a job

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Store the results of the program, and compare them with later ones: rearranged code must give the same results.
 
     python tests/same_results.py store FOLDER                      # before; about three minutes on one core

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The house keeps its floors: which folder imports which, how large files and folders are.
 
 The tables at the top list what does not keep to the rules yet. They may only shrink: a test fails too where a table
@@ -211,3 +212,16 @@ def test_folders_are_small():
 @pytest.mark.parametrize(("text", "lines"), [('"""Doc."""\n\nx = (\n    1,\n)\n# note\n"""About x."""\n', 3), ("", 0)])
 def test_how_lines_are_counted(text, lines):
     assert lines_of_code(text) == lines
+
+
+LICENCE = "SPDX-License-Identifier: GPL-2.0-or-later"
+COMMENT = {".py": "#", ".pyi": "#", ".cpp": "//", ".h": "//"}
+"""Source files, and how a comment begins in them."""
+
+
+def test_the_first_line_of_every_source_file_names_its_licence():
+    folders = ("lammps_jump", "analysis", "tests", "benchmarks")
+    files = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.suffix in COMMENT]
+    first = {str(path): path.read_text(encoding="utf-8").partition("\n")[0] for path in files}
+    bare = sorted(path for path, line in first.items() if line != f"{COMMENT[Path(path).suffix]} {LICENCE}")
+    assert not bare, bare[:3]

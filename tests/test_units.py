@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers of results: described once, shown by one formatter, written into the summary."""
 
 from dataclasses import dataclass, field, replace

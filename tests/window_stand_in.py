@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A matplotlib backend that stands in for windows on a screen: nothing is shown, what is drawn is counted.
 
 `mood` says what the window does when it handles its events: nothing, be closed by the user, or fail.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Figures and film of discs, walls and fields."""
 
 import lazy_loader

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .film import animate as animate
 from .film import still as still
 from .maps import bed_pressure_figure as bed_pressure_figure

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Animated colour output: discs as true circles coloured by speed, force arrows on structures, simulated time.
 
 The frame around the moving picture (axes, labels, colour bar) is drawn once with matplotlib; each frame then paints

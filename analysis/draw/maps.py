@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Figures of coarse-grained fields: a map, and the pressure at the bed against hydrostatic."""
 
 from __future__ import annotations

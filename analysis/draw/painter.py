@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A small software painter: anti-aliased discs, straight lines and arrows on an RGB picture, fast.
 
 Pictures are arrays of shape (height, width, 3), uint8, first row on top. World coordinates are metres; a `View`

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Ten pictures of the discs at equal times (the thesis' picture0 … picture9), and what of the plane a picture shows."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Figures of a flow, their style and how they are saved: depth profile, map of depth over distance and time.
 
 Every function returns a matplotlib ``Figure`` with its own Agg canvas: no global state, no screen. Colours are

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Force on structures, its impulse, the reflected wave."""
 
 import lazy_loader

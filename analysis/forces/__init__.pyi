@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .history import Force as Force
 from .history import Forces as Forces
 from .history import analyse_forces as analyse_forces

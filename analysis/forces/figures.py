@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Figures of the forces: history, impulse, reflected wave, each with its estimate beside it; and their section."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Force on structures: history, impulse, peak behind a stated low-pass, estimates, and the impulse identity.
 
 Fx and fy are what the discs do to a structure, N per metre of width.

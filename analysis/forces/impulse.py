@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The impulse identity: what walls and gravity gave the discs is what their momentum changed by."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The wave that a structure throws back: where it is, how fast it runs, and the bore that theory expects."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .result import JumpResult as JumpResult
 from .result import analyse_jump as analyse_jump
 from .summary import Jump as Jump

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Figures of the hydraulic jump: its track, its mean shape, its momentum balance, the energy head."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)

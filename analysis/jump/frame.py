@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The jump in its own frame: profiles averaged at equal distance from the moving front, states, balances, lengths.
 
 Symbols: c speed of the front, s mass depth, h surface depth, u mean velocity, q discharge; 1 upstream, 2 downstream.

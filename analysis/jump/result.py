@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The hydraulic jump of a run: found, followed, measured in its own frame, and held against theory.
 
 Definitions stand in docs/analysis.md.

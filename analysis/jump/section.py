@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What the pages, tables and figures of a run show of its jump."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)

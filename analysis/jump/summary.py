@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers of a jump, with what theory says beside them; docs/analysis.md explains them."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Where the jump is in each frame: a ramp between two levels, fitted to the mass depth; and how fast it moves.
 
 The stream flows towards larger x here; `result.analyse_jump` mirrors streams towards smaller x.

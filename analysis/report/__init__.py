@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The report of a run as one HTML page."""
 
 import lazy_loader

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .page import Section as Section
 from .page import Table as Table
 from .page import render as render

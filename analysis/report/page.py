@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Page of a report: sections of blocks, put into one HTML file that needs no network and no script."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)

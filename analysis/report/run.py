@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Report of a run: its summary, figures and film in one page below 5 MB."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Case files: YAML to a validated, frozen `Case`, and on to a `Scene`."""
 
 import lazy_loader

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .case import ReadCase as ReadCase
 from .case import load_case as load_case
 from .case import parse_case as parse_case

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A case as an object: read from a file, text or mapping, changed, checked, turned into a scene."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Checks of a case that need more than one field: stability of the step, places of discs and inlets, size.
 
 Each raises `CaseError` with the place in the file and the remedy.

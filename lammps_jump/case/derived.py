@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """``lammps-jump check``: every derived number of a case, and what the run will leave out."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Pydantic's errors in sentences: the place in the file, what is wrong, what is allowed, what to do."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The fields of a case file: pydantic models, frozen, unknown keys refused."""
 
 from __future__ import annotations

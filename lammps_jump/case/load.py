@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """From the data of a case to its validated fields; every complaint names its place and the remedy."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Discs at the start: columns with hydrostatic overlaps, lattices, lists; and the closest pair."""
 
 from __future__ import annotations

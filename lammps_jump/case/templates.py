@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The scenes that come with the package (``inputs/``), as starting cases."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Case text to plain data, with the line of each value."""
 
 from __future__ import annotations

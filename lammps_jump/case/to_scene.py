@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Case to Scene: fields become the numbers that every engine takes. Cases that cannot run are refused."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from . import doctor as doctor
 from . import live as live
 from . import progress as progress

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Commands that look at a run or a dump: analyze, animate, export."""
 
 from __future__ import annotations

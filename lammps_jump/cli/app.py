@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The command line: groups of commands put together, and what becomes of errors."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The command doctor: what a run needs, and whether it is here."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The engine's process is started before the case is read: it loads its libraries meanwhile."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Pictures of a run while it goes on: the newest frame as a file, and in a window where there is a screen."""
 
 from __future__ import annotations

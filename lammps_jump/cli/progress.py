@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """How far a run has come, on the screen: simulated time, discs in play, speed, time left."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Commands that make a run: build-and-run, build, run."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Standard output that may be closed, full or ASCII only: errors in printing never end a run."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Commands of the studies: cross-validate, bench, stress, sensitivity, calibrate."""
 
 from __future__ import annotations

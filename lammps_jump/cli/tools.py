@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Commands about cases and this machine: check, new, schema, doctor, kernels."""
 
 from __future__ import annotations

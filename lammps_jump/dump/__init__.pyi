@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .exports import export as export
 from .find import ForceHistory as ForceHistory
 from .find import find_dump as find_dump

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers for other programs: CSV tables, VTK grids and discs for ParaView, the thesis' picture files."""
 
 from __future__ import annotations

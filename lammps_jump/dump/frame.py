@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """One time of a dump: the discs as columns."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A bridge to MDAnalysis: dumps with a varying number of discs as a Universe.
 
 Importing this module registers the format ``JUMPDUMP`` (topology and trajectory) with MDAnalysis; nothing else of the

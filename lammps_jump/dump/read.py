@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Streaming reader for LAMMPS dumps: ``dump custom`` as text, gzipped text or binary, told apart by content.
 
 Formats: text as https://docs.lammps.org/dump.html describes it; binary as LAMMPS' ``tools/binary2txt.cpp``

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The inner loop of the text reader: rows of decimal numbers to float64, streaming and correctly rounded.
 
 A number with at most 15 digits and a small exponent is one exact operation on two exact doubles; longer ones

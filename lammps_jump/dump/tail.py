@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Whole frames of a text dump that an engine is still writing."""
 
 from __future__ import annotations

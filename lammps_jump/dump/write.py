@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Writer of LAMMPS dumps, byte for byte as ``dump custom`` writes them: text, gzipped text, binary.
 
 Checked against files of LAMMPS 22Jul2025: see ``tests/dump/test_read.py``.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The engines: LAMMPS with stock styles or the plugin, and the native one; `run` is the one way to run a scene."""
 
 import lazy_loader

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from . import accuracy as accuracy
 from . import plugin as plugin
 from .checkpoint import Checkpoint as Checkpoint

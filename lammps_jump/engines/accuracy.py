@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """``run.accuracy``: the cheapest setting that the stored calibration shows to meet an accuracy.
 
 ``calibration.json`` is made from finished benchmarks by ``python -m lammps_jump.studies.calibration_store``. A setting

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What an interrupted run leaves so that it can go on: ``checkpoint.json`` beside the engine's own file of its state.
 
 The engine's file is LAMMPS' binary restart file or an npz file of the native engine; its name holds the step, and

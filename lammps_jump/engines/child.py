@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The process of an engine, as its parent sees it (`lammps_jump.engines.worker` is what runs there).
 
 Importing this file costs little, so that the command line can start the process before it reads the case.

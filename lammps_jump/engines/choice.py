@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Which engine, kernel and number of MPI ranks a scene gets."""
 
 from __future__ import annotations

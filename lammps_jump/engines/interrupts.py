@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Ctrl-C and SIGTERM (the time limit of a batch system) while an engine or an analysis runs: both end it in order."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The one way to run a scene: an engine in a child process, which this process watches.
 
 The child is in a session of its own, so that Ctrl-C comes to this process alone. This process asks the child to save

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What an engine hands back when it stops, and how it reports on the way: the same for both engines."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """How a scene is to be run: the engine and its options, and the job that goes to the engine's process."""
 
 from __future__ import annotations

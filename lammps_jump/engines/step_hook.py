@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A function that the engines call after every step: none, unless a test of faults sets one."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Child process in which an engine runs: ``python -m lammps_jump.engines.worker ENGINE [JOB]``.
 
 ENGINE, 'lammps' or 'native', is loaded at once, before there is a job. Under ``mpiexec``, JOB names a file that every

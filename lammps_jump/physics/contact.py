@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Contact coefficients: from what a case says of a collision to spring, dashpot, friction and time step.
 
 Pure functions, one equation each, cited as "thesis (3.20)" for T-4359, Colorado School of Mines, and as a named

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Open-channel hydraulics that runs are judged by: jump, inflow, sill (and, re-exported, waves and columns).
 
 Pure functions of floats, one equation each. "thesis (4.26)" is equation 4.26 of T-4359, Colorado School of Mines.

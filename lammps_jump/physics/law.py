@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Contact law of two discs, or of a disc and a wall: normal force, friction, stored energy (thesis 3.11, 4.18-4.21).
 
 Plain functions of one contact, compiled at the end of the file. The loops of the native engine and of the analysis call

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Measured tables that runs are compared with; each record carries its citation and its units.
 
 Numbers here are other people's measurements, digitised or tabulated; equations live in `lammps_jump.physics.jump`.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Friction laws that are too steep below sliding for the step that a case asks for."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Moving shocks, dam breaks and loads on walls: closed forms that runs are compared with.
 
 Pure functions, one equation each; SI, per metre of width. `lammps_jump.physics.jump` offers all of them under the same

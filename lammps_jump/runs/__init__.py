@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """One run of a case: start, resume, analyse again, and look at."""
 
 import lazy_loader

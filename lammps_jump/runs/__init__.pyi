@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from . import engine as engine
 from . import folder as folder
 from . import results as results

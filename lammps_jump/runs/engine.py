@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """How a case is run on this machine, and what identifies the run."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What a run folder holds: made for a run, read again afterwards."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The analyses of a run: files into its folder, or results held in memory."""
 
 from __future__ import annotations

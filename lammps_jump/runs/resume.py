@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Whether a run folder holds an interrupted run of a case that can go on."""
 
 from __future__ import annotations

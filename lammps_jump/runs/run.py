@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The public objects: a case that can be run, and a run folder whose results are read or made on first use."""
 
 from __future__ import annotations

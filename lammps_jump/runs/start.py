@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Run a case: choose the setting, write the folder, run the engine, analyse, summarise, report."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Whether a flow has become statistically steady: the test behind ``run.stop_when_steady``, and its use on a dump.
 
 Test: equivalence by two one-sided t tests (D. J. Schuirmann, J. Pharmacokinet. Biopharm. 15 (1987) 657) on the drift

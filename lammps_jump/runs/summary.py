@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """``summary.json``: the numbers of a run, SI floats, null where there is no number."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Cases and results as HTML, for notebooks."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What is simulated, in SI numbers."""
 
 import lazy_loader

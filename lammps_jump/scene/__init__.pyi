@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .build import handmade_scene as handmade_scene
 from .scene import Gate as Gate
 from .scene import InletRow as InletRow

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A scene from arrays, without a case file: for tests, small experiments and timing."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The scene: numbers of a case that both engines take and the analysis reads."""
 
 from __future__ import annotations

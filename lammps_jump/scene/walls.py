@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Walls that discs meet. The class that checks a wall of a case file is the wall.
 
 A wall answers what engines, drawing and analysis ask. Each answer follows from `Wall.faces`, the planes and rectangles

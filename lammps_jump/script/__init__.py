@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Scene to LAMMPS text."""
 
 import lazy_loader

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .assemble import Options as Options
 from .assemble import script_text as script_text
 from .assemble import write_script as write_script

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Scene to a folder that runs alone: ``in.lammps`` and, where needed, ``discs.data`` and ``disk.mol``."""
 
 from __future__ import annotations

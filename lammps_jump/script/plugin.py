@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS commands of the plugin's styles (lammps_jump/engines/plugin), in place of the stock ones."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS commands that record the force on probed walls: a row of ``forces.csv`` a window."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The second script of an interrupted run: ``in.resume.lammps`` continues from a restart file, with the same styles.
 
 LAMMPS' granular forces depend on velocity. A step evaluates them with the velocities of its half step, v_(n-1/2). The

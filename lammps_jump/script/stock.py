@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS commands of the styles that come with it, and of both kernels.
 
 Each function takes the scene and returns lines, or none where the scene does not need them.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS commands of walls and gates.
 
 A wall without a writer of its own here is written face by face. A face then needs a name that no other wall has.

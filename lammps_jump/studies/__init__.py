@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Studies of many runs: benchmarks, cross-validation, stability, sensitivity, calibration."""
 
 import lazy_loader

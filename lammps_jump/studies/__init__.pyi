@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from . import bench as bench
 from . import cross_validation as cross_validation
 from . import runs as runs

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """``lammps-jump calibrate``: contact coefficients that make discs behave most like water.
 
 The distance of a candidate (e, ks, n, sill height) is the root mean square of three relative distances, each printed:

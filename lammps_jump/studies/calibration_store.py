@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Make the calibration of ``run.accuracy`` from benchmarks: ``python -m lammps_jump.studies.calibration_store FILE …``.
 
 The files are finished ``bench.json``; see `lammps_jump.engines.accuracy` for what is made of the result.

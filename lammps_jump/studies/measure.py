@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """One run of a case with one setting from one slightly moved start, timed and measured."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Cases with changed values, the kernels that run here, and one timed run on any of them."""
 
 from __future__ import annotations

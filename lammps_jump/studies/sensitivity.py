@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """``lammps-jump sensitivity``: the jump against disc size, restitution, friction, stiffness, Froude number and sill.
 
 The thesis' recommendation 1. Every study changes one value of a base case, the frictionless ``quick_jump`` (a jet of

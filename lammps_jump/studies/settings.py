@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Settings of a benchmark, the axes that they come from, and which of them are stable."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """One JSON file of finished pieces for each study; an interrupted study continues from it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The tables of all studies: one Markdown function, and its view on a terminal."""
 
 from __future__ import annotations

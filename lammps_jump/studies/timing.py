@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Times that can be compared on a busy machine: processor time, medians, settings in turn; machine and versions."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The one neighbour search of the analysis, against trying every pair; and which discs a wall touches."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Energy and contact sums on discs placed by hand."""
 
 from functools import partial

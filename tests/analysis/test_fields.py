@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Coarse-grained fields: conservation, hydrostatics of a column with known overlaps, contacts in closed form."""
 
 from functools import partial

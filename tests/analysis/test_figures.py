@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Figures: labelled, sized, drawn from the data, without touching matplotlib's global state."""
 
 import matplotlib as mpl

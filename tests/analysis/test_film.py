@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Films and the painter behind them: true circles, the right pixels, files that decode."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What the analysis takes from a scene, and what it guesses from a bare dump."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Forces, impulses and the reflected wave on made-up records with known answers."""
 
 from functools import partial

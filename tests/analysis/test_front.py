@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The front on discs placed by hand and on fronts that follow a known law."""
 
 from math import sqrt

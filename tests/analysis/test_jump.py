@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The jump analysis on made-up flows: steps and ramps that move at a set speed, and flows that are no jump."""
 
 from dataclasses import replace

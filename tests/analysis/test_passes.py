@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The whole analysis of made-up dumps: files, numbers that JSON can carry, dumps that are nearly nothing."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Profiles of made-up flows whose depth, discharge and mass are known."""
 
 from functools import partial

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The report: one file, no network, safe text, small enough, whatever the summary lacks."""
 
 # ruff: noqa: RUF001  (minus signs and dashes as the page shows them)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Case files: units, YAML numbers, --set, defaults, hashes; and round trips of random cases."""
 
 from __future__ import annotations

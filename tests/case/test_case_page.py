@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """docs/case.md names every field of a case file, with its default."""
 
 import re

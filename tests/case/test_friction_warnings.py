@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Friction laws whose steep start cannot be followed at the chosen step: said before the run."""
 
 from __future__ import annotations

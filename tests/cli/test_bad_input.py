@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Wrong input: one paragraph that names the place, exit status 2, nothing written, no traceback."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The command line where standard output is closed, full or ASCII only, or where its folder is gone."""
 
 from __future__ import annotations

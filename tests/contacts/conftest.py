@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What the contact tests share: the engines behind one face, and a table entry turned into a scene and a record.
 
 An engine here is anything with ``run(steps)``, ``positions``, ``velocities`` (n, 2) and ``spin`` (n,).

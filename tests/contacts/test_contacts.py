@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The table of cases.yaml on every engine, and the discrete restitution of both integrators against its closed form."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The benchmark of the readers runs; its rates are for people, the floor here only catches a collapse."""
 
 from dump_reader import benchmark

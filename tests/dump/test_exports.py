@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Exports: what was written is what another reader gets back."""
 
 import base64

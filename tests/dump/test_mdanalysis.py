@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The bridge, tested with MDAnalysis itself: selections, RDF, a transformation, copies."""
 
 import pickle

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The reader on files of LAMMPS, on its own writer's and on damaged ones."""
 
 import gzip

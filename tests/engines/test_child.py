@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The engine's process: what goes to and fro, what ends it, and what it leaves when its parent is gone."""
 
 from __future__ import annotations

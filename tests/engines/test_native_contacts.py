@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Contacts on the native engine against closed forms (docs/theory.md)."""
 
 from math import atan2, cos, exp, log, pi, sin, sqrt

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Discs that come and go, gates, probes and guards of the native engine."""
 
 import dataclasses

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Energy books of the native engine: they close, and better with a smaller step; the elastic energy fits the force."""
 
 import numpy as np

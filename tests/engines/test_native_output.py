@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Files of the native engine: dump in LAMMPS' formats, forces.csv, result; and what the package may import."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Interrupted runs of the native engine go on bit for bit, and what cannot go on is refused untouched."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Limits of stability of the native engine in a dense packing against the closed form (docs/theory.md)."""
 
 import numpy as np

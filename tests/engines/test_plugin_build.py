@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The cache of the compiled kernel: what happens without a compiler, with a damaged file, with two builds at once.
 
 A shell script stands for the compiler here: these tests are about the cache, and take no seconds of compiling.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Writes the golden scripts anew: ``python tests/golden/make.py``; read the difference before committing it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The generated script of every scene, line by line: a change must be meant."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What tests do at a step of an engine, set by the environment.
 
 Python runs this file when it starts with this folder on its path, as the children of `children.run_child` do, and as

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Shortened runs of every study, from the command line's entry functions, with LAMMPS."""
 
 import json

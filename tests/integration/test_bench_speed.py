@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Kernels side by side: same start for all, ratios within a round, agreement measured where it must hold."""
 
 import json

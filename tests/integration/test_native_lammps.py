@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The native engine against stock LAMMPS: same law, same integrator, same start, position by position."""
 
 import ctypes

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The compiled kernel on two ranks of the wheel's MPI: same motion, same balance, and an end that leaves nothing."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Interrupted LAMMPS runs go on: every frame once, sums of all parts, and the motion of an uninterrupted run."""
 
 from __future__ import annotations

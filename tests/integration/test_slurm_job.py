@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The job file run by bash, with a stand-in for LAMMPS: from the folder it was submitted in, with what it names."""
 
 from __future__ import annotations

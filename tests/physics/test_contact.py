@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """contact.py against the closed forms and tables of the physics notes; tolerances are half the last printed digit."""
 
 from math import exp, log, pi, sqrt

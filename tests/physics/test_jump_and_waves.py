@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """theory.py, wave_theory.py and reference_data.py against printed tables and their own conservation laws."""
 
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The contact law of sharp and smooth touches: potential, dashpot, friction, restitution in discrete time."""
 
 from __future__ import annotations

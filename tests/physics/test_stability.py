@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Stability limits of contact.py against the eigenvalues of whole packings, stepped by either scheme."""
 
 from __future__ import annotations

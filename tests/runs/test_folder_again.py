@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A finished run folder met again: analysed anew, asked to go on, used for another run; the command line's answers."""
 
 from __future__ import annotations

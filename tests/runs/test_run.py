@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The Python API: a case as an object, a run as a view of its folder, and what it never does to its caller."""
 
 from __future__ import annotations

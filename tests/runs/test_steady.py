@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The test for a steady flow: how often it stops wrongly, and that it stops at all."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What looks at a run as it goes: progress line, newest frame, steady watch, log; and the job file."""
 
 from __future__ import annotations

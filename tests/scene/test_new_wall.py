@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The wall of docs/extending.md, which the program does not know: case file, engines, kernels, bed and picture."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """walls.py: what a signed distance must be, whatever the wall."""
 
 import numpy as np

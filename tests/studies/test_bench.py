@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Benchmark arithmetic: settings, errors, Pareto fronts, choices, storage; nothing is run."""
 
 import json

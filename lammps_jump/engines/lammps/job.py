@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A job file for a SLURM cluster, beside the script it runs."""
 
 from __future__ import annotations

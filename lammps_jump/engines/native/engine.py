@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A whole run of the native engine: stepping, frames, progress, guards, result."""
 
 from __future__ import annotations

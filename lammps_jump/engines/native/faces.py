@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Walls of a scene as the numbers that the wall loops read: one row a face."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Discs that come and go: rows of inflow, pouring, outlets; all between the drift and the forces of a step."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Energy of a scene at a step, and the books that say where it came from and went (thesis 4.28, and its losses)."""
 
 from __future__ import annotations

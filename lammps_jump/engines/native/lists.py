@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Contact search of the native engine: sort discs by cell, build the half neighbour list, list discs near walls.
 
 Cells as wide as the list's reach, counted along the shorter side of the flow first, so that neighbours in space are

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Inner loops of the native engine: kick and drift, pair and wall forces, elastic energy.
 
 Plain loops over contiguous float64 arrays, compiled at the end of the file; the uncompiled functions keep the

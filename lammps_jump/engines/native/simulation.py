@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """One scene, step by step, on the native engine: what the run, the tests and the cross-validation drive.
 
 Order of operations of a step, LAMMPS' own: half kick, drift, [outlets, arrivals, gates, neighbour list], forces with

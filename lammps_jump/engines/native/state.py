@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The whole state of a native simulation in a file: one that is read back goes on bit for bit as the other would have.
 
 Between steps nothing is left out that the next step reads: velocities of the half step and of the one before, forces,

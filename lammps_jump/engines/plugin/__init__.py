@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS plugin of this project: styles for equal discs in two dimensions, compiled on demand and cached."""
 
 import lazy_loader

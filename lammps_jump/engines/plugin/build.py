@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Compiles the plugin with the system's compiler against the wheels' headers, once, and keeps it in a cache.
 
 The cache key is a hash of everything that the machine code depends on: sources, headers' version, compiler, flags and

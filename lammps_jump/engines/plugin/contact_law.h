@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
 /* Contact of equal discs in two dimensions: the force laws, one place for pairs and for walls.
 
    Symbols: d = sum of the two radii (a wall has none), r = distance of the centres (or of centre and surface),

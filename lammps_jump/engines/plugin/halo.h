@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
 /* The discs of other ranks near this one's part of the channel, for pair_style jump/disc on several ranks.
 
    Takes the place of LAMMPS' ghosts where space is cut along x alone. A disc is four numbers (five with spin) instead

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
 /* Registers pair_style jump/disc and fix jump/step with LAMMPS (`plugin load`).
 
    The structure is the interface that LAMMPS' plugin command documents (developer guide, "Writing plugins"); the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
 /* Several contacts at a time: a vector of doubles as wide as the machine's, and the operations that the language lacks.
 
    Written out, because the compiler's own vectors of the same loop take longer (docs/kernels.md). Sums, products and roots

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
 /* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D
                         [touch sharp | touch smooth S] [dashpot even] [spin yes|no] [ledger yes|no] [skin L]
                         [halo yes|no]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
 /* The forces of pair_style jump/disc, and what is summed over its pairs (what it is: pair_jump_disc.h). */
 
 #include "pair_jump_disc.h"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Run time against error over the settings of a case."""
 
 import lazy_loader

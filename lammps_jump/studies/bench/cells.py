@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """CPU time against the cell size of the thesis' contact search (its section 6.4 and recommendation 2).
 
 The native engine makes its cells anew at every step and tries each pair in the cell of its contact point. The neighbour

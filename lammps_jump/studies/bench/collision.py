@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Collisions of two discs against their closed forms: restitution, duration, largest overlap, over many entry phases.
 
 All pairs of one run are independent: pair i starts so that first touch falls at another share of a time step.

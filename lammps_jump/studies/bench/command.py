@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The ``bench`` command: chooses the benchmark that its options ask for."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Errors of benchmark settings: against an exact answer where there is one, else against a converged ensemble.
 
 A setting is run from several slightly moved starts. Its error is the distance between the mean of its ensemble and

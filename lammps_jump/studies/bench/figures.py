@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Figures of a benchmark: run time against error with the Pareto front, one a quantity."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Time that each thing left out of the stock LAMMPS script saves, measured by putting it back in.
 
 Every row edits one thing into the script that the generator writes, and runs both in turn. Their last frames are

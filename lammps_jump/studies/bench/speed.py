@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Kernels side by side on the developed flow of a case: speed against stock LAMMPS, agreement, and a trial of skins.
 
 The flow is brought to a state full of contacts once, on the native engine. Every variant then starts from the same

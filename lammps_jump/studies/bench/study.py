@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """``lammps-jump bench CASE``: run time against error over the settings of a case; resumable, in one ``bench.json``."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The page of a benchmark, in Markdown, from what ``bench.json`` holds."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS and the native engine compared on one case."""
 
 import lazy_loader

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Divergence of two runs of a case after they have agreed: of the engines, and of the native engine from itself."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Ensembles: one scene from slightly different starts, each run reduced to profiles and series and kept on disk.
 
 Two runs of a chaotic flow never agree disc by disc for long. What they can share is the statistics over starts that

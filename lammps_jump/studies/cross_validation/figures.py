@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Figures of a cross-validation: divergence, profiles with bands, histories, what the laws change."""
 
 from __future__ import annotations

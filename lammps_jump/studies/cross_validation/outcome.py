@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """What a cross-validation is about and what it has found so far."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers and curves of each member, by name and with units, and the comparison of two ensembles."""
 
 from __future__ import annotations

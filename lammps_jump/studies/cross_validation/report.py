@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """The result of a cross-validation: what ``cross_validation.json`` holds, and one HTML page made from it."""
 
 from __future__ import annotations

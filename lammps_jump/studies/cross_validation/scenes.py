@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Small scenes, each of which tests one part of the model on both engines."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Differences of small samples with confidence intervals, and tests of many of them with few false alarms."""
 
 from __future__ import annotations

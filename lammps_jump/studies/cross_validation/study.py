@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS and the native engine compared on one case: disc by disc, then by statistics.
 
 Three parts. The engines must follow the same path over the first thousand steps with contacts (same law, same

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """One scene on both engines, disc by disc: how far positions differ, from which step on, and how fast that grows."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Limits of stability, hard scenes and random cases."""
 
 import lazy_loader

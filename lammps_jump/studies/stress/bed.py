@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """A settled bed over many steps: kinetic energy must not rise, its height must not drift, no disc may leave."""
 
 from __future__ import annotations

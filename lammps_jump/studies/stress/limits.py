@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Largest stable step, found by bisection on both engines for a pair, a wall, packings and a deep column.
 
 A small compression keeps contacts closed, and a far smaller perturbation is given as velocities. While it stays small

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Page and map of a stress study, from what ``stress.json`` holds."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Hard scenes, by hand and at random, and their outcomes.
 
 Good outcomes are *stable* (complete, every number finite, every disc counted), *refused* before the run, and *stopped*

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """``lammps-jump stress``: limits of the step, hard scenes, random scenes, a resting bed; resumable."""
 
 from __future__ import annotations

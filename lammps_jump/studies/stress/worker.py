@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Scenes run in a process of their own: a hang or a crash of an engine is an outcome and does not end the study."""
 
 from __future__ import annotations
