@@ -12,6 +12,8 @@ from numba import njit
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
+from lammps_jump.physics.law import friction_force, normal_force, stored_energy, watching_law
+from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
@@ -42,27 +44,6 @@ class Contacts:
     is_wall: np.ndarray
 
 
-def spring_force(overlap: np.ndarray, stiffness: float, touch_width: float) -> np.ndarray:
-    """Elastic force, N/m: k delta; with a smooth touch of width s, k delta^2/(2 s) below s, k (delta - s/2) beyond."""
-    if touch_width > 0:
-        soft = stiffness * overlap**2 / (2 * touch_width)
-        return np.where(overlap < touch_width, soft, stiffness * (overlap - 0.5 * touch_width))
-    return stiffness * overlap
-
-
-def dashpot_share(overlap: np.ndarray, touch_width: float) -> np.ndarray:
-    """Factor on the dashpot as the engines have it, F/sqrt(2 k E): 1 of a sharp touch.
-
-    Of a smooth one of width s, q = delta - s/2: sqrt(3 delta/(4 s)) below s, q/sqrt(q^2 + s^2/12) beyond. The
-    restitution coefficient is then the same at every speed (docs/kernels.md).
-    """
-    if touch_width > 0:
-        beyond = overlap - 0.5 * touch_width
-        stiff = beyond / np.sqrt(beyond**2 + touch_width**2 / 12.0)
-        return np.where(overlap < touch_width, np.sqrt(0.75 * np.maximum(overlap, 0.0) / touch_width), stiff)
-    return np.ones_like(overlap)
-
-
 class WallContacts(NamedTuple):
     """Discs that touch one face of a wall: indices, overlaps (m), unit normals of the push and its force (N/m)."""
 
@@ -78,23 +59,21 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True)
 
     As in the engines a disc behind a plane is pushed back, and one with its centre inside a block feels nothing.
     """
-    radius, width, stiffness = flow.scene.radius, flow.touch_width, flow.scene.coefficients.stiffness_wall
+    radius, stiffness = flow.scene.radius, flow.scene.coefficients.stiffness_wall
     for distance, nx, ny in wall.contacts(frame.x, frame.y):
         index = np.flatnonzero((distance < radius) & ((nx != 0) | (ny != 0)))
         if index.size:
             overlap, nx, ny = radius - distance[index], nx[index], ny[index]
-            force = spring_force(overlap, stiffness, width)
-            if damping:
-                leaving = frame.vx[index] * nx + frame.vy[index] * ny
-                force = force - dashpot_share(overlap, width) * flow.dashpots[1] * leaving
+            leaving = frame.vx[index] * nx + frame.vy[index] * ny if damping else np.zeros_like(overlap)
+            force = normal_forces(overlap, leaving, stiffness, flow.dashpots[1], flow.touch_width)
             yield WallContacts(index, overlap, nx, ny, force)
 
 
 def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts:
     """Contacts of a frame, friction left out.
 
-    F_n = spring (see `spring_force`) + c delta_dot (thesis 3.11), c times `dashpot_share`. The dashpot takes the
-    velocities of the dump, which stand at the full step.
+    The law is `lammps_jump.physics.law.normal_force`. The dashpot takes the velocities of the dump, which stand at the
+    full step.
 
     Parameters
     ----------
@@ -118,11 +97,11 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     distance = np.hypot(*branch.T)
     normal = branch / distance[:, None]
     overlap = flow.scene.diameter - distance
-    force = spring_force(overlap, flow.scene.coefficients.stiffness, flow.touch_width)
+    opening = np.zeros_like(overlap)
     if damping:
         velocity = np.column_stack([frame.vx, frame.vy])
-        closing = -np.einsum("ij,ij->i", velocity[i] - velocity[j], normal)
-        force = force + flow.dashpots[0] * dashpot_share(overlap, flow.touch_width) * closing
+        opening = np.einsum("ij,ij->i", velocity[i] - velocity[j], normal)
+    force = normal_forces(overlap, opening, flow.scene.coefficients.stiffness, flow.dashpots[0], flow.touch_width)
     parts = [(points[i], points[j], normal, overlap, force, np.zeros(len(force), bool))]
     for wall in flow.walls_at(flow.time(frame)):
         for face in wall_contacts(frame, wall, flow, damping=damping):
@@ -132,14 +111,36 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, width, low, bin_width, pressure):
+def _normal_forces_py(overlap, opening, stiffness, damping, touch):
+    """Normal force of each contact, N/m, shape (n,); parameters as of `law.normal_force`, the first two as arrays."""
+    force = np.empty_like(overlap)
+    for k in range(overlap.size):
+        force[k] = normal_force(overlap[k], opening[k], stiffness, damping, touch)[0]
+    return force
+
+
+def _friction_forces_py(normal, slip, friction, damping, slope):
+    """Friction of each contact, N/m, shape (n,); parameters as of `law.friction_force`, the first two as arrays."""
+    force = np.empty_like(normal)
+    for k in range(normal.size):
+        force[k] = friction_force(normal[k], slip[k], friction, damping, slope)
+    return force
+
+
+def _stored_energies_py(overlap, touch):
+    """Elastic energy of each contact over the stiffness, m^2, shape (n,)."""
+    energy = np.empty_like(overlap)
+    for k in range(overlap.size):
+        energy[k] = stored_energy(overlap[k], touch)
+    return energy
+
+
+def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, touch, low, bin_width, pressure):
     """Elastic energy of overlapping pairs (first[p], second[p]); their thrust along x is added to `pressure`.
 
-    width is the soft start of a smooth touch (0: sharp): U = k delta^3/(6 s) below s, k (delta^2/2 - s delta/2 +
-    s^2/6) above; the dashpot is scaled as in `dashpot_share`. pressure[b] gains the mean over the
-    planes x = const of bin b of the force that the discs left of the plane exert on those right of it: each contact
-    acts along the line of centres, so it counts with the share of its x-extent that lies in the bin over the bin's
-    width (method of planes, averaged).
+    pressure[b] gains the mean over the planes x = const of bin b of the force that the discs left of the plane exert on
+    those right of it: each contact acts along the line of centres, so it counts with the share of its x-extent that
+    lies in the bin over the bin's width (method of planes, averaged).
     """
     energy = 0.0
     bins = pressure.size
@@ -148,21 +149,11 @@ def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, wid
         dx, dy = x[j] - x[i], y[j] - y[i]
         distance = np.sqrt(dx * dx + dy * dy)
         overlap = diameter - distance
-        share = 1.0
-        if width > 0.0 and overlap < width:
-            energy += stiffness * overlap**3 / (6.0 * width)
-            force = 0.5 * stiffness * overlap * overlap / width
-            share = np.sqrt(0.75 * overlap / width)
-        else:
-            energy += stiffness * (0.5 * overlap**2 - 0.5 * width * overlap + width**2 / 6.0)
-            beyond = overlap - 0.5 * width
-            force = stiffness * beyond
-            if width > 0.0:
-                share = beyond / np.sqrt(beyond * beyond + width * width / 12.0)
+        energy += stiffness * stored_energy(overlap, touch)
         if bins == 0:
             continue
-        approach = -((vx[j] - vx[i]) * dx + (vy[j] - vy[i]) * dy) / distance
-        force += share * dashpot * approach
+        opening = ((vx[j] - vx[i]) * dx + (vy[j] - vy[i]) * dy) / distance
+        force = normal_force(overlap, opening, stiffness, dashpot, touch)[0]
         push = force * abs(dx) / distance
         left = min(x[i], x[j])
         right = max(x[i], x[j])
@@ -214,9 +205,8 @@ def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> Pair
     thrust = np.zeros(0 if edges is None else len(edges) - 1)
     vx, vy = (x, y) if edges is None else (np.ascontiguousarray(v, float) for v in (frame.vx, frame.vy))
     low, step = (0.0, 1.0) if edges is None else (float(edges[0]), float(edges[-1] - edges[0]) / len(thrust))
-    width = flow.touch_width
     first, second = close_pairs(x, y, flow.scene.diameter)
-    law = (flow.scene.diameter, flow.scene.coefficients.stiffness, flow.dashpots[0], width)
+    law = (flow.scene.diameter, flow.scene.coefficients.stiffness, flow.dashpots[0], flow.touch_width)
     energy = _pair_sums(x, y, vx, vy, first, second, *law, low, step, thrust)
     return PairSums(float(energy), len(first), thrust)
 
@@ -253,7 +243,7 @@ def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) ->
     Normal force k delta - c v_n, friction min(m gamma_t abs(v_t), ks abs(F_n)) of the `hooke` law or the thesis' ramp
     (4.18-4.21) of the `sign` law.
     """
-    c, width, energy = flow.scene.coefficients, flow.touch_width, 0.0
+    c, energy = flow.scene.coefficients, 0.0
     faces = list(wall_contacts(frame, wall, flow, damping=velocity))
     if not faces:
         empty = np.zeros(0)
@@ -261,8 +251,7 @@ def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) ->
     fxs, fys = [], []
     for face in faces:
         overlap, nx, ny = face.overlap, face.nx, face.ny
-        stored = 0.5 * overlap**2 - 0.5 * width * overlap + width**2 / 6.0
-        energy += c.stiffness_wall * float(np.sum(np.where(overlap < width, overlap**3 / (6.0 * width or 1.0), stored)))
+        energy += c.stiffness_wall * float(np.sum(stored_energies(overlap, flow.touch_width)))
         rubbing = _wall_friction(frame, flow, face) if velocity and c.friction else np.zeros_like(overlap)
         fxs.append(face.force * nx - rubbing * ny)
         fys.append(face.force * ny + rubbing * nx)
@@ -278,12 +267,11 @@ def _wall_friction(frame: Frame, flow: Flow, face: WallContacts) -> np.ndarray:
     slip = -frame.vx[face.index] * face.ny + frame.vy[face.index] * face.nx
     if scene.rotation and "omegaz" in frame.columns:
         slip = slip - frame.column("omegaz")[face.index] * scene.radius
+    slope = None
     if scene.friction_law == "sign":
         top_speed = float(np.sqrt(np.max(frame.vx**2 + frame.vy**2)))
-        share = np.clip(slip / max(0.01 * top_speed, 1e-300), -1.0, 1.0)
-        return -c.friction * np.abs(face.force) * share
-    ramp = c.mass * c.gamma_tangential_wall * np.abs(slip)
-    return -np.minimum(ramp, c.friction * np.abs(face.force)) * np.sign(slip)
+        slope = 1.0 / max(SIGN_RAMP * top_speed, 1e-300)
+    return friction_forces(face.force, slip, c.friction, c.mass * c.gamma_tangential_wall, slope)
 
 
 @dataclass(frozen=True)
@@ -344,4 +332,7 @@ class ContactCollector:
         return ContactSeries(np.array(self._time), np.array(self._elastic), bins[:, 0], bins[:, 1], bins[:, 2])
 
 
-_pair_sums = njit(cache=True)(_pair_sums_py)
+normal_forces = watching_law(njit(cache=True)(_normal_forces_py))
+friction_forces = watching_law(njit(cache=True)(_friction_forces_py))
+stored_energies = watching_law(njit(cache=True)(_stored_energies_py))
+_pair_sums = watching_law(njit(cache=True)(_pair_sums_py))

@@ -68,9 +68,9 @@ class Flow:
         return c.gamma_normal * 0.5 * c.mass, c.gamma_normal_wall * c.mass
 
     @property
-    def touch_width(self) -> float:
-        """Width of the soft start of a contact, m; 0 where contacts start sharp."""
-        return self.scene.touch_width if self.scene.touch == "smooth" else 0.0
+    def touch_width(self) -> float | None:
+        """Width of the soft start of a contact, m; None where contacts start sharp."""
+        return self.scene.touch_width if self.scene.touch == "smooth" else None
 
     def time(self, frame: Frame) -> float:
         """Simulated time of a frame, s: the file's own, else from the step, else the step number itself."""

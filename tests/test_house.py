@@ -103,7 +103,8 @@ def test_what_lies_at_the_root():
     entries = {path.name for path in (ROOT / "lammps_jump").iterdir() if path.name != "__pycache__"}
     folders = {name for name in entries if (ROOT / "lammps_jump" / name).is_dir()}
     assert entries - folders - {"py.typed", "__init__.pyi"} <= AT_THE_ROOT
-    assert folders <= set(FLOORS)
+    # a folder that was moved away may still hold what Python and numba have cached in it
+    assert {name for name in folders if list((ROOT / "lammps_jump" / name).glob("*.*"))} <= set(FLOORS)
 
 
 def test_every_folder_is_packed():
