@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+import lammps_jump as lj
 import lammps_jump.studies as studies
 
 from .options import CaseFile, Quiet, QuietStudy, Sets, place, sayer
@@ -79,7 +80,7 @@ def bench(
     varied = studies.bench.read_axes(axes, fractions, kernels, diameters)
     if table and part is None:
         return studies.table.show(studies.bench.stored_table(case, out))
-    wanted = studies.runs.StudyCase(case, tuple(set_ or ()))
+    wanted = None if case == Path("collision") else lj.load_case(case, set_)
     found = studies.bench.run_bench(
         wanted, out=out, part=part, axes=varied, members=members, quick=quick, fresh=fresh, say=sayer(quiet)
     )

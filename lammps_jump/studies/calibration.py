@@ -18,8 +18,10 @@ from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
 
-from .runs import StudyCase
-from .sensitivity import QUICK_CHANGES, jump_case, stored_run
+from lammps_jump import load_case
+
+from .runs import set_texts
+from .sensitivity import JUMP_CASE, QUICK_CHANGES, stored_run
 from .store import Store
 from .table import markdown, percent
 
@@ -81,10 +83,11 @@ class Row:
 def distances(candidate: Candidate, store: Store, *, quick: bool, members: int) -> Row:
     """Return the three distances of a candidate and their root mean square."""
     contact = {f"contact.{name}": candidate[name] for name in ("restitution", "friction", "penetration_fraction")}
-    jump = jump_case().replace({**(QUICK_CHANGES if quick else {}), **contact, "walls.sill.y": [-5, candidate["sill"]]})
-    column = StudyCase(COLUMN).replace({**({"discs.diameter": 0.2} if quick else {}), **contact})
+    jump = {**(QUICK_CHANGES if quick else {}), **contact, "walls.sill.y": [-5, candidate["sill"]]}
+    column = {**({"discs.diameter": 0.2} if quick else {}), **contact}
     jumps, columns = (
-        [stored_run(store, case.name, case, member) for member in range(members)] for case in (jump, column)
+        [stored_run(store, case.name, case, set_texts(changes), member) for member in range(members)]
+        for case, changes in ((load_case(JUMP_CASE), jump), (load_case(COLUMN), column))
     )
     found = [run.jump for run in jumps if run.jump]
     without = [1.0] * (len(jumps) - len(found))

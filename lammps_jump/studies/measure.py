@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump import Case
 from lammps_jump.analysis.energy import EnergyLedger, analyse_energy
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.front import FrontTracker, analyse_front
@@ -23,7 +24,7 @@ from lammps_jump.files import plain
 from lammps_jump.scene.scene import Scene
 from lammps_jump.units import as_summary
 
-from .runs import StudyCase, execute
+from .runs import execute
 from .settings import Setting
 
 JITTER = 1e-6
@@ -83,7 +84,7 @@ class Measured:
         return self.measures["jump"] if self.verdict == "jump" else None
 
 
-def moved_start(case: StudyCase, member: int) -> StudyCase:
+def moved_start(case: Case, member: int) -> Case:
     """Return the case with the start of member `member` of an ensemble: another seed and a shift of `JITTER` diameters.
 
     Discs at the start move at random. Inflow rows enter so much higher.
@@ -96,7 +97,7 @@ def moved_start(case: StudyCase, member: int) -> StudyCase:
     return case.replace(changes)
 
 
-def run_setting(case: StudyCase, setting: Setting, member: int) -> Measured:
+def run_setting(case: Case, setting: Setting, member: int) -> Measured:
     """Run a case with a setting from start number `member`, and measure what it asks for.
 
     Raises
@@ -106,9 +107,8 @@ def run_setting(case: StudyCase, setting: Setting, member: int) -> Measured:
     RunInterrupted
         The user ended the run.
     """
-    changed = case.replace(setting.changes(case.fields.discs.diameter))
     try:
-        changed = moved_start(changed, member)
+        changed = moved_start(case.replace(setting.changes(case.fields.discs.diameter)), member)
         scene = changed.scene()
     except JumpError as error:
         return Measured("refused", str(error))

@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Cases with changed values, the kernels that run here, and one timed run on any of them."""
+"""The kernels by name, what they change in a case, and one run of a scene on any of them."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from pathlib import Path
 
-from lammps_jump.case import CaseFields, ReadCase, load_case
-from lammps_jump.engines import Setting, choose, plugin, run
+from lammps_jump.engines import Setting, plugin, run
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.scene.scene import Scene
@@ -18,49 +16,6 @@ from lammps_jump.scene.scene import Scene
 from .timing import Stopwatch
 
 KERNELS = ("stock", "compiled", "native")
-
-
-@dataclass(frozen=True)
-class StudyCase:
-    """A case file, or the data of one, with changed values.
-
-    Attributes
-    ----------
-    source : Path or mapping
-    sets : tuple of str
-        ``--set`` texts.
-    """
-
-    source: Path | Mapping[str, object]
-    sets: tuple[str, ...] = ()
-
-    def replace(self, changes: Mapping[str, object]) -> StudyCase:
-        """Return the case with other values, given by dotted path."""
-        return StudyCase(self.source, (*self.sets, *set_texts(changes)))
-
-    @cached_property
-    def loaded(self) -> ReadCase:
-        """The validated case; raises CaseError where it cannot be used."""
-        return load_case(self.source, self.sets)
-
-    @property
-    def fields(self) -> CaseFields:
-        """Fields of the case."""
-        return self.loaded.fields
-
-    @property
-    def name(self) -> str:
-        """Name of the case."""
-        return self.fields.name
-
-    @property
-    def hash(self) -> str:
-        """Twelve hex digits that are equal for cases that give the same run."""
-        return self.loaded.hash
-
-    def scene(self) -> Scene:
-        """Engine-neutral numbers of the case."""
-        return self.loaded.scene()
 
 
 def set_texts(changes: Mapping[str, object]) -> list[str]:
@@ -78,18 +33,6 @@ def kernel_changes(kernel: str) -> dict[str, str]:
 def default_integrator(kernel: str) -> str:
     """Return the integrator that a kernel uses unless the case names one."""
     return "leapfrog_extrapolated" if kernel == "native" else "velocity_verlet"
-
-
-def choose_kernel(kernel: str, scene: Scene) -> tuple[str, list[str]]:
-    """Return the LAMMPS kernel for a wish of 'auto', 'stock' or 'compiled', and notes.
-
-    Raises
-    ------
-    SetupError
-        LAMMPS is missing; or the compiled kernel is asked for, or needed by a smooth touch, and is missing.
-    """
-    setting, notes = choose("lammps", kernel, 1, scene)
-    return setting.kernel, notes
 
 
 def execute(

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import new_figure, save, style
 from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_kernels
@@ -22,7 +23,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.physics import jump as theory
 
 from .measure import Measured, run_setting
-from .runs import StudyCase
+from .runs import set_texts
 from .settings import Setting, reference_setting, stable
 from .store import Store
 from .table import markdown, number, percent
@@ -110,12 +111,11 @@ STUDIES = {
 QUICK_CHANGES = {"discs.diameter": 0.2, "run.duration": 5, "analysis.window": [3.5, 5], "run.output_interval": 0.1}
 
 
-def jump_case() -> StudyCase:
-    """Return the base case of the studies of the jump, ``quick_jump``."""
-    return StudyCase(scene_folder() / "quick_jump.yaml")
+JUMP_CASE = scene_folder() / "quick_jump.yaml"
+"""Base case of the studies of the jump."""
 
 
-def fast_setting(case: StudyCase) -> Setting:
+def fast_setting(case: Case) -> Setting:
     """Return the quickest kernel at f = 0.1, or less where that is not stable for the coefficients of the case."""
     kernel = reference_setting(0.1, [name for name in usable_kernels()[0] if name != "stock"]).kernel
     restitution = case.fields.contact.restitution
@@ -168,22 +168,22 @@ def run_sensitivity(
 
 def run_study(study: Study, store: Store, *, quick: bool, members: int, say: Callable[[str], None]) -> list[Row]:
     """Return a row for each value of the parameter."""
-    base = jump_case().replace(QUICK_CHANGES if quick else {})
+    base, common = load_case(JUMP_CASE), set_texts(QUICK_CHANGES if quick else {})
     runs: dict[float, list[Measured]] = {value: [] for value in (study.quick if quick else study.values)}
     for member, value in in_turn(list(runs), members):
         if value >= study.costly and member >= 2:
             continue  # minutes each; large numbers of discs scatter less
-        case = base.replace(study.changes(value))
-        run = stored_run(store, f"{study.name} {value}", case, member)
+        run = stored_run(store, f"{study.name} {value}", base, common + set_texts(study.changes(value)), member)
         runs[value].append(run)
         say(f"  {study.label} = {value:g}, start {member + 1}: {run.verdict or run.message}")
     return [summarise_runs(value, group) for value, group in runs.items()]
 
 
-def stored_run(store: Store, name: str, case: StudyCase, member: int) -> Measured:
-    """Return the run of a case from start `member` with its `fast_setting`, made where it is not stored."""
+def stored_run(store: Store, name: str, base: Case, changes: list[str], member: int) -> Measured:
+    """Return the run of a changed case from start `member` with its `fast_setting`, made where it is not stored."""
+    case = base.replace(changes)
     setting = fast_setting(case)
-    key = f"{name} {member} {list(case.sets)} {setting.label}"
+    key = f"{name} {member} {changes} {setting.label}"
     return store.piece(key, lambda: run_setting(case, setting, member), Measured)
 
 

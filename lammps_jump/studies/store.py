@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from lammps_jump.files import plain
+from lammps_jump.provenance import machine
 
-from .timing import machine, versions
+from .timing import versions
 
 Piece = TypeVar("Piece")
 

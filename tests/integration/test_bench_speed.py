@@ -11,7 +11,6 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.studies.bench.command import run_bench
 from lammps_jump.studies.bench.speed import Timed, make_row, make_variants, speed_table, started_from
 from lammps_jump.studies.cross_validation.trajectories import developed_scene
-from lammps_jump.studies.runs import StudyCase
 
 
 def test_variants_follow_the_case_and_the_machine():
@@ -47,7 +46,7 @@ def test_every_variant_starts_from_the_developed_discs():
 
 @pytest.mark.lammps
 def test_bench_speed_of_a_jet(tmp_path):
-    case = StudyCase(INPUTS / "quick_jump.yaml").replace({"contact.friction": 0.1, "run.duration": 1})
+    case = load_case(INPUTS / "quick_jump.yaml", {"contact.friction": 0.1, "run.duration": 1})
     table = run_bench(case, out=tmp_path, part="speed", quick=True, say=lambda text: None)
     stored = json.loads((tmp_path / "speed.json").read_text())
     names = [row["name"] for row in stored["rows"]]

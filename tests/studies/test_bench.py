@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from lammps_jump import load_case
 from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.studies import measure
 from lammps_jump.studies.bench import errors as bench_errors
@@ -15,7 +16,6 @@ from lammps_jump.studies.bench import table as bench_table
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.errors import QuantityError
 from lammps_jump.studies.measure import JITTER, Measured, moved_start
-from lammps_jump.studies.runs import StudyCase
 from lammps_jump.studies.settings import Setting, make_settings, parse_axes, reference_setting, stable
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.timing import Stopwatch, in_turn, middle
@@ -47,12 +47,12 @@ def test_assignments_make_the_case(tmp_path):
         "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
     )
     setting = Setting("native", 0.02, "smooth", penetration=20.0, correction=False, skin=0.2)
-    changed = StudyCase(path).replace(setting.changes(0.4))
+    changed = load_case(path).replace(setting.changes(0.4))
     case = changed.fields
     assert case.engine.name == "native" and case.run.time_step_fraction == 0.02
     assert case.contact.touch == "smooth" and case.contact.penetration_fraction == 20
     assert case.contact.correct_restitution is False and case.engine.skin == pytest.approx(0.08)
-    moved = moved_start(StudyCase(path), 3).fields
+    moved = moved_start(load_case(path), 3).fields
     assert moved.run.seed == case.run.seed + 3 and moved.initial[0].jitter == JITTER
 
 
@@ -161,7 +161,7 @@ def test_an_interrupted_run_ends_the_study_and_is_not_stored(tmp_path, monkeypat
     monkeypatch.setattr(measure, "execute", lambda *_, **__: (ended, Stopwatch()))
     store = Store(tmp_path / "bench.json")
     with pytest.raises(RunInterrupted, match="continues from there"):
-        store.piece("a", lambda: measure.run_setting(StudyCase(path), Setting("native", 0.05), 0))
+        store.piece("a", lambda: measure.run_setting(load_case(path), Setting("native", 0.05), 0))
     assert not store.pieces
 
 

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lammps_jump import Case
 from lammps_jump.analysis.draw.style import new_figure, save, style
 from lammps_jump.engines.native import run_native
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.runs import StudyCase
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.table import markdown, number
 from lammps_jump.studies.timing import Stopwatch, in_turn, middle, versions
@@ -56,7 +56,7 @@ def cell_time(scene: Scene, size: float | None) -> tuple[float, float]:
     return watch.cpu, result.disc_steps
 
 
-def bench_cells(case: StudyCase, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
+def bench_cells(case: Case, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
     """Time every cell size; returns the table, draws the figure (``lammps-jump bench CASE --cells``)."""
     case = case.replace({"engine.name": "native"})
     scene = case.scene()

@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump import load_case
 from lammps_jump.analysis.draw.style import new_figure, save, style
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.runs import KERNELS, StudyCase, execute
+from lammps_jump.studies.runs import KERNELS, execute
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.table import markdown
 
@@ -101,7 +102,7 @@ def collision_scene(
         "engine": {"name": "native"},  # may have any integrator and touch; `measure_collisions` runs on any engine
     }  # fmt: skip
     # a single elastic pair may go deeper than a case allows: that is what is measured
-    return replace(StudyCase(case).scene(), overlap_limit=DIAMETER)
+    return replace(load_case(case).scene(), overlap_limit=DIAMETER)
 
 
 def measure_collisions(scene: Scene, kernel: str) -> dict[str, np.ndarray]:

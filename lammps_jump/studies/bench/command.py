@@ -7,8 +7,9 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+from lammps_jump import Case, load_case
 from lammps_jump.errors import CaseError
-from lammps_jump.studies.runs import KERNELS, StudyCase
+from lammps_jump.studies.runs import KERNELS
 from lammps_jump.studies.store import Store
 
 from .cells import bench_cells
@@ -18,14 +19,13 @@ from .speed import bench_speed
 from .study import BENCH_FILE, Axes, bench_case
 from .table import page
 
-COLLISION = Path("collision")
 FOLDER = Path("runs") / "bench"
 PARTS = {"cells": bench_cells, "skips": bench_skips, "speed": bench_speed}
 """Benchmarks beside that of the settings: option, which is also the stem of the JSON file, and function."""
 
 
 def run_bench(
-    case: StudyCase,
+    case: Case | None,
     *,
     out: Path | None = None,
     part: str | None = None,
@@ -39,8 +39,8 @@ def run_bench(
 
     Parameters
     ----------
-    case : StudyCase
-        Its file may be ``collision``, for two discs against their closed forms.
+    case : Case or None
+        None for two discs against their closed forms.
     out : Path, optional
         Folder; default ``runs/bench/<name>``.
     part : str, optional
@@ -54,10 +54,10 @@ def run_bench(
     Raises
     ------
     CaseError
-        No such case, axis or number.
+        No such axis or number.
     """
-    if case.source == COLLISION:
-        return bench_collisions(out or FOLDER / COLLISION, quick=quick)
+    if case is None:
+        return bench_collisions(out or FOLDER / "collision", quick=quick)
     folder = out or FOLDER / case.name
     if part:
         return PARTS[part](case, Store(folder / f"{part}.json", fresh=fresh), quick=quick, say=say)
@@ -73,7 +73,7 @@ def stored_table(path: Path, out: Path | None = None) -> str:
     CaseError
         Where there is none.
     """
-    file = (out or FOLDER / StudyCase(path).name) / BENCH_FILE
+    file = (out or FOLDER / load_case(path).name) / BENCH_FILE
     try:
         data = json.loads(file.read_text())
     except (OSError, ValueError):

@@ -16,11 +16,12 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump import Case
 from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import script_text
-from lammps_jump.studies.runs import StudyCase, execute, kernel_changes
+from lammps_jump.studies.runs import execute, kernel_changes
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.table import markdown, percent
 from lammps_jump.studies.timing import in_turn, middle, versions
@@ -168,7 +169,7 @@ def dump_formats(scene: Scene, rounds: int) -> dict[str, float]:
     return {name: middle(values) for name, values in taken.items()}
 
 
-def bench_skips(case: StudyCase, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
+def bench_skips(case: Case, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
     """Measure what each skip saves and that it changes nothing; returns the table (``bench CASE --skips``)."""
     case = case.replace(kernel_changes("stock"))
     scene = case.scene()

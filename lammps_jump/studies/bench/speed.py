@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
 
+from lammps_jump import Case
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import SetupError
 from lammps_jump.scene.scene import Scene
@@ -23,7 +24,7 @@ from lammps_jump.studies.cross_validation.trajectories import (
     separation,
     trajectory,
 )
-from lammps_jump.studies.runs import StudyCase, execute, kernel_changes
+from lammps_jump.studies.runs import execute, kernel_changes
 from lammps_jump.studies.settings import SKINS
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.table import markdown
@@ -49,7 +50,7 @@ class Variant:
     kernel: str
     changes: dict[str, object] = field(default_factory=dict)
 
-    def scene(self, case: StudyCase) -> Scene:
+    def scene(self, case: Case) -> Scene:
         """Return the scene of a case in this variant."""
         return case.replace({**kernel_changes(self.kernel), **self.changes}).scene()
 
@@ -108,7 +109,7 @@ def started_from(developed: Scene, scene: Scene, steps: int, output_steps: int |
     )
 
 
-def bench_speed(case: StudyCase, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
+def bench_speed(case: Case, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
     """Time every variant and return the table (``lammps-jump bench CASE --speed``).
 
     Raises
@@ -154,7 +155,7 @@ def make_row(name: str, runs: list[Timed], stock: list[Timed]) -> Row:
     return Row(name, middle(run.rate for run in runs), middle(ratios), least, most)
 
 
-def _agreement(developed: Scene, case: StudyCase, variants: Sequence[Variant]) -> dict[str, float]:
+def _agreement(developed: Scene, case: Case, variants: Sequence[Variant]) -> dict[str, float]:
     """Return the largest separation (d) over `CONTACT_STEPS`: compiled against stock, law sign against native."""
     named = {v.name: v for v in variants}
     if "compiled" not in named:

@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 
+from lammps_jump import Case
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.studies.measure import Measured, run_setting
-from lammps_jump.studies.runs import StudyCase
 from lammps_jump.studies.settings import (
     FRACTIONS,
     QUICK_FRACTIONS,
@@ -58,7 +58,7 @@ class Axes:
 
 
 def bench_case(
-    case: StudyCase,
+    case: Case,
     store: Store,
     *,
     axes: Axes = Axes(),
@@ -71,7 +71,7 @@ def bench_case(
 
     Parameters
     ----------
-    case : StudyCase
+    case : Case
     store : Store
         Of ``bench.json``; table and figures are written beside it.
     axes : Axes
@@ -121,7 +121,7 @@ def bench_case(
     return store.write_table(page(store.data))
 
 
-def _run_all(store: Store, case: StudyCase, settings: Sequence[Setting], rounds: int, say: Say) -> None:
+def _run_all(store: Store, case: Case, settings: Sequence[Setting], rounds: int, say: Say) -> None:
     identity = (case.hash, versions())
     todo = [pair for pair in in_turn(settings, rounds) if pair[1].key(*identity, pair[0]) not in store.pieces]
     for kernel in {setting.kernel for _, setting in todo}:
@@ -134,7 +134,7 @@ def _run_all(store: Store, case: StudyCase, settings: Sequence[Setting], rounds:
         say(f"  {done}/{len(todo)} {setting.label}, start {member + 1}: {outcome}")
 
 
-def _stored_runs(store: Store, setting: Setting, case: StudyCase) -> list[Measured]:
+def _stored_runs(store: Store, setting: Setting, case: Case) -> list[Measured]:
     """Return every stored run of a setting, also of starts that only an earlier call asked for."""
     keys = [setting.key(case.hash, versions(), member) for member in range(MOST_MEMBERS)]
     return [Measured(**store.pieces[key]) for key in keys if key in store.pieces]
@@ -177,7 +177,7 @@ def _row(setting: Setting, runs: list[Measured], reference: list[Measured], is_r
     )
 
 
-def _finish(store: Store, case: StudyCase, rows: list[Row], quantities: list[str], rounds: int, notes) -> None:
+def _finish(store: Store, case: Case, rows: list[Row], quantities: list[str], rounds: int, notes) -> None:
     """Write ``bench.json`` with rows, Pareto fronts and choices."""
     fields = case.fields
     store.finish(

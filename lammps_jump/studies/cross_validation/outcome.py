@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
+from lammps_jump import Case
 from lammps_jump.engines.result import Progress
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.runs import StudyCase
 
 from .ensembles import Binning, Ensemble, Member, run_ensemble
 from .quantities import Comparison, Quantities, Wanted, compare, measure
@@ -46,7 +46,7 @@ class Study:
 
     Attributes
     ----------
-    case : StudyCase
+    case : Case
         With the law and integrator that both engines have.
     scene : Scene
     kernel : {'stock', 'compiled'}
@@ -65,7 +65,7 @@ class Study:
     laws : dict of str to (text, Comparison)
     """
 
-    case: StudyCase
+    case: Case
     scene: Scene
     kernel: str
     folder: Path

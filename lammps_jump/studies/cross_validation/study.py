@@ -14,9 +14,9 @@ from collections.abc import Callable
 from math import isfinite, nan
 from pathlib import Path
 
-from lammps_jump.engines import usable_kernels
+from lammps_jump import Case, load_case
+from lammps_jump.engines import choose, usable_kernels
 from lammps_jump.errors import SetupError
-from lammps_jump.studies.runs import StudyCase, choose_kernel
 
 from .divergence import TWIN_JITTER, Divergence, measure_divergence
 from .ensembles import perturbed
@@ -90,13 +90,14 @@ def cross_validate(
         Where a run fails.
     """
     begin = time.perf_counter()
-    study = _prepare(StudyCase(Path(path), tuple(assignments or ())), out, kernel, members, quick, line, say)
+    case = load_case(path, assignments)
+    study = _prepare(case, out, kernel, members, quick, line, say)
     divergence = _disc_by_disc(study, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
     found = study.compare(study.run(study.scene, study.kernel), study.run(study.scene, "native"))
     for verdict in found.verdicts:
         say(f"  {verdict.name}: {verdict.text}")
     if not quick:
-        _laws(study, StudyCase(Path(path), tuple(assignments or ())))
+        _laws(study, case)
     limits = criteria(study, found)
     report = as_dict(study, divergence, found, limits, time.perf_counter() - begin)
     (study.folder / RESULT_FILE).write_text(json.dumps(report, indent=1, allow_nan=False) + "\n")
@@ -118,7 +119,7 @@ def default_folder(name: str) -> Path:
     return Path("runs") / f"{name}_cross_validation"
 
 
-def _prepare(case: StudyCase, out, kernel: str, members: int | None, quick: bool, line, say: Say) -> Study:
+def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, line, say: Say) -> Study:
     """Return the study of a case with the same law and integrator for both engines: hooke and velocity Verlet."""
     count = members if members is not None else (QUICK_MEMBERS if quick else MEMBERS)
     if count < 2:
@@ -131,13 +132,13 @@ def _prepare(case: StudyCase, out, kernel: str, members: int | None, quick: bool
             "cross-validate cannot compare a poured scene: the engines draw the places of poured discs from different "
             "random numbers; use a case with initial discs or an inflow of rows"
         )
-    chosen, notes = choose_kernel(kernel, scene)
+    setting, notes = choose("lammps", kernel, 1, scene)
     folder = out or default_folder(case.name)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise SetupError(f"{folder}: cannot be made ({error.strerror or error}); name another with --out") from None
-    study = Study(case, scene, chosen, folder, tuple(range(1, count + 1)), [*scene.warnings, *notes], say, line)
+    study = Study(case, scene, setting.kernel, folder, tuple(range(1, count + 1)), [*scene.warnings, *notes], say, line)
     for note in study.notes:
         say(f"note: {note}")
     return study
@@ -174,7 +175,7 @@ def _per(growth: Growth) -> str:
     return f"{1.0 / growth.rate:.3g}" if growth.rate > 0 else "?"
 
 
-def _laws(study: Study, case: StudyCase) -> None:
+def _laws(study: Study, case: Case) -> None:
     """Measure what each choice changes, on the native engine, which has them all."""
     rubs, elastic = study.scene.coefficients.friction > 0, study.scene.coefficients.restitution == 1
     base = case.replace({"engine.name": "native", **VERLET, **HOOKE, "engine.ranks": 1})

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump import load_case
 from lammps_jump.analysis.energy import EnergyLedger
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.dump.find import read_dump
@@ -25,7 +26,7 @@ from lammps_jump.errors import DumpError, JumpError, SetupError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Box
-from lammps_jump.studies.runs import StudyCase, execute, kernel_changes
+from lammps_jump.studies.runs import execute, kernel_changes
 
 GOOD = ("stable", "refused", "stopped")
 """Good outcomes."""
@@ -205,7 +206,7 @@ def random_case(seed: int) -> dict:
 def judge(case: dict, engine: str) -> Outcome:
     """Build a case for an engine of `ENGINE_CHANGES`, run it and judge all that it wrote."""
     try:
-        scene = StudyCase(case).replace(ENGINE_CHANGES[engine]).scene()
+        scene = load_case(case, ENGINE_CHANGES[engine]).scene()
     except SetupError as error:
         return Outcome("absent", str(error))
     except JumpError as error:
