@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -100,7 +101,9 @@ def _force_tables(folder: Path) -> list[str]:
 
 
 def plain(value: Any) -> Any:
-    """Numpy scalars and arrays to Python, NaN and infinities to None, tuples to lists."""
+    """Dataclasses to dicts, numpy scalars and arrays to Python, NaN and infinities to None, tuples to lists."""
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -113,7 +113,7 @@ def run_setting(case: Case, setting: Setting, member: int) -> Measured:
     except JumpError as error:
         return Measured("refused", str(error))
     with tempfile.TemporaryDirectory() as folder:
-        result, watch = execute(scene, Path(folder), setting.kernel, ranks=setting.ranks)
+        result = execute(scene, Path(folder), setting.kernel, ranks=setting.ranks)
         if result.status == "interrupted":  # no result to be stored: the study ends here
             raise RunInterrupted("the study was ended; what it had is kept, and the same command continues from there")
         measures: dict[str, Measure] = {}
@@ -123,9 +123,10 @@ def run_setting(case: Case, setting: Setting, member: int) -> Measured:
                 measures = measure(Path(folder), scene, changed.fields)
             except DumpError as error:
                 message = str(error)
+    message = message.replace(str(folder), "the run folder")
     return Measured(
-        result.status, message.replace(str(folder), "the run folder"), measures, watch.cpu, watch.wall, result.steps,
-        result.disc_steps, dict(result.breakdown),
+        result.status, message, measures, result.cpu_seconds, result.seconds, result.steps, result.disc_steps,
+        dict(result.breakdown),
     )  # fmt: skip
 
 

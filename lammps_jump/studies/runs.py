@@ -13,8 +13,6 @@ from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.scene.scene import Scene
 
-from .timing import Stopwatch
-
 KERNELS = ("stock", "compiled", "native")
 
 
@@ -44,7 +42,7 @@ def execute(
     dump_format: str = "text",
     script: str | None = None,
     progress: ProgressCallback | None = None,
-) -> tuple[RunResult, Stopwatch]:
+) -> RunResult:
     """Run a scene in a folder.
 
     Parameters
@@ -61,20 +59,15 @@ def execute(
 
     Returns
     -------
-    RunResult, Stopwatch
-        The watch covers the engine alone, without compiling anything.
+    RunResult
+        Its times cover the engine alone, without compiling anything.
     """
     if kernel == "native":
         warm_up(scene)
-        with Stopwatch() as watch:
-            result = run_native(scene, folder, dump_format=dump_format, progress=progress)
-        return result, watch
+        return run_native(scene, folder, dump_format=dump_format, progress=progress)
     library = plugin.plugin_path() if kernel == "compiled" else None
     setting = Setting(kernel=kernel, ranks=ranks, plugin=library, dump_format=dump_format, script=script)
-    result = run(scene, folder, setting, progress=progress)
-    watch = Stopwatch()
-    watch.wall, watch.cpu = result.seconds, result.cpu_seconds
-    return result, watch
+    return run(scene, folder, setting, progress=progress)
 
 
 _WARM: set[tuple[object, ...]] = set()

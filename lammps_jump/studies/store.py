@@ -5,11 +5,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from lammps_jump.files import plain
+from lammps_jump.files import plain, write_json
 from lammps_jump.provenance import machine
 
 from .timing import versions
@@ -55,7 +54,7 @@ class Store:
             Dataclass of the piece; without it, plain data is returned.
         """
         if key not in self.pieces:
-            self.pieces[key] = as_json(make())
+            self.pieces[key] = plain(make())
             self.save()
         found = self.pieces[key]
         return kind(**found) if kind else found
@@ -63,28 +62,14 @@ class Store:
     def save(self) -> None:
         """Write the file; NaN and infinities become null."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        half = self.path.with_suffix(".part")
-        half.write_text(json.dumps(plain(self.data), indent=1, allow_nan=False) + "\n")
-        half.replace(self.path)
+        write_json(self.path, self.data)
 
     def finish(self, **results: object) -> None:
         """Store results of the whole study beside the pieces, with versions and machine."""
-        self.data |= {name: as_json(value) for name, value in results.items()}
-        self.data |= {"versions": versions(), "machine": machine()}
+        self.data |= plain(results) | {"versions": versions(), "machine": machine()}
         self.save()
 
     def write_table(self, text: str) -> str:
         """Write Markdown beside the JSON file, under the same stem; returns the text."""
         self.path.with_suffix(".md").write_text(text)
         return text
-
-
-def as_json(value: object):
-    """Plain JSON data of dataclasses, lists and mappings of them; NaN and infinities become None."""
-    if is_dataclass(value) and not isinstance(value, type):
-        value = asdict(value)
-    if isinstance(value, dict):
-        return {str(key): as_json(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [as_json(item) for item in value]
-    return plain(value)

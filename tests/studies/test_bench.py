@@ -18,7 +18,7 @@ from lammps_jump.studies.bench.errors import QuantityError
 from lammps_jump.studies.measure import JITTER, Measured, moved_start
 from lammps_jump.studies.settings import Setting, make_settings, parse_axes, reference_setting, stable
 from lammps_jump.studies.store import Store
-from lammps_jump.studies.timing import Stopwatch, in_turn, middle
+from lammps_jump.studies.timing import in_turn, middle
 
 
 def test_only_stable_steps_are_settings():
@@ -158,7 +158,7 @@ def test_an_interrupted_run_ends_the_study_and_is_not_stored(tmp_path, monkeypat
         "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
     )
     ended = SimpleNamespace(status="interrupted", message="ended")
-    monkeypatch.setattr(measure, "execute", lambda *_, **__: (ended, Stopwatch()))
+    monkeypatch.setattr(measure, "execute", lambda *_, **__: ended)
     store = Store(tmp_path / "bench.json")
     with pytest.raises(RunInterrupted, match="continues from there"):
         store.piece("a", lambda: measure.run_setting(load_case(path), Setting("native", 0.05), 0))

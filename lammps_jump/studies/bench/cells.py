@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lammps_jump import Case
-from lammps_jump.analysis.draw.style import new_figure, save, style
+from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.engines.native import run_native
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.store import Store
 from lammps_jump.studies.table import markdown, number
-from lammps_jump.studies.timing import Stopwatch, in_turn, middle, versions
+from lammps_jump.studies.timing import in_turn, middle, versions
 
 SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
 """Cell sizes in diameters; the thesis used 2."""
@@ -51,9 +51,9 @@ class Row:
 def cell_time(scene: Scene, size: float | None) -> tuple[float, float]:
     """Return (processor seconds, disc-steps) of a run with cells of `size` diameters, None for the neighbour list."""
     cell_size = None if size is None else size * scene.diameter
-    with tempfile.TemporaryDirectory() as folder, Stopwatch() as watch:
+    with tempfile.TemporaryDirectory() as folder:
         result = run_native(scene, Path(folder), ledger=False, cell_size=cell_size)
-    return watch.cpu, result.disc_steps
+    return result.cpu_seconds, result.disc_steps
 
 
 def bench_cells(case: Case, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
@@ -91,8 +91,7 @@ def cell_table(rows: list[Row]) -> str:
 def draw_cells(rows: list[Row], name: str, path: Path) -> Path:
     """Draw CPU time against cell size, the neighbour list as a line."""
     cells = [row for row in rows if row.size is not None]
-    with style():
-        figure, axes = new_figure(5.6, 3.4)
+    with drawing(5.6, 3.4) as (figure, axes):
         axes.plot([row.size for row in cells], [row.seconds for row in cells], "o-", color="#33508f", label="cells")
         for row in rows:
             if row.size is None:

@@ -133,12 +133,12 @@ def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
         Where it does not come to its end.
     """
     with tempfile.TemporaryDirectory() as folder:
-        result, watch = execute(scene, Path(folder), "stock", script=text)
+        result = execute(scene, Path(folder), "stock", script=text)
         if result.status != "complete":
             raise RunError(result.message)
         *_, last = open_dump(Path(folder) / "dump.lammpstrj")
     last = last.sorted()
-    return np.column_stack([last.ids, last.x, last.y, last.vx, last.vy]), watch.cpu
+    return np.column_stack([last.ids, last.x, last.y, last.vx, last.vy]), result.cpu_seconds
 
 
 def largest_difference(one: np.ndarray, two: np.ndarray) -> float:
@@ -165,7 +165,7 @@ def dump_formats(scene: Scene, rounds: int) -> dict[str, float]:
     taken: dict[str, list[float]] = {"text": [], "gz": [], "binary": []}
     for _, name in in_turn(list(taken), rounds):
         with tempfile.TemporaryDirectory() as folder:
-            taken[name].append(execute(scene, Path(folder), "stock", dump_format=name)[1].cpu)
+            taken[name].append(execute(scene, Path(folder), "stock", dump_format=name).cpu_seconds)
     return {name: middle(values) for name, values in taken.items()}
 
 

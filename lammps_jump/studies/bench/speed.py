@@ -144,8 +144,8 @@ def bench_speed(case: Case, store: Store, *, quick: bool = False, say: Callable[
 
 def _timed(scene: Scene, kernel: str) -> Timed:
     with tempfile.TemporaryDirectory() as folder:
-        result, watch = execute(scene, Path(folder), kernel)
-    return Timed(watch.cpu, result.disc_steps, result.status)
+        result = execute(scene, Path(folder), kernel)
+    return Timed(result.cpu_seconds, result.disc_steps, result.status)
 
 
 def make_row(name: str, runs: list[Timed], stock: list[Timed]) -> Row:

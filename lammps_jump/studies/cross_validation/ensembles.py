@@ -29,10 +29,10 @@ from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.engines.plugin.build import plugin_path
 from lammps_jump.engines.result import ProgressCallback
 from lammps_jump.errors import RunError, RunInterrupted
+from lammps_jump.files import write_json
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import data_text, script_text
 from lammps_jump.studies.runs import execute
-from lammps_jump.studies.store import as_json
 
 JITTER = 1e-6
 """Start positions move by up to this many diameters, row speeds by up to this share of themselves."""
@@ -178,7 +178,7 @@ def run_member(ensemble: Ensemble, seed: int, progress: ProgressCallback | None 
         folder, kept = Path(work) / "run", Path(work) / "kept"
         folder.mkdir()
         kept.mkdir()
-        result, _ = execute(start, folder, ensemble.kernel, dump_format="binary", progress=progress)
+        result = execute(start, folder, ensemble.kernel, dump_format="binary", progress=progress)
         if result.status == "interrupted":
             raise RunInterrupted(
                 f"ended in {name}, member {seed}; finished members are kept in {store}: the same command continues"
@@ -187,7 +187,7 @@ def run_member(ensemble: Ensemble, seed: int, progress: ProgressCallback | None 
             raise RunError(f"{name}, member {seed}: {result.message}")
         reduce_run(start, folder, kept, ensemble.binning)
         numbers = RunNumbers(seed, *(getattr(result, one.name) for one in fields(RunNumbers)[1:]))
-        (kept / "result.json").write_text(json.dumps(as_json(numbers), indent=1))
+        write_json(kept / "result.json", numbers)
         kept.rename(place)
     return replace(read_member(place, name), fresh=True)
 

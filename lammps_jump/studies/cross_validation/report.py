@@ -7,8 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
+from lammps_jump.files import plain
 from lammps_jump.provenance import versions
-from lammps_jump.studies.store import as_json
 
 from .divergence import Divergence
 from .ensembles import JITTER
@@ -34,7 +34,7 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
     """
     passed = found.agrees and all(check.passed for check in study.checks)
     laws = {label: {"what": text, **_comparison(law)} for label, (text, law) in study.laws.items()}
-    return as_json({
+    return plain({
         "name": study.name,
         "passed": passed and all(item.met is not False for item in criteria),
         "seconds": seconds,
@@ -47,12 +47,12 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
         "duration": study.scene.time(study.scene.steps),
         "lammps_kernel": study.kernel,
         "notes": study.notes,
-        "disc_by_disc": [asdict(check) for check in study.checks],
+        "disc_by_disc": study.checks,
         "divergence": _divergence(divergence, study.scene.time_step),
         "statistics": _comparison(found),
-        "criteria": [asdict(item) for item in criteria],
+        "criteria": criteria,
         "laws": laws,
-        "runs": {label: [asdict(member.result) for member in group] for label, group in study.members.items()},
+        "runs": {label: [member.result for member in group] for label, group in study.members.items()},
     })  # fmt: skip
 
 
@@ -61,8 +61,8 @@ def _divergence(found: Divergence, time_step: float) -> dict:
         "kernel": found.kernel,
         "time_step": time_step,
         "steps": int(found.engines.steps[-1]) if len(found.engines.steps) else 0,
-        "growth": asdict(found.growth),
-        "twin_growth": asdict(found.twin_growth),
+        "growth": found.growth,
+        "twin_growth": found.twin_growth,
         "first_step_beyond": found.levels,
         "other_discs_from_step": found.engines.other_discs,
         "largest_separation": float(found.engines.largest.max(initial=0.0)),

@@ -8,7 +8,6 @@ restitution correction is measured. `docs/cross_validation.md` says how to read 
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
 from math import isfinite, nan
@@ -17,6 +16,7 @@ from pathlib import Path
 from lammps_jump import Case, load_case
 from lammps_jump.engines import choose, usable_kernels
 from lammps_jump.errors import SetupError
+from lammps_jump.files import write_json
 
 from .divergence import TWIN_JITTER, Divergence, measure_divergence
 from .ensembles import perturbed
@@ -100,7 +100,7 @@ def cross_validate(
         _laws(study, case)
     limits = criteria(study, found)
     report = as_dict(study, divergence, found, limits, time.perf_counter() - begin)
-    (study.folder / RESULT_FILE).write_text(json.dumps(report, indent=1, allow_nan=False) + "\n")
+    write_json(study.folder / RESULT_FILE, report)
     figures = draw_all(study, divergence, found, study.folder / "figures")
     write_report(report, study.scene.description, figures, study.folder / REPORT_FILE)
     return report

@@ -91,7 +91,7 @@ def trajectory(scene: Scene, kernel: str) -> Trajectory:
         Where the run is not complete.
     """
     with tempfile.TemporaryDirectory(prefix="cross-validation-") as folder:
-        result, _ = execute(scene, Path(folder), kernel, dump_format="binary")
+        result = execute(scene, Path(folder), kernel, dump_format="binary")
         if result.status != "complete":
             raise RunError(f"{kernel}, {scene.name}: {result.message}")
         frames = [frame.sorted() for frame in read_dump(Path(folder))]

@@ -51,14 +51,14 @@ def resting_bed(engine: str, steps: int) -> Bed:
         scene, steps=20 * every, output_steps=every, velocities=np.zeros_like(scene.velocities), overlap_limit=0.04
     )
     with tempfile.TemporaryDirectory() as folder:
-        result, watch = execute(scene, Path(folder), ENGINES[engine])
+        result = execute(scene, Path(folder), ENGINES[engine])
         frames = list(read_dump(Path(folder))) if result.status == "complete" else []
     if not frames:
-        return Bed(engine, steps, count, watch.cpu, False, f"{result.status}: {result.message}")
+        return Bed(engine, steps, count, result.cpu_seconds, False, f"{result.status}: {result.message}")
     kinetic = [0.5 * scene.mass * float(np.sum(f.vx**2 + f.vy**2)) for f in frames]
     half = len(frames) // 2
     share = max(kinetic[half:]) / (scene.mass * 9.81 * scene.diameter * count)
     drift = (float(frames[-1].y.mean()) - float(frames[half].y.mean())) / scene.diameter
     right = bool(share < 1e-9 and abs(drift) < 1e-6 and result.lost == 0 and len(frames[-1].x) == count)
     text = f"kinetic energy at most {share:.1e} of m g d in the second half, mean height drifts {drift:+.1e} d"
-    return Bed(engine, steps, count, watch.cpu, right, text, share, drift)
+    return Bed(engine, steps, count, result.cpu_seconds, right, text, share, drift)

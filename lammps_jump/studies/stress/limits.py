@@ -214,7 +214,7 @@ def _native(scene: Scene) -> list[float]:
 
 def _lammps(scene: Scene, kernel: str) -> list[float]:
     with tempfile.TemporaryDirectory() as folder:
-        result, _ = execute(scene, Path(folder), kernel)
+        result = execute(scene, Path(folder), kernel)
         if result.status != "complete":
             raise RunError(result.message)
         frames = list(open_dump(Path(folder) / "dump.lammpstrj"))[1:]

@@ -230,13 +230,13 @@ def judge_scene(scene: Scene, engine: str) -> Outcome:
     scene = replace(scene, probe_steps=max(1, scene.probe_steps))
     with tempfile.TemporaryDirectory() as folder, np.errstate(all="ignore"):
         try:
-            result, watch = execute(scene, Path(folder), kernel)
+            result = execute(scene, Path(folder), kernel)
         except SetupError as error:
             return Outcome("absent", str(error))
         except JumpError as error:
             return Outcome("stopped" if REASONS.search(str(error)) else "wordless", str(error))
         message = result.message.replace(folder, "the run folder")
-        done = {"steps": result.steps, "seconds": watch.wall}
+        done = {"steps": result.steps, "seconds": result.seconds}
         trouble = look_for_trouble(Path(folder), result)
         if trouble:
             return Outcome(trouble[0], trouble[1] + (f" ({message})" if message else ""), **done)

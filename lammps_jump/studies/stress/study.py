@@ -10,8 +10,9 @@ from pathlib import Path
 
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError
+from lammps_jump.files import plain
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
-from lammps_jump.studies.store import Store, as_json
+from lammps_jump.studies.store import Store
 
 from .bed import Bed, resting_bed
 from .limits import ARRANGEMENTS, ENGINES, integrator_of, measure_limit, periodic_hexagonal
@@ -135,7 +136,7 @@ class Stress:
             for number in range(seed, seed + count):
                 case, key = random_case(number), f"random {number}"
                 if key not in pieces:
-                    pieces[key] = as_json({e: worker.call(judge, case, e, timeout=TIMEOUT).stored() for e in tally})
+                    pieces[key] = plain({e: worker.call(judge, case, e, timeout=TIMEOUT).stored() for e in tally})
                 right = GOOD + (("heated",) if may_heat(case) else ())
                 for engine, result in pieces[key].items():
                     tally[engine][result["outcome"]] += 1
