@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump import Case, load_case
-from lammps_jump.analysis.draw.style import new_figure, save, style
+from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError
@@ -219,8 +219,7 @@ def study_table(study: Study, rows: list[Row]) -> str:
 
 def draw_study(study: Study, rows: list[Row], path: Path) -> Path:
     """Draw three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
-    with style():
-        figure, axes = new_figure(8.6, 2.9, 1, 3)
+    with drawing(8.6, 2.9, 1, 3) as (figure, axes):
         _draw_points(axes[0], rows, "sequent_ratio", "sequent depths y2/y1")
         _draw_theory(axes[0], rows, "sequent_ratio", "belanger_ratio", "Bélanger")
         _draw_points(axes[1], rows, "length_over_y2", "length over y2")

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump import load_case
-from lammps_jump.analysis.draw.style import new_figure, save, style
+from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
@@ -201,8 +201,7 @@ def draw_collisions(rows: list[Row], path: Path) -> Path:
     values = sorted({row.restitution for row in rows})
     ways = list(dict.fromkeys(row.way for row in rows))
     colours = ("#33508f", "#8aa0c8", "#7d7c78", "#b5a05a", "#111111")
-    with style():
-        figure, axes = new_figure(3.2 * len(values) + 1.2, 3.4, 1, len(values), squeeze=False)
+    with drawing(3.2 * len(values) + 1.2, 3.4, 1, len(values), squeeze=False) as (figure, axes):
         for panel, e in zip(axes.flat, values, strict=True):
             for i, way in enumerate(ways):
                 group = [row for row in rows if row.way == way and row.restitution == e]

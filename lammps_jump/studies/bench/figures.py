@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.ticker import LogLocator
 
-from lammps_jump.analysis.draw.style import new_figure, save, style
+from lammps_jump.analysis.draw.style import drawing, save
 
 MARKS = {
     "stock": ("o", "#33508f"),
@@ -27,8 +27,7 @@ def draw_quantity(data: dict, name: str, folder: Path) -> Path:
     """Draw run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band."""
     summary = data["quantities"][name]
     rows = [row for row in data["rows"] if row["seconds"] and (row["errors"].get(name) or {}).get("error")]
-    with style():
-        figure, axes = new_figure(7.2, 4.4)
+    with drawing(7.2, 4.4) as (figure, axes):
         _draw_families(axes, rows, name)
         front = [row for label in summary["pareto"] for row in rows if row["label"] == label]
         if front:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.analysis.draw.style import new_figure, save, style
+from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.physics import contact
 from lammps_jump.studies.table import markdown, percent
 
@@ -78,8 +78,7 @@ def _tally(tally: dict[str, dict[str, int]]) -> str:
 def draw_map(limits: list[dict], path: Path) -> Path:
     """Draw restitution against time step: predicted limits as lines, measured ones as marks, a panel an integrator."""
     grid = np.concatenate([np.linspace(0.02, 0.98, 97), [1.0]])
-    with style():
-        figure, axes = new_figure(8.4, 3.8, 1, 2, sharey=True)
+    with drawing(8.4, 3.8, 1, 2, sharey=True) as (figure, axes):
         for panel, (integrator, title) in zip(axes, TITLES.items(), strict=True):
             for packing, (dash, colour) in PACKINGS.items():
                 line = [contact.stable_fraction(contact.damping_ratio(e), integrator, packing) for e in grid]
