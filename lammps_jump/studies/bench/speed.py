@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
 
@@ -21,8 +21,10 @@ from lammps_jump.studies.cross_validation.trajectories import (
     CONTACT_STEPS,
     check_scene,
     developed_scene,
+    plain_scene,
     separation,
     trajectory,
+    with_discs_of,
 )
 from lammps_jump.studies.runs import execute, kernel_changes
 from lammps_jump.studies.settings import SKINS
@@ -96,17 +98,7 @@ def make_variants(kernels: Sequence[str], friction: float, diameter: float, *, s
 
 def started_from(developed: Scene, scene: Scene, steps: int, output_steps: int | None = None) -> Scene:
     """Return the scene with the discs of a developed one, for few steps, without probes."""
-    return replace(
-        scene,
-        positions=developed.positions,
-        velocities=developed.velocities,
-        inlets=tuple(replace(row, first_step=1) for row in scene.inlets),
-        gates=(),
-        probes=(),
-        settle_steps=0,
-        steps=steps,
-        output_steps=output_steps or steps,
-    )
+    return plain_scene(with_discs_of(developed, scene), steps, output_steps or steps)
 
 
 def bench_speed(case: Case, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:

@@ -11,7 +11,7 @@ import hashlib
 import json
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
@@ -196,14 +196,12 @@ def reduce_run(scene: Scene, folder: Path, kept: Path, binning: Binning) -> None
     """Read the dump of a run once; write ``profiles.nc``, ``series.npz`` and ``forces.npz`` into `kept`."""
     flow = from_scene(scene, bin_width=binning.bin_width, window=binning.window)
     front, energy = FrontTracker(flow), EnergyLedger(flow)
-    discs: list[int] = []
 
     def frames() -> Iterator:
         for frame in read_dump(folder):
             time = flow.time(frame)
             front.add(frame, time)
             energy.add(frame, time)
-            discs.append(frame.n)
             yield frame
 
     write_profiles(compute_profiles(frames(), flow), kept / "profiles.nc")
@@ -211,7 +209,7 @@ def reduce_run(scene: Scene, folder: Path, kept: Path, binning: Binning) -> None
     np.savez_compressed(
         kept / "series.npz",
         time=energies.time,
-        discs=np.array(discs),
+        discs=energies.discs,
         kinetic=energies.kinetic + energies.rotational,
         gravitational=energies.potential,
         elastic=energies.elastic if energies.elastic is not None else np.zeros_like(energies.time),
@@ -228,29 +226,3 @@ def read_member(place: Path, name: str) -> Member:
     with np.load(place / "series.npz") as series, np.load(place / "forces.npz") as forces:
         result = RunNumbers(**json.loads((place / "result.json").read_text()))
         return Member(name, read_profiles(place / "profiles.nc"), dict(series), dict(forces), result)
-
-
-def run_ensemble(
-    ensemble: Ensemble,
-    seeds: list[int],
-    *,
-    progress: Callable[[], ProgressCallback | None] | None = None,
-    after: Callable[[Member], None] | None = None,
-) -> list[Member]:
-    """Return all members, finished ones read from the store.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-    seeds : list of int
-    progress : callable, optional
-        Makes the progress line of each member.
-    after : callable, optional
-        Called with each member.
-    """
-    members = []
-    for seed in seeds:
-        members.append(run_member(ensemble, seed, progress() if progress else None))
-        if after:
-            after(members[-1])
-    return members

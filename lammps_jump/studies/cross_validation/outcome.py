@@ -12,7 +12,7 @@ from lammps_jump import Case
 from lammps_jump.engines.result import Progress
 from lammps_jump.scene.scene import Scene
 
-from .ensembles import Binning, Ensemble, Member, run_ensemble
+from .ensembles import Binning, Ensemble, Member, run_member
 from .quantities import Comparison, Quantities, Wanted, compare, measure
 from .statistics import FAMILY_ERROR
 from .trajectories import DeterministicCheck
@@ -94,22 +94,16 @@ class Study:
         asked = self.case.fields.analysis
         binning = Binning(asked.bin_width, asked.window)
         ensemble = Ensemble(scene, kernel, self.folder / "members", binning, label)
-        lines: list[Line] = []
-
-        def progress() -> Line | None:
-            if lines:
-                lines[-1].finish()
-            if self.line is None:
-                return None
-            lines.append(self.line(scene.time(scene.steps)))
-            return lines[-1]
-
-        def tell(member: Member) -> None:
-            how = f"{member.result.seconds:.1f} s" if member.fresh else "was there"
-            present = member.result.present
-            self.say(f"{member.name}, member {member.result.seed}: {how}, {present} discs in play at the end")
-
-        members = run_ensemble(ensemble, list(self.seeds), progress=progress, after=tell)
+        members: list[Member] = []
+        line: Line | None = None
+        for seed in self.seeds:
+            if line is not None:
+                line.finish()
+            line = self.line(scene.time(scene.steps)) if self.line else None
+            members.append(run_member(ensemble, seed, line))
+            how = f"{members[-1].result.seconds:.1f} s" if members[-1].fresh else "was there"
+            present = members[-1].result.present
+            self.say(f"{ensemble.name}, member {seed}: {how}, {present} discs in play at the end")
         self.members[ensemble.name] = members
         self.quantities[ensemble.name] = [measure(member, scene, self.wanted, binning) for member in members]
         return ensemble.name

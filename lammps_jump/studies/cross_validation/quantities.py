@@ -191,8 +191,8 @@ class Verdict:
     difference: Difference
     place: str
     p_adjusted: float
-    word: str
-    points: int
+    word: str = "not comparable"
+    points: int = 0
 
     @property
     def text(self) -> str:
@@ -235,7 +235,7 @@ class Comparison:
 
 def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantities], family_error: float) -> Comparison:
     """Compare each number (Welch), each curve (Welch, Bonferroni over its points), and all together (Holm)."""
-    drafts: list[tuple[str, str, str, Difference, str, float, int]] = []
+    drafts: list[Verdict] = []
     bands: dict[str, tuple[Curve, Band]] = {}
     for name in _common(one, two, "scalars"):
         unit = one[0].scalars[name][1]
@@ -243,7 +243,7 @@ def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantitie
         if not any(np.any(side != 0.0) for side in values):  # nothing happened in either: nothing to compare
             continue
         found = welch(*values)
-        drafts.append((name, unit, "scalar", found, "", found.p, 0))
+        drafts.append(Verdict(name, unit, "scalar", found, "", found.p))
     for name in _common(one, two, "curves"):
         curve = one[0].curves[name]
         tables = [np.array([m.curves[name].values for m in side]) for side in (one, two)]
@@ -258,13 +258,13 @@ def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantitie
         at_worst = replace(at_worst, half_width=float(band.half_width[k]))
         sign = "x" if curve.axis == "x" else "t"
         place = f"{sign} = {curve.at[k]:.3g} {'m' if sign == 'x' else 's'}, worst of {band.points}"
-        drafts.append((name, curve.unit, "curve", at_worst, place, band.p, band.points))
-    adjusted = holm({draft[0]: draft[5] for draft in drafts})
+        drafts.append(Verdict(name, curve.unit, "curve", at_worst, place, band.p, points=band.points))
+    adjusted = holm({draft.name: draft.p_adjusted for draft in drafts})
     verdicts = []
-    for name, unit, kind, found, place, _, points in drafts:
-        p = adjusted[name]
+    for draft in drafts:
+        p = adjusted[draft.name]
         word = "not comparable" if p != p else ("differ" if p < family_error else "agree")
-        verdicts.append(Verdict(name, unit, kind, found, place, p, word, points))
+        verdicts.append(replace(draft, p_adjusted=p, word=word))
     return Comparison(name_1, name_2, tuple(verdicts), bands, (_count(one), _count(two)))
 
 

@@ -67,25 +67,24 @@ def corner_scene() -> Scene:
     return _scene("corner", "discs against the corners of a block", positions, velocities, walls)
 
 
+def _sliding_heap(name: str, text: str, seed: int, slow: float, range_: float, **contact) -> Scene:
+    """Return a heap of twenty discs that slides against a step; speeds (m/s) rise from `slow` by `range_`."""
+    positions = _heap(np.random.default_rng(seed), 4, 5)
+    velocities = np.column_stack([slow + range_ * np.arange(20) / 20, np.zeros(20)])
+    walls = (Plane("floor", "y", 0.0, "above"), Block("step", (2.0, 2.5), (-1.0, 0.3)))
+    return _scene(name, text, positions, velocities, walls, **contact)
+
+
 def friction_scene(law: str = "hooke") -> Scene:
     """Return a heap that slides and topples with friction, without spin."""
-    rng = np.random.default_rng(7)
-    positions = _heap(rng, 4, 5)
-    velocities = np.column_stack([1.5 + 0.3 * np.arange(20) / 20, np.zeros(20)])
-    walls = (Plane("floor", "y", 0.0, "above"), Block("step", (2.0, 2.5), (-1.0, 0.3)))
     name = "friction" if law == "hooke" else f"friction ({law} law)"
     text = "a heap that slides and topples against a step, ks = 0.3"
-    return _scene(name, text, positions, velocities, walls, friction=0.3, friction_law=law)
+    return _sliding_heap(name, text, 7, 1.5, 0.3, friction=0.3, friction_law=law)
 
 
 def spin_scene() -> Scene:
     """Return the same heap with spin and higher friction."""
-    rng = np.random.default_rng(8)
-    positions = _heap(rng, 4, 5)
-    velocities = np.column_stack([1.2 + 0.6 * np.arange(20) / 20, np.zeros(20)])
-    walls = (Plane("floor", "y", 0.0, "above"), Block("step", (2.0, 2.5), (-1.0, 0.3)))
-    text = "the heap with turning discs, ks = 0.5"
-    return _scene("spin", text, positions, velocities, walls, friction=0.5, rotation=True)
+    return _sliding_heap("spin", "the heap with turning discs, ks = 0.5", 8, 1.2, 0.6, friction=0.5, rotation=True)
 
 
 def gate_scene() -> Scene:

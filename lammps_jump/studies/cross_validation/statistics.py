@@ -147,23 +147,20 @@ def compare_curves(one: np.ndarray, two: np.ndarray) -> Band:
     one, two : ndarray, shape (members, points)
         Points at which any member has no number are left out.
     """
-    count = one.shape[1]
     good = np.isfinite(one).all(axis=0) & np.isfinite(two).all(axis=0)
     scale = float(np.max(np.abs(np.concatenate([one[:, good], two[:, good]])), initial=0.0))
     floor = (RESOLUTION * scale) ** 2
     n1, n2 = len(one), len(two)
-    columns = {name: np.full(count, nan) for name in ("m1", "m2", "s1", "s2", "d", "h", "p")}
+    columns = np.full((6, one.shape[1]), nan)
     a, b = one[:, good], two[:, good]
     points = int(good.sum())
     if not points or n1 < 2 or n2 < 2:
-        return Band(*(columns[k] for k in ("m1", "m2", "s1", "s2", "d", "h")), nan, -1, points)
+        return Band(*columns, nan, -1, points)
     m1, m2, s1, s2 = a.mean(axis=0), b.mean(axis=0), a.std(axis=0, ddof=1), b.std(axis=0, ddof=1)
     half, p = _welch(m2 - m1, s1**2 / n1 + floor, s2**2 / n2 + floor, n1, n2, points)
-    for name, values in zip(columns, (m1, m2, s1, s2, m2 - m1, half, p), strict=True):
-        columns[name][good] = values
+    columns[:, good] = m1, m2, s1, s2, m2 - m1, half
     worst = int(np.flatnonzero(good)[np.argmin(p)])
-    bands = (columns[k] for k in ("m1", "m2", "s1", "s2", "d", "h"))
-    return Band(*bands, float(min(1.0, p.min() * points)), worst, points)
+    return Band(*columns, float(min(1.0, p.min() * points)), worst, points)
 
 
 def holm(ps: dict[str, float]) -> dict[str, float]:

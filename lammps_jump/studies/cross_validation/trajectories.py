@@ -243,16 +243,18 @@ def developed_scene(scene: Scene, share: float = 0.6, work: float = 3e8) -> Scen
     goal = max(int(share * scene.steps), scene.settle_steps + 1)
     while simulation.step < goal and (simulation.disc_steps < work or simulation.step <= scene.settle_steps):
         simulation.run(min(500, goal - simulation.step))
+    since = scene.time(simulation.step)
+    named = replace(
+        scene, name=f"{scene.name}, developed", description=f"{scene.description} (from t = {since:.3g} s on)"
+    )
+    return with_discs_of(simulation, named)
+
+
+def with_discs_of(source: NativeSimulation | Scene, scene: Scene) -> Scene:
+    """Return the scene with the discs of another, or of a simulation, at its start; gates are open."""
     inlets = tuple(replace(row, first_step=1) for row in scene.inlets)
     return replace(
-        scene,
-        name=f"{scene.name}, developed",
-        description=f"{scene.description} (from t = {scene.time(simulation.step):.3g} s on)",
-        positions=simulation.positions,
-        velocities=simulation.velocities,
-        inlets=inlets,
-        gates=(),
-        settle_steps=0,
+        scene, positions=source.positions, velocities=source.velocities, inlets=inlets, gates=(), settle_steps=0
     )
 
 
