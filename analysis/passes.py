@@ -78,9 +78,8 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
     warnings : list of str
         Notes of the pass are added to it.
     """
-    collectors = list(collectors)
     frames = with_velocities(dump, flow, warnings)
-    profiles = compute_profiles(_feed(frames, flow, collectors), replace(flow, window=None))
+    profiles = compute_profiles(feed(frames, flow, collectors), replace(flow, window=None))
     warnings += dump.warnings
     if flow.window is not None:
         try:
@@ -90,8 +89,9 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
     return profiles
 
 
-def _feed(frames: Iterator[Frame], flow: Flow, collectors: list[Collector]) -> Iterator[Frame]:
-    """The same frames, shown to every collector on the way."""
+def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Collector]) -> Iterator[Frame]:
+    """The same frames, shown to every collector on the way; DumpError at a value that is not finite."""
+    collectors = list(collectors)
     for frame in frames:
         require_finite(frame, flow.scene.name)
         time = flow.time(frame)

@@ -12,13 +12,15 @@ import numpy as np
 
 from lammps_jump import Case
 from lammps_jump.analysis.energy import EnergyLedger, analyse_energy
-from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.front import FrontTracker, analyse_front
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.summary import summarise_jump
+from lammps_jump.analysis.passes import Collector
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.case import CaseFields
 from lammps_jump.dump.find import read_dump, read_forces
+from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError, JumpError, RunInterrupted
 from lammps_jump.files import plain
 from lammps_jump.scene.scene import Scene
@@ -137,10 +139,10 @@ def measure(folder: Path, scene: Scene, case: CaseFields) -> dict[str, Measure]:
     dump = read_dump(folder)
     measures: dict[str, Measure] = {}
     if asked.energy:
-        energy = analyse_energy(_history(EnergyLedger(flow), dump, flow), flow)
+        energy = analyse_energy(history(EnergyLedger(flow), dump, flow), flow)
         measures["energy deviation"] = plain(energy.max_deviation)
     if asked.front:
-        front = _history(FrontTracker(flow), dump, flow)
+        front = history(FrontTracker(flow), dump, flow)
         times = np.linspace(0.1, 1.0, CURVE_POINTS) * case.run.duration
         measures["front position"] = np.interp(times, front.time, front.quantile).tolist()
         measures["column height"] = np.interp(times, front.time, front.height).tolist()
@@ -155,14 +157,14 @@ def measure(folder: Path, scene: Scene, case: CaseFields) -> dict[str, Measure]:
     return measures
 
 
-def _history(accumulator, dump: Iterable, flow):
-    """Return what an accumulator of the analysis makes of all frames."""
+def history(collector: Collector, dump: Iterable[Frame], flow: Flow):
+    """Return what a collector of the analysis makes of all frames."""
     for frame in dump:
-        accumulator.add(frame, flow.time(frame))
-    return accumulator.result()
+        collector.add(frame, flow.time(frame))
+    return collector.result()
 
 
-def _jump(dump: Iterable, flow) -> dict[str, Measure]:
+def _jump(dump: Iterable[Frame], flow: Flow) -> dict[str, Measure]:
     profiles = compute_profiles(dump, flow)
     summary = plain(as_summary(summarise_jump(analyse_jump(profiles, flow))))
     return {

@@ -53,7 +53,7 @@ class Setting:
     @property
     def label(self) -> str:
         """Short and unique among the settings of a case."""
-        words = [self.kernel + (" smooth" if self.touch == "smooth" else ""), f"f={self.fraction:g}"]
+        words = [self.family, f"f={self.fraction:g}"]
         words += [f"n={self.penetration:g}"] if self.penetration is not None else []
         words += [] if self.correction else ["uncorrected"]
         words += [f"skin={self.skin:g}d"] if self.skin is not None else []

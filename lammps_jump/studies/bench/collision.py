@@ -150,9 +150,7 @@ def collision_rows(
 
 def _row(way: Way, restitution: float, fraction: float) -> Row:
     exact = expected(restitution)
-    scene = collision_scene(
-        fraction, restitution, integrator=way.integrator, correct=way.correct, touch=way.touch
-    )  # fmt: skip
+    scene = collision_scene(fraction, restitution, integrator=way.integrator, correct=way.correct, touch=way.touch)
     found = measure_collisions(scene, way.kernel)
     numbers = [
         part

@@ -11,7 +11,6 @@ import hashlib
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
@@ -22,6 +21,7 @@ from lammps_jump import analysis
 from lammps_jump.analysis.energy import EnergyLedger
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.front import FrontTracker
+from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles, read_profiles, write_profiles
 from lammps_jump.dump.find import read_dump, read_forces
 from lammps_jump.engines import native
@@ -196,15 +196,8 @@ def reduce_run(scene: Scene, folder: Path, kept: Path, binning: Binning) -> None
     """Read the dump of a run once; write ``profiles.nc``, ``series.npz`` and ``forces.npz`` into `kept`."""
     flow = from_scene(scene, bin_width=binning.bin_width, window=binning.window)
     front, energy = FrontTracker(flow), EnergyLedger(flow)
-
-    def frames() -> Iterator:
-        for frame in read_dump(folder):
-            time = flow.time(frame)
-            front.add(frame, time)
-            energy.add(frame, time)
-            yield frame
-
-    write_profiles(compute_profiles(frames(), flow), kept / "profiles.nc")
+    frames = feed(read_dump(folder), flow, [front, energy])
+    write_profiles(compute_profiles(frames, flow), kept / "profiles.nc")
     fronts, energies = front.result(), energy.result()
     np.savez_compressed(
         kept / "series.npz",

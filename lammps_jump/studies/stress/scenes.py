@@ -26,6 +26,7 @@ from lammps_jump.errors import DumpError, JumpError, SetupError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Box
+from lammps_jump.studies.measure import history
 from lammps_jump.studies.runs import execute, kernel_changes
 
 GOOD = ("stable", "refused", "stopped")
@@ -256,13 +257,10 @@ def energy_gain(folder: Path, scene: Scene) -> float:
     if scene.inlets or scene.outlets or scene.pours or not len(scene.positions):
         return nan
     flow = from_scene(scene)
-    ledger = EnergyLedger(flow)
-    for frame in read_dump(folder):
-        ledger.add(frame, flow.time(frame))
-    history = ledger.result()
-    elastic = 0.0 if history.elastic is None else history.elastic[0]
-    moved = history.kinetic[0] + elastic + float(np.ptp(history.potential))
-    return float((history.total - history.total[0]).max() / moved) if moved > 0 else 0.0
+    energy = history(EnergyLedger(flow), read_dump(folder), flow)
+    elastic = 0.0 if energy.elastic is None else energy.elastic[0]
+    moved = energy.kinetic[0] + elastic + float(np.ptp(energy.potential))
+    return float((energy.total - energy.total[0]).max() / moved) if moved > 0 else 0.0
 
 
 def look_for_trouble(folder: Path, result: RunResult) -> tuple[str, str] | None:
