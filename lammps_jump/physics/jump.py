@@ -13,54 +13,15 @@ from collections.abc import Callable
 from math import floor, inf, nan, sqrt
 
 from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
-from .waves import (
-    GRAVITY,
-    hydrostatic_force,
-    reflected_bore,
-    relative_froude,
-    ritter_front,
-    ritter_wall_time,
-    shock_speed,
-    shock_speed_from_mass,
-    stagnation_force,
-)
-
-__all__ = [
-    "GRAVITY",
-    "PROFILE_ENERGY_COEFFICIENT",
-    "PROFILE_MEAN_HEIGHT",
-    "PROFILE_MOMENTUM_COEFFICIENT",
-    "belanger",
-    "channel_length",
-    "critical_depth",
-    "downstream_froude",
-    "energy_loss",
-    "froude",
-    "hydrostatic_force",
-    "inflow_discharge",
-    "jump_class",
-    "momentum_flux",
-    "power_law_velocity",
-    "reflected_bore",
-    "relative_froude",
-    "ritter_front",
-    "ritter_wall_time",
-    "row_count",
-    "row_heights",
-    "row_velocities",
-    "sequent_depth",
-    "sequent_ratio",
-    "shock_speed",
-    "shock_speed_from_mass",
-    "sill_depth",
-    "sill_face_force",
-    "sill_holding_height",
-    "silvester_jump_length",
-    "specific_energy",
-    "stagnation_force",
-    "usbr_jump_length",
-    "velocity_range",
-]
+from .waves import GRAVITY as GRAVITY
+from .waves import hydrostatic_force as hydrostatic_force
+from .waves import reflected_bore as reflected_bore
+from .waves import relative_froude as relative_froude
+from .waves import ritter_front as ritter_front
+from .waves import ritter_wall_time as ritter_wall_time
+from .waves import shock_speed as shock_speed
+from .waves import shock_speed_from_mass as shock_speed_from_mass
+from .waves import stagnation_force as stagnation_force
 
 PROFILE_MOMENTUM_COEFFICIENT = 64.0 / 63.0
 """beta = mean(u^2) / mean(u)^2 of the continuous one-seventh profile."""
