@@ -10,6 +10,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Wall
+from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow
 
@@ -104,45 +105,35 @@ def _show(value) -> str:
 
 def tables(case: CaseFields, scene: Scene) -> list[tuple[str, list[Row]]]:
     """Groups of (key, label, value, unit)."""
-    return [("contact", _contact_rows(scene)), ("time", _time_rows(case, scene)), ("flow", _flow_rows(case, scene))]
+    return [("contact", _contact_rows(scene)), ("time", _time_rows(scene)), ("flow", _flow_rows(case, scene))]
+
+
+def _described(result: object, keys: str) -> list[Row]:
+    """Rows of a result's numbers, in words of their descriptions; `keys` are words of one text."""
+    numbers = numbers_of(result)
+    return [(key, numbers[key].label, getattr(result, key), numbers[key].unit) for key in keys.split()]
 
 
 def _contact_rows(scene: Scene) -> list[Row]:
     c = scene.coefficients
     rows: list[Row] = [
         ("discs_at_start", "discs at the start", len(scene.positions), ""),
-        ("mass", "mass m = rho d^2", c.mass, "kg/m"),
-        ("stiffness", "stiffness k (3.20)", c.stiffness, "N/m"),
-        ("stiffness_wall", "stiffness at walls", c.stiffness_wall, "N/m"),
-        ("restitution", "restitution e", c.restitution, ""),
-        ("damping_ratio", "damping ratio xi", c.damping_ratio, ""),
-        ("damping", "damping c, pair (3.21)", c.damping, "N s/m"),
-        ("damping_wall", "damping c, wall", c.damping_wall, "N s/m"),
-        ("correction", "restitution correction, pair", c.correction, ""),
-        ("correction_wall", "restitution correction, wall", c.correction_wall, ""),
-        ("gamma_normal", "gamma_n pair = c/(m/2), corrected", c.gamma_normal, "1/s"),
-        ("gamma_normal_wall", "gamma_n wall = c/m, corrected", c.gamma_normal_wall, "1/s"),
-        ("friction", "friction ks", c.friction, ""),
+        *_described(c, "mass stiffness stiffness_wall restitution damping_ratio damping damping_wall"),
+        *_described(c, "correction correction_wall gamma_normal gamma_normal_wall friction"),
     ]
     if c.friction:
-        rows += [
-            ("friction_law", "friction law", scene.friction_law, ""),
-            ("gamma_tangential", "gamma_t pair", c.gamma_tangential, "1/s"),
-            ("gamma_tangential_wall", "gamma_t wall", c.gamma_tangential_wall, "1/s"),
-            ("slip_speed", "slip speed where Coulomb takes over (at the peak load of v0)", c.slip_speed, "m/s"),
-        ]
-    rows.append(("largest_overlap", "largest overlap at v0, pair", c.largest_overlap, "m"))
-    return rows
+        rows.append(("friction_law", "friction law", scene.friction_law, ""))
+        rows += _described(c, "gamma_tangential gamma_tangential_wall slip_speed")
+    return [*rows, *_described(c, "largest_overlap")]
 
 
-def _time_rows(case: CaseFields, scene: Scene) -> list[Row]:
+def _time_rows(scene: Scene) -> list[Row]:
     c = scene.coefficients
     rows: list[Row] = [
         ("integrator", "integrator", scene.integrator, ""),
-        ("critical_time_step", "critical time step 2/omega (3.24)", c.critical_time_step, "s"),
+        *_described(c, "critical_time_step"),
         ("time_step", f"time step, f = {c.time_step_fraction:g}", c.time_step, "s"),
-        ("contact_duration", "contact duration", c.contact_duration, "s"),
-        ("contact_steps", "contact duration in steps", c.contact_steps, ""),
+        *_described(c, "contact_duration contact_steps"),
     ]
     for packing in ("pair", "square", "hexagonal"):
         limit = contact.stable_fraction(c.damping_ratio * c.correction, scene.integrator, packing)
@@ -166,30 +157,24 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []
-    y1, speed, g = inflow.depth, inflow.mean_speed, case.gravity
-    number = theory.froude(speed, y1, g)
-    low, high = theory.velocity_range(y1, g)
+    found = theory.inflow_theory(inflow.depth, inflow.mean_speed, case.gravity)
+    number, y1 = found.froude, found.depth
+    low, high = theory.velocity_range(y1, case.gravity)
     carried = sum(scene.diameter**2 / (row.every_steps * inflow.turns * scene.time_step) for row in scene.inlets)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
-        (
-            "jump_class",
-            "class of jump",
-            theory.jump_class(number) if number > 1 else "none: the inflow is subcritical",
-            "",
-        ),
-        ("discharge", "discharge asked for, Va y1", speed * y1, "m^2/s"),
+        ("jump_class", "class of jump", found.jump_class if number > 1 else "none: the inflow is subcritical", ""),
+        ("discharge", "discharge asked for, Va y1", found.velocity * y1, "m^2/s"),
         ("discharge_rows", "discharge of the rows as spaced", carried, "m^2/s"),
         ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),
         ("thesis_speed_high", "thesis' range of Va to", high, "m/s"),
     ]
     if number > 1:
-        y2 = theory.sequent_depth(speed, y1, g)
         rows += [
-            ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", y2, "m"),
+            ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", found.belanger_y2, "m"),
             ("downstream_froude", "downstream Froude number", theory.downstream_froude(number), ""),
-            ("energy_loss", "energy loss", theory.energy_loss(y1, y2), "m"),
-            ("jump_length", "jump length (4.27)", theory.silvester_jump_length(number, y1), "m"),
+            ("energy_loss", "energy loss", found.energy_loss, "m"),
+            ("jump_length", "jump length (4.27)", found.length, "m"),
             ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
         ]
     return rows

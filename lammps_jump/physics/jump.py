@@ -10,7 +10,10 @@ available here under the same names.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import floor, inf, nan, sqrt
+
+from lammps_jump.units import number
 
 from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
 from .waves import GRAVITY as GRAVITY
@@ -168,6 +171,36 @@ def channel_length(froude_1: float, depth_1: float) -> float:
 
 
 # --- inflow -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Inflow:
+    """What hydraulics says of the inflow."""
+
+    depth: float = number("m", "depth of the inflow")
+    velocity: float = number("m/s", "mean velocity of the inflow")
+    froude: float = number("", "Froude number of the inflow")
+    belanger_y2: float = number("m", "sequent depth of the inflow, Bélanger")
+    length: float = number("m", "length of its jump, thesis (4.27)")
+    length_usbr: float = number("m", "length of its jump, USBR curve")
+    energy_loss: float = number("m", "head lost in its jump")
+    jump_class: str = field(default="none", metadata={"key": "class"})
+
+
+def inflow_theory(depth: float, velocity: float, gravity: float = GRAVITY) -> Inflow:
+    """What hydraulics says of an inflow of `depth` (m, > 0) and `velocity` (m/s): the jump that it would make."""
+    froude_1 = froude(abs(velocity), depth, gravity)
+    y2 = depth * belanger(froude_1)
+    return Inflow(
+        depth=depth,
+        velocity=velocity,
+        froude=froude_1,
+        belanger_y2=y2,
+        length=silvester_jump_length(froude_1, depth),
+        length_usbr=usbr_jump_length(froude_1, depth),
+        energy_loss=energy_loss(depth, y2) if y2 > 0 else nan,
+        jump_class=jump_class(froude_1),
+    )
 
 
 def velocity_range(depth_1: float, gravity: float = GRAVITY) -> tuple[float, float]:
