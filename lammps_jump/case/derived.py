@@ -31,9 +31,20 @@ class Derived:
     scene: Scene
 
     @property
+    def tables(self) -> list[tuple[str, list[Row]]]:
+        """Groups of (key, label, value, unit)."""
+        case, scene = self.fields, self.scene
+        return [("contact", _contact_rows(scene)), ("time", _time_rows(scene)), ("flow", _flow_rows(case, scene))]
+
+    @property
+    def theory(self) -> dict[str, float | int | str | None] | None:
+        """Theory of the inflow by key: Froude number, sequent depth, jump length …; None without inflow rows."""
+        return {key: value for key, _, value, _ in _flow_rows(self.fields, self.scene)} or None
+
+    @property
     def numbers(self) -> dict[str, float | int | str | None]:
         """Coefficients, times and theory of the inflow by key, SI."""
-        return {key: value for _, rows in tables(self.fields, self.scene) for key, _, value, _ in rows}
+        return {key: value for _, rows in self.tables for key, _, value, _ in rows}
 
     @property
     def skipped(self) -> tuple[str, ...]:
@@ -46,53 +57,46 @@ class Derived:
         return self.scene.warnings
 
     def as_data(self) -> dict:
-        """Plain data, as ``check --json`` prints it."""
-        return as_data(self.fields, self.scene)
-
-    def __str__(self) -> str:
-        return as_text(self.fields, self.scene)
-
-
-def as_data(case: CaseFields, scene: Scene) -> dict:
-    """Plain data for JSON: coefficients, groups of numbers, inflow rows, what is skipped, warnings."""
-    groups = {title: {key: value for key, _, value, _ in rows} for title, rows in tables(case, scene)}
-    rows = [
-        {"y": row.y, "speed": row.vx, "every_steps": row.every_steps, "interval": row.every_steps * scene.time_step}
-        for row in scene.inlets
-    ]
-    return plain(
-        {
-            "name": case.name,
-            "coefficients": coefficients(scene),
-            **groups,
-            "inflow_rows": rows,
-            "skipped": list(scene.skipped),
-            "warnings": list(scene.warnings),
-        }
-    )
-
-
-def as_text(case: CaseFields, scene: Scene) -> str:
-    """Text for the screen: tables with units, what is skipped, warnings."""
-    lines = [f"{case.name}: {case.description}".rstrip(": ")]
-    for title, rows in tables(case, scene):
-        if rows:
-            lines += ["", title]
-            width = max(len(label) for _, label, _, _ in rows)
-            lines += [f"  {label:<{width}}  {_show(value):>12} {unit}".rstrip() for _, label, value, unit in rows]
-    if scene.inlets:
-        lines += ["", "inflow rows (a disc enters unless its place is taken)"]
-        lines += [
-            f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
-            f"{row.every_steps * scene.time_step:.5f} s"
+        """Plain data of ``check --json``: coefficients, groups of numbers, inflow rows, what is skipped, warnings."""
+        scene = self.scene
+        groups = {title: {key: value for key, _, value, _ in rows} for title, rows in self.tables}
+        rows = [
+            {"y": row.y, "speed": row.vx, "every_steps": row.every_steps, "interval": row.every_steps * scene.time_step}
             for row in scene.inlets
         ]
-    lines += ["", "skipped, because the scene does not need it"]
-    lines += [f"  - {text}" for text in scene.skipped]
-    if scene.warnings:
-        lines += ["", "beware"]
-        lines += [f"  - {text}" for text in scene.warnings]
-    return "\n".join(lines)
+        return plain(
+            {
+                "name": self.fields.name,
+                "coefficients": asdict(scene.coefficients),
+                **groups,
+                "inflow_rows": rows,
+                "skipped": list(scene.skipped),
+                "warnings": list(scene.warnings),
+            }
+        )
+
+    def __str__(self) -> str:
+        """Text for the screen: tables with units, what is skipped, warnings."""
+        scene = self.scene
+        lines = [f"{self.fields.name}: {self.fields.description}".rstrip(": ")]
+        for title, rows in self.tables:
+            if rows:
+                lines += ["", title]
+                width = max(len(label) for _, label, _, _ in rows)
+                lines += [f"  {label:<{width}}  {_show(value):>12} {unit}".rstrip() for _, label, value, unit in rows]
+        if scene.inlets:
+            lines += ["", "inflow rows (a disc enters unless its place is taken)"]
+            lines += [
+                f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
+                f"{row.every_steps * scene.time_step:.5f} s"
+                for row in scene.inlets
+            ]
+        lines += ["", "skipped, because the scene does not need it"]
+        lines += [f"  - {text}" for text in scene.skipped]
+        if scene.warnings:
+            lines += ["", "beware"]
+            lines += [f"  - {text}" for text in scene.warnings]
+        return "\n".join(lines)
 
 
 def _show(value) -> str:
@@ -101,11 +105,6 @@ def _show(value) -> str:
     if isinstance(value, str | int):
         return str(value)
     return f"{value:.6g}"
-
-
-def tables(case: CaseFields, scene: Scene) -> list[tuple[str, list[Row]]]:
-    """Groups of (key, label, value, unit)."""
-    return [("contact", _contact_rows(scene)), ("time", _time_rows(scene)), ("flow", _flow_rows(case, scene))]
 
 
 def _described(result: object, keys: str) -> list[Row]:
@@ -148,11 +147,6 @@ def _time_rows(scene: Scene) -> list[Row]:
     return rows
 
 
-def inflow_theory(case: CaseFields, scene: Scene) -> dict | None:
-    """Theory of the inflow by key: Froude number, sequent depth, jump length …; None without inflow rows."""
-    return {key: value for key, _, value, _ in _flow_rows(case, scene)} or None
-
-
 def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
@@ -178,11 +172,6 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
             ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
         ]
     return rows
-
-
-def coefficients(scene: Scene) -> dict[str, float]:
-    """The derived contact coefficients as they stand in the summary."""
-    return asdict(scene.coefficients)
 
 
 def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:

@@ -26,7 +26,7 @@ from lammps_jump.errors import RunError
 from lammps_jump.files import is_written
 from lammps_jump.scene.scene import Scene
 
-from .folder import default_folder, require_case, result_of_files, result_of_summary
+from .folder import default_folder, require_case, result_of
 from .summary import compose, read_summary
 from .view import case_html, number_table
 
@@ -193,10 +193,7 @@ class Run:
     @cached_property
     def result(self) -> RunResult:
         """What the engine did: steps, seconds (s), discs, energy ledger (J/m), versions."""
-        setting = self._setting
-        if self._stored:
-            return result_of_summary(self._stored, setting.engine, setting.kernel)
-        return result_of_files(self.scene, self.folder, setting.engine, setting.kernel, write=False)
+        return result_of(self.case, self.folder, self._stored or None, self._setting, write=False)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
 from lammps_jump.files import RESULT_FILES, clear, writing
 
 from .engine import choose_setting, with_header
-from .folder import require_case, result_of_files, result_of_summary, stored_result, write_folder
+from .folder import require_case, result_of, stored_result, write_folder
 from .resume import resumable
 from .summary import compose, read_summary, write_summary
 
@@ -157,13 +157,9 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
             )
     case, setting, notes = reopen(folder, changes)
     stored = read_summary(folder)
-    engine = case.fields.engine.name
     begin = time.perf_counter()
     with _analysis_of(folder), writing(folder):
-        if stored is None:
-            result = result_of_files(case.scene(), folder, engine, setting.kernel)
-        else:
-            result = result_of_summary(stored, engine, setting.kernel)
+        result = result_of(case, folder, stored, setting)
         parts = runs.results.analyse(case, folder)
     seconds = {"build": 0.0, "run": result.seconds, **((stored or {}).get("wall_seconds") or {})}
     seconds["analysis"] = time.perf_counter() - begin
