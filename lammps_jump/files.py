@@ -16,15 +16,34 @@ from typing import Any
 
 import numpy as np
 
+DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
+"""File of the dump in a run folder, by its format."""
+FIGURES = {
+    "depth_profile.png": "Depth and velocity along the channel, mean of the window",
+    "depth_map.png": "Depth of the free surface over distance and time",
+    "jump_track.png": "The jump in time",
+    "jump_frame.png": "The jump in its own frame",
+    "jump_balance.png": "Where the momentum goes",
+    "energy_head.png": "Energy head along the channel",
+    "front.png": "Front and column",
+    "martin_moyce.png": "Against Martin & Moyce (1952)",
+    "forces.png": "Force on the structures",
+    "impulse.png": "Impulse",
+    "reflected_wave.png": "The reflected wave",
+    "energy.png": "Energy of the discs",
+    "snapshots.png": "Ten equal times, discs coloured by speed",
+    "field_density.png": "Density of the flow",
+    "field_pressure.png": "Pressure",
+    "bed_pressure.png": "Pressure at the bed against the weight above",
+}
+"""Pictures in ``figures/``, in the order of the report, with their captions there."""
 RUN_FILES = (
     "case.yaml",
     "in.lammps",
     "discs.data",
     "disk.mol",
     "log.lammps",
-    "dump.lammpstrj",
-    "dump.lammpstrj.gz",
-    "dump.lammpsbin",
+    *DUMP_NAMES.values(),
     "forces.csv",
     "job.slurm",
     "forces_*.raw",
@@ -56,26 +75,9 @@ RESULT_FILES = (
     "discs[0-9].vtp",
     "discs.pvd",
     "picture[0-9].dat",
-    "figures/depth_profile.png",
-    "figures/depth_map.png",
-    "figures/snapshots.png",
-    "figures/jump_track.png",
-    "figures/jump_frame.png",
-    "figures/jump_balance.png",
-    "figures/energy_head.png",
-    "figures/front.png",
-    "figures/martin_moyce.png",
-    "figures/energy.png",
-    "figures/forces.png",
-    "figures/impulse.png",
-    "figures/reflected_wave.png",
-    "figures/field_density.png",
-    "figures/field_pressure.png",
-    "figures/bed_pressure.png",
+    *(f"figures/{name}" for name in FIGURES),
 )
 """What is made of them; ``force_<structure>.csv`` besides, where the summary says that it was written."""
-DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
-"""File of the dump in a run folder, by its format."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv``."""
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)

@@ -21,20 +21,6 @@ DEVELOPED_SHARE = 0.7
 
 
 @dataclass(frozen=True)
-class Inflow:
-    """What hydraulics says of the inflow."""
-
-    depth: float = number("m", "depth of the inflow")
-    velocity: float = number("m/s", "mean velocity of the inflow")
-    froude: float = number("", "Froude number of the inflow")
-    belanger_y2: float = number("m", "sequent depth of the inflow, Bélanger")
-    length: float = number("m", "length of its jump, thesis (4.27)")
-    length_usbr: float = number("m", "length of its jump, USBR curve")
-    energy_loss: float = number("m", "head lost in its jump")
-    jump_class: str = field(metadata={"key": "class"})
-
-
-@dataclass(frozen=True)
 class MomentumTerms:
     """Terms of the momentum balance over the downstream momentum function."""
 
@@ -58,7 +44,7 @@ class Jump:
 
     verdict: str
     reason: str
-    inflow: Inflow | None = None
+    inflow: theory.Inflow | None = None
     window: tuple[float, float] = (nan, nan)
     frames_found: int | None = None
     frames_in_window: int | None = None
@@ -130,24 +116,13 @@ class Jump:
     measured: JumpResult | None = field(default=None, metadata={"summary": False})
 
 
-def inflow_theory(flow: Flow) -> Inflow | None:
+def inflow_theory(flow: Flow) -> theory.Inflow | None:
     """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
     depth, speed = flow.inflow_depth, flow.inflow_speed
     gravity = -flow.scene.gravity[1]
     if not depth or not speed or gravity <= 0:
         return None
-    froude = theory.froude(abs(speed), depth, gravity)
-    y2 = depth * theory.belanger(froude)
-    return Inflow(
-        depth=depth,
-        velocity=speed,
-        froude=froude,
-        belanger_y2=y2,
-        length=theory.silvester_jump_length(froude, depth),
-        length_usbr=theory.usbr_jump_length(froude, depth),
-        energy_loss=theory.energy_loss(depth, y2) if y2 > 0 else nan,
-        jump_class=theory.jump_class(froude),
-    )
+    return theory.inflow_theory(depth, speed, gravity)
 
 
 def summarise_jump(result: JumpResult) -> Jump:

@@ -10,6 +10,7 @@ from pathlib import Path
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
+from lammps_jump.files import FIGURES
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
@@ -19,24 +20,6 @@ LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
 BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy_loss")
 """Numbers of a jump that stand in boxes at the top."""
-CAPTIONS = {
-    "depth_profile.png": "Depth and velocity along the channel, mean of the window",
-    "depth_map.png": "Depth of the free surface over distance and time",
-    "jump_track.png": "The jump in time",
-    "jump_frame.png": "The jump in its own frame",
-    "jump_balance.png": "Where the momentum goes",
-    "energy_head.png": "Energy head along the channel",
-    "front.png": "Front and column",
-    "martin_moyce.png": "Against Martin & Moyce (1952)",
-    "forces.png": "Force on the structures",
-    "impulse.png": "Impulse",
-    "reflected_wave.png": "The reflected wave",
-    "energy.png": "Energy of the discs",
-    "snapshots.png": "Ten equal times, discs coloured by speed",
-    "field_density.png": "Density of the flow",
-    "field_pressure.png": "Pressure",
-    "bed_pressure.png": "Pressure at the bed against the weight above",
-}
 
 
 def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: str = "report.html") -> Path:
@@ -106,8 +89,8 @@ def _notes(summary: Mapping) -> list[Items]:
 def _figures(folder: Path, room: int) -> Section | None:
     """The film, then figures in a fixed order, as long as there is room; the film gives way to the figures."""
     found = {path.name: path for path in sorted((folder / "figures").glob("*.png"))}
-    order = [name for name in CAPTIONS if name in found] + [name for name in found if name not in CAPTIONS]
-    files = [(found[name], CAPTIONS.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
+    order = [name for name in FIGURES if name in found] + [name for name in found if name not in FIGURES]
+    files = [(found[name], FIGURES.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
     films = [folder / f"animation.{kind}" for kind in ("mp4", "gif")]
     shown: list[Picture] = []
     left_out = []

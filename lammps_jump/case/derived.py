@@ -10,6 +10,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Wall
+from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow
 
@@ -30,9 +31,20 @@ class Derived:
     scene: Scene
 
     @property
+    def tables(self) -> list[tuple[str, list[Row]]]:
+        """Groups of (key, label, value, unit)."""
+        case, scene = self.fields, self.scene
+        return [("contact", _contact_rows(scene)), ("time", _time_rows(scene)), ("flow", _flow_rows(case, scene))]
+
+    @property
+    def theory(self) -> dict[str, float | int | str | None] | None:
+        """Theory of the inflow by key: Froude number, sequent depth, jump length …; None without inflow rows."""
+        return {key: value for key, _, value, _ in _flow_rows(self.fields, self.scene)} or None
+
+    @property
     def numbers(self) -> dict[str, float | int | str | None]:
         """Coefficients, times and theory of the inflow by key, SI."""
-        return {key: value for _, rows in tables(self.fields, self.scene) for key, _, value, _ in rows}
+        return {key: value for _, rows in self.tables for key, _, value, _ in rows}
 
     @property
     def skipped(self) -> tuple[str, ...]:
@@ -45,53 +57,46 @@ class Derived:
         return self.scene.warnings
 
     def as_data(self) -> dict:
-        """Plain data, as ``check --json`` prints it."""
-        return as_data(self.fields, self.scene)
-
-    def __str__(self) -> str:
-        return as_text(self.fields, self.scene)
-
-
-def as_data(case: CaseFields, scene: Scene) -> dict:
-    """Plain data for JSON: coefficients, groups of numbers, inflow rows, what is skipped, warnings."""
-    groups = {title: {key: value for key, _, value, _ in rows} for title, rows in tables(case, scene)}
-    rows = [
-        {"y": row.y, "speed": row.vx, "every_steps": row.every_steps, "interval": row.every_steps * scene.time_step}
-        for row in scene.inlets
-    ]
-    return plain(
-        {
-            "name": case.name,
-            "coefficients": coefficients(scene),
-            **groups,
-            "inflow_rows": rows,
-            "skipped": list(scene.skipped),
-            "warnings": list(scene.warnings),
-        }
-    )
-
-
-def as_text(case: CaseFields, scene: Scene) -> str:
-    """Text for the screen: tables with units, what is skipped, warnings."""
-    lines = [f"{case.name}: {case.description}".rstrip(": ")]
-    for title, rows in tables(case, scene):
-        if rows:
-            lines += ["", title]
-            width = max(len(label) for _, label, _, _ in rows)
-            lines += [f"  {label:<{width}}  {_show(value):>12} {unit}".rstrip() for _, label, value, unit in rows]
-    if scene.inlets:
-        lines += ["", "inflow rows (a disc enters unless its place is taken)"]
-        lines += [
-            f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
-            f"{row.every_steps * scene.time_step:.5f} s"
+        """Plain data of ``check --json``: coefficients, groups of numbers, inflow rows, what is skipped, warnings."""
+        scene = self.scene
+        groups = {title: {key: value for key, _, value, _ in rows} for title, rows in self.tables}
+        rows = [
+            {"y": row.y, "speed": row.vx, "every_steps": row.every_steps, "interval": row.every_steps * scene.time_step}
             for row in scene.inlets
         ]
-    lines += ["", "skipped, because the scene does not need it"]
-    lines += [f"  - {text}" for text in scene.skipped]
-    if scene.warnings:
-        lines += ["", "beware"]
-        lines += [f"  - {text}" for text in scene.warnings]
-    return "\n".join(lines)
+        return plain(
+            {
+                "name": self.fields.name,
+                "coefficients": asdict(scene.coefficients),
+                **groups,
+                "inflow_rows": rows,
+                "skipped": list(scene.skipped),
+                "warnings": list(scene.warnings),
+            }
+        )
+
+    def __str__(self) -> str:
+        """Text for the screen: tables with units, what is skipped, warnings."""
+        scene = self.scene
+        lines = [f"{self.fields.name}: {self.fields.description}".rstrip(": ")]
+        for title, rows in self.tables:
+            if rows:
+                lines += ["", title]
+                width = max(len(label) for _, label, _, _ in rows)
+                lines += [f"  {label:<{width}}  {_show(value):>12} {unit}".rstrip() for _, label, value, unit in rows]
+        if scene.inlets:
+            lines += ["", "inflow rows (a disc enters unless its place is taken)"]
+            lines += [
+                f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
+                f"{row.every_steps * scene.time_step:.5f} s"
+                for row in scene.inlets
+            ]
+        lines += ["", "skipped, because the scene does not need it"]
+        lines += [f"  - {text}" for text in scene.skipped]
+        if scene.warnings:
+            lines += ["", "beware"]
+            lines += [f"  - {text}" for text in scene.warnings]
+        return "\n".join(lines)
 
 
 def _show(value) -> str:
@@ -102,47 +107,32 @@ def _show(value) -> str:
     return f"{value:.6g}"
 
 
-def tables(case: CaseFields, scene: Scene) -> list[tuple[str, list[Row]]]:
-    """Groups of (key, label, value, unit)."""
-    return [("contact", _contact_rows(scene)), ("time", _time_rows(case, scene)), ("flow", _flow_rows(case, scene))]
+def _described(result: object, keys: str) -> list[Row]:
+    """Rows of a result's numbers, in words of their descriptions; `keys` are words of one text."""
+    numbers = numbers_of(result)
+    return [(key, numbers[key].label, getattr(result, key), numbers[key].unit) for key in keys.split()]
 
 
 def _contact_rows(scene: Scene) -> list[Row]:
     c = scene.coefficients
     rows: list[Row] = [
         ("discs_at_start", "discs at the start", len(scene.positions), ""),
-        ("mass", "mass m = rho d^2", c.mass, "kg/m"),
-        ("stiffness", "stiffness k (3.20)", c.stiffness, "N/m"),
-        ("stiffness_wall", "stiffness at walls", c.stiffness_wall, "N/m"),
-        ("restitution", "restitution e", c.restitution, ""),
-        ("damping_ratio", "damping ratio xi", c.damping_ratio, ""),
-        ("damping", "damping c, pair (3.21)", c.damping, "N s/m"),
-        ("damping_wall", "damping c, wall", c.damping_wall, "N s/m"),
-        ("correction", "restitution correction, pair", c.correction, ""),
-        ("correction_wall", "restitution correction, wall", c.correction_wall, ""),
-        ("gamma_normal", "gamma_n pair = c/(m/2), corrected", c.gamma_normal, "1/s"),
-        ("gamma_normal_wall", "gamma_n wall = c/m, corrected", c.gamma_normal_wall, "1/s"),
-        ("friction", "friction ks", c.friction, ""),
+        *_described(c, "mass stiffness stiffness_wall restitution damping_ratio damping damping_wall"),
+        *_described(c, "correction correction_wall gamma_normal gamma_normal_wall friction"),
     ]
     if c.friction:
-        rows += [
-            ("friction_law", "friction law", scene.friction_law, ""),
-            ("gamma_tangential", "gamma_t pair", c.gamma_tangential, "1/s"),
-            ("gamma_tangential_wall", "gamma_t wall", c.gamma_tangential_wall, "1/s"),
-            ("slip_speed", "slip speed where Coulomb takes over (at the peak load of v0)", c.slip_speed, "m/s"),
-        ]
-    rows.append(("largest_overlap", "largest overlap at v0, pair", c.largest_overlap, "m"))
-    return rows
+        rows.append(("friction_law", "friction law", scene.friction_law, ""))
+        rows += _described(c, "gamma_tangential gamma_tangential_wall slip_speed")
+    return [*rows, *_described(c, "largest_overlap")]
 
 
-def _time_rows(case: CaseFields, scene: Scene) -> list[Row]:
+def _time_rows(scene: Scene) -> list[Row]:
     c = scene.coefficients
     rows: list[Row] = [
         ("integrator", "integrator", scene.integrator, ""),
-        ("critical_time_step", "critical time step 2/omega (3.24)", c.critical_time_step, "s"),
+        *_described(c, "critical_time_step"),
         ("time_step", f"time step, f = {c.time_step_fraction:g}", c.time_step, "s"),
-        ("contact_duration", "contact duration", c.contact_duration, "s"),
-        ("contact_steps", "contact duration in steps", c.contact_steps, ""),
+        *_described(c, "contact_duration contact_steps"),
     ]
     for packing in ("pair", "square", "hexagonal"):
         limit = contact.stable_fraction(c.damping_ratio * c.correction, scene.integrator, packing)
@@ -157,47 +147,31 @@ def _time_rows(case: CaseFields, scene: Scene) -> list[Row]:
     return rows
 
 
-def inflow_theory(case: CaseFields, scene: Scene) -> dict | None:
-    """Theory of the inflow by key: Froude number, sequent depth, jump length …; None without inflow rows."""
-    return {key: value for key, _, value, _ in _flow_rows(case, scene)} or None
-
-
 def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []
-    y1, speed, g = inflow.depth, inflow.mean_speed, case.gravity
-    number = theory.froude(speed, y1, g)
-    low, high = theory.velocity_range(y1, g)
+    found = theory.inflow_theory(inflow.depth, inflow.mean_speed, case.gravity)
+    number, y1 = found.froude, found.depth
+    low, high = theory.velocity_range(y1, case.gravity)
     carried = sum(scene.diameter**2 / (row.every_steps * inflow.turns * scene.time_step) for row in scene.inlets)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
-        (
-            "jump_class",
-            "class of jump",
-            theory.jump_class(number) if number > 1 else "none: the inflow is subcritical",
-            "",
-        ),
-        ("discharge", "discharge asked for, Va y1", speed * y1, "m^2/s"),
+        ("jump_class", "class of jump", found.jump_class if number > 1 else "none: the inflow is subcritical", ""),
+        ("discharge", "discharge asked for, Va y1", found.velocity * y1, "m^2/s"),
         ("discharge_rows", "discharge of the rows as spaced", carried, "m^2/s"),
         ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),
         ("thesis_speed_high", "thesis' range of Va to", high, "m/s"),
     ]
     if number > 1:
-        y2 = theory.sequent_depth(speed, y1, g)
         rows += [
-            ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", y2, "m"),
+            ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", found.belanger_y2, "m"),
             ("downstream_froude", "downstream Froude number", theory.downstream_froude(number), ""),
-            ("energy_loss", "energy loss", theory.energy_loss(y1, y2), "m"),
-            ("jump_length", "jump length (4.27)", theory.silvester_jump_length(number, y1), "m"),
+            ("energy_loss", "energy loss", found.energy_loss, "m"),
+            ("jump_length", "jump length (4.27)", found.length, "m"),
             ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
         ]
     return rows
-
-
-def coefficients(scene: Scene) -> dict[str, float]:
-    """The derived contact coefficients as they stand in the summary."""
-    return asdict(scene.coefficients)
 
 
 def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:

@@ -19,7 +19,6 @@ from .streams import patient_output
 
 app = typer.Typer(
     name="lammps-jump",
-    help="Free-surface flow with discs: one YAML case in; a LAMMPS script, a run, profiles, figures and a report out.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

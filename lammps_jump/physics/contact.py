@@ -230,30 +230,34 @@ class Coefficients:
     slip at proportionally lower speeds. ``stable_fraction`` is the lesser of a hexagonal bed's and its lowest row's.
     """
 
-    mass: float = number("kg/m", "disc mass m = ρd²")
-    restitution: float = number("", "restitution coefficient e")
-    friction: float = number("", "friction coefficient ks")
-    stiffness: float = number("N/m", "stiffness k, disc-disc")
-    stiffness_wall: float = number("N/m", "stiffness k, disc-wall")
-    damping_ratio: float = number("", "damping ratio ξ")
-    damping: float = number("N s/m", "dashpot c, disc-disc")
-    damping_wall: float = number("N s/m", "dashpot c, disc-wall")
-    correction: float = number("", "dashpot correction, disc-disc")
-    correction_wall: float = number("", "dashpot correction, disc-wall")
-    gamma_normal: float = number("1/s", "γn, disc-disc")
-    gamma_normal_wall: float = number("1/s", "γn, disc-wall")
-    gamma_tangential: float = number("1/s", "γt, disc-disc")
-    gamma_tangential_wall: float = number("1/s", "γt, disc-wall")
+    mass: float = number("kg/m", "disc mass m = ρd²", label="mass m = rho d^2")
+    restitution: float = number("", "restitution coefficient e", label="restitution e")
+    friction: float = number("", "friction coefficient ks", label="friction ks")
+    stiffness: float = number("N/m", "stiffness k, disc-disc", label="stiffness k (3.20)")
+    stiffness_wall: float = number("N/m", "stiffness k, disc-wall", label="stiffness at walls")
+    damping_ratio: float = number("", "damping ratio ξ", label="damping ratio xi")
+    damping: float = number("N s/m", "dashpot c, disc-disc", label="damping c, pair (3.21)")
+    damping_wall: float = number("N s/m", "dashpot c, disc-wall", label="damping c, wall")
+    correction: float = number("", "dashpot correction, disc-disc", label="restitution correction, pair")
+    correction_wall: float = number("", "dashpot correction, disc-wall", label="restitution correction, wall")
+    gamma_normal: float = number("1/s", "γn, disc-disc", label="gamma_n pair = c/(m/2), corrected")
+    gamma_normal_wall: float = number("1/s", "γn, disc-wall", label="gamma_n wall = c/m, corrected")
+    gamma_tangential: float = number("1/s", "γt, disc-disc", label="gamma_t pair")
+    gamma_tangential_wall: float = number("1/s", "γt, disc-wall", label="gamma_t wall")
     omega: float = number("rad/s", "contact frequency ω, disc-disc")
     omega_wall: float = number("rad/s", "contact frequency ω, disc-wall")
     time_step: float = number("s", "time step")
-    critical_time_step: float = number("s", "critical time step 2/ω")
+    critical_time_step: float = number("s", "critical time step 2/ω", label="critical time step 2/omega (3.24)")
     time_step_fraction: float = number("", "time step over 2/ω")
     stable_fraction: float = number("", "largest stable fraction, densest packing")
     contact_duration: float = number("s", "contact duration")
-    contact_steps: float = number("", "steps per contact")
-    slip_speed: float = number("m/s", "slip speed where Coulomb friction takes over")
-    largest_overlap: float = number("m", "largest overlap at the reference speed")
+    contact_steps: float = number("", "steps per contact", label="contact duration in steps")
+    slip_speed: float = number(
+        "m/s",
+        "slip speed where Coulomb friction takes over",
+        label="slip speed where Coulomb takes over (at the peak load of v0)",
+    )
+    largest_overlap: float = number("m", "largest overlap at the reference speed", label="largest overlap at v0, pair")
 
     @property
     def inertia(self) -> float:

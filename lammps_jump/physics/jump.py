@@ -10,57 +10,21 @@ available here under the same names.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import floor, inf, nan, sqrt
 
-from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
-from .waves import (
-    GRAVITY,
-    hydrostatic_force,
-    reflected_bore,
-    relative_froude,
-    ritter_front,
-    ritter_wall_time,
-    shock_speed,
-    shock_speed_from_mass,
-    stagnation_force,
-)
+from lammps_jump.units import number
 
-__all__ = [
-    "GRAVITY",
-    "PROFILE_ENERGY_COEFFICIENT",
-    "PROFILE_MEAN_HEIGHT",
-    "PROFILE_MOMENTUM_COEFFICIENT",
-    "belanger",
-    "channel_length",
-    "critical_depth",
-    "downstream_froude",
-    "energy_loss",
-    "froude",
-    "hydrostatic_force",
-    "inflow_discharge",
-    "jump_class",
-    "momentum_flux",
-    "power_law_velocity",
-    "reflected_bore",
-    "relative_froude",
-    "ritter_front",
-    "ritter_wall_time",
-    "row_count",
-    "row_heights",
-    "row_velocities",
-    "sequent_depth",
-    "sequent_ratio",
-    "shock_speed",
-    "shock_speed_from_mass",
-    "sill_depth",
-    "sill_face_force",
-    "sill_holding_height",
-    "silvester_jump_length",
-    "specific_energy",
-    "stagnation_force",
-    "usbr_jump_length",
-    "velocity_range",
-]
+from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
+from .waves import GRAVITY as GRAVITY
+from .waves import hydrostatic_force as hydrostatic_force
+from .waves import reflected_bore as reflected_bore
+from .waves import relative_froude as relative_froude
+from .waves import ritter_front as ritter_front
+from .waves import ritter_wall_time as ritter_wall_time
+from .waves import shock_speed as shock_speed
+from .waves import shock_speed_from_mass as shock_speed_from_mass
+from .waves import stagnation_force as stagnation_force
 
 PROFILE_MOMENTUM_COEFFICIENT = 64.0 / 63.0
 """beta = mean(u^2) / mean(u)^2 of the continuous one-seventh profile."""
@@ -207,6 +171,36 @@ def channel_length(froude_1: float, depth_1: float) -> float:
 
 
 # --- inflow -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Inflow:
+    """What hydraulics says of the inflow."""
+
+    depth: float = number("m", "depth of the inflow")
+    velocity: float = number("m/s", "mean velocity of the inflow")
+    froude: float = number("", "Froude number of the inflow")
+    belanger_y2: float = number("m", "sequent depth of the inflow, Bélanger")
+    length: float = number("m", "length of its jump, thesis (4.27)")
+    length_usbr: float = number("m", "length of its jump, USBR curve")
+    energy_loss: float = number("m", "head lost in its jump")
+    jump_class: str = field(default="none", metadata={"key": "class"})
+
+
+def inflow_theory(depth: float, velocity: float, gravity: float = GRAVITY) -> Inflow:
+    """What hydraulics says of an inflow of `depth` (m, > 0) and `velocity` (m/s): the jump that it would make."""
+    froude_1 = froude(abs(velocity), depth, gravity)
+    y2 = depth * belanger(froude_1)
+    return Inflow(
+        depth=depth,
+        velocity=velocity,
+        froude=froude_1,
+        belanger_y2=y2,
+        length=silvester_jump_length(froude_1, depth),
+        length_usbr=usbr_jump_length(froude_1, depth),
+        energy_loss=energy_loss(depth, y2) if y2 > 0 else nan,
+        jump_class=jump_class(froude_1),
+    )
 
 
 def velocity_range(depth_1: float, gravity: float = GRAVITY) -> tuple[float, float]:

@@ -71,12 +71,16 @@ def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping[str
     return stored if same and finished and any(folder.glob("dump.lammps*")) else None
 
 
-def result_of_summary(stored: Mapping[str, Any], engine: str, kernel: str) -> RunResult:
-    """The result of a run as its summary holds it; `engine` and `kernel` where it does not say."""
+def result_of(
+    case: ReadCase, folder: Path, stored: Mapping[str, Any] | None, setting: Setting, *, write: bool = True
+) -> RunResult:
+    """The result of a run as its summary holds it, else from what it wrote; see `result_of_files`."""
+    if stored is None:
+        return result_of_files(case.scene(), folder, setting, write=write)
     discs = stored.get("discs") or {}
     return RunResult(
-        engine=stored.get("engine", engine),
-        kernel=stored.get("kernel", kernel),
+        engine=stored.get("engine", setting.engine),
+        kernel=stored.get("kernel", setting.kernel),
         status=stored.get("status", "unknown"),
         message=stored.get("message") or "",
         steps=stored.get("steps", 0),
@@ -102,7 +106,7 @@ def reached_end(scene: Scene, folder: Path) -> bool:
         return False
 
 
-def result_of_files(scene: Scene, folder: Path, engine: str, kernel: str, *, write: bool = True) -> RunResult:
+def result_of_files(scene: Scene, folder: Path, setting: Setting, *, write: bool = True) -> RunResult:
     """What can be said of a run that was killed before it wrote a summary: from its log, else from its dump.
 
     Parameters
@@ -130,8 +134,8 @@ def result_of_files(scene: Scene, folder: Path, engine: str, kernel: str, *, wri
         else f"the run was cut off after t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s"
     ) + " and left no summary; discs are counted from what it wrote"
     return RunResult(
-        engine=engine,
-        kernel=kernel,
+        engine=setting.engine,
+        kernel=setting.kernel,
         status="complete" if whole else "interrupted",
         message=message,
         steps=step,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import lammps_jump.analysis as analysis
 import lammps_jump.runs as runs
@@ -26,7 +26,7 @@ from lammps_jump.errors import RunError
 from lammps_jump.files import is_written
 from lammps_jump.scene.scene import Scene
 
-from .folder import default_folder, require_case, result_of_files, result_of_summary
+from .folder import default_folder, require_case, result_of
 from .summary import compose, read_summary
 from .view import case_html, number_table
 
@@ -40,59 +40,6 @@ if TYPE_CHECKING:
     from .results import Found
 
 Status = Literal["complete", "interrupted", "failed", "running"]
-
-
-@dataclass(frozen=True)
-class Case(ReadCase):
-    """A validated case; made by `load_case`.
-
-    Attributes
-    ----------
-    name : str
-    hash : str
-        Twelve hex digits, equal for cases that give the same run.
-    fields : CaseFields
-        The values, every default filled in; frozen.
-    """
-
-    def run(self, folder: str | Path | None = None, **options: Unpack[RunOptions]) -> Run:
-        """Run the case in a folder and analyse it; options as of `lammps_jump.run`."""
-        return run(self, folder, **options)
-
-    def _repr_html_(self) -> str:
-        return case_html(self.name, self.scene())
-
-
-class RunOptions(TypedDict, total=False):
-    """Options of `run`."""
-
-    engine: str | None
-    kernel: str | None
-    ranks: int | str | None
-    force: bool
-    resume: bool
-    progress: ProgressCallback | None
-    should_stop: Callable[[], bool] | None
-
-
-def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> Case:
-    """Read, change and validate a case.
-
-    Parameters
-    ----------
-    source : str, Path or mapping
-        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
-    changes : mapping, optional
-        Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index. Numbers
-        are SI, texts may carry a unit (``"20 cm"``). Texts ``path=value``, as of ``--set``, are also taken.
-
-    Raises
-    ------
-    CaseError
-        One paragraph with file:line, the field, the value, what is allowed and what to do.
-    """
-    read = read_case(source, changes)
-    return Case(read.fields, read.source)
 
 
 def run(
@@ -143,6 +90,45 @@ def run(
         error.run = Run(place)
         raise
     return Run(place)
+
+
+@dataclass(frozen=True)
+class Case(ReadCase):
+    """A validated case; made by `load_case`.
+
+    Attributes
+    ----------
+    name : str
+    hash : str
+        Twelve hex digits, equal for cases that give the same run.
+    fields : CaseFields
+        The values, every default filled in; frozen.
+    """
+
+    run = run  # a method too: case.run(folder, …)
+
+    def _repr_html_(self) -> str:
+        return case_html(self.name, self.scene())
+
+
+def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> Case:
+    """Read, change and validate a case.
+
+    Parameters
+    ----------
+    source : str, Path or mapping
+        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
+    changes : mapping, optional
+        Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index. Numbers
+        are SI, texts may carry a unit (``"20 cm"``). Texts ``path=value``, as of ``--set``, are also taken.
+
+    Raises
+    ------
+    CaseError
+        One paragraph with file:line, the field, the value, what is allowed and what to do.
+    """
+    read = read_case(source, changes)
+    return Case(read.fields, read.source)
 
 
 def open_run(folder: str | Path) -> Run:
@@ -207,10 +193,7 @@ class Run:
     @cached_property
     def result(self) -> RunResult:
         """What the engine did: steps, seconds (s), discs, energy ledger (J/m), versions."""
-        setting = self._setting
-        if self._stored:
-            return result_of_summary(self._stored, setting.engine, setting.kernel)
-        return result_of_files(self.scene, self.folder, setting.engine, setting.kernel, write=False)
+        return result_of(self.case, self.folder, self._stored or None, self._setting, write=False)
 
     @property
     def warnings(self) -> tuple[str, ...]:

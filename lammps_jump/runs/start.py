@@ -7,9 +7,9 @@ import importlib
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,13 +26,36 @@ from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
 from lammps_jump.files import RESULT_FILES, clear, writing
 
 from .engine import choose_setting, with_header
-from .folder import require_case, result_of_files, result_of_summary, stored_result, write_folder
+from .folder import require_case, result_of, stored_result, write_folder
 from .resume import resumable
 from .summary import compose, read_summary, write_summary
 
 log = logging.getLogger(__name__)
 """Says what is done, and notes; the command line prints it."""
 StopCallback = Callable[[], bool]
+
+
+@dataclass(frozen=True)
+class Order:
+    """A run that is asked for: the case with all that was chosen for it, and the callbacks.
+
+    Attributes
+    ----------
+    case : ReadCase
+    folder : Path
+    setting : Setting
+    notes : tuple of str
+        Why this setting was chosen.
+    progress, should_stop : callable, optional
+        As of `lammps_jump.run`.
+    """
+
+    case: ReadCase
+    folder: Path
+    setting: Setting
+    notes: tuple[str, ...]
+    progress: ProgressCallback | None = None
+    should_stop: StopCallback | None = None
 
 
 def start(
@@ -53,10 +76,9 @@ def start(
         raise CaseError("--resume goes on with a run, --force starts a new one: use one of the two")
     case, chosen = with_accuracy(case)
     setting, notes = choose_setting(case)
-    notes = (*chosen, *notes)
+    order = Order(case, folder, setting, (*chosen, *notes), progress, should_stop)
     if resume:
-        _go_on(case, folder, setting, notes, progress, should_stop)
-        return
+        return _go_on(order)
     stored = None if force else stored_result(case, folder, setting)
     if stored is not None:
         log.info(
@@ -64,10 +86,9 @@ def start(
             "of computing): nothing to do. --force runs it again."
         )
         return
-    _announce(case, folder, setting, notes)
+    _announce(order)
     write_folder(case, folder, setting)
-    seconds = {"build": time.perf_counter() - begin, "analysis": 0.0}
-    _execute(case, folder, setting, notes, seconds, progress, should_stop)
+    _execute(order, {"build": time.perf_counter() - begin, "analysis": 0.0})
 
 
 def build(case: ReadCase, folder: Path, *, job: bool = False) -> Setting:
@@ -88,11 +109,11 @@ def build(case: ReadCase, folder: Path, *, job: bool = False) -> Setting:
 def run_folder(folder: Path, *, resume: bool = False, progress: ProgressCallback | None = None) -> None:
     """Run what `build` has written, or go on with the interrupted run there; errors as of `start`."""
     case, setting, notes = reopen(folder)
+    order = Order(case, folder, setting, notes, progress)
     if resume:
-        _go_on(case, folder, setting, notes, progress, None)
-        return
+        return _go_on(order)
     write_folder(case, folder, setting)
-    _execute(case, folder, setting, notes, {"build": 0.0, "analysis": 0.0}, progress, None)
+    _execute(order, {"build": 0.0, "analysis": 0.0})
 
 
 def reopen(folder: Path, changes: Sequence[str] = ()) -> tuple[ReadCase, Setting, tuple[str, ...]]:
@@ -136,13 +157,9 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
             )
     case, setting, notes = reopen(folder, changes)
     stored = read_summary(folder)
-    engine = case.fields.engine.name
     begin = time.perf_counter()
     with _analysis_of(folder), writing(folder):
-        if stored is None:
-            result = result_of_files(case.scene(), folder, engine, setting.kernel)
-        else:
-            result = result_of_summary(stored, engine, setting.kernel)
+        result = result_of(case, folder, stored, setting)
         parts = runs.results.analyse(case, folder)
     seconds = {"build": 0.0, "run": result.seconds, **((stored or {}).get("wall_seconds") or {})}
     seconds["analysis"] = time.perf_counter() - begin
@@ -155,29 +172,22 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
     runs.results.write_report(folder, summary, case)
 
 
-def _announce(case: ReadCase, folder: Path, setting: Setting, notes: Sequence[str]) -> None:
-    scene, c = case.scene(), case.scene().coefficients
-    for note in (*scene.warnings, *notes):
+def _announce(order: Order) -> None:
+    scene, c, setting = order.case.scene(), order.case.scene().coefficients, order.setting
+    for note in (*scene.warnings, *order.notes):
         log.info(f"note: {note}")
     ranks = f", {setting.ranks} ranks" if setting.ranks > 1 else ""
     log.info(
         f"{scene.name}: {setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
-        f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m -> {folder}"
+        f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m -> {order.folder}"
     )
 
 
-def _go_on(
-    case: ReadCase,
-    folder: Path,
-    setting: Setting,
-    notes: Sequence[str],
-    progress: ProgressCallback | None,
-    should_stop: StopCallback | None,
-) -> None:
+def _go_on(order: Order) -> None:
     """Go on with the interrupted run of a case."""
-    checkpoint = resumable(case, folder, setting)
-    scene = case.scene()
-    for note in (*scene.warnings, *notes):
+    folder, scene = order.folder, order.case.scene()
+    checkpoint = resumable(order.case, folder, order.setting)
+    for note in (*scene.warnings, *order.notes):
         log.info(f"note: {note}")
     log.info(
         f"{scene.name}: goes on at t = {checkpoint.time:.4g} s of {scene.time(scene.steps):.4g} s "
@@ -185,23 +195,15 @@ def _go_on(
     )
     before = (read_summary(folder) or {}).get("wall_seconds") or {}
     seconds = {name: before.get(name) or 0.0 for name in ("build", "analysis")}
-    setting = replace(setting, kernel=checkpoint.result.kernel)
-    _execute(case, folder, setting, notes, seconds, progress, should_stop, checkpoint)
+    setting = replace(order.setting, kernel=checkpoint.result.kernel)
+    _execute(replace(order, setting=setting), seconds, checkpoint)
 
 
-def _execute(
-    case: ReadCase,
-    folder: Path,
-    setting: Setting,
-    notes: Sequence[str],
-    seconds: dict[str, float],
-    progress: ProgressCallback | None,
-    should_stop: StopCallback | None,
-    checkpoint: Checkpoint | None = None,
-) -> None:
+def _execute(order: Order, seconds: Mapping[str, float], checkpoint: Checkpoint | None = None) -> None:
     """Run the engine in a folder that is written, analyse and report; `seconds` were spent before."""
+    case, folder = order.case, order.folder
     with writing(folder):
-        result, steady = _run_engine(case, folder, setting, progress, should_stop, checkpoint)
+        result, steady = _run_engine(order, checkpoint)
         if checkpoint is not None and result.status == "failed" and result.steps <= checkpoint.step:
             raise RunError(f"{result.message} Nothing was added to the run, and its checkpoint is kept.")
         if result.status != "interrupted":
@@ -223,7 +225,7 @@ def _execute(
             parts["stopped_when_steady"] = steady
             log.info(f"note: {steady}")
         spent = {"build": seconds["build"], "run": result.seconds, "analysis": time.perf_counter() - begin}
-        summary = compose(case, setting, result, seconds=spent, parts=parts, notes=notes)
+        summary = compose(case, order.setting, result, seconds=spent, parts=parts, notes=order.notes)
         write_summary(folder, summary)
         runs.results.write_report(folder, summary, case)
         spent["analysis"] = time.perf_counter() - begin
@@ -242,23 +244,17 @@ def _load_analysis() -> None:
         importlib.import_module(name)
 
 
-def _run_engine(
-    case: ReadCase,
-    folder: Path,
-    setting: Setting,
-    progress: ProgressCallback | None,
-    should_stop: StopCallback | None,
-    checkpoint: Checkpoint | None,
-) -> tuple[RunResult, str]:
+def _run_engine(order: Order, checkpoint: Checkpoint | None) -> tuple[RunResult, str]:
     """Run; the text says why it was stopped as steady, and is empty where it was not."""
+    case, folder = order.case, order.folder
     watch = steady_watch(case, folder)
-    asked = [ask for ask in (watch, should_stop) if ask is not None]
+    asked = [ask for ask in (watch, order.should_stop) if ask is not None]
     threading.Thread(target=_load_analysis).start()  # meanwhile
     result = engines.run(
         case.scene(),
         folder,
-        with_header(case, setting),
-        progress=progress,
+        with_header(case, order.setting),
+        progress=order.progress,
         should_stop=(lambda: any([ask() for ask in asked])) if asked else None,
         resume=checkpoint,
     )

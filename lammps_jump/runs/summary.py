@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.derived import coefficients, inflow_theory
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError
@@ -69,7 +69,7 @@ def compose(
             "friction_law": scene.friction_law if scene.coefficients.friction else None,
             "case_hash": run_key(case, setting),
             "versions": {**versions(), **result.versions},
-            "coefficients": coefficients(scene),
+            "coefficients": asdict(scene.coefficients),
             "steps": result.steps,
             "simulated_time": scene.time(result.steps),
             **({"resumed_at": result.resumed} if result.resumed else {}),
@@ -83,7 +83,7 @@ def compose(
             "warnings": [*scene.warnings, *notes, *found.pop("warnings", ())],
             **found,
             "ranks": setting.ranks,
-            "theory": inflow_theory(case.fields, scene),
+            "theory": case.check().theory,
         }
     )
 

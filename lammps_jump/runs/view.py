@@ -5,27 +5,19 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from dataclasses import asdict
 
 from lammps_jump.scene.scene import Scene
 from lammps_jump.units import numbers_of, shown
 
-COEFFICIENTS = {
-    "mass": "kg/m",
-    "stiffness": "N/m",
-    "restitution": "",
-    "friction": "",
-    "damping": "N s/m",
-    "time_step": "s",
-    "contact_duration": "s",
-}
-"""The coefficients that are shown, with their units."""
+COEFFICIENTS = ("mass", "stiffness", "restitution", "friction", "damping", "time_step", "contact_duration")
+"""The coefficients that are shown."""
 
 
 def case_html(name: str, scene: Scene) -> str:
     """Name, coefficients and a drawing of the walls of a case."""
-    values = asdict(scene.coefficients)
-    rows = "".join(f"<tr><td>{key}</td><td>{values[key]:.4g} {unit}</td></tr>" for key, unit in COEFFICIENTS.items())
+    values = scene.coefficients
+    units = {key: number.unit for key, number in numbers_of(values).items()}
+    rows = "".join(f"<tr><td>{key}</td><td>{getattr(values, key):.4g} {units[key]}</td></tr>" for key in COEFFICIENTS)
     return f"<p><b>{html.escape(name)}</b>: {html.escape(scene.description)}</p><table>{rows}</table>{_drawing(scene)}"
 
 
