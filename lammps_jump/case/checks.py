@@ -153,7 +153,7 @@ def check_stop(case: CaseFields, source: CaseSource) -> list[str]:
     if case.run.stop_when_steady and case.run.dump_format != "text":
         raise source.error(
             "run.stop_when_steady",
-            f"reads text dumps as they grow; run.dump_format is {case.run.dump_format}: use text",
+            f"needs text dumps, but run.dump_format is {case.run.dump_format}: use text",
         )
     if case.run.stop_when_steady and not isinstance(case.inflow, RowsInflow):
         return ["stop_when_steady has no effect: without inflow rows a flow does not become steady"]

@@ -85,7 +85,7 @@ class Derived:
                 width = max(len(label) for _, label, _, _ in rows)
                 lines += [f"  {label:<{width}}  {_show(value):>12} {unit}".rstrip() for _, label, value, unit in rows]
         if scene.inlets:
-            lines += ["", "inflow rows (a disc enters unless its place is taken)"]
+            lines += ["", "inflow rows (a disc waits while its place is occupied)"]
             lines += [
                 f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
                 f"{row.every_steps * scene.time_step:.5f} s"

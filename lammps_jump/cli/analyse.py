@@ -30,7 +30,7 @@ def analyze(
     set_: Sets = None,
     quiet: Quiet = False,
 ) -> None:
-    """Depth profiles, jump, front, forces and figures of a run folder or of anybody's dump."""
+    """Depth profiles, jump, front, forces and figures of a run folder or of any dump."""
     _positive("--bin-width", bin_width, "m")
     of_a_dump = {"--out": out, "--case": case, "--diameter": diameter, "--density": density}
     if target.is_dir() and (target / "case.yaml").exists():
@@ -48,10 +48,10 @@ def analyze(
     _positive("--diameter", diameter, "m")
     _positive("--density", density, "kg/m^3")
     if case is None and set_:
-        raise CaseError(f"--set {set_[0]}: changes a case, and a bare dump has none; name it with --case")
+        raise CaseError(f"--set {set_[0]}: changes a case, but a bare dump has no case; name one with --case")
     for option, value in {"--diameter": diameter, "--density": density}.items():
         if case is not None and value is not None:
-            raise CaseError(f"{option} {value}: {case} says it; leave out one of --case and {option}")
+            raise CaseError(f"{option} {value}: is also given by {case}; use either --case or {option}")
     loaded = None if case is None else lj.load_case(case, set_ or [])
     say = sayer(quiet)
     folder, warnings = runs.results.analyse_dump(target, loaded, diameter, density, bin_width, out)
@@ -71,7 +71,7 @@ def animate(
     out: Annotated[Path | None, place("File (.mp4 or .gif); default animation.mp4 in the folder.")] = None,
     fps: Annotated[int, typer.Option(help="Frames a second.")] = 20,
 ) -> None:
-    """Moving picture of a run: discs as true circles coloured by speed, forces on structures, time."""
+    """Write a film of a run: discs coloured by speed, forces on structures, time."""
     if not 1 <= fps <= 120:
         raise CaseError(f"--fps {fps}: allowed is 1 to 120")
     with told(quiet=False):

@@ -44,7 +44,7 @@ def options(
     try:
         Path.cwd()
     except FileNotFoundError:
-        raise SetupError("the current folder is no longer there; `cd` into one that is, and try again") from None
+        raise SetupError("the current folder was deleted; change to another folder and try again") from None
 
 
 def main() -> None:
@@ -68,7 +68,7 @@ def _status() -> int:
         app(standalone_mode=True)
     except SystemExit as stop:
         if stop.code == 130:  # what typer makes of Ctrl-C
-            print("\nended by the user; nothing more was written", file=sys.stderr)
+            print("\nstopped by Ctrl-C; no further files were written", file=sys.stderr)
         return int(stop.code or 0)
     except JumpError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -26,10 +26,10 @@ def examine() -> tuple[str, bool]:
     healthy = all(good for _, good, _ in rows)
     for name in ("lmp", "mpiexec"):
         there = program(name) is not None
-        missing = "not in the wheels: folders run, --ranks above 1 does not"
+        missing = "not found in the wheels; only --ranks 1 works"
         rows.append((f"program {name}", there, "" if there else missing))
     plugin = availability()
-    rows.append(("compiled kernel", plugin.available, plugin.reason or "a compiler and the headers are here"))
+    rows.append(("compiled kernel", plugin.available, plugin.reason or "compiler and headers found"))
     rows.append(_optional("native engine", "numba"))
     rows.append(_optional("animations", "imageio_ffmpeg"))
     rows.append(_optional("MDAnalysis bridge", "MDAnalysis"))

@@ -15,7 +15,7 @@ import typer
 def folder_option(text: str) -> Path:
     """A folder or file of ``--out``; an empty text, as of an unset variable of a shell, is refused."""
     if not text.strip():
-        raise typer.BadParameter("an empty text names no place; `--out .` is the current folder")
+        raise typer.BadParameter("--out is empty; name a folder, or write `--out .` for the current folder")
     return Path(text)
 
 
@@ -41,15 +41,19 @@ Kernel = Annotated[str | None, typer.Option("--kernel", help="auto, stock or com
 Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks, or auto.")]
 Accuracy = Annotated[
     str | None,
-    typer.Option("--accuracy", help="Cheapest setting shown to meet it, such as 1% (see docs/benchmark.md)."),
+    typer.Option(
+        "--accuracy", help="Use the cheapest setting shown to be that accurate, such as 1% (docs/benchmark.md)."
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; errors only.")]
-QuietStudy = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; only what was found.")]
+QuietStudy = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no notes, only the results.")]
 Resume = Annotated[
     bool,
-    typer.Option("--resume", help="Go on with the interrupted run in the folder; frames and sums are of the whole."),
+    typer.Option(
+        "--resume", help="Continue the interrupted run in the folder; the results are those of the whole run."
+    ),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Run even where the folder already holds this result.")]
+Force = Annotated[bool, typer.Option("--force", help="Run again, even if the folder holds this result.")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")]
 
 

@@ -34,10 +34,12 @@ def build_and_run(
     set_: Sets = None,
     force: Force = False,
     resume: Resume = False,
-    live: Annotated[bool, typer.Option("--live", help="Show the run as it goes: a window, and live.png.")] = False,
+    live: Annotated[
+        bool, typer.Option("--live", help="Draw the run while it goes on, in a window and in live.png.")
+    ] = False,
     quiet: Quiet = False,
 ) -> None:
-    """The whole job: validate, write the script, run, analyse, report."""
+    """Check a case, write its script, run it, analyse it and write the report."""
     loaded = lj.load_case(case, assignments(set_, engine, kernel, ranks, accuracy))
     with told(quiet), _shown(loaded, out, quiet, live, resume) as progress:
         done = lj.run(loaded, out, force=force, resume=resume, progress=progress)
@@ -54,7 +56,7 @@ def build(
     set_: Sets = None,
     slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a SLURM cluster.")] = False,
 ) -> None:
-    """Write the run folder (case and LAMMPS script) and stop there."""
+    """Write the run folder (case and LAMMPS script) without running it."""
     loaded = lj.load_case(case, assignments(set_, None, kernel, ranks))
     folder = out or runs.folder.default_folder(loaded)
     runs.start.build(loaded, folder, job=slurm)
@@ -90,7 +92,10 @@ def _shown(case: lj.Case, folder: Path | None, quiet: bool, live: bool, resume: 
             line.finish()
         return
     if case.fields.run.dump_format != "text":
-        raise CaseError(f"--live reads text dumps; run.dump_format is {case.fields.run.dump_format}")
+        raise CaseError(
+            f"--live needs text dumps, but run.dump_format is {case.fields.run.dump_format}; set it to text, or leave "
+            "--live out"
+        )
     view = cli.live.LiveView(case.scene(), folder or runs.folder.default_folder(case), line)
     try:
         yield view
@@ -117,4 +122,4 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         print(line)
     for warning in summary.get("warnings", []):
         print(f"note: {warning}")
-    print(f"look at {folder}/report.html")
+    print(f"report: {folder}/report.html")

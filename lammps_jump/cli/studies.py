@@ -28,7 +28,7 @@ def cross_validate(
     set_: Sets = None,
     quiet: Quiet = False,
 ) -> None:
-    """Hold LAMMPS and the native engine against each other; exit status 1 where they must agree and do not."""
+    """Compare LAMMPS with the native engine; exit status 1 if they differ where they must agree."""
     agree = studies.cross_validation.run_command(
         case,
         out=out,
@@ -54,15 +54,17 @@ def bench(
     quick: Annotated[bool, typer.Option("--quick", help="Three steps, two starts.")] = False,
     axes: Annotated[
         str | None,
-        typer.Option(help="Of f,n,touch,kernel,correction,skin,diameter,ranks; default all but the last two."),
+        typer.Option(help="Some of f,n,touch,kernel,correction,skin,diameter,ranks; default: all but the last two."),
     ] = None,
     members: Annotated[int | None, typer.Option(min=1, help="Starts of each setting (default 5, quick 2).")] = None,
     cells: Annotated[
         bool, typer.Option("--cells", help="CPU time against the cell size of the thesis' search.")
     ] = False,
-    skips: Annotated[bool, typer.Option("--skips", help="What each thing left out of a script saves.")] = False,
+    skips: Annotated[
+        bool, typer.Option("--skips", help="Measure the time saved by each block left out of a script.")
+    ] = False,
     speed: Annotated[
-        bool, typer.Option("--speed", help="Kernels and skins side by side on the developed flow, against stock.")
+        bool, typer.Option("--speed", help="Compare the speed of kernels and skins with stock, on the developed flow.")
     ] = False,
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
     diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
@@ -72,7 +74,7 @@ def bench(
     fresh: Fresh = False,
     quiet: QuietStudy = False,
 ) -> None:
-    """Run time against error over step, kernel, touch, stiffness …; resumable."""
+    """Measure run time against error for steps, kernels, contacts and stiffnesses. Continues where it stopped."""
     part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
     varied = studies.bench.read_axes(axes, fractions, kernels, diameters)
     if table and part is None:
@@ -88,13 +90,15 @@ def bench(
 def stress(
     out: Annotated[Path | None, place("Folder (default: runs/stress).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Small packings, few scenes.")] = False,
-    long: Annotated[bool, typer.Option("--long", help="10^7 steps of a bed, minutes of drowned inlet.")] = False,
+    long: Annotated[
+        bool, typer.Option("--long", help="Also long runs: a bed for 10^7 steps, a drowned inlet for minutes.")
+    ] = False,
     random: Annotated[int | None, typer.Option(min=0, help="Number of random scenes (default 200, quick 10).")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first random scene.")] = 0,
     fresh: Fresh = False,
     quiet: QuietStudy = False,
 ) -> None:
-    """Numerical stability: limits of the step, hard and random scenes; exit status 1 where one ends badly."""
+    """Test stability: limits of the step, hard and random scenes. Exit status 1 if a scene fails the test."""
     found = studies.stress.stress(out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=sayer(quiet))
     if found:
         print("\n".join(["ended badly:", *found]))

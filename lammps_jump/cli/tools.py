@@ -29,7 +29,7 @@ def check(
     set_: Sets = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
-    """Validate a case; print what is derived from it and what will be skipped. Runs and writes nothing."""
+    """Check a case and print all numbers that follow from it. Runs and writes nothing."""
     loaded = cases.load_case(case, assignments(set_, engine, kernel, None, accuracy))
     resolved, chosen = engines.accuracy.with_accuracy(loaded)
     found = resolved.check()
@@ -52,7 +52,7 @@ def schema() -> None:
 
 @app.command()
 def doctor() -> None:
-    """Tell whether the engines are usable here, and if not, what to install."""
+    """Tell what this machine lacks, and how to install it."""
     text, healthy = cli.doctor.examine()
     print(text)
     if not healthy:

@@ -54,7 +54,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
         return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes
     except SetupError as error:
         if kernel == "compiled" or needs_plugin(scene):
-            raise SetupError(f"the compiled kernel is needed here and cannot be used: {error}") from None
+            raise SetupError(f"this case needs the compiled kernel, which cannot be used: {error}") from None
         return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}"]
 
 

@@ -116,7 +116,7 @@ def _without_result(job: Job, child: Child) -> RunResult:
     )  # fmt: skip
     if not child.asked:
         return found
-    reason = "it was not ended in order, so that no state was saved"
+    reason = "it was ended by force, so its state was not saved"
     again = job.resume.time if job.resume else None
     return replace(
         found,

@@ -37,7 +37,7 @@ def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
     _require_interrupted(case, folder)
     checkpoint = read_checkpoint(folder)
     if checkpoint is None:
-        raise ResumeError(f"{folder}: the run left no checkpoint to go on from; {ANEW}")
+        raise ResumeError(f"{folder}: the run has no checkpoint; {ANEW}")
     if checkpoint.scene != fingerprint(case.scene()):
         raise ResumeError(
             f"{folder}: this version of lammps-jump makes other numbers of the same case than the one that began the "

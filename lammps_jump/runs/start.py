@@ -279,5 +279,5 @@ def _analysis_of(folder: Path) -> Iterator[None]:
             yield
     except KeyboardInterrupt:
         raise RunInterrupted(
-            f"the analysis was ended; what the run wrote is kept: `lammps-jump analyze {folder}` analyses it"
+            f"the analysis was stopped; the files of the run are kept, and `lammps-jump analyze {folder}` analyses them"
         ) from None

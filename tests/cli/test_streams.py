@@ -56,7 +56,7 @@ def test_folder_that_is_gone(tmp_path):
     script = f"import os; os.rmdir({str(gone)!r}); import sys; sys.argv = ['lammps-jump', 'doctor']\n"
     script += "from lammps_jump.cli.app import main; main()"
     done = subprocess.run([sys.executable, "-c", script], cwd=gone, capture_output=True, text=True, env=environment())
-    assert done.returncode == 2 and done.stderr.startswith("error: the current folder is no longer there")
+    assert done.returncode == 2 and done.stderr.startswith("error: the current folder was deleted")
 
 
 def test_streams_are_given_back():

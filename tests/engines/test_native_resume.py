@@ -237,7 +237,7 @@ def test_a_run_that_was_killed_in_its_analysis_can_go_on(interrupted):
     ("spoil", "message"),
     [
         (lambda folder: None, "differs from the case"),
-        (lambda folder: (folder / CHECKPOINT_FILE).unlink(), "left no checkpoint"),
+        (lambda folder: (folder / CHECKPOINT_FILE).unlink(), "has no checkpoint"),
         (lambda folder: (folder / CHECKPOINT_FILE).write_text("{"), "cannot be read"),
         (lambda folder: next(folder.glob("checkpoint-*.npz")).unlink(), "0 bytes, 1 or more"),
         (lambda folder: os.truncate(folder / "dump.lammpstrj", 100), "100 bytes"),

@@ -126,7 +126,7 @@ def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
     (folder / "summary.json").unlink()
     with monkeypatch.context() as patch:
         patch.setattr("lammps_jump.analysis.quantities.analyse", ended)
-        with pytest.raises(RunInterrupted, match=r"analysis was ended.*lammps-jump analyze"):
+        with pytest.raises(RunInterrupted, match=r"analysis was stopped.*lammps-jump analyze"):
             start.reanalyse(folder)
     status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")
     assert status == 2 and f"`lammps-jump analyze {folder}`" in message and "reached its end" in message

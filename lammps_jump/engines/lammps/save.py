@@ -42,7 +42,7 @@ def save_state(engine, scene: Scene, kernel: str, first: int) -> str:
         engine.command("timer timeout off")
         engine.command(f"run {left} pre no post no")
         if engine.extract_global("ntimestep") != step + left:
-            return "a second interruption came before the window of the probes was full"
+            return "a second signal ended the run before its state could be saved"
         if step + left < scene.steps:
             for line in half_step_back(scene, kernel):
                 engine.command(line)
@@ -66,7 +66,7 @@ def keep_checkpoint(scene: Scene, folder: Path, log: LogSummary, result: RunResu
     if not (folder / state).exists():
         if log.step <= first_step(scene):
             return "it had not got behind its start" + (", where gates open and inlets begin" * bool(scene.inlets))
-        return "it was not ended in order, so that no state was saved"
+        return "it was ended by force, so its state was not saved"
     if scene.pours and log.highest_id - len(scene.positions) < sum(item.count for item in scene.pours):
         (folder / state).unlink()
         return "it was still pouring, and LAMMPS' fix pour keeps no state"
