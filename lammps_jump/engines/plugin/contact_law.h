@@ -51,6 +51,18 @@ struct Law {
   double eps = 0.0;         // slip speed of the sign law now, m/s
 };
 
+inline Law make_law(double k, double gamma, double gamma_t, double mu, double m_eff, double reach, double width)
+{
+  return {k, m_eff * gamma, m_eff * gamma_t, mu, reach, width, width > 0.0 ? 1.0 / width : 0.0, 0.0};
+}
+
+inline Friction friction_of(double mu, double gamma_t, bool sign, bool spin)
+{
+  if (!(mu > 0.0 && (sign || gamma_t > 0.0))) return Friction::NONE;
+  if (sign) return spin ? Friction::SIGN_SPIN : Friction::SIGN;
+  return spin ? Friction::HOOKE_SPIN : Friction::HOOKE;
+}
+
 template <class Number> struct ContactForce {
   Number fx, fy;            // on the disc, N
   Number twist;             // tangential force times its sense: moment on the disc is -(lever) * twist

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -36,23 +37,16 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
     if (at >= narg) error->all(FLERR, "fix jump/step: a number is missing at the end");
     return utils::numeric(FLERR, arg[at], false, lmp);
   };
+  const std::map<std::string, double *> numbers = {
+      {"k_wall", &k}, {"gamma_wall", &gamma}, {"gammat_wall", &gamma_t}, {"mu_wall", &mu}};
   while (a < narg) {
     const std::string key = arg[a];
     if (key == "gravity") {
       gx = value(a + 1);
       gy = value(a + 2);
       a += 3;
-    } else if (key == "k_wall") {
-      k = value(a + 1);
-      a += 2;
-    } else if (key == "gamma_wall") {
-      gamma = value(a + 1);
-      a += 2;
-    } else if (key == "gammat_wall") {
-      gamma_t = value(a + 1);
-      a += 2;
-    } else if (key == "mu_wall") {
-      mu = value(a + 1);
+    } else if (auto number = numbers.find(key); number != numbers.end()) {
+      *number->second = value(a + 1);
       a += 2;
     } else if (key == "wall") {
       a = add_wall(a + 1, narg, arg);
@@ -147,17 +141,8 @@ void FixJumpStep::init()
   pair = dynamic_cast<PairJumpDisc *>(force->pair_match("jump/disc", 1));
   if (!pair) error->all(FLERR, "fix jump/step needs pair_style jump/disc");
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
-  const bool rubs = mu > 0.0 && (pair->sign || gamma_t > 0.0);
-  friction = !rubs   ? Friction::NONE
-      : pair->sign   ? (pair->spin ? Friction::SIGN_SPIN : Friction::SIGN)
-                     : (pair->spin ? Friction::HOOKE_SPIN : Friction::HOOKE);
-  law.k = k;
-  law.damping = pair->mass * gamma;
-  law.tangential = pair->mass * gamma_t;
-  law.mu = mu;
-  law.reach = 0.5 * pair->diameter;
-  law.width = pair->width;
-  law.inverse_width = law.width > 0.0 ? 1.0 / law.width : 0.0;
+  friction = jump::friction_of(mu, gamma_t, pair->sign, pair->spin);
+  law = jump::make_law(k, gamma, gamma_t, mu, pair->mass, 0.5 * pair->diameter, pair->width);
   pair->stepped = modify->n_post_integrate == 0;
   reset_dt();
 }
