@@ -25,6 +25,7 @@
 #include "lanes.h"
 
 #include <cmath>
+#include <type_traits>
 
 namespace jump {
 
@@ -141,6 +142,24 @@ inline ContactForce<Number> contact_force(const Law &law, const Number &dx, cons
     out.rub_y = fsy;
   }
   return out;
+}
+
+/** Call run(friction, touch) with the two that are in use as types, whose `value` a template can take. */
+template <class Run> inline void with_branch(Friction friction, Touch touch, const Run &run)
+{
+  auto with_touch = [&](auto t) {
+    switch (friction) {
+      case Friction::NONE: run(std::integral_constant<Friction, Friction::NONE>{}, t); break;
+      case Friction::HOOKE: run(std::integral_constant<Friction, Friction::HOOKE>{}, t); break;
+      case Friction::HOOKE_SPIN: run(std::integral_constant<Friction, Friction::HOOKE_SPIN>{}, t); break;
+      case Friction::SIGN: run(std::integral_constant<Friction, Friction::SIGN>{}, t); break;
+      case Friction::SIGN_SPIN: run(std::integral_constant<Friction, Friction::SIGN_SPIN>{}, t); break;
+    }
+  };
+  switch (touch) {
+    case Touch::SHARP: with_touch(std::integral_constant<Touch, Touch::SHARP>{}); break;
+    case Touch::SMOOTH: with_touch(std::integral_constant<Touch, Touch::SMOOTH>{}); break;
+  }
 }
 
 }    // namespace jump

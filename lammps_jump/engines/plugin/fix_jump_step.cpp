@@ -347,17 +347,6 @@ template <Friction FRICTION, Touch TOUCH> void FixJumpStep::push()
   }
 }
 
-template <Touch TOUCH> void FixJumpStep::push_all()
-{
-  switch (friction) {
-    case Friction::NONE: push<Friction::NONE, TOUCH>(); break;
-    case Friction::HOOKE: push<Friction::HOOKE, TOUCH>(); break;
-    case Friction::HOOKE_SPIN: push<Friction::HOOKE_SPIN, TOUCH>(); break;
-    case Friction::SIGN: push<Friction::SIGN, TOUCH>(); break;
-    case Friction::SIGN_SPIN: push<Friction::SIGN_SPIN, TOUCH>(); break;
-  }
-}
-
 void FixJumpStep::post_force(int)
 {
   if (near_order != pair->order || update->setupflag || !(near_moved < NEAR_MARGIN * pair->diameter)) find_near();
@@ -365,10 +354,7 @@ void FixJumpStep::post_force(int)
   output_step = -1;
   law.eps = jump::SIGN_RAMP * pair->largest_speed;
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
-  switch (pair->touch) {
-    case Touch::SHARP: push_all<Touch::SHARP>(); break;
-    case Touch::SMOOTH: push_all<Touch::SMOOTH>(); break;
-  }
+  jump::with_branch(friction, pair->touch, [&](auto f, auto t) { push<decltype(f)::value, decltype(t)::value>(); });
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step
     if (update->ntimestep == 0)
