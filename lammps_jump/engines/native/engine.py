@@ -173,7 +173,7 @@ def _to_next_output(simulation, last: int, spent: _Spent, output: Callable[[], N
 
 def _result(scene, simulation, status, message, spent: _Spent, earlier: RunResult | None) -> RunResult:
     """The result of all parts of a run; a simulation that was read back counts on by itself, but for the clock."""
-    traffic = simulation.traffic
+    boundaries = simulation.boundaries
     if earlier is not None:
         spent.seconds += earlier.seconds
         spent.writing += earlier.breakdown.get("output", 0.0)
@@ -185,10 +185,10 @@ def _result(scene, simulation, status, message, spent: _Spent, earlier: RunResul
         message=message,
         steps=simulation.step,
         disc_steps=float(simulation.disc_steps),
-        inserted=traffic.inserted,
+        inserted=boundaries.inserted,
         present=simulation.discs.n,
-        removed=traffic.removed,
-        lost=traffic.inserted - traffic.removed - simulation.discs.n,
+        removed=boundaries.removed,
+        lost=boundaries.inserted - boundaries.removed - simulation.discs.n,
         seconds=spent.seconds,
         versions=versions(),
         ledger=simulation.ledger if status != "failed" else None,

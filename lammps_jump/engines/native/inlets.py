@@ -69,8 +69,8 @@ class PourState(Turns):
             yield x, y, -sqrt(self.pour.speed_down**2 + 2 * self.gravity * (y_high - y))
 
 
-class Traffic:
-    """Everything that adds or removes discs in a scene, and its books."""
+class OpenBoundaries:
+    """Inlets, pours and outlets of a scene, and the discs that came and went through them."""
 
     def __init__(self, scene: Scene):
         self.scene = scene

@@ -472,7 +472,7 @@ def _newcomers_py(first, n, x, y, faces, law, touch):
 _shape = njit(cache=True)(_shape_py)
 _wall_gap = njit(cache=True)(_wall_gap_py)
 _fastest = njit(cache=True)(_fastest_py)
-# a sum in any order runs on vector units: the books change in their last digits, the trajectory does not
+# a sum in any order runs on vector units: the ledger changes in its last digits, the trajectory does not
 _power = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_py)
 _power_of_torque = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_of_torque_py)
 _kick_drift = njit(cache=True)(_kick_drift_py)

@@ -20,12 +20,12 @@ from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.scene import Scene
 
-from . import ledger as books
+from . import ledger as energies
 from . import lists as neighbours
 from . import loops as kernels
 from .discs import Discs
 from .faces import faces_of
-from .inlets import Traffic
+from .inlets import OpenBoundaries
 from .ledger import Energy
 
 DEFAULT_SKIN = 0.3
@@ -49,7 +49,7 @@ class NativeSimulation:
     ----------
     scene : Scene
     ledger : bool
-        Keep the books of dissipated energy.
+        Keep the energy ledger.
 
     Attributes
     ----------
@@ -95,13 +95,13 @@ class NativeSimulation:
             mass * coefficients.gamma_tangential_wall,
         )
         self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
-        self._inertia = books.inertia(scene)
+        self._inertia = energies.inertia(scene)
         self._weight = (mass * scene.gravity[0], mass * scene.gravity[1])
         self._motion = kernels.Motion(scene.time_step, mass, self._inertia, *self._weight, (0.5 * self.skin) ** 2)
         self._ledger_on = ledger
         self._work = np.zeros(2)
-        self._books = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
-        self.traffic = Traffic(scene)
+        self._exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
+        self.boundaries = OpenBoundaries(scene)
         self._window_start = 0
         self._carried: dict[str, np.ndarray] = {}
         self._load_discs()
@@ -173,9 +173,9 @@ class NativeSimulation:
 
     def _next_event(self) -> int | None:
         steps = [gate.release_step for gate in self.scene.gates if gate.release_step > self.step]
-        traffic = self.traffic.next_after(self.step)
-        if traffic is not None:
-            steps.append(traffic)
+        exchange = self.boundaries.next_after(self.step)
+        if exchange is not None:
+            steps.append(exchange)
         return min(steps) if steps else None
 
     def _advance(self, stop: int, hold: bool) -> None:
@@ -218,27 +218,27 @@ class NativeSimulation:
     def _exchange(self, old: bool) -> None:
         """What comes and goes at this step, between drift and forces."""
         discs = self.discs
-        leaving = self.traffic.leaving(self.step, discs)
+        leaving = self.boundaries.leaving(self.step, discs)
         if leaving is not None:
             self._remove(leaving, old)
         elif old:
             self._rebuild()
         before = discs.n
         reach = self.scene.diameter + 1.5 * self.skin  # the others may have moved half a skin since the list was made
-        for identity, x, y, vx, vy in self.traffic.arrivals(self.step, discs):
+        for identity, x, y, vx, vy in self.boundaries.arrivals(self.step, discs):
             discs.append(identity, x, y, vx, vy, self._weight, reach)
-            self._books["brought_in"] += books.free_energy(self.scene, x, y, vx, vy)
+            self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy)
         if discs.n > before:
             self._list_walls()
             if self._ledger_on:
-                self._books["brought_in"] += kernels.newcomers(
+                self._exchanged["brought_in"] += kernels.newcomers(
                     before, discs.n, discs.x, discs.y, self._faces, self._law, self._touch
                 )
         if any(gate.release_step == self.step for gate in self.scene.gates):
             elastic = self._elastic()
             self._load_walls()
             self._list_walls()
-            self._books["released_by_gates"] += elastic - self._elastic()
+            self._exchanged["released_by_gates"] += elastic - self._elastic()
 
     def _remove(self, leaving: np.ndarray, old: bool) -> None:
         discs = self.discs
@@ -251,16 +251,16 @@ class NativeSimulation:
                 leaving = np.isin(discs.ids[: discs.n], ids)
             elastic = self._elastic()
             gone = np.flatnonzero(leaving)
-            self._books["carried_out"] += books.free_energy(
+            self._exchanged["carried_out"] += energies.free_energy(
                 self.scene, discs.x[gone], discs.y[gone], discs.vx[gone], discs.vy[gone]
             )
             if discs.omega is not None:
-                self._books["carried_out"] += 0.5 * books.inertia(self.scene) * float((discs.omega[gone] ** 2).sum())
-        self.traffic.removed += int(leaving.sum())
+                self._exchanged["carried_out"] += 0.5 * self._inertia * float((discs.omega[gone] ** 2).sum())
+        self.boundaries.removed += int(leaving.sum())
         discs.keep(leaving ^ True)
         self._rebuild()
         if self._ledger_on:
-            self._books["carried_out"] += elastic - self._elastic()
+            self._exchanged["carried_out"] += elastic - self._elastic()
 
     # --- neighbour lists and guards -----------------------------------------------------------------------------
 
@@ -366,26 +366,26 @@ class NativeSimulation:
     @property
     def velocities(self) -> np.ndarray:
         """Velocities at the step, v_n (m/s), sorted by id, shape (n, 2)."""
-        return self._by_id(np.column_stack(books.velocities(self.scene, self.discs)))
+        return self._by_id(np.column_stack(energies.velocities(self.scene, self.discs)))
 
     @property
     def spin(self) -> np.ndarray:
         """Angular velocities at the step (rad/s), sorted by id, shape (n,); zeros where discs do not spin."""
         if self.discs.omega is None:
             return np.zeros(self.discs.n)
-        return self._by_id(books.spin(self.scene, self.discs))
+        return self._by_id(energies.spin(self.scene, self.discs))
 
     def energy(self) -> Energy:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now."""
-        return books.energy_of(self.scene, self.discs, self._elastic())
+        return energies.energy_of(self.scene, self.discs, self._elastic())
 
     def _half_work(self) -> np.ndarray:
-        return books.half_work(self.scene, self.discs) if self._ledger_on else np.zeros(2)
+        return energies.half_work(self.scene, self.discs) if self._ledger_on else np.zeros(2)
 
     @property
     def ledger(self) -> dict[str, float] | None:
-        """Energy books since the start, J per m of width (see `ledger.close`); None where they are not kept."""
+        """Energy ledger since the start, J per m of width (see `ledger.close`); None where it is not kept."""
         if not self._ledger_on:
             return None
         work = self._work + self._half_work() - self._start_work
-        return books.close(self._start_energy, self.energy(), self._books, work)
+        return energies.close(self._start_energy, self.energy(), self._exchanged, work)
