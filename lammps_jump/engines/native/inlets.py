@@ -12,31 +12,35 @@ from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene
 from . import lists as neighbours
 
 
-class RowState:
-    """How far a row of inflow has got."""
+class Turns:
+    """Steps at which an inlet tries: from `first` on `every` so many, until `limit` discs have entered (None: ever)."""
 
-    def __init__(self, row: InletRow):
-        self.row = row
+    def __init__(self, first: int, every: int, limit: int | None):
+        self.first, self.every, self.limit = first, every, limit
         self.entered = 0
 
     def due(self, step: int) -> bool:
-        """Whether the row tries at this step."""
-        row = self.row
-        if row.limit is not None and self.entered >= row.limit:
-            return False
-        return step >= row.first_step and (step - row.first_step) % row.every_steps == 0
+        """Whether it tries at this step."""
+        return self.next_after(step - 1) == step
 
     def next_after(self, step: int) -> int | None:
-        """First step after `step` at which it tries; None where it has delivered all."""
-        row = self.row
-        if row.limit is not None and self.entered >= row.limit:
+        """First step after `step` at which it tries; None where all discs have entered."""
+        if self.limit is not None and self.entered >= self.limit:
             return None
-        if step < row.first_step:
-            return row.first_step
-        return row.first_step + ((step - row.first_step) // row.every_steps + 1) * row.every_steps
+        if step < self.first:
+            return self.first
+        return self.first + ((step - self.first) // self.every + 1) * self.every
 
 
-class PourState:
+class RowState(Turns):
+    """How far a row of inflow has got."""
+
+    def __init__(self, row: InletRow):
+        super().__init__(row.first_step, row.every_steps, row.limit)
+        self.row = row
+
+
+class PourState(Turns):
     """A pour in batches: as many discs as the region holds at its volume fraction, again when they have fallen clear.
 
     Follows LAMMPS' ``fix pour``: at step 1 and then every time the region has emptied itself, t = (sqrt(v^2 + 2 g H) -
@@ -48,24 +52,13 @@ class PourState:
     def __init__(self, pour: Pour, scene: Scene, rng: np.random.Generator):
         self.pour = pour
         self.rng = rng
-        self.entered = 0
         self.gravity = max(0.0, -scene.gravity[1])
         height = pour.y[1] - pour.y[0]
         area = height * (pour.x[1] - pour.x[0])
         self.batch = max(1, int(pour.volume_fraction * area / (pi * scene.radius**2)))
         v, g = pour.speed_down, self.gravity
         clear = (sqrt(v * v + 2 * g * height) - v) / g if g > 0 else height / v
-        self.every = max(1, round(clear / scene.time_step))
-
-    def due(self, step: int) -> bool:
-        """Whether a batch falls at this step."""
-        return self.entered < self.pour.count and step >= 1 and (step - 1) % self.every == 0
-
-    def next_after(self, step: int) -> int | None:
-        """First step after `step` with a batch; None where all have been poured."""
-        if self.entered >= self.pour.count:
-            return None
-        return 1 if step < 1 else 1 + ((step - 1) // self.every + 1) * self.every
+        super().__init__(1, max(1, round(clear / scene.time_step)), pour.count)
 
     def places(self):
         """Candidate places and velocities of one batch: yields (x, y, vy) up to 50 times the batch."""
@@ -76,8 +69,8 @@ class PourState:
             yield x, y, -sqrt(self.pour.speed_down**2 + 2 * self.gravity * (y_high - y))
 
 
-class Traffic:
-    """Everything that adds or removes discs in a scene, and its books."""
+class OpenBoundaries:
+    """Inlets, pours and outlets of a scene, and the discs that came and went through them."""
 
     def __init__(self, scene: Scene):
         self.scene = scene

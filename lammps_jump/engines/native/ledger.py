@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Energy of a scene at a step, and the books that say where it came from and went (thesis 4.28, and its losses)."""
+"""Energy of the discs at a step (thesis 4.28), and the energy balance of the run with its losses."""
 
 from __future__ import annotations
 
@@ -76,8 +76,8 @@ def half_work(scene: Scene, discs) -> np.ndarray:
     return -0.5 * dt * np.array([lost, slid])
 
 
-def close(start: Energy, now: Energy, traffic: dict[str, float], work: np.ndarray) -> dict[str, float]:
-    """The books, J per m of width.
+def close(start: Energy, now: Energy, exchanged: dict[str, float], work: np.ndarray) -> dict[str, float]:
+    """The energy ledger, J per m of width.
 
     Present energy (kinetic, gravitational, elastic), the energy at the start (`initial`), `brought_in`, `carried_out`,
     `released_by_gates` (the elastic energy of their contacts), dissipated by dashpots and by friction. The work of a
@@ -94,7 +94,7 @@ def close(start: Energy, now: Energy, traffic: dict[str, float], work: np.ndarra
         "kinetic": now.kinetic,
         "gravitational": now.gravitational,
         "elastic": now.elastic,
-        **traffic,
+        **exchanged,
         "dissipated_dashpots": dashpots,
         "dissipated_friction": friction,
     }

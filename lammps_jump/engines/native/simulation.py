@@ -20,12 +20,12 @@ from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.scene import Scene
 
-from . import ledger as books
+from . import ledger as energies
 from . import lists as neighbours
 from . import loops as kernels
 from .discs import Discs
 from .faces import faces_of
-from .inlets import Traffic
+from .inlets import OpenBoundaries
 from .ledger import Energy
 
 DEFAULT_SKIN = 0.3
@@ -49,7 +49,7 @@ class NativeSimulation:
     ----------
     scene : Scene
     ledger : bool
-        Keep the books of dissipated energy.
+        Keep the energy ledger.
 
     Attributes
     ----------
@@ -95,13 +95,13 @@ class NativeSimulation:
             mass * coefficients.gamma_tangential_wall,
         )
         self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
-        self._inertia = books.inertia(scene)
+        self._inertia = energies.inertia(scene)
         self._weight = (mass * scene.gravity[0], mass * scene.gravity[1])
         self._motion = kernels.Motion(scene.time_step, mass, self._inertia, *self._weight, (0.5 * self.skin) ** 2)
         self._ledger_on = ledger
         self._work = np.zeros(2)
-        self._books = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
-        self.traffic = Traffic(scene)
+        self._exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
+        self.boundaries = OpenBoundaries(scene)
         self._window_start = 0
         self._carried: dict[str, np.ndarray] = {}
         self._load_discs()
@@ -110,7 +110,7 @@ class NativeSimulation:
         self._check_overlap()
         self._compute_forces()
         self._start_half_step_back()
-        self._wall_sum[:] = 0.0
+        self._faces.total[:] = 0.0
         self._start_work = self._half_work()
         self._start_energy = self.energy()
 
@@ -133,17 +133,13 @@ class NativeSimulation:
 
     def _load_walls(self) -> None:
         """Faces that are there now; sums of the window go on, also those of a gate that has just been taken away."""
-        if hasattr(self, "_wall_sum"):
+        if hasattr(self, "_faces"):
             self._carry_window_over()
         gates = tuple(gate.wall for gate in self.scene.gates if self.step < gate.release_step)
-        self._face_kind, self._face_data, self._face_names = faces_of((*self.scene.walls, *gates))
-        faces = self._face_kind.size
-        self._face_start = np.zeros(faces + 1, np.int64)
-        self._near = np.empty(0, np.int32)
-        self._wall_sum = np.zeros((faces, 3))
+        self._faces, self._face_names = faces_of((*self.scene.walls, *gates))
 
     def _carry_window_over(self) -> None:
-        for name, row in zip(self._face_names, self._wall_sum, strict=True):
+        for name, row in zip(self._face_names, self._faces.total, strict=True):
             self._carried[name] = self._carried.get(name, 0.0) + row
 
     def _start_half_step_back(self) -> None:
@@ -177,9 +173,9 @@ class NativeSimulation:
 
     def _next_event(self) -> int | None:
         steps = [gate.release_step for gate in self.scene.gates if gate.release_step > self.step]
-        traffic = self.traffic.next_after(self.step)
-        if traffic is not None:
-            steps.append(traffic)
+        exchange = self.boundaries.next_after(self.step)
+        if exchange is not None:
+            steps.append(exchange)
         return min(steps) if steps else None
 
     def _advance(self, stop: int, hold: bool) -> None:
@@ -201,9 +197,8 @@ class NativeSimulation:
         d = self.discs
         return kernels.advance(
             steps, pending, hold, d.n, d.x, d.y, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
-            d.uomega, *self._list(), self._face_kind, self._face_data, self._face_start, self._near, self._law,
-            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
-            self._work, self._wall_sum,
+            d.uomega, *self._list(), self._faces, self._law, self._motion, self._friction, self._sign, self._touch,
+            self._work, d.losses,
         )  # fmt: skip
 
     def _list(self) -> tuple:
@@ -223,27 +218,27 @@ class NativeSimulation:
     def _exchange(self, old: bool) -> None:
         """What comes and goes at this step, between drift and forces."""
         discs = self.discs
-        leaving = self.traffic.leaving(self.step, discs)
+        leaving = self.boundaries.leaving(self.step, discs)
         if leaving is not None:
             self._remove(leaving, old)
         elif old:
             self._rebuild()
         before = discs.n
         reach = self.scene.diameter + 1.5 * self.skin  # the others may have moved half a skin since the list was made
-        for identity, x, y, vx, vy in self.traffic.arrivals(self.step, discs):
+        for identity, x, y, vx, vy in self.boundaries.arrivals(self.step, discs):
             discs.append(identity, x, y, vx, vy, self._weight, reach)
-            self._books["brought_in"] += books.free_energy(self.scene, x, y, vx, vy)
+            self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy)
         if discs.n > before:
             self._list_walls()
             if self._ledger_on:
-                self._books["brought_in"] += kernels.newcomers(
-                    before, discs.n, discs.x, discs.y, self._face_kind, self._face_data, self._law, self._touch
+                self._exchanged["brought_in"] += kernels.newcomers(
+                    before, discs.n, discs.x, discs.y, self._faces, self._law, self._touch
                 )
         if any(gate.release_step == self.step for gate in self.scene.gates):
             elastic = self._elastic()
             self._load_walls()
             self._list_walls()
-            self._books["released_by_gates"] += elastic - self._elastic()
+            self._exchanged["released_by_gates"] += elastic - self._elastic()
 
     def _remove(self, leaving: np.ndarray, old: bool) -> None:
         discs = self.discs
@@ -256,16 +251,16 @@ class NativeSimulation:
                 leaving = np.isin(discs.ids[: discs.n], ids)
             elastic = self._elastic()
             gone = np.flatnonzero(leaving)
-            self._books["carried_out"] += books.free_energy(
+            self._exchanged["carried_out"] += energies.free_energy(
                 self.scene, discs.x[gone], discs.y[gone], discs.vx[gone], discs.vy[gone]
             )
             if discs.omega is not None:
-                self._books["carried_out"] += 0.5 * books.inertia(self.scene) * float((discs.omega[gone] ** 2).sum())
-        self.traffic.removed += int(leaving.sum())
+                self._exchanged["carried_out"] += 0.5 * self._inertia * float((discs.omega[gone] ** 2).sum())
+        self.boundaries.removed += int(leaving.sum())
         discs.keep(leaving ^ True)
         self._rebuild()
         if self._ledger_on:
-            self._books["carried_out"] += elastic - self._elastic()
+            self._exchanged["carried_out"] += elastic - self._elastic()
 
     # --- neighbour lists and guards -----------------------------------------------------------------------------
 
@@ -282,21 +277,19 @@ class NativeSimulation:
 
     def _list_walls(self) -> None:
         """Discs near each face: within R + skin, enough even for half a skin moved before and half after."""
-        faces = self._face_kind.size
-        if self._near.size < faces * self.discs.room:
-            self._near = np.empty(faces * self.discs.room, np.int32)
-        neighbours.near_walls(
-            self.discs.n, self.discs.x, self.discs.y, self.scene.radius + self.skin, self._face_kind, self._face_data,
-            self._face_start, self._near,
-        )  # fmt: skip
+        self._make_room_near_walls()
+        d = self.discs
+        neighbours.near_walls(d.n, d.x, d.y, self.scene.radius + self.skin, self._faces)
+
+    def _make_room_near_walls(self) -> None:
+        most = self._faces.kind.size * self.discs.room
+        if self._faces.near.size < most:
+            self._faces = self._faces._replace(near=np.empty(most, np.int32))
 
     def _elastic_and_worst(self) -> tuple[float, float, float, int]:
         d = self.discs
         start, listed, _, _ = self._list()
-        return kernels.elastic(
-            *self._rows(), d.x, d.y, start, listed, self._face_kind, self._face_data, self._face_start, self._near,
-            self._law, self._touch,
-        )  # fmt: skip
+        return kernels.elastic(*self._rows(), d.x, d.y, start, listed, self._faces, self._law, self._touch)
 
     def _elastic(self) -> float:
         pairs, walls, _, _ = self._elastic_and_worst()
@@ -352,7 +345,7 @@ class NativeSimulation:
         for name in self.scene.probes:
             mean = self._carried.get(name, np.zeros(3)) / steps
             self.forces.append((self.step, name, *(float(v) for v in mean)))
-        self._wall_sum[:] = 0.0
+        self._faces.total[:] = 0.0
         self._carried = {}
         self._window_start = self.step
 
@@ -373,26 +366,26 @@ class NativeSimulation:
     @property
     def velocities(self) -> np.ndarray:
         """Velocities at the step, v_n (m/s), sorted by id, shape (n, 2)."""
-        return self._by_id(np.column_stack(books.velocities(self.scene, self.discs)))
+        return self._by_id(np.column_stack(energies.velocities(self.scene, self.discs)))
 
     @property
     def spin(self) -> np.ndarray:
         """Angular velocities at the step (rad/s), sorted by id, shape (n,); zeros where discs do not spin."""
         if self.discs.omega is None:
             return np.zeros(self.discs.n)
-        return self._by_id(books.spin(self.scene, self.discs))
+        return self._by_id(energies.spin(self.scene, self.discs))
 
     def energy(self) -> Energy:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now."""
-        return books.energy_of(self.scene, self.discs, self._elastic())
+        return energies.energy_of(self.scene, self.discs, self._elastic())
 
     def _half_work(self) -> np.ndarray:
-        return books.half_work(self.scene, self.discs) if self._ledger_on else np.zeros(2)
+        return energies.half_work(self.scene, self.discs) if self._ledger_on else np.zeros(2)
 
     @property
     def ledger(self) -> dict[str, float] | None:
-        """Energy books since the start, J per m of width (see `ledger.close`); None where they are not kept."""
+        """Energy ledger since the start, J per m of width (see `ledger.close`); None where it is not kept."""
         if not self._ledger_on:
             return None
         work = self._work + self._half_work() - self._start_work
-        return books.close(self._start_energy, self.energy(), self._books, work)
+        return energies.close(self._start_energy, self.energy(), self._exchanged, work)

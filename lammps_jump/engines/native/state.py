@@ -3,7 +3,7 @@
 
 Between steps nothing is left out that the next step reads: velocities of the half step and of the one before, forces,
 the order of the discs in memory and the neighbour lists as they stand (both decide the order of sums), open windows of
-the probes, the turns of the inlets, the random generator of a pour, and the books of energy.
+the probes, the turns of the inlets, the random generator of a pour, and the energy ledger.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         With neighbour lists (`CellSimulation` makes its lists every step and is not saved).
     path : Path
     """
-    d, traffic = simulation.discs, simulation.traffic
+    d, boundaries = simulation.discs, simulation.boundaries
     plain = {
         "n": d.n,
         **{name: getattr(simulation, name) for name in COUNTS},
-        "books": simulation._books,
+        "books": simulation._exchanged,
         "start_energy": astuple(simulation._start_energy),
         "forces": simulation.forces,
         "carried": {name: list(row) for name, row in simulation._carried.items()},
-        "rows": [state.entered for state in traffic.rows],
-        "pours": [state.entered for state in traffic.pours],
-        "random": traffic.rng.bit_generator.state,
-        "traffic": [traffic.inserted, traffic.removed, traffic.last_id],
+        "rows": [state.entered for state in boundaries.rows],
+        "pours": [state.entered for state in boundaries.pours],
+        "random": boundaries.rng.bit_generator.state,
+        "traffic": [boundaries.inserted, boundaries.removed, boundaries.last_id],
     }
     arrays = {name: getattr(d, name)[: d.n] for name in (*d.names, "ids")}
-    near = simulation._near[: simulation._face_start[-1]]
+    faces = simulation._faces
     new = path.with_name(path.name + ".new")
     with new.open("wb") as file:
         np.savez(
@@ -54,9 +54,9 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
             plain=np.array(json.dumps(plain)),
             list_start=d.start[: d.n + 1],
             list_discs=d.neighbours[: d.start[d.n]],
-            near=near,
-            near_start=simulation._face_start,
-            wall_sum=simulation._wall_sum,
+            near=faces.near[: faces.start[-1]],
+            near_start=faces.start,
+            wall_sum=faces.total,
             work=simulation._work,
             start_work=simulation._start_work,
             **arrays,
@@ -73,22 +73,23 @@ def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimula
             setattr(simulation, name, plain[name])
         _load_discs(simulation.discs, plain["n"], stored)
         simulation._load_walls()  # those of this step: gates may have gone
-        simulation._face_start[:] = stored["near_start"]
-        simulation._near = np.empty(simulation._face_kind.size * simulation.discs.room, np.int32)
-        simulation._near[: simulation._face_start[-1]] = stored["near"]
-        simulation._wall_sum[:] = stored["wall_sum"]
+        simulation._make_room_near_walls()
+        faces = simulation._faces
+        faces.start[:] = stored["near_start"]
+        faces.near[: faces.start[-1]] = stored["near"]
+        faces.total[:] = stored["wall_sum"]
         simulation._work[:] = stored["work"]
         simulation._start_work = stored["start_work"]
     simulation._carried = {name: np.array(row) for name, row in plain["carried"].items()}
-    simulation._books = plain["books"]
+    simulation._exchanged = plain["books"]
     simulation._start_energy = Energy(*plain["start_energy"])
     simulation.forces = [(step, name, *values) for step, name, *values in plain["forces"]]
-    traffic = simulation.traffic
-    for states, counts in ((traffic.rows, plain["rows"]), (traffic.pours, plain["pours"])):
+    boundaries = simulation.boundaries
+    for states, counts in ((boundaries.rows, plain["rows"]), (boundaries.pours, plain["pours"])):
         for state, count in zip(states, counts, strict=True):
             state.entered = count
-    traffic.rng.bit_generator.state = plain["random"]
-    traffic.inserted, traffic.removed, traffic.last_id = plain["traffic"]
+    boundaries.rng.bit_generator.state = plain["random"]
+    boundaries.inserted, boundaries.removed, boundaries.last_id = plain["traffic"]
     return simulation
 
 

@@ -9,7 +9,6 @@ with the record written after it, which holds its checksum: a half-written or da
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import importlib.util
 import json
 import os
@@ -25,7 +24,9 @@ from pathlib import Path
 from filelock import FileLock
 from platformdirs import user_cache_path
 
+from lammps_jump.engines.lammps.loader import wheel_file
 from lammps_jump.errors import SetupError
+from lammps_jump.provenance import package_version
 
 SOURCES = (
     "jump_plugin.cpp",
@@ -121,22 +122,12 @@ def lammps_headers() -> Path | None:
 
 def mpi_headers() -> Path | None:
     """Folder of the mpich wheel's mpi.h, or None."""
-    try:
-        files = importlib.metadata.files("mpich") or []
-    except importlib.metadata.PackageNotFoundError:
-        return None
-    for file in files:
-        if file.name == "mpi.h":
-            path = Path(str(file.locate())).resolve()
-            return path.parent if path.is_file() else None
-    return None
+    path = wheel_file("mpich", "mpi.h")
+    return path.parent if path is not None and path.is_file() else None
 
 
 def _version(package: str) -> str:
-    try:
-        return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
-        return "none"
+    return package_version(package) or "none"
 
 
 @lru_cache(maxsize=4)

@@ -25,6 +25,7 @@
 #include "lanes.h"
 
 #include <cmath>
+#include <type_traits>
 
 namespace jump {
 
@@ -50,6 +51,18 @@ struct Law {
   double inverse_width = 0.0;
   double eps = 0.0;         // slip speed of the sign law now, m/s
 };
+
+inline Law make_law(double k, double gamma, double gamma_t, double mu, double m_eff, double reach, double width)
+{
+  return {k, m_eff * gamma, m_eff * gamma_t, mu, reach, width, width > 0.0 ? 1.0 / width : 0.0, 0.0};
+}
+
+inline Friction friction_of(double mu, double gamma_t, bool sign, bool spin)
+{
+  if (!(mu > 0.0 && (sign || gamma_t > 0.0))) return Friction::NONE;
+  if (sign) return spin ? Friction::SIGN_SPIN : Friction::SIGN;
+  return spin ? Friction::HOOKE_SPIN : Friction::HOOKE;
+}
 
 template <class Number> struct ContactForce {
   Number fx, fy;            // on the disc, N
@@ -129,6 +142,24 @@ inline ContactForce<Number> contact_force(const Law &law, const Number &dx, cons
     out.rub_y = fsy;
   }
   return out;
+}
+
+/** Call run(friction, touch) with the two that are in use as types, whose `value` a template can take. */
+template <class Run> inline void with_branch(Friction friction, Touch touch, const Run &run)
+{
+  auto with_touch = [&](auto t) {
+    switch (friction) {
+      case Friction::NONE: run(std::integral_constant<Friction, Friction::NONE>{}, t); break;
+      case Friction::HOOKE: run(std::integral_constant<Friction, Friction::HOOKE>{}, t); break;
+      case Friction::HOOKE_SPIN: run(std::integral_constant<Friction, Friction::HOOKE_SPIN>{}, t); break;
+      case Friction::SIGN: run(std::integral_constant<Friction, Friction::SIGN>{}, t); break;
+      case Friction::SIGN_SPIN: run(std::integral_constant<Friction, Friction::SIGN_SPIN>{}, t); break;
+    }
+  };
+  switch (touch) {
+    case Touch::SHARP: with_touch(std::integral_constant<Touch, Touch::SHARP>{}); break;
+    case Touch::SMOOTH: with_touch(std::integral_constant<Touch, Touch::SMOOTH>{}); break;
+  }
 }
 
 }    // namespace jump

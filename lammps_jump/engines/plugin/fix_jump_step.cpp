@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -36,23 +37,16 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
     if (at >= narg) error->all(FLERR, "fix jump/step: a number is missing at the end");
     return utils::numeric(FLERR, arg[at], false, lmp);
   };
+  const std::map<std::string, double *> numbers = {
+      {"k_wall", &k}, {"gamma_wall", &gamma}, {"gammat_wall", &gamma_t}, {"mu_wall", &mu}};
   while (a < narg) {
     const std::string key = arg[a];
     if (key == "gravity") {
       gx = value(a + 1);
       gy = value(a + 2);
       a += 3;
-    } else if (key == "k_wall") {
-      k = value(a + 1);
-      a += 2;
-    } else if (key == "gamma_wall") {
-      gamma = value(a + 1);
-      a += 2;
-    } else if (key == "gammat_wall") {
-      gamma_t = value(a + 1);
-      a += 2;
-    } else if (key == "mu_wall") {
-      mu = value(a + 1);
+    } else if (auto number = numbers.find(key); number != numbers.end()) {
+      *number->second = value(a + 1);
       a += 2;
     } else if (key == "wall") {
       a = add_wall(a + 1, narg, arg);
@@ -147,17 +141,8 @@ void FixJumpStep::init()
   pair = dynamic_cast<PairJumpDisc *>(force->pair_match("jump/disc", 1));
   if (!pair) error->all(FLERR, "fix jump/step needs pair_style jump/disc");
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
-  const bool rubs = mu > 0.0 && (pair->sign || gamma_t > 0.0);
-  friction = !rubs   ? Friction::NONE
-      : pair->sign   ? (pair->spin ? Friction::SIGN_SPIN : Friction::SIGN)
-                     : (pair->spin ? Friction::HOOKE_SPIN : Friction::HOOKE);
-  law.k = k;
-  law.damping = pair->mass * gamma;
-  law.tangential = pair->mass * gamma_t;
-  law.mu = mu;
-  law.reach = 0.5 * pair->diameter;
-  law.width = pair->width;
-  law.inverse_width = law.width > 0.0 ? 1.0 / law.width : 0.0;
+  friction = jump::friction_of(mu, gamma_t, pair->sign, pair->spin);
+  law = jump::make_law(k, gamma, gamma_t, mu, pair->mass, 0.5 * pair->diameter, pair->width);
   pair->stepped = modify->n_post_integrate == 0;
   reset_dt();
 }
@@ -362,17 +347,6 @@ template <Friction FRICTION, Touch TOUCH> void FixJumpStep::push()
   }
 }
 
-template <Touch TOUCH> void FixJumpStep::push_all()
-{
-  switch (friction) {
-    case Friction::NONE: push<Friction::NONE, TOUCH>(); break;
-    case Friction::HOOKE: push<Friction::HOOKE, TOUCH>(); break;
-    case Friction::HOOKE_SPIN: push<Friction::HOOKE_SPIN, TOUCH>(); break;
-    case Friction::SIGN: push<Friction::SIGN, TOUCH>(); break;
-    case Friction::SIGN_SPIN: push<Friction::SIGN_SPIN, TOUCH>(); break;
-  }
-}
-
 void FixJumpStep::post_force(int)
 {
   if (near_order != pair->order || update->setupflag || !(near_moved < NEAR_MARGIN * pair->diameter)) find_near();
@@ -380,10 +354,7 @@ void FixJumpStep::post_force(int)
   output_step = -1;
   law.eps = jump::SIGN_RAMP * pair->largest_speed;
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
-  switch (pair->touch) {
-    case Touch::SHARP: push_all<Touch::SHARP>(); break;
-    case Touch::SMOOTH: push_all<Touch::SMOOTH>(); break;
-  }
+  jump::with_branch(friction, pair->touch, [&](auto f, auto t) { push<decltype(f)::value, decltype(t)::value>(); });
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step
     if (update->ntimestep == 0)

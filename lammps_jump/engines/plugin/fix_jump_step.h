@@ -85,7 +85,6 @@ class FixJumpStep : public Fix {
   bigint output_step = -1;
 
   int add_wall(int, int, char **);
-  template <jump::Touch> void push_all();
   void find_near();
   void book_half_kick();
   void reduce();

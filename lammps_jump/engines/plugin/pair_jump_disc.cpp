@@ -14,6 +14,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
+#include <set>
 
 using namespace LAMMPS_NS;
 using jump::Friction;
@@ -56,7 +58,10 @@ void PairJumpDisc::allocate()
 
 void PairJumpDisc::settings(int narg, char **arg)
 {
-  bool seen_k = false, seen_mass = false, seen_diameter = false;
+  const std::map<std::string, double *> numbers = {{"k", &k}, {"gamma", &gamma}, {"gammat", &gamma_t}, {"mu", &mu},
+                                                   {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin}};
+  const std::map<std::string, bool *> flags = {{"spin", &spin}, {"ledger", &ledger}, {"halo", &halo}};
+  std::set<std::string> seen;
   auto value = [&](int at) -> double {
     if (at >= narg) error->all(FLERR, "pair_style jump/disc: {} needs a value", arg[at - 1]);
     return utils::numeric(FLERR, arg[at], false, lmp);
@@ -72,21 +77,6 @@ void PairJumpDisc::settings(int narg, char **arg)
       if (name != "hooke" && name != "sign")
         error->all(FLERR, "pair_style jump/disc: law is hooke or sign, not '{}'", name);
       sign = name == "sign";
-    } else if (key == "k") {
-      k = value(a + 1);
-      seen_k = true;
-    } else if (key == "gamma") {
-      gamma = value(a + 1);
-    } else if (key == "gammat") {
-      gamma_t = value(a + 1);
-    } else if (key == "mu") {
-      mu = value(a + 1);
-    } else if (key == "mass") {
-      mass = value(a + 1);
-      seen_mass = true;
-    } else if (key == "diameter") {
-      diameter = value(a + 1);
-      seen_diameter = true;
     } else if (key == "touch") {
       const std::string name = a + 1 < narg ? arg[a + 1] : "";
       if (name == "sharp") {
@@ -101,20 +91,17 @@ void PairJumpDisc::settings(int narg, char **arg)
     } else if (key == "dashpot") {
       const std::string name = a + 1 < narg ? arg[a + 1] : "";
       if (name != "even") error->all(FLERR, "pair_style jump/disc: dashpot is even, not '{}'", name);
-    } else if (key == "spin") {
-      spin = yes(a + 1);
-    } else if (key == "skin") {
-      skin = value(a + 1);
-      if (!(skin > 0.0)) error->all(FLERR, "pair_style jump/disc: skin must be above 0");
-    } else if (key == "ledger") {
-      ledger = yes(a + 1);
-    } else if (key == "halo") {
-      halo = yes(a + 1);
+    } else if (auto number = numbers.find(key); number != numbers.end()) {
+      *number->second = value(a + 1);
+      seen.insert(key);
+    } else if (auto flag = flags.find(key); flag != flags.end()) {
+      *flag->second = yes(a + 1);
     } else {
       error->all(FLERR, "pair_style jump/disc: unknown keyword '{}'", key);
     }
   }
-  if (!seen_k || !seen_mass || !seen_diameter)
+  if (seen.count("skin") && !(skin > 0.0)) error->all(FLERR, "pair_style jump/disc: skin must be above 0");
+  if (!seen.count("k") || !seen.count("mass") || !seen.count("diameter"))
     error->all(FLERR, "pair_style jump/disc needs k, mass and diameter");
   if (!(k > 0.0) || !(mass > 0.0) || !(diameter > 0.0))
     error->all(FLERR, "pair_style jump/disc: k, mass and diameter must be above 0");
@@ -127,19 +114,9 @@ void PairJumpDisc::settings(int narg, char **arg)
 /** The branch of the kernel that the settings ask for. */
 void PairJumpDisc::choose()
 {
-  const bool rubs = mu > 0.0 && (sign || gamma_t > 0.0);
-  friction = !rubs ? Friction::NONE
-      : sign       ? (spin ? Friction::SIGN_SPIN : Friction::SIGN)
-                   : (spin ? Friction::HOOKE_SPIN : Friction::HOOKE);
+  friction = jump::friction_of(mu, gamma_t, sign, spin);
   touch = smooth ? Touch::SMOOTH : Touch::SHARP;
-  const double m_eff = mass * mass / (mass + mass);
-  law.k = k;
-  law.damping = m_eff * gamma;
-  law.tangential = m_eff * gamma_t;
-  law.mu = mu;
-  law.reach = 0.5 * diameter + 0.5 * diameter;
-  law.width = width;
-  law.inverse_width = law.width > 0.0 ? 1.0 / law.width : 0.0;
+  law = jump::make_law(k, gamma, gamma_t, mu, mass * mass / (mass + mass), 0.5 * diameter + 0.5 * diameter, width);
   if (!(skin > 0.0)) skin = 0.3 * diameter;
 }
 

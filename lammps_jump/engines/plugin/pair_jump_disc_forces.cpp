@@ -188,24 +188,11 @@ void PairJumpDisc::widen_range(int from, int to)
 
 void PairJumpDisc::evaluate(size_t from, size_t to)
 {
-  auto run = [&](auto touch_tag, auto ledger_tag) {
-    constexpr Touch T = decltype(touch_tag)::value;
-    constexpr bool L = decltype(ledger_tag)::value;
-    switch (friction) {
-      case Friction::NONE: evaluate<Friction::NONE, T, L>(from, to); break;
-      case Friction::HOOKE: evaluate<Friction::HOOKE, T, L>(from, to); break;
-      case Friction::HOOKE_SPIN: evaluate<Friction::HOOKE_SPIN, T, L>(from, to); break;
-      case Friction::SIGN: evaluate<Friction::SIGN, T, L>(from, to); break;
-      case Friction::SIGN_SPIN: evaluate<Friction::SIGN_SPIN, T, L>(from, to); break;
-    }
-  };
-  auto run_touch = [&](auto touch_tag) {
-    ledger ? run(touch_tag, std::true_type{}) : run(touch_tag, std::false_type{});
-  };
-  switch (touch) {
-    case Touch::SHARP: run_touch(std::integral_constant<Touch, Touch::SHARP>{}); break;
-    case Touch::SMOOTH: run_touch(std::integral_constant<Touch, Touch::SMOOTH>{}); break;
-  }
+  jump::with_branch(friction, touch, [&](auto f, auto t) {
+    constexpr Friction F = decltype(f)::value;
+    constexpr Touch T = decltype(t)::value;
+    ledger ? evaluate<F, T, true>(from, to) : evaluate<F, T, false>(from, to);
+  });
 }
 
 /** Elastic energy of one overlap under the touch in use, J/m. */
