@@ -80,6 +80,6 @@ class CellSimulation(NativeSimulation):
             self._rebuild()
 
     def _list_walls(self) -> None:
-        faces, n = self._faces.kind.size, self.discs.n
-        near, start = np.tile(np.arange(n, dtype=np.int32), faces), n * np.arange(faces + 1, dtype=np.int64)
-        self._faces = self._faces._replace(near=near, start=start)
+        faces, n = self._face_kind.size, self.discs.n
+        self._near = np.tile(np.arange(n, dtype=np.int32), faces)
+        self._face_start = n * np.arange(faces + 1, dtype=np.int64)

@@ -142,11 +142,6 @@ class Discs:
         self.n = left
 
     @property
-    def losses(self) -> tuple:
-        """dash_x, dash_y, slide_x, slide_y."""
-        return self.dash_x, self.dash_y, self.slide_x, self.slide_y
-
-    @property
     def bytes(self) -> int:
         """Memory of all arrays."""
         arrays = [getattr(self, name) for name in (*self.names, "ids")]

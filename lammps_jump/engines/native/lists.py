@@ -95,16 +95,15 @@ def _pair_list_py(n, x, y, reach2, rows, cell_start, cell, start, neighbours):
     return count
 
 
-def _near_walls_py(n, x, y, reach, faces):
+def _near_walls_py(n, x, y, reach, face_kind, face_data, face_start, near):
     """Discs within `reach` of each face, a face at a time; returns the length, or -1 where `near` is short."""
-    near, data = faces.near, faces.data
     count = 0
-    faces.start[0] = 0
-    for face in range(faces.kind.size):
+    face_start[0] = 0
+    for face in range(face_kind.size):
         if count + n > near.size:
             return -1
-        kind = faces.kind[face]
-        a, b, c, d = data[face, 0], data[face, 1], data[face, 2], data[face, 3]
+        kind = face_kind[face]
+        a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
         if kind == PLANE_X or kind == PLANE_Y:
             coordinate = x if kind == PLANE_X else y
             for i in range(n):
@@ -114,7 +113,7 @@ def _near_walls_py(n, x, y, reach, faces):
             for i in range(n):
                 near[count] = i
                 count += x[i] > a - reach and x[i] < b + reach and y[i] > c - reach and y[i] < d + reach
-        faces.start[face + 1] = count
+        face_start[face + 1] = count
     return count
 
 

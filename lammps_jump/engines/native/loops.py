@@ -8,8 +8,7 @@ because the compiler's cache watches a function's own file only; for the contact
 What a scene lacks is passed as None, and the compiler drops the branch: ``omega`` (no spin), ``friction`` (ks = 0),
 ``sign`` (LAMMPS' viscous ramp rather than the thesis' sign law), ``touch`` (sharp contact), ``dash_x`` (no energy
 ledger), ``ux`` (damping with the half-step velocity rather than the extrapolated one), ``grid`` and ``owner``
-(neighbour list rather than the thesis' cells). The compiler sees this of arguments only: tuples of what may be None are
-spread over the arguments of the innermost loops.
+(neighbour list rather than the thesis' cells).
 
 Time levels. Between steps the arrays hold x_n, v_(n-1/2) and F_n, so that velocity Verlet and the thesis'
 leap-frog are the same loop: they differ in the velocity that dashpot and friction see, v_(n-1/2) in LAMMPS' order
@@ -66,28 +65,6 @@ class Grid(NamedTuple):
     used: np.ndarray
 
 
-class Faces(NamedTuple):
-    """Faces of the walls, and which discs are near.
-
-    Attributes
-    ----------
-    kind : ndarray of int64, shape (faces,)
-    data : ndarray, shape (faces, 6)
-        a, b, c, d of `_wall_gap_py` and the point for moments, m.
-    start : ndarray of int64, shape (faces + 1,)
-    near : ndarray of int32
-        Discs near a face: ``near[start[face]:start[face + 1]]``.
-    total : ndarray, shape (faces, 3)
-        Force on the wall (N per m of width) and its moment (N), counter-clockwise positive; sums over steps.
-    """
-
-    kind: np.ndarray
-    data: np.ndarray
-    start: np.ndarray
-    near: np.ndarray
-    total: np.ndarray
-
-
 def _fastest_py(n, ux, uy):
     """Speed of the fastest disc (m/s): v_max of thesis (4.20)."""
     a = b = 0.0  # two chains, half the waiting
@@ -121,7 +98,7 @@ def _power_of_torque_py(n, torque, omega, half):
 
 
 def _kick_drift_py(
-    n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega, work, dash_x, dash_y, slide_x, slide_y
+    n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega, dash_x, dash_y, slide_x, slide_y, work
 ):
     """v += dt F/m, x += dt v, F = weight; the number of discs further than half the skin from their place in the list.
 
@@ -170,9 +147,27 @@ def _kick_drift_py(
 
 
 def _pair_forces_py(
-    rows, owner, start, neighbours, law, friction, sign, touch, x, y, ux, uy, omega, fx, fy, torque,
-    dash_x, dash_y, slide_x, slide_y,
-):  # fmt: skip
+    rows,
+    owner,
+    x,
+    y,
+    ux,
+    uy,
+    omega,
+    fx,
+    fy,
+    torque,
+    start,
+    neighbours,
+    law,
+    friction,
+    sign,
+    touch,
+    dash_x,
+    dash_y,
+    slide_x,
+    slide_y,
+):
     """Add the forces of all touching pairs of the half list to fx, fy, torque.
 
     Row r of the list belongs to disc r, or to disc ``owner[r]`` where the cells made it.
@@ -243,18 +238,11 @@ def _pair_forces_py(
             slide_y[i] += slid_y
 
 
-def _shape_py(faces, face):
-    """What `_wall_gap` takes of a face: kind, a, b, c, d."""
-    data = faces.data
-    return faces.kind[face], data[face, 0], data[face, 1], data[face, 2], data[face, 3]
-
-
-def _wall_gap_py(shape, px, py):
+def _wall_gap_py(kind, a, b, c, d, px, py):
     """Distance and unit normal of one wall face at a point: (distance, nx, ny); a centre inside a block: (inf, 0, 0).
 
     Faces: plane (kind, at, side) as a, b; block as a = xlo, b = xhi, c = ylo, d = yhi, met at its nearest point.
     """
-    kind, a, b, c, d = shape
     if kind == PLANE_X:
         return b * (px - a), b, 0.0
     if kind == PLANE_Y:
@@ -269,19 +257,24 @@ def _wall_gap_py(shape, px, py):
 
 
 def _wall_forces_py(
-    faces, law, friction, sign, touch, x, y, ux, uy, omega, fx, fy, torque, dash_x, dash_y, slide_x, slide_y
-):
-    """Add the forces of walls to the discs near them, and the opposite, which acts at the contact point, to `total`."""
+    x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, sign, touch,
+    dash_x, dash_y, slide_x, slide_y, wall_sum,
+):  # fmt: skip
+    """Add the forces of walls to the discs that `near` lists a face at a time; the opposite to ``wall_sum``.
+
+    ``face_data[face] = (a, b, c, d, x_ref, y_ref)``, the last two the point for moments; ``wall_sum[face]`` collects
+    the force on the wall and its moment (fx, fy, moment), counter-clockwise positive, acting at the contact point.
+    """
     radius = 0.5 * law.diameter
     k, damping, ct = law.stiffness_wall, law.damping_wall, law.tangential_wall
-    near, total = faces.near, faces.total
-    for face in range(faces.kind.size):
-        shape = _shape(faces, face)
-        x_ref, y_ref = faces.data[face, 4], faces.data[face, 5]
+    for face in range(face_kind.size):
+        kind = face_kind[face]
+        a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
+        x_ref, y_ref = face_data[face, 4], face_data[face, 5]
         wall_x = wall_y = moment = 0.0
-        for p in range(faces.start[face], faces.start[face + 1]):
+        for p in range(face_start[face], face_start[face + 1]):
             i = near[p]
-            gap, nx, ny = _wall_gap(shape, x[i], y[i])
+            gap, nx, ny = _wall_gap(kind, a, b, c, d, x[i], y[i])
             if gap < radius:
                 overlap = radius - gap
                 sx = ux[i]
@@ -310,34 +303,59 @@ def _wall_forces_py(
                 wall_x -= px
                 wall_y -= py
                 moment += (y[i] - gap * ny - y_ref) * px - (x[i] - gap * nx - x_ref) * py
-        total[face, 0] += wall_x
-        total[face, 1] += wall_y
-        total[face, 2] += moment
+        wall_sum[face, 0] += wall_x
+        wall_sum[face, 1] += wall_y
+        wall_sum[face, 2] += moment
+
+
+def _forces_py(
+    n, rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near, law,
+    friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+):  # fmt: skip
+    """All forces of one step; `sign` not None asks for the thesis' law with eps = 0.01 v_max (4.20), v_max now."""
+    if sign is None:
+        _pair_forces(
+            rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, None, touch,
+            dash_x, dash_y, slide_x, slide_y,
+        )  # fmt: skip
+        _wall_forces(
+            x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, None, touch,
+            dash_x, dash_y, slide_x, slide_y, wall_sum,
+        )  # fmt: skip
+    else:
+        eps = sign * _fastest(n, ux, uy)
+        slope = 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
+        _pair_forces(
+            rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, slope, touch,
+            dash_x, dash_y, slide_x, slide_y,
+        )  # fmt: skip
+        _wall_forces(
+            x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, slope, touch,
+            dash_x, dash_y, slide_x, slide_y, wall_sum,
+        )  # fmt: skip
 
 
 def _advance_py(
     steps, pending, hold, n, x, y, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
-    start, neighbours, owner, grid, faces, law, motion, friction, sign, touch, work, losses,
+    start, neighbours, owner, grid, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
+    dash_x, dash_y, slide_x, slide_y, work, wall_sum,
 ):  # fmt: skip
     """Up to `steps` steps; returns (steps done, state): DONE, HELD or OLD.
 
     Starts with the forces of the step it stands at where `pending`. Stops after a drift, before its forces, where the
     list has become too old (OLD), and after the last drift where `hold` (HELD): discs come and go between drift and
-    forces. With a `grid` the pairs are searched anew every step (`cell_pairs`); OLD then means that a disc is outside
-    the grid or `neighbours` is short. `sign` not None asks for the thesis' friction law with eps = `sign` v_max (4.20),
-    v_max now; `losses` are dash_x, dash_y, slide_x, slide_y.
+    forces. With a `grid` the pairs are searched anew every step (`_cell_pairs`); OLD then means that a disc is outside
+    the grid or `neighbours` is short.
     """
-    if ux is None:
-        seen = vx, vy, omega
-    else:
-        seen = ux, uy, uomega
-    discs = (x, y, *seen, fx, fy, torque, *losses)
     done = 0
     while True:
         if not pending:
             if done == steps:
                 return done, DONE
-            moved = _kick_drift(n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega, work, *losses)
+            moved = _kick_drift(
+                n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
+                dash_x, dash_y, slide_x, slide_y, work,
+            )  # fmt: skip
             done += 1
             if moved > 0:
                 return done, OLD
@@ -346,16 +364,19 @@ def _advance_py(
         pending = False
         rows = n
         if grid is not None:
-            rows = cell_pairs(n, x, y, law.diameter, grid, owner, start, neighbours)
+            rows = _cell_pairs(n, x, y, law.diameter, grid, owner, start, neighbours)
             if rows < 0:
                 return done, OLD
-        if sign is None:
-            slope = None
+        if ux is None:
+            _forces(
+                n, rows, owner, x, y, vx, vy, omega, fx, fy, torque, start, neighbours, face_kind, face_data,
+                face_start, near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+            )  # fmt: skip
         else:
-            eps = sign * _fastest(n, seen[0], seen[1])
-            slope = 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
-        _pair_forces(rows, owner, start, neighbours, law, friction, slope, touch, *discs)
-        _wall_forces(faces, law, friction, slope, touch, *discs)
+            _forces(
+                n, rows, owner, x, y, ux, uy, uomega, fx, fy, torque, start, neighbours, face_kind, face_data,
+                face_start, near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+            )  # fmt: skip
 
 
 def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
@@ -424,7 +445,7 @@ def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
     return first[cells]
 
 
-def _elastic_py(rows, owner, x, y, start, neighbours, faces, law, touch):
+def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face_start, near, law, touch):
     """Elastic energy of pairs and of walls (J per m of width) and the largest overlap with its disc.
 
     Each contact stores stiffness times `lammps_jump.physics.law.stored_energy`.
@@ -442,11 +463,14 @@ def _elastic_py(rows, owner, x, y, start, neighbours, faces, law, touch):
                 pairs += law.stiffness * stored_energy(overlap, touch)
                 if overlap > worst:
                     worst, where = overlap, i
-    for face in range(faces.kind.size):
-        shape = _shape(faces, face)
-        for p in range(faces.start[face], faces.start[face + 1]):
-            i = faces.near[p]
-            overlap = 0.5 * diameter - _wall_gap(shape, x[i], y[i])[0]
+    for face in range(face_kind.size):
+        for p in range(face_start[face], face_start[face + 1]):
+            i = near[p]
+            gap = _wall_gap(
+                face_kind[face], face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3],
+                x[i], y[i],
+            )[0]  # fmt: skip
+            overlap = 0.5 * diameter - gap
             if overlap > 0.0:
                 walls += law.stiffness_wall * stored_energy(overlap, touch)
                 if overlap > worst:
@@ -454,7 +478,7 @@ def _elastic_py(rows, owner, x, y, start, neighbours, faces, law, touch):
     return pairs, walls, worst, where
 
 
-def _newcomers_py(first, n, x, y, faces, law, touch):
+def _newcomers_py(first, n, x, y, face_kind, face_data, law, touch):
     """Elastic energy (J per m of width) of the contacts of discs `first` … n - 1, the newest, found without a list."""
     energy = 0.0
     for i in range(first, n):
@@ -462,14 +486,14 @@ def _newcomers_py(first, n, x, y, faces, law, touch):
             overlap = law.diameter - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
             if overlap > 0.0:
                 energy += law.stiffness * stored_energy(overlap, touch)
-        for face in range(faces.kind.size):
-            overlap = 0.5 * law.diameter - _wall_gap(_shape(faces, face), x[i], y[i])[0]
+        for face in range(face_kind.size):
+            a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
+            overlap = 0.5 * law.diameter - _wall_gap(face_kind[face], a, b, c, d, x[i], y[i])[0]
             if overlap > 0.0:
                 energy += law.stiffness_wall * stored_energy(overlap, touch)
     return energy
 
 
-_shape = njit(cache=True)(_shape_py)
 _wall_gap = njit(cache=True)(_wall_gap_py)
 _fastest = njit(cache=True)(_fastest_py)
 # a sum in any order runs on vector units: the ledger changes in its last digits, the trajectory does not
@@ -478,7 +502,9 @@ _power_of_torque = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_of_torqu
 _kick_drift = njit(cache=True)(_kick_drift_py)
 _pair_forces = watching_law(njit(cache=True)(_pair_forces_py))
 _wall_forces = watching_law(njit(cache=True)(_wall_forces_py))
-cell_pairs = njit(cache=True)(_cell_pairs_py)
+_forces = watching_law(njit(cache=True)(_forces_py))
+_cell_pairs = njit(cache=True)(_cell_pairs_py)
 advance = watching_law(njit(cache=True)(_advance_py))
+cell_pairs = _cell_pairs
 elastic = watching_law(njit(cache=True)(_elastic_py))
 newcomers = watching_law(njit(cache=True)(_newcomers_py))

@@ -110,7 +110,7 @@ class NativeSimulation:
         self._check_overlap()
         self._compute_forces()
         self._start_half_step_back()
-        self._faces.total[:] = 0.0
+        self._wall_sum[:] = 0.0
         self._start_work = self._half_work()
         self._start_energy = self.energy()
 
@@ -133,13 +133,17 @@ class NativeSimulation:
 
     def _load_walls(self) -> None:
         """Faces that are there now; sums of the window go on, also those of a gate that has just been taken away."""
-        if hasattr(self, "_faces"):
+        if hasattr(self, "_wall_sum"):
             self._carry_window_over()
         gates = tuple(gate.wall for gate in self.scene.gates if self.step < gate.release_step)
-        self._faces, self._face_names = faces_of((*self.scene.walls, *gates))
+        self._face_kind, self._face_data, self._face_names = faces_of((*self.scene.walls, *gates))
+        faces = self._face_kind.size
+        self._face_start = np.zeros(faces + 1, np.int64)
+        self._near = np.empty(0, np.int32)
+        self._wall_sum = np.zeros((faces, 3))
 
     def _carry_window_over(self) -> None:
-        for name, row in zip(self._face_names, self._faces.total, strict=True):
+        for name, row in zip(self._face_names, self._wall_sum, strict=True):
             self._carried[name] = self._carried.get(name, 0.0) + row
 
     def _start_half_step_back(self) -> None:
@@ -197,8 +201,9 @@ class NativeSimulation:
         d = self.discs
         return kernels.advance(
             steps, pending, hold, d.n, d.x, d.y, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
-            d.uomega, *self._list(), self._faces, self._law, self._motion, self._friction, self._sign, self._touch,
-            self._work, d.losses,
+            d.uomega, *self._list(), self._face_kind, self._face_data, self._face_start, self._near, self._law,
+            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+            self._work, self._wall_sum,
         )  # fmt: skip
 
     def _list(self) -> tuple:
@@ -232,7 +237,7 @@ class NativeSimulation:
             self._list_walls()
             if self._ledger_on:
                 self._exchanged["brought_in"] += kernels.newcomers(
-                    before, discs.n, discs.x, discs.y, self._faces, self._law, self._touch
+                    before, discs.n, discs.x, discs.y, self._face_kind, self._face_data, self._law, self._touch
                 )
         if any(gate.release_step == self.step for gate in self.scene.gates):
             elastic = self._elastic()
@@ -277,19 +282,21 @@ class NativeSimulation:
 
     def _list_walls(self) -> None:
         """Discs near each face: within R + skin, enough even for half a skin moved before and half after."""
-        self._make_room_near_walls()
-        d = self.discs
-        neighbours.near_walls(d.n, d.x, d.y, self.scene.radius + self.skin, self._faces)
-
-    def _make_room_near_walls(self) -> None:
-        most = self._faces.kind.size * self.discs.room
-        if self._faces.near.size < most:
-            self._faces = self._faces._replace(near=np.empty(most, np.int32))
+        faces = self._face_kind.size
+        if self._near.size < faces * self.discs.room:
+            self._near = np.empty(faces * self.discs.room, np.int32)
+        neighbours.near_walls(
+            self.discs.n, self.discs.x, self.discs.y, self.scene.radius + self.skin, self._face_kind, self._face_data,
+            self._face_start, self._near,
+        )  # fmt: skip
 
     def _elastic_and_worst(self) -> tuple[float, float, float, int]:
         d = self.discs
         start, listed, _, _ = self._list()
-        return kernels.elastic(*self._rows(), d.x, d.y, start, listed, self._faces, self._law, self._touch)
+        return kernels.elastic(
+            *self._rows(), d.x, d.y, start, listed, self._face_kind, self._face_data, self._face_start, self._near,
+            self._law, self._touch,
+        )  # fmt: skip
 
     def _elastic(self) -> float:
         pairs, walls, _, _ = self._elastic_and_worst()
@@ -345,7 +352,7 @@ class NativeSimulation:
         for name in self.scene.probes:
             mean = self._carried.get(name, np.zeros(3)) / steps
             self.forces.append((self.step, name, *(float(v) for v in mean)))
-        self._faces.total[:] = 0.0
+        self._wall_sum[:] = 0.0
         self._carried = {}
         self._window_start = self.step
 

@@ -46,7 +46,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         "traffic": [boundaries.inserted, boundaries.removed, boundaries.last_id],
     }
     arrays = {name: getattr(d, name)[: d.n] for name in (*d.names, "ids")}
-    faces = simulation._faces
+    near = simulation._near[: simulation._face_start[-1]]
     new = path.with_name(path.name + ".new")
     with new.open("wb") as file:
         np.savez(
@@ -54,9 +54,9 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
             plain=np.array(json.dumps(plain)),
             list_start=d.start[: d.n + 1],
             list_discs=d.neighbours[: d.start[d.n]],
-            near=faces.near[: faces.start[-1]],
-            near_start=faces.start,
-            wall_sum=faces.total,
+            near=near,
+            near_start=simulation._face_start,
+            wall_sum=simulation._wall_sum,
             work=simulation._work,
             start_work=simulation._start_work,
             **arrays,
@@ -73,11 +73,10 @@ def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimula
             setattr(simulation, name, plain[name])
         _load_discs(simulation.discs, plain["n"], stored)
         simulation._load_walls()  # those of this step: gates may have gone
-        simulation._make_room_near_walls()
-        faces = simulation._faces
-        faces.start[:] = stored["near_start"]
-        faces.near[: faces.start[-1]] = stored["near"]
-        faces.total[:] = stored["wall_sum"]
+        simulation._face_start[:] = stored["near_start"]
+        simulation._near = np.empty(simulation._face_kind.size * simulation.discs.room, np.int32)
+        simulation._near[: simulation._face_start[-1]] = stored["near"]
+        simulation._wall_sum[:] = stored["wall_sum"]
         simulation._work[:] = stored["work"]
         simulation._start_work = stored["start_work"]
     simulation._carried = {name: np.array(row) for name, row in plain["carried"].items()}
