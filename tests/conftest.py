@@ -12,6 +12,9 @@ CACHES = HERE.parent / ".pytest_cache" / "caches" / os.environ.get("PYTEST_XDIST
 for variable, folder in (("NUMBA_CACHE_DIR", "numba"), ("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
     os.environ[variable] = str(CACHES / folder)
 os.environ.pop("LAMMPS_JUMP_CACHE", None)
+if "JUMP_TEST_SLEEP" in os.environ:  # engines run in processes of their own, which find the hook on their path
+    paths = [str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])]
+    os.environ["PYTHONPATH"] = os.pathsep.join(paths)
 runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))
 
 import pytest  # noqa: E402
