@@ -6,4 +6,4 @@ from __future__ import annotations
 from collections.abc import Callable
 
 at_step: Callable[[int], None] | None = None
-"""Called with the number of the step. LAMMPS on more than one rank calls it at the steps of its log only."""
+"""Called in the engine's process with the number of the step; of several MPI ranks, the first calls it."""
