@@ -68,12 +68,7 @@ def run(
     """
     setting = setting or Setting()
     job = Job(scene, Path(folder), setting, Path.cwd(), resume)
-    try:
-        write_inputs(job)
-    except OSError as error:
-        raise SetupError(
-            f"{folder}: cannot be written ({error.strerror or error}); name another folder, or correct its permissions"
-        ) from None
+    write_inputs(job)
     with child_for(job) as child, handled_by(child.signalled):
         found = child.run(job, progress, should_stop)
         if found is None:
@@ -82,7 +77,23 @@ def run(
 
 
 def write_inputs(job: Job) -> None:
-    """Write the script of a job, and clear its folder of an earlier run; the native engine needs the folder alone."""
+    """Write the script of a job, and clear its folder of an earlier run; the native engine needs the folder alone.
+
+    Raises
+    ------
+    SetupError
+        The folder cannot be written.
+    """
+    try:
+        _write_inputs(job)
+    except OSError as error:
+        raise SetupError(
+            f"{job.folder}: cannot be written ({error.strerror or error}); name another folder, or correct its "
+            "permissions"
+        ) from None
+
+
+def _write_inputs(job: Job) -> None:
     scene, setting, resume = job.scene, job.setting, job.resume
     job.folder.mkdir(parents=True, exist_ok=True)
     if setting.engine == "native":

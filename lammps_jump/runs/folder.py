@@ -11,14 +11,13 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.find import read_dump
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
-from lammps_jump.engines.launch import write_inputs
 from lammps_jump.engines.result import RunResult
-from lammps_jump.engines.setting import Job, Setting
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError, DumpError, SetupError
 from lammps_jump.files import OWN_FILES, clear
 from lammps_jump.scene.scene import Scene
 
-from .engine import run_key, with_header
+from .engine import run_key
 from .summary import read_summary
 
 
@@ -27,8 +26,8 @@ def default_folder(case: ReadCase) -> Path:
     return Path("runs") / case.name
 
 
-def write_folder(case: ReadCase, folder: Path, setting: Setting) -> None:
-    """Make the run folder with ``case.yaml`` and, for LAMMPS, the script; earlier results are removed.
+def write_folder(case: ReadCase, folder: Path) -> None:
+    """Make the run folder with ``case.yaml``; earlier results are removed. The engine's inputs are `write_inputs`'.
 
     Raises
     ------
@@ -39,7 +38,6 @@ def write_folder(case: ReadCase, folder: Path, setting: Setting) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         clear(folder, OWN_FILES)
         (folder / "case.yaml").write_text(case.to_yaml())
-        write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
     except OSError as error:
         raise SetupError(
             f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "

@@ -21,7 +21,7 @@ from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.lammps.job import write_job
 from lammps_jump.engines.result import ProgressCallback, RunResult
-from lammps_jump.engines.setting import Setting
+from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
 from lammps_jump.files import RESULT_FILES, clear, writing
 
@@ -87,7 +87,7 @@ def start(
         )
         return
     _announce(order)
-    write_folder(case, folder, setting)
+    write_folder(case, folder)
     _execute(order, {"build": time.perf_counter() - begin, "analysis": 0.0})
 
 
@@ -100,7 +100,8 @@ def build(case: ReadCase, folder: Path, *, job: bool = False) -> Setting:
     """
     case, _ = with_accuracy(case)
     setting, _ = choose_setting(case)
-    write_folder(case, folder, setting)
+    write_folder(case, folder)
+    engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
     if job:
         write_job(case.scene(), folder, setting.ranks)
     return setting
@@ -112,7 +113,7 @@ def run_folder(folder: Path, *, resume: bool = False, progress: ProgressCallback
     order = Order(case, folder, setting, notes, progress)
     if resume:
         return _go_on(order)
-    write_folder(case, folder, setting)
+    write_folder(case, folder)
     _execute(order, {"build": 0.0, "analysis": 0.0})
 
 

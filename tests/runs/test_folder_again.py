@@ -109,8 +109,8 @@ def test_another_run_leaves_files_of_the_user(folder):
     assert {"force_sill.csv", "figures/depth_profile.png"} <= {
         str(path.relative_to(folder)) for path in map(Path, files(folder))
     }
-    case, setting, _ = start.reopen(folder)
-    write_folder(case, folder, setting)
+    case, _, _ = start.reopen(folder)
+    write_folder(case, folder)
     left = {str(Path(path).relative_to(folder)) for path in files(folder)}
     assert left == {"case.yaml", *mine}
 
