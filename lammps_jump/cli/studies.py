@@ -75,15 +75,15 @@ def bench(
     quiet: QuietStudy = False,
 ) -> None:
     """Measure run time against error for steps, kernels, contacts and stiffnesses. Continues where it stopped."""
-    part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), None)
-    varied = studies.bench.read_axes(axes, fractions, kernels, diameters)
-    if table and part is None:
+    part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), "bench")
+    varied = studies.bench.read_axes(axes, fractions, kernels, diameters, members)
+    if table and part == "bench":
         return studies.table.show(studies.bench.stored_table(case, out))
     wanted = None if case == Path("collision") else lj.load_case(case, set_)
-    found = studies.bench.run_bench(
-        wanted, out=out, part=part, axes=varied, members=members, quick=quick, fresh=fresh, say=sayer(quiet)
+    say = sayer(quiet)
+    studies.table.show(
+        studies.bench.run_bench(wanted, out=out, part=part, axes=varied, quick=quick, fresh=fresh, say=say)
     )
-    studies.table.show(found)
 
 
 @app.command()

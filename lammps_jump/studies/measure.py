@@ -4,23 +4,22 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from lammps_jump import Case
-from lammps_jump.analysis.energy import EnergyLedger, analyse_energy
+from lammps_jump.analysis.energy import EnergyHistory, EnergyLedger, analyse_energy
 from lammps_jump.analysis.flow import Flow, from_scene
-from lammps_jump.analysis.front import FrontTracker, analyse_front
+from lammps_jump.analysis.front import FrontHistory, FrontTracker, analyse_front
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.summary import summarise_jump
-from lammps_jump.analysis.passes import Collector
+from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.case import CaseFields
-from lammps_jump.dump.find import read_dump, read_forces
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.find import ForceHistory, read_dump, read_forces
 from lammps_jump.errors import DumpError, JumpError, RunInterrupted
 from lammps_jump.files import plain
 from lammps_jump.scene.scene import Scene
@@ -132,45 +131,48 @@ def run_setting(case: Case, setting: Setting, member: int) -> Measured:
     )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Observed:
+    """What one pass over the frames of a run has left; `forces` by structure."""
+
+    profiles: xr.Dataset
+    energy: EnergyHistory
+    front: FrontHistory
+    forces: dict[str, ForceHistory]
+
+
+def observe(folder: Path, flow: Flow) -> Observed:
+    """Read the dump of a run once, and its forces where it has some."""
+    front, energy, table = FrontTracker(flow), EnergyLedger(flow), folder / "forces.csv"
+    profiles = compute_profiles(feed(read_dump(folder), flow, [front, energy]), flow)
+    return Observed(profiles, energy.result(), front.result(), read_forces(table) if table.is_file() else {})
+
+
 def measure(folder: Path, scene: Scene, case: CaseFields) -> dict[str, Measure]:
     """Return what a case asks of a run, as numbers and curves: energy, front, jump, impulse on structures."""
     asked = case.analysis
     flow = from_scene(scene, bin_width=asked.bin_width, window=asked.window)
-    dump = read_dump(folder)
+    seen = observe(folder, flow)
     measures: dict[str, Measure] = {}
     if asked.energy:
-        energy = analyse_energy(history(EnergyLedger(flow), dump, flow), flow)
-        measures["energy deviation"] = plain(energy.max_deviation)
+        measures["energy deviation"] = plain(analyse_energy(seen.energy, flow).max_deviation)
     if asked.front:
-        front = history(FrontTracker(flow), dump, flow)
         times = np.linspace(0.1, 1.0, CURVE_POINTS) * case.run.duration
-        measures["front position"] = np.interp(times, front.time, front.quantile).tolist()
-        measures["column height"] = np.interp(times, front.time, front.height).tolist()
-        moyce = analyse_front(front, flow).martin_moyce
+        measures["front position"] = np.interp(times, seen.front.time, seen.front.quantile).tolist()
+        measures["column height"] = np.interp(times, seen.front.time, seen.front.height).tolist()
+        moyce = analyse_front(seen.front, flow).martin_moyce
         measures["martin_moyce"] = moyce and plain(as_summary(moyce))
     if asked.jump:
-        measures |= _jump(dump, flow)
-    if scene.probes and (folder / "forces.csv").is_file():
-        window = scene.probe_steps * scene.time_step
-        for name, force in read_forces(folder / "forces.csv").items():
-            measures[f"impulse {name}"] = float(np.hypot(force.fx.sum(), force.fy.sum()) * window)
+        depth = seen.profiles["mass_depth_mean"].values
+        summary = plain(as_summary(summarise_jump(analyse_jump(seen.profiles, flow))))
+        measures |= {
+            "depth profile": np.nan_to_num(depth, posinf=0.0, neginf=0.0).tolist(),
+            "sequent depth": summary["y2"],
+            "shock speed": summary["speed"],
+            "verdict": summary["verdict"],
+            "jump": {name: summary.get(name) for name in JUMP_NUMBERS},
+        }
+    for name, force in seen.forces.items() if scene.probes else ():
+        total = np.hypot(force.fx.sum(), force.fy.sum())
+        measures[f"impulse {name}"] = float(total * (scene.probe_steps * scene.time_step))
     return measures
-
-
-def history(collector: Collector, dump: Iterable[Frame], flow: Flow):
-    """Return what a collector of the analysis makes of all frames."""
-    for frame in dump:
-        collector.add(frame, flow.time(frame))
-    return collector.result()
-
-
-def _jump(dump: Iterable[Frame], flow: Flow) -> dict[str, Measure]:
-    profiles = compute_profiles(dump, flow)
-    summary = plain(as_summary(summarise_jump(analyse_jump(profiles, flow))))
-    return {
-        "depth profile": np.nan_to_num(profiles["mass_depth_mean"].values, posinf=0.0, neginf=0.0).tolist(),
-        "sequent depth": summary["y2"],
-        "shock speed": summary["speed"],
-        "verdict": summary["verdict"],
-        "jump": {name: summary.get(name) for name in JUMP_NUMBERS},
-    }

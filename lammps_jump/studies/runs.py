@@ -1,19 +1,26 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The kernels by name, what they change in a case, and one run of a scene on any of them."""
+"""Runs of all studies: the kernels by name, one run of a scene on any of them, many runs in turn, versions."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from statistics import median
+from typing import TypeVar
 
+from lammps_jump import provenance
 from lammps_jump.engines import Setting, plugin, run
+from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.scene.scene import Scene
 
 KERNELS = ("stock", "compiled", "native")
+
+Item = TypeVar("Item")
+Found = TypeVar("Found")
 
 
 def set_texts(changes: Mapping[str, object]) -> list[str]:
@@ -80,3 +87,27 @@ def warm_up(scene: Scene) -> None:
     if kind not in _WARM:
         run_native(replace(scene, steps=2, output_steps=2, probe_steps=1), None)
         _WARM.add(kind)
+
+
+def in_turn(items: Sequence[Item], rounds: int, make: Callable[[Item, int], Found]) -> dict[Item, list[Found]]:
+    """Return what `make(item, round)` finds: every item once before any again, forwards and backwards in turn.
+
+    Times of the items can so be compared on a busy machine.
+    """
+    found: dict[Item, list[Found]] = {item: [] for item in items}
+    for number in range(rounds):
+        for item in items if number % 2 == 0 else reversed(items):
+            found[item].append(make(item, number))
+    return found
+
+
+def middle(values: Iterable[float | None]) -> float | None:
+    """Median of the values that are not None; None where there are none."""
+    found = [value for value in values if value is not None]
+    return float(median(found)) if found else None
+
+
+def versions() -> dict[str, str]:
+    """Versions that the numbers depend on."""
+    wheel = wheel_version()
+    return {**provenance.versions(), **({"lammps_wheel": wheel} if wheel else {})}

@@ -14,20 +14,21 @@ from math import sqrt
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError
+from lammps_jump.files import plain
 from lammps_jump.physics import jump as theory
 
 from .measure import Measured, run_setting
-from .runs import set_texts
+from .runs import in_turn, middle, set_texts
 from .settings import Setting, reference_setting, stable
 from .store import Store
 from .table import markdown, number, percent
-from .timing import in_turn
 
 DEPTH, GRAVITY = 0.6, 9.81
 BASE_FROUDE = theory.froude(10.0, DEPTH, GRAVITY)
@@ -169,14 +170,16 @@ def run_sensitivity(
 def run_study(study: Study, store: Store, *, quick: bool, members: int, say: Callable[[str], None]) -> list[Row]:
     """Return a row for each value of the parameter."""
     base, common = load_case(JUMP_CASE), set_texts(QUICK_CHANGES if quick else {})
-    runs: dict[float, list[Measured]] = {value: [] for value in (study.quick if quick else study.values)}
-    for member, value in in_turn(list(runs), members):
+
+    def run(value: float, member: int) -> Measured | None:
         if value >= study.costly and member >= 2:
-            continue  # minutes each; large numbers of discs scatter less
-        run = stored_run(store, f"{study.name} {value}", base, common + set_texts(study.changes(value)), member)
-        runs[value].append(run)
-        say(f"  {study.label} = {value:g}, start {member + 1}: {run.verdict or run.message}")
-    return [summarise_runs(value, group) for value, group in runs.items()]
+            return None  # minutes each; large numbers of discs scatter less
+        found = stored_run(store, f"{study.name} {value}", base, common + set_texts(study.changes(value)), member)
+        say(f"  {study.label} = {value:g}, start {member + 1}: {found.verdict or found.message}")
+        return found
+
+    groups = in_turn(study.quick if quick else study.values, members, run)
+    return [summarise_runs(value, [run for run in group if run]) for value, group in groups.items()]
 
 
 def stored_run(store: Store, name: str, base: Case, changes: list[str], member: int) -> Measured:
@@ -192,11 +195,9 @@ def summarise_runs(value: float, runs: list[Measured]) -> Row:
     verdicts = [run.verdict or run.status for run in runs]
     jumps = [run.jump for run in runs if run.jump]
     row: Row = {"value": value, "verdicts": {word: verdicts.count(word) for word in dict.fromkeys(verdicts)}}
-    row["seconds"] = float(np.median([run.cpu_seconds or 0.0 for run in runs])) if runs else None
-    for name in NUMBERS:
-        values = np.array([jump[name] for jump in jumps if jump.get(name) is not None], float)
-        row[name] = float(values.mean()) if len(values) else None
-        row[f"{name}_error"] = float(values.std(ddof=1) / sqrt(len(values))) if len(values) > 1 else None
+    row["seconds"] = middle(run.cpu_seconds or 0.0 for run in runs)
+    table = pd.DataFrame(jumps, columns=NUMBERS, dtype=float)
+    row |= plain({**table.mean(), **table.sem().add_suffix("_error")})
     ratio, expected = row["sequent_ratio"], row["belanger_ratio"]
     row["deviation"] = ratio / expected - 1 if ratio and expected else None
     usbr = [jump["length_usbr"] / jump["y2"] for jump in jumps if jump.get("length_usbr") and jump.get("y2")]

@@ -11,9 +11,13 @@ from typing import TypeVar
 from lammps_jump.files import plain, write_json
 from lammps_jump.provenance import machine
 
-from .timing import versions
+from .runs import versions
 
 Piece = TypeVar("Piece")
+Say = Callable[[str], None]
+"""Takes one line of progress."""
+Results = dict
+"""Results of a study, as they stand in its JSON file: plain data."""
 
 
 class Store:

@@ -2,14 +2,17 @@
 """Kernels side by side: same start for all, ratios within a round, agreement measured where it must hold."""
 
 import json
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.studies.bench import speed
 from lammps_jump.studies.bench.command import run_bench
-from lammps_jump.studies.bench.speed import Timed, make_row, make_variants, speed_table, started_from
+from lammps_jump.studies.bench.speed import make_row, make_variants, speed_page, started_from
 from lammps_jump.studies.cross_validation.trajectories import developed_scene
 
 
@@ -23,16 +26,20 @@ def test_variants_follow_the_case_and_the_machine():
 
 
 def test_ratios_are_those_within_a_round():
-    def run(seconds, status="complete"):
-        return Timed(seconds, 12.0, status)
-
-    row = make_row("quick", [run(1.0), run(2.0), run(1.0)], [run(4.0), run(6.0), run(6.0)])
-    assert (row.least, row.ratio, row.most) == (3.0, 4.0, 6.0) and row.rate == 12.0
-    broken = make_row("broken", [run(1.0, "failed")], [run(4.0)])
-    assert broken.rate is None and broken.ratio is None
-    table = speed_table([row, broken], {"a and b": 1e-12})
+    row = make_row("quick", [12.0, 6.0, 12.0], [3.0, 2.0, 2.0])
+    assert (row["least"], row["ratio"], row["most"]) == (3.0, 4.0, 6.0) and row["rate"] == 12.0
+    broken = make_row("broken", [None], [3.0])
+    assert broken["rate"] is None and broken["ratio"] is None
+    table = speed_page({"rows": [row, broken], "agreement": {"a and b": 1e-12}}, Path())
     assert "| quick | 0.0 | 4.00 (3.00 to 6.00) |" in table and "| broken | failed | - |" in table
     assert "a and b: 1.0e-12 d" in table
+
+
+@pytest.mark.parametrize(("status", "rate"), [("complete", 4.0), ("failed", None)])
+def test_a_run_that_fails_has_no_speed(monkeypatch, status, rate):
+    ended = SimpleNamespace(status=status, disc_steps=12.0, cpu_seconds=3.0)
+    monkeypatch.setattr(speed, "execute", lambda *_: ended)
+    assert speed.run_rate(None, "stock") == (rate, 3.0)
 
 
 def test_every_variant_starts_from_the_developed_discs():

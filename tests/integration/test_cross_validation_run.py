@@ -11,6 +11,7 @@ from lammps_jump.cli.app import app
 from lammps_jump.studies.cross_validation import study as cross_validation
 from lammps_jump.studies.cross_validation.scenes import friction_scene, micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import check_scene
+from lammps_jump.studies.store import Store
 
 pytestmark = pytest.mark.lammps
 
@@ -78,13 +79,14 @@ def numbers_only(monkeypatch):
 
 def test_study_goes_on_where_it_was_interrupted(study, numbers_only):
     folder, arguments, _ = study
-    kept = sorted((folder / "members").iterdir())
-    assert len(kept) == 2 * cross_validation.QUICK_MEMBERS
-    kept[0].rename(folder / "elsewhere")
+    store = Store(folder / "members.json")
+    assert len(store.pieces) == 2 * cross_validation.QUICK_MEMBERS
+    gone = store.pieces.popitem()[0]
+    store.save()
     again = CliRunner().invoke(app, arguments)
     assert again.exit_code == 0, again.output
-    assert again.output.count("was there") == len(kept) - 1
-    assert (folder / "members" / kept[0].name).exists()
+    assert again.output.count("was there") == len(store.pieces)
+    assert gone in Store(folder / "members.json").pieces
 
 
 def test_exit_status_is_one_where_the_engines_differ(study, monkeypatch, numbers_only):

@@ -16,9 +16,9 @@ from lammps_jump.studies.bench import table as bench_table
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.errors import QuantityError
 from lammps_jump.studies.measure import JITTER, Measured, moved_start
+from lammps_jump.studies.runs import in_turn, middle
 from lammps_jump.studies.settings import Setting, make_settings, parse_axes, reference_setting, stable
 from lammps_jump.studies.store import Store
-from lammps_jump.studies.timing import in_turn, middle
 
 
 def test_only_stable_steps_are_settings():
@@ -114,20 +114,24 @@ def test_pareto_front():
 
 
 def row(label, seconds, error, floor=0.0, **setting):
-    """What `cheapest` reads of a `study.Row`."""
-    return SimpleNamespace(label=label, seconds=seconds, setting=setting, errors={"q": QuantityError(error, floor)})
+    """What `cheapest` reads of a row."""
+    errors = {"q": QuantityError(error, floor)._asdict()}
+    return {"label": label, "seconds": seconds, "setting": setting, "errors": errors}
 
 
 def test_cheapest_needs_error_and_floor_within():
     rows = [row("quick", 1.0, 0.001, floor=0.2), row("good", 2.0, 0.009, floor=0.005), row("slow", 3.0, 0.001)]
-    assert bench_errors.cheapest(rows, "q", 0.01).label == "good"
+    assert bench_errors.cheapest(rows, "q", 0.01)["label"] == "good"
     assert bench_errors.cheapest(rows, "q", 0.0001) is None
     other_flow = row("coarse", 0.1, 0.001, diameter=0.4)
-    assert bench_errors.cheapest([other_flow, *rows], "q", 0.01).label == "good"
+    assert bench_errors.cheapest([other_flow, *rows], "q", 0.01)["label"] == "good"
 
 
 def test_turns_go_to_and_fro():
-    assert list(in_turn("ab", 3)) == [(0, "a"), (0, "b"), (1, "b"), (1, "a"), (2, "a"), (2, "b")]
+    calls = []
+    found = in_turn("ab", 3, lambda item, number: calls.append((number, item)) or f"{item}{number}")
+    assert calls == [(0, "a"), (0, "b"), (1, "b"), (1, "a"), (2, "a"), (2, "b")]
+    assert found == {"a": ["a0", "a1", "a2"], "b": ["b0", "b1", "b2"]}
     assert middle([3.0, None, 1.0]) == 2.0 and middle([None]) is None
 
 

@@ -14,6 +14,7 @@ from lammps_jump.errors import SetupError
 from lammps_jump.studies.cross_validation import ensembles, trajectories
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
+from lammps_jump.studies.cross_validation.outcome import MEMBERS_FILE, Study
 from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import (
@@ -40,8 +41,17 @@ analysis: {bin_width: 0.5}
 """
 
 
+def _case(*changes):
+    return parse_case(DROP, "drops.yaml", ["run.integrator=velocity_verlet", *changes])
+
+
 def _scene(*changes):
-    return build_scene(parse_case(DROP, "drops.yaml", ["run.integrator=velocity_verlet", *changes]))
+    return _case(*changes).scene()
+
+
+def _study(folder, said, *changes):
+    case = _case(*changes)
+    return Study(case, case.scene(), "stock", folder, (1,), [], said.append, None)
 
 
 class TestWelch:
@@ -202,35 +212,35 @@ class TestEnsembles:
             assert replace(after, vx=before.vx) == before
 
     def test_members_are_kept_and_found_again_until_something_changes(self, tmp_path):
-        ensemble = ensembles.Ensemble(_scene(), "native", tmp_path, ensembles.Binning(0.5))
-        first, again = (ensembles.run_member(ensemble, 1) for _ in range(2))
-        assert first.fresh and not again.fresh
-        assert np.array_equal(first.series["kinetic"], again.series["kinetic"])
-        assert first.result.present == 9 and len(first.forces["floor"]) > 5
-        assert len(list(tmp_path.iterdir())) == 1  # no dump, no half-done folder is left
-        changed = replace(ensemble, scene=_scene("contact.restitution=0.31"))
-        assert ensembles.run_member(changed, 1).fresh
-        assert len(list(tmp_path.iterdir())) == 1
+        said = []
+        study = _study(tmp_path, said)
+        again, changed = (_study(tmp_path, said, *change) for change in ((), ("contact.restitution=0.31",)))
+        for one in (study, again, changed):
+            one.run(one.scene, "native")
+        assert ["was there" in text for text in said] == [False, True, False]
+        (first,), (second,) = study.members["native"], again.members["native"]
+        assert first == second != changed.members["native"][0]
+        assert first.run["present"] == 9 and first.scalars["impulse on floor, y"][0] < 0
+        assert [path.name for path in tmp_path.iterdir()] == [MEMBERS_FILE]  # no dump, no half-done folder is left
 
     def test_key_tells_engines_seeds_and_bins_apart(self):
-        scene, half = _scene(), ensembles.Binning(0.5)
+        scene, half = _scene(), _case().fields.analysis
         keys = {
             ensembles.member_key(scene, "native", half),
             ensembles.member_key(ensembles.perturbed(scene, 1), "native", half),
-            ensembles.member_key(scene, "native", ensembles.Binning(0.25)),
-            ensembles.member_key(scene, "native", ensembles.Binning(0.5, (0.0, 0.1))),
+            ensembles.member_key(scene, "native", _case("analysis.bin_width=0.25").fields.analysis),
+            ensembles.member_key(scene, "native", _case("analysis.window=[0, 0.1]").fields.analysis),
+            ensembles.member_key(scene, "native", _case("analysis.front=true").fields.analysis),
             ensembles.member_key(scene, "stock", half),
             ensembles.member_key(replace(scene, integrator="leapfrog_extrapolated"), "native", half),
         }
-        assert len(keys) == 6
+        assert len(keys) == 7
 
     def test_energy_of_a_member_is_conserved_but_for_the_dashpots(self, tmp_path):
-        scene = _scene("contact.restitution=1", "run.time_step_fraction=0.02")
-        ensemble = ensembles.Ensemble(scene, "native", tmp_path, ensembles.Binning(0.5))
-        series = ensembles.run_member(ensemble, 1).series
-        total = sum(series[name] for name in ("kinetic", "gravitational", "elastic"))
+        study = _study(tmp_path, [], "contact.restitution=1", "run.time_step_fraction=0.02")
+        study.run(study.scene, "native")
         # second-order scheme with a kink at first touch, f = 0.02: a few 1e-4
-        assert np.abs(total / total[0] - 1).max() < 3e-3
+        assert 0 < study.members["native"][0].scalars["energy, largest deviation"][0] < 3e-3
 
 
 def test_a_wrong_stiffness_is_found_out(monkeypatch):

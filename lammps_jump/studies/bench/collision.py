@@ -7,11 +7,12 @@ All pairs of one run are independent: pair i starts so that first touch falls at
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from lammps_jump import load_case
 from lammps_jump.analysis.draw.style import drawing, save
@@ -19,13 +20,14 @@ from lammps_jump.dump.read import open_dump
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.runs import KERNELS, execute
-from lammps_jump.studies.store import Store
+from lammps_jump.studies.runs import execute
+from lammps_jump.studies.store import Results, Say, Store
 from lammps_jump.studies.table import markdown
 
 DIAMETER, DENSITY, SPEED, PENETRATION = 0.2, 1000.0, 16.0, 10.0
 PHASES = 64
 QUANTITIES = ("restitution", "duration", "overlap")
+COLOURS = ("#33508f", "#8aa0c8", "#7d7c78", "#b5a05a", "#111111")
 
 
 @dataclass(frozen=True)
@@ -37,30 +39,6 @@ class Way:
     integrator: str
     correct: bool = True
     touch: str = "sharp"
-
-
-@dataclass(frozen=True)
-class Row:
-    """Errors of the mean over all entry phases and scatter among them, relative to the closed forms.
-
-    Attributes
-    ----------
-    way : str
-    restitution, fraction : float
-    steps : float
-        Time steps of one contact.
-    """
-
-    way: str
-    restitution: float
-    fraction: float
-    steps: float
-    restitution_error: float
-    restitution_scatter: float
-    duration_error: float
-    duration_scatter: float
-    overlap_error: float
-    overlap_scatter: float
 
 
 def collision_scene(
@@ -135,82 +113,68 @@ def expected(restitution: float, speed: float = SPEED) -> dict[str, float]:
     }
 
 
-def collision_rows(
-    fractions: Iterable[float], restitutions: Iterable[float], kernels: Sequence[str] = KERNELS
-) -> list[Row]:
-    """Return a row for each restitution, way and stable step."""
-    rows = []
-    for restitution in restitutions:
-        limit = contact.damping_ratio(restitution)
-        for way in _ways(kernels, restitution):
-            steps = [f for f in fractions if f <= contact.stable_fraction(limit, way.integrator, "pair")]
-            rows += [_row(way, restitution, fraction) for fraction in steps]
-    return rows
-
-
-def _row(way: Way, restitution: float, fraction: float) -> Row:
+def collision_row(way: Way, restitution: float, fraction: float) -> Results:
+    """Return errors of the mean over all entry phases, and the scatter among them, relative to the closed forms."""
     exact = expected(restitution)
     scene = collision_scene(fraction, restitution, integrator=way.integrator, correct=way.correct, touch=way.touch)
-    found = measure_collisions(scene, way.kernel)
-    numbers = [
-        part
-        for name in QUANTITIES
-        for part in (float(found[name].mean() / exact[name] - 1), float(found[name].std() / exact[name]))
-    ]
-    return Row(way.name, restitution, fraction, scene.coefficients.contact_steps, *numbers)
+    row = {"way": way.name, "restitution": restitution, "fraction": fraction, "steps": scene.coefficients.contact_steps}
+    for name, found in measure_collisions(scene, way.kernel).items():
+        row[f"{name}_error"] = float(found.mean() / exact[name] - 1)
+        row[f"{name}_scatter"] = float(found.std() / exact[name])
+    return row
 
 
 def _ways(kernels: Sequence[str], restitution: float) -> list[Way]:
     verlet, thesis = "velocity_verlet", "leapfrog_extrapolated"
-    found = []
-    if "stock" in kernels:
-        found.append(Way("stock, corrected", "stock", verlet))
-        if restitution < 1:
-            found.append(Way("stock, uncorrected", "stock", verlet, correct=False))
-    found.append(Way("native, thesis scheme", "native", thesis))
     fast = "compiled" if "compiled" in kernels else "native"
-    found.append(Way(f"{fast}, smooth touch", fast, verlet, touch="smooth"))
-    return found
+    ways = [
+        Way("stock, corrected", "stock", verlet),
+        Way("stock, uncorrected", "stock", verlet, correct=False),
+        Way("native, thesis scheme", "native", thesis),
+        Way(f"{fast}, smooth touch", fast, verlet, touch="smooth"),
+    ]
+    return [way for way in ways if way.kernel in kernels and (way.correct or restitution < 1)]
 
 
-def bench_collisions(folder: Path, *, quick: bool = False) -> str:
-    """Measure collisions; returns the table, draws the figure (``lammps-jump bench collision``)."""
+def compare_collisions(case: None, store: Store, *, quick: bool, say: Say) -> Results:
+    """Measure collisions for each restitution, way and stable step (``lammps-jump bench collision``)."""
     kernels, notes = usable_kernels()
-    store = Store(folder / "collision.json", fresh=True)
-    fractions = (0.05, 0.2) if quick else (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
-    rows = collision_rows(fractions, (0.2, 1.0) if quick else (0.2, 0.6, 1.0), kernels)
-    store.finish(case="collision", rows=rows, notes=notes)
-    draw_collisions(rows, folder / "bench_collision.png")
-    return store.write_table(collision_table(rows))
+    rows = [
+        collision_row(way, restitution, fraction)
+        for restitution in ((0.2, 1.0) if quick else (0.2, 0.6, 1.0))
+        for way in _ways(kernels, restitution)
+        for fraction in ((0.05, 0.2) if quick else (0.01, 0.02, 0.05, 0.1, 0.2, 0.4))
+        if fraction <= contact.stable_fraction(contact.damping_ratio(restitution), way.integrator, "pair")
+    ]
+    return {"rows": rows, "notes": notes}
 
 
-def collision_table(rows: list[Row]) -> str:
-    """Return the Markdown table: error of the mean and scatter over entry phases, per cent."""
+def collision_page(data: Results, folder: Path) -> str:
+    """Return the Markdown table (error of the mean and scatter over entry phases, per cent); draws the figure."""
+    rows = data["rows"]
     lines = []
     for row in rows:
-        pairs = [(getattr(row, f"{name}_error"), getattr(row, f"{name}_scatter")) for name in QUANTITIES]
-        cells = [f"{100 * error:+.2f} ± {100 * scatter:.2f} %" for error, scatter in pairs]
-        lines.append([f"{row.restitution:g}", row.way, f"{row.fraction:g}", *cells])
+        cells = [f"{100 * row[f'{name}_error']:+.2f} ± {100 * row[f'{name}_scatter']:.2f} %" for name in QUANTITIES]
+        lines.append([f"{row['restitution']:g}", row["way"], f"{row['fraction']:g}", *cells])
+    draw_collisions(rows, folder / "bench_collision.png")
     return markdown(["e", "way", "f", *QUANTITIES], "rlrrrr", lines) + "\n"
 
 
-def draw_collisions(rows: list[Row], path: Path) -> Path:
+def draw_collisions(rows: Sequence[Results], path: Path) -> None:
     """Draw the error of restitution (mean and scatter) against the step, one panel a restitution coefficient."""
-    values = sorted({row.restitution for row in rows})
-    ways = list(dict.fromkeys(row.way for row in rows))
-    colours = ("#33508f", "#8aa0c8", "#7d7c78", "#b5a05a", "#111111")
-    with drawing(3.2 * len(values) + 1.2, 3.4, 1, len(values), squeeze=False) as (figure, axes):
-        for panel, e in zip(axes.flat, values, strict=True):
-            for i, way in enumerate(ways):
-                group = [row for row in rows if row.way == way and row.restitution == e]
-                if group:
-                    panel.errorbar(
-                        [row.fraction for row in group], [100 * row.restitution_error for row in group],
-                        yerr=[100 * row.restitution_scatter for row in group], marker="osD^v*"[i % 6],
-                        color=colours[i % 5], label=way, linewidth=1.0, capsize=2,
-                    )  # fmt: skip
+    table = pd.DataFrame(rows)
+    looks = dict(zip(table.way.unique(), zip("osD^v", COLOURS, strict=True), strict=False))
+    panels = table.groupby("restitution")
+    with drawing(3.2 * len(panels) + 1.2, 3.4, 1, len(panels), squeeze=False) as (figure, axes):
+        for panel, (e, part) in zip(axes.flat, panels, strict=True):
+            for way, group in part.groupby("way", sort=False):
+                mark, colour = looks[way]
+                panel.errorbar(
+                    group.fraction, 100 * group.restitution_error, yerr=100 * group.restitution_scatter, marker=mark,
+                    color=colour, label=way, linewidth=1.0, capsize=2,
+                )  # fmt: skip
             panel.axhline(0, color="#555555", linewidth=0.8)
             panel.set(xscale="log", xlabel="f, step over 2/omega", title=f"e = {e:g}")
             panel.legend(fontsize=7)
         axes.flat[0].set_ylabel("error of restitution (%),\nbars: scatter over entry phases")
-        return save(figure, path)
+        save(figure, path)

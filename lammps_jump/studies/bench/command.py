@@ -1,39 +1,43 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The ``bench`` command: chooses the benchmark that its options ask for."""
+"""The ``bench`` command: each benchmark measures rows, keeps them in a JSON file, and makes its page from that."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from lammps_jump import Case, load_case
 from lammps_jump.errors import CaseError
-from lammps_jump.studies.runs import KERNELS
-from lammps_jump.studies.store import Store
+from lammps_jump.studies.store import Say, Store
 
-from .cells import bench_cells
-from .collision import bench_collisions
-from .skips import bench_skips
-from .speed import bench_speed
-from .study import BENCH_FILE, Axes, bench_case
+from .cells import cell_page, time_cells
+from .collision import collision_page, compare_collisions
+from .figures import draw_all
+from .skips import measure_skips, skip_page
+from .speed import speed_page, time_kernels
+from .study import Axes, measure_settings
 from .table import page
 
 FOLDER = Path("runs") / "bench"
-PARTS = {"cells": bench_cells, "skips": bench_skips, "speed": bench_speed}
-"""Benchmarks beside that of the settings: option, which is also the stem of the JSON file, and function."""
+PARTS = {
+    "cells": (time_cells, cell_page),
+    "skips": (measure_skips, skip_page),
+    "speed": (time_kernels, speed_page),
+    "collision": (compare_collisions, collision_page),
+}
+"""Benchmarks beside that of the settings by the stem of their JSON file: what measures, and what makes the page."""
 
 
 def run_bench(
     case: Case | None,
     *,
     out: Path | None = None,
-    part: str | None = None,
+    part: str = "bench",
     axes: Axes | None = None,
-    members: int | None = None,
     quick: bool = False,
     fresh: bool = False,
-    say: Callable[[str], None] = print,
+    say: Say = print,
 ) -> str:
     """Run a benchmark and return its table as Markdown.
 
@@ -43,13 +47,14 @@ def run_bench(
         None for two discs against their closed forms.
     out : Path, optional
         Folder; default ``runs/bench/<name>``.
-    part : str, optional
-        One of `PARTS`; without it, the benchmark of the settings.
-    axes, members
-        See `study.bench_case`.
+    part : str
+        One of `PARTS`, or 'bench' for the benchmark of the settings.
+    axes : Axes, optional
+        For the settings.
     quick, fresh : bool
         Few and short runs; measure again what is stored.
     say : callable
+        Takes one line of progress.
 
     Raises
     ------
@@ -57,12 +62,18 @@ def run_bench(
         No such axis or number.
     """
     if case is None:
-        return bench_collisions(out or FOLDER / "collision", quick=quick)
-    folder = out or FOLDER / case.name
-    if part:
-        return PARTS[part](case, Store(folder / f"{part}.json", fresh=fresh), quick=quick, say=say)
-    store = Store(folder / BENCH_FILE, fresh=fresh)
-    return bench_case(case, store, axes=axes or Axes(), quick=quick, members=members, say=say)
+        part, fresh = "collision", True
+    name = case.name if case else part
+    store = Store((out or FOLDER / name) / f"{part}.json", fresh=fresh)
+    measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes or Axes()), settings_page)
+    store.finish(case=name, **measure(case, store, quick=quick, say=say))
+    return store.write_table(show(store.data, store.path.parent))
+
+
+def settings_page(data: dict, folder: Path) -> str:
+    """Return the page of a benchmark of settings; draws its figures."""
+    draw_all(data, folder)
+    return page(data)
 
 
 def stored_table(path: Path, out: Path | None = None) -> str:
@@ -73,7 +84,7 @@ def stored_table(path: Path, out: Path | None = None) -> str:
     CaseError
         Where there is none.
     """
-    file = (out or FOLDER / load_case(path).name) / BENCH_FILE
+    file = (out or FOLDER / load_case(path).name) / "bench.json"
     try:
         data = json.loads(file.read_text())
     except (OSError, ValueError):
@@ -81,29 +92,3 @@ def stored_table(path: Path, out: Path | None = None) -> str:
     if "rows" not in data:
         raise CaseError(f"{file}: the benchmark is not finished; `lammps-jump bench {path}` continues it")
     return page(data)
-
-
-def read_axes(names: str | None, fractions: str | None, kernels: str | None, diameters: str | None) -> Axes:
-    """Return what the options of the command line vary; each is a list with commas between.
-
-    Raises
-    ------
-    CaseError
-        A kernel that does not exist; a value that is no number above 0.
-    """
-    words = tuple(word.strip() for word in kernels.split(",")) if kernels else None
-    if words and not set(words) <= set(KERNELS):
-        raise CaseError(f"--kernels {kernels!r}: allowed are stock, compiled and native, with commas between")
-    return Axes(names, _numbers("--fractions", fractions), words, _numbers("--diameters", diameters) or ())
-
-
-def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
-    if not text:
-        return None
-    try:
-        values = tuple(float(word) for word in text.split(","))
-    except ValueError:
-        raise CaseError(f"{option} {text!r}: expected numbers with commas between, such as 0.1,0.2") from None
-    if not all(0 < value < float("inf") for value in values):
-        raise CaseError(f"{option} {text!r}: every value must be above 0")
-    return values

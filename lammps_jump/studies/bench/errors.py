@@ -11,11 +11,12 @@ the largest deviation, and its floor is 0.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from lammps_jump.studies.measure import Measured
+from lammps_jump.studies.store import Results
 
 EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""
@@ -23,8 +24,7 @@ EXACT = {"energy deviation": 0.0}
 Value = float | list[float] | None
 
 
-@dataclass(frozen=True)
-class QuantityError:
+class QuantityError(NamedTuple):
     """Error of one quantity; None where it cannot be told.
 
     Attributes
@@ -39,58 +39,6 @@ class QuantityError:
     floor: float | None = None
     scatter: float | None = None
     value: float | None = None
-
-    def of_reference(self) -> QuantityError:
-        """Return the entry of the reference itself, which has no error."""
-        return replace(self, error=None, floor=None)
-
-
-@dataclass(frozen=True)
-class Row:
-    """One setting of a benchmark.
-
-    Attributes
-    ----------
-    label, family : str
-        Of the setting; a figure gives each family a mark.
-    setting : dict
-        Its values.
-    plain : bool
-        Whether only kernel, touch and step are varied.
-    runs : int
-        Complete runs.
-    failed : list of str
-        Messages of the others.
-    seconds, wall_seconds : float or None
-        Medians over the complete runs, s.
-    disc_steps_per_second : float or None
-    breakdown : dict of str to float
-        Median seconds by kind of work.
-    reference : bool
-        Whether the errors of the others are measured against this setting.
-    errors : dict of str to QuantityError
-    """
-
-    label: str
-    family: str
-    setting: dict
-    plain: bool
-    runs: int
-    failed: list[str]
-    seconds: float | None
-    seconds_all: list[float]
-    wall_seconds: float | None
-    disc_steps_per_second: float | None
-    breakdown: dict[str, float | None]
-    reference: bool
-    errors: dict[str, QuantityError]
-
-
-def _stack(members: Sequence[Value]) -> np.ndarray:
-    """Return members as an array of shape (members, points), cut to the shortest."""
-    curves = [np.atleast_1d(np.asarray(member, float)) for member in members]
-    points = min(map(len, curves))
-    return np.array([curve[:points] for curve in curves])
 
 
 def quantity_error(name: str, members: Sequence[Value], reference: Sequence[Value] | None) -> QuantityError:
@@ -112,9 +60,9 @@ def quantity_error(name: str, members: Sequence[Value], reference: Sequence[Valu
     reference = [member for member in reference or () if member is not None]
     if not reference:
         return QuantityError()
-    ours, theirs = _stack(members), _stack(reference)
-    points = min(ours.shape[1], theirs.shape[1])
-    ours, theirs = ours[:, :points], theirs[:, :points]
+    curves = [np.atleast_1d(np.asarray(member, float)) for member in (*members, *reference)]
+    points = min(map(len, curves))
+    ours, theirs = np.split(np.array([curve[:points] for curve in curves]), [len(members)])
     mean = theirs.mean(axis=0)
     size = _root_mean_square(mean)
     if size == 0:
@@ -158,18 +106,14 @@ def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
     return front
 
 
-def cheapest(rows: Sequence[Row], quantity: str, accuracy: float) -> Row | None:
+def cheapest(rows: Sequence[Results], quantity: str, accuracy: float) -> Results | None:
     """Return the quickest row whose error and floor in `quantity` are within `accuracy`; None where there is none.
 
     Rows with another stiffness or disc size are other flows and are not chosen.
     """
-    good = []
-    for row in rows:
-        entry = row.errors.get(quantity)
-        if row.setting.get("penetration") is not None or row.setting.get("diameter") is not None:
-            continue
-        if entry is None or entry.error is None or row.seconds is None:
-            continue
-        if entry.error <= accuracy and (entry.floor or 0.0) <= accuracy:
-            good.append(row)
-    return min(good, key=lambda row: row.seconds, default=None)
+    good = [
+        row for row in rows
+        if row["setting"].get("penetration") is None and row["setting"].get("diameter") is None
+        and row["errors"][quantity]["error"] <= accuracy and (row["errors"][quantity]["floor"] or 0.0) <= accuracy
+    ]  # fmt: skip
+    return min(good, key=lambda row: row["seconds"], default=None)

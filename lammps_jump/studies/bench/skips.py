@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -21,10 +21,9 @@ from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import script_text
-from lammps_jump.studies.runs import execute, kernel_changes
-from lammps_jump.studies.store import Store
+from lammps_jump.studies.runs import execute, in_turn, kernel_changes, middle, versions
+from lammps_jump.studies.store import Results, Say, Store
 from lammps_jump.studies.table import markdown, percent
-from lammps_jump.studies.timing import in_turn, middle, versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
 PRECISE = ("format float %.10g", "format float %.17g")
@@ -97,28 +96,6 @@ SKIPS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Row:
-    """What putting one thing back in costs.
-
-    Attributes
-    ----------
-    name, verdict : str
-    ratio : float or None
-        Time with it over time without it; None where the scene needs it.
-    difference : float or None
-        Largest change of the trajectory, m or m/s.
-    exact : bool
-        See `Skip`.
-    """
-
-    name: str
-    verdict: str = "the scene needs it"
-    ratio: float | None = None
-    difference: float | None = None
-    exact: bool = True
-
-
 def base_script(scene: Scene) -> str:
     """Return the stock script of the generator, with every digit in the dump."""
     return script_text(scene, kernel="stock").replace(*PRECISE)
@@ -144,7 +121,7 @@ def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
 def largest_difference(one: np.ndarray, two: np.ndarray) -> float:
     """Return the largest difference of positions (m) or velocities (m/s); infinite where the discs differ."""
     if one.shape != two.shape or not np.array_equal(one[:, 0], two[:, 0]):
-        return float("inf")
+        return inf
     return float(np.abs(one[:, 1:] - two[:, 1:]).max(initial=0.0))
 
 
@@ -160,55 +137,57 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
     return largest_difference(run_script(scene, plain)[0], run_script(scene, edited)[0])
 
 
-def dump_formats(scene: Scene, rounds: int) -> dict[str, float]:
+def dump_formats(scene: Scene, rounds: int) -> dict[str, float | None]:
     """Return the processor seconds of a stock run by dump format."""
-    taken: dict[str, list[float]] = {"text": [], "gz": [], "binary": []}
-    for _, name in in_turn(list(taken), rounds):
+
+    def timed(name: str, _: int) -> float:
         with tempfile.TemporaryDirectory() as folder:
-            taken[name].append(execute(scene, Path(folder), "stock", dump_format=name).cpu_seconds)
-    return {name: middle(values) for name, values in taken.items()}
+            return execute(scene, Path(folder), "stock", dump_format=name).cpu_seconds
+
+    return {name: middle(values) for name, values in in_turn(["text", "gz", "binary"], rounds, timed).items()}
 
 
-def bench_skips(case: Case, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
-    """Measure what each skip saves and that it changes nothing; returns the table (``bench CASE --skips``)."""
+def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
+    """Measure what each skip saves and that it changes nothing.
+
+    A row holds the time with the thing over the time without it, and the largest change of the trajectory (m or m/s);
+    None where the scene needs the thing.
+    """
     case = case.replace(kernel_changes("stock"))
-    scene = case.scene()
-    rounds = 1 if quick else 5
+    scene, rounds = case.scene(), 1 if quick else 5
     identity = f"{case.hash} {versions()} {rounds}"
-    rows: list[Row] = []
+    rows = []
     for skip in SKIPS:
-        row = store.piece(f"{skip.name} {identity}", lambda s=skip: _skip_row(scene, s, rounds), Row)
-        rows.append(row)
-        say(f"  {skip.name}: {row.verdict}")
+        rows.append(store.piece(f"{skip.name} {identity}", lambda s=skip: _row(scene, s, rounds)))
+        say(f"  {skip.name}: {rows[-1]['verdict']}")
     formats = store.piece(f"formats {identity}", lambda: dump_formats(scene, rounds))
-    store.finish(case=case.name, rows=rows, formats=formats, rounds=rounds)
-    return store.write_table(skip_table(rows, formats))
+    return {"rows": rows, "formats": formats, "rounds": rounds}
 
 
-def _skip_row(scene: Scene, skip: Skip, rounds: int) -> Row:
+def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
     plain = base_script(scene)
     edited = skip.edit(plain, scene)
-    if edited == plain:
-        return Row(skip.name)
-    taken: dict[str, list[float]] = {plain: [], edited: []}
-    for _, text in in_turn([plain, edited], rounds):
-        taken[text].append(run_script(scene, text)[1])
-    ratio = middle(with_it / without for with_it, without in zip(taken[edited], taken[plain], strict=True))
-    difference = compare_skip(scene, skip)
-    verdict = f"{percent(ratio - 1, 1, '+')} time with it, trajectory differs by {difference:.1e}"
-    return Row(skip.name, verdict, ratio, difference, skip.exact)
+    ratio = difference = None
+    verdict = "the scene needs it"
+    if edited != plain:
+        taken = in_turn([plain, edited], rounds, lambda text, _: run_script(scene, text)[1])
+        ratio = middle(with_it / without for with_it, without in zip(taken[edited], taken[plain], strict=True))
+        difference = compare_skip(scene, skip)
+        verdict = f"{percent(ratio - 1, 1, '+')} time with it, trajectory differs by {difference:.1e}"
+    return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}
 
 
-def skip_table(rows: list[Row], formats: dict[str, float]) -> str:
+def skip_page(data: Results, folder: Path) -> str:
     """Return the Markdown table."""
-    lines = []
-    for row in rows:
-        if row.ratio is None:
-            lines.append([row.name, "-", row.verdict])
+    lines, formats = [], data["formats"]
+    for row in data["rows"]:
+        if row["ratio"] is None:
+            lines.append([row["name"], "-", row["verdict"]])
             continue
-        where = "" if row.exact else f", after {EARLY_STEPS} steps"
-        same = "none, bit by bit" if row.difference == 0 else f"{row.difference:.1e}{where}"
-        lines.append([row.name, percent(row.ratio - 1, 1, "+"), same])
+        difference = inf if row["difference"] is None else row["difference"]
+        where = "" if row["exact"] else f", after {EARLY_STEPS} steps"
+        same = f"{difference:.1e}{where}" if difference else "none, bit by bit"
+        lines.append([row["name"], percent(row["ratio"] - 1, 1, "+"), same])
     for name in ("gz", "binary"):
         if formats.get("text") and formats.get(name):
             change = percent(formats[name] / formats["text"] - 1, 1, "+")

@@ -8,7 +8,7 @@ discs. The variants take turns, so that ratios hold on a busy machine.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
@@ -26,11 +26,10 @@ from lammps_jump.studies.cross_validation.trajectories import (
     trajectory,
     with_discs_of,
 )
-from lammps_jump.studies.runs import execute, kernel_changes
+from lammps_jump.studies.runs import execute, in_turn, kernel_changes, middle, versions
 from lammps_jump.studies.settings import SKINS
-from lammps_jump.studies.store import Store
+from lammps_jump.studies.store import Results, Say, Store
 from lammps_jump.studies.table import markdown
-from lammps_jump.studies.timing import in_turn, middle, versions
 
 WORK, QUICK_WORK = 6e7, 2e6
 """Disc-steps of one timed run: seconds for the slowest, so that starting LAMMPS (0.05 s) does not count."""
@@ -57,31 +56,6 @@ class Variant:
         return case.replace({**kernel_changes(self.kernel), **self.changes}).scene()
 
 
-@dataclass(frozen=True)
-class Timed:
-    """One timed run: processor seconds, disc-steps, and how it ended."""
-
-    seconds: float
-    disc_steps: float
-    status: str
-
-    @property
-    def rate(self) -> float | None:
-        """Disc-steps per second; None for a run that is not complete."""
-        return self.disc_steps / self.seconds if self.status == "complete" else None
-
-
-@dataclass(frozen=True)
-class Row:
-    """A variant: median disc-steps per second, and median, least and greatest ratio to stock within a round."""
-
-    name: str
-    rate: float | None
-    ratio: float | None
-    least: float | None
-    most: float | None
-
-
 def make_variants(kernels: Sequence[str], friction: float, diameter: float, *, skins: bool = True) -> list[Variant]:
     """Return stock first, then what else runs here; skins in diameters for the kernels of LAMMPS."""
     found = [Variant("stock", "stock")]
@@ -101,8 +75,8 @@ def started_from(developed: Scene, scene: Scene, steps: int, output_steps: int |
     return plain_scene(with_discs_of(developed, scene), steps, output_steps or steps)
 
 
-def bench_speed(case: Case, store: Store, *, quick: bool = False, say: Callable[[str], None] = print) -> str:
-    """Time every variant and return the table (``lammps-jump bench CASE --speed``).
+def time_kernels(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
+    """Time every variant, and measure how far those agree that must.
 
     Raises
     ------
@@ -120,58 +94,61 @@ def bench_speed(case: Case, store: Store, *, quick: bool = False, say: Callable[
     steps = max(100, int(work / max(discs, 1)))
     say(f"{case.name}: {discs} discs, {developed.description}; {rounds} rounds of {steps} steps")
     variants = make_variants(kernels, case.fields.contact.friction, developed.diameter, skins=not quick)
-    scenes = {v.name: started_from(developed, v.scene(case), steps) for v in variants}
+    named = {variant.name: variant for variant in variants}
+    scenes = {name: started_from(developed, variant.scene(case), steps) for name, variant in named.items()}
     identity = f"{case.hash} {steps} {versions()}"
-    taken: dict[str, list[Timed]] = {v.name: [] for v in variants}
-    for number, variant in in_turn(variants, rounds):
-        key = f"{variant.name} {number} {identity}"
-        run = store.piece(key, lambda v=variant: _timed(scenes[v.name], v.kernel), Timed)
-        taken[variant.name].append(run)
-        say(f"  {number + 1}/{rounds} {variant.name}: {run.seconds:.2f} s")
-    rows = [make_row(v.name, taken[v.name], taken["stock"]) for v in variants]
-    agreement = store.piece(f"agreement {identity}", lambda: _agreement(developed, case, variants))
-    store.finish(case=case.name, discs=discs, steps=steps, rounds=rounds, rows=rows, agreement=agreement)
-    return store.write_table(speed_table(rows, agreement))
+
+    def timed(name: str, turn: int) -> float | None:
+        rate, seconds = store.piece(f"{name} {turn} {identity}", lambda: run_rate(scenes[name], named[name].kernel))
+        say(f"  {turn + 1}/{rounds} {name}: {seconds:.2f} s")
+        return rate
+
+    rates = in_turn(list(named), rounds, timed)
+    rows = [make_row(name, found, rates["stock"]) for name, found in rates.items()]
+    agreement = store.piece(f"agreement {identity}", lambda: _agreement(developed, case, named))
+    return {"discs": discs, "steps": steps, "rounds": rounds, "rows": rows, "agreement": agreement}
 
 
-def _timed(scene: Scene, kernel: str) -> Timed:
+def run_rate(scene: Scene, kernel: str) -> tuple[float | None, float]:
+    """Return disc-steps per second, None for a run that is not complete, and the processor seconds of a run."""
     with tempfile.TemporaryDirectory() as folder:
         result = execute(scene, Path(folder), kernel)
-    return Timed(result.cpu_seconds, result.disc_steps, result.status)
+    return result.disc_steps / result.cpu_seconds if result.status == "complete" else None, result.cpu_seconds
 
 
-def make_row(name: str, runs: list[Timed], stock: list[Timed]) -> Row:
-    """Return the medians of a variant; a run that failed counts nowhere."""
-    ratios = [run.rate / base.rate for run, base in zip(runs, stock, strict=True) if run.rate and base.rate]
+def make_row(name: str, rates: Sequence[float | None], stock: Sequence[float | None]) -> Results:
+    """Return median disc-steps per second, and median, least and greatest ratio to stock within a round.
+
+    A run that failed (None) counts nowhere.
+    """
+    ratios = [rate / base for rate, base in zip(rates, stock, strict=True) if rate and base]
     least, most = min(ratios, default=None), max(ratios, default=None)
-    return Row(name, middle(run.rate for run in runs), middle(ratios), least, most)
+    return {"name": name, "rate": middle(rates), "ratio": middle(ratios), "least": least, "most": most}
 
 
-def _agreement(developed: Scene, case: Case, variants: Sequence[Variant]) -> dict[str, float]:
+def _agreement(developed: Scene, case: Case, named: Mapping[str, Variant]) -> dict[str, float]:
     """Return the largest separation (d) over `CONTACT_STEPS`: compiled against stock, law sign against native."""
-    named = {v.name: v for v in variants}
     if "compiled" not in named:
         return {}
     short = started_from(developed, named["stock"].scene(case), CONTACT_STEPS, 100)
     part = separation(trajectory(short, "stock"), trajectory(short, "compiled"), developed.diameter)
-    whole = part.other_discs is None
-    found = {"compiled and stock": float(part.largest.max(initial=0.0)) if whole else inf}
+    found = {"compiled and stock": part.farthest}
     if "compiled, law sign" in named:
         sign = started_from(developed, named["compiled, law sign"].scene(case), CONTACT_STEPS)
         found["compiled and native, law sign"] = check_scene(sign, kernel="compiled").worst
     return found
 
 
-def speed_table(rows: list[Row], agreement: dict[str, float]) -> str:
+def speed_page(data: Results, folder: Path) -> str:
     """Return the Markdown table and a line for each agreement."""
     lines = [
-        [row.name, f"{row.rate / 1e6:.1f}", f"{row.ratio:.2f} ({row.least:.2f} to {row.most:.2f})"]
-        if row.rate is not None else [row.name, "failed", "-"]
-        for row in rows
+        [row["name"], f"{row['rate'] / 1e6:.1f}", f"{row['ratio']:.2f} ({row['least']:.2f} to {row['most']:.2f})"]
+        if row["rate"] is not None else [row["name"], "failed", "-"]
+        for row in data["rows"]
     ]  # fmt: skip
     notes = [
         f"Largest difference of positions after {CONTACT_STEPS} steps, {name}: {inf if d is None else d:.1e} d."
-        for name, d in agreement.items()
+        for name, d in data["agreement"].items()
     ]
     table = markdown(["", "M disc-steps/s", "speed against stock (range)"], "lrr", lines)
     return "\n".join([table, "", *notes]).rstrip() + "\n"

@@ -11,13 +11,16 @@ from typing import Protocol
 from lammps_jump import Case
 from lammps_jump.engines.result import Progress
 from lammps_jump.scene.scene import Scene
+from lammps_jump.studies.store import Store
 
-from .ensembles import Binning, Ensemble, Member, run_member
-from .quantities import Comparison, Quantities, Wanted, compare, measure
+from .ensembles import LABELS, member_key, perturbed, run_member
+from .quantities import Comparison, Quantities, compare
 from .statistics import FAMILY_ERROR
 from .trajectories import DeterministicCheck
 
 Say = Callable[[str], None]
+MEMBERS_FILE = "members.json"
+"""Store of finished members, each under a hash of all that it depends on."""
 
 
 class Line(Protocol):
@@ -60,7 +63,7 @@ class Study:
         Makes the progress line of a run from its end time, s; None for none.
     checks, divergence
         Disc by disc.
-    members, quantities : dict of list
+    members : dict of list of Quantities
         By ensemble.
     laws : dict of str to (text, Comparison)
     """
@@ -74,8 +77,7 @@ class Study:
     say: Say
     line: Callable[[float], Line] | None
     checks: list[DeterministicCheck] = field(default_factory=list)
-    members: dict[str, list[Member]] = field(default_factory=dict)
-    quantities: dict[str, list[Quantities]] = field(default_factory=dict)
+    members: dict[str, list[Quantities]] = field(default_factory=dict)
     laws: dict[str, tuple[str, Comparison]] = field(default_factory=dict)
 
     @property
@@ -83,31 +85,24 @@ class Study:
         """Name of the case."""
         return self.case.name
 
-    @property
-    def wanted(self) -> Wanted:
-        """Which analyses the case asks for."""
-        asked, c = self.case.fields.analysis, self.scene.coefficients
-        return Wanted(asked.front, asked.jump, c.restitution == 1.0 and not c.friction and not self.scene.inlets)
-
     def run(self, scene: Scene, kernel: str, label: str = "") -> str:
         """Run and measure an ensemble; returns its name."""
-        asked = self.case.fields.analysis
-        binning = Binning(asked.bin_width, asked.window)
-        ensemble = Ensemble(scene, kernel, self.folder / "members", binning, label)
-        members: list[Member] = []
-        line: Line | None = None
+        name, asked = label or LABELS[kernel], self.case.fields.analysis
+        store, members = Store(self.folder / MEMBERS_FILE), []
         for seed in self.seeds:
+            start, said = perturbed(scene, seed), f"{name}, member {seed}"
+            key = f"{said}, {member_key(start, kernel, asked)}"
+            known = key in store.pieces
+            line = self.line(scene.time(scene.steps)) if self.line else None
+            store.piece(key, lambda s=start, n=said, p=line: run_member(s, kernel, n, asked, self.folder, p))
             if line is not None:
                 line.finish()
-            line = self.line(scene.time(scene.steps)) if self.line else None
-            members.append(run_member(ensemble, seed, line))
-            how = f"{members[-1].result.seconds:.1f} s" if members[-1].fresh else "was there"
-            present = members[-1].result.present
-            self.say(f"{ensemble.name}, member {seed}: {how}, {present} discs in play at the end")
-        self.members[ensemble.name] = members
-        self.quantities[ensemble.name] = [measure(member, scene, self.wanted, binning) for member in members]
-        return ensemble.name
+            members.append(Quantities.from_json(store.pieces[key]))
+            how = "was there" if known else f"{members[-1].run['seconds']:.1f} s"
+            self.say(f"{said}: {how}, {members[-1].run['present']} discs in play at the end")
+        self.members[name] = members
+        return name
 
     def compare(self, one: str, two: str, label: str = "") -> Comparison:
         """Compare two ensembles; `label` is the name of the second in the result."""
-        return compare(one, self.quantities[one], label or two, self.quantities[two], FAMILY_ERROR)
+        return compare(one, self.members[one], label or two, self.members[two], FAMILY_ERROR)

@@ -3,18 +3,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from math import nan
+from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
-from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.energy import analyse_energy
+from lammps_jump.analysis.flow import Flow, from_scene
+from lammps_jump.analysis.front import FrontHistory
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.summary import summarise_jump
+from lammps_jump.case.fields import Analysis
+from lammps_jump.dump.find import ForceHistory
+from lammps_jump.engines.result import RunResult
 from lammps_jump.scene.scene import Scene
+from lammps_jump.studies.measure import observe
 
-from .ensembles import Binning, Member
 from .statistics import Band, Difference, block_means, compare_curves, holm, welch
 
 TIME_BLOCKS = 12
@@ -26,22 +33,28 @@ FORCE_MEAN = 0.1
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """Which analyses make sense for a case."""
-
-    front: bool
-    jump: bool
-    conservative: bool
-
-
-@dataclass(frozen=True)
 class Curve:
     """Curve of one member; `axis` is 'x' (m) or 't' (s)."""
 
     axis: str
-    at: np.ndarray
-    values: np.ndarray
+    at: Sequence[float]
+    values: Sequence[float]
     unit: str
+
+
+RUN_NUMBERS = (
+    "engine", "kernel", "steps", "disc_steps", "seconds", "inserted", "present", "removed", "lost", "ledger",
+)  # fmt: skip
+"""What is kept of an engine's `RunResult`."""
+JUMP_NUMBERS = (
+    ("speed", "shock speed", "m/s"),
+    ("y1", "depth before the jump", "m"),
+    ("y2", "sequent depth", "m"),
+    ("sequent_ratio", "sequent depth ratio", "1"),
+    ("froude", "Froude number in the shock's frame", "1"),
+    ("toe", "jump toe at the end", "m"),
+    ("length", "jump length", "m"),
+)
 
 
 @dataclass(frozen=True)
@@ -54,116 +67,104 @@ class Quantities:
     curves : dict of str to Curve
     verdict : str
         Of the jump analysis; empty where none was asked for.
+    run : dict
+        `RUN_NUMBERS` of the run.
     """
 
-    scalars: dict[str, tuple[float, str]]
+    scalars: dict[str, tuple[float | None, str]]
     curves: dict[str, Curve]
     verdict: str = ""
+    run: dict = field(default_factory=dict)
+
+    @classmethod
+    def from_json(cls, stored: dict) -> Quantities:
+        """Return the quantities that a store holds; None stands for NaN."""
+        return cls(**{**stored, "curves": {name: Curve(**curve) for name, curve in stored["curves"].items()}})
 
 
-def measure(member: Member, scene: Scene, wanted: Wanted, binning: Binning) -> Quantities:
-    """Return all numbers and curves of one member that are compared."""
-    profiles, series = member.profiles, member.series
-    scalars: dict[str, tuple[float, str]] = {}
-    curves: dict[str, Curve] = {}
-    time = series["time"]
-    run = time >= 0
-    x = profiles["x"].values
-    group = max(1, -(-len(x) // MOST_BINS))
+def measure(folder: Path, scene: Scene, asked: Analysis, result: RunResult) -> Quantities:
+    """Return all numbers and curves that are compared of a finished run."""
+    flow = from_scene(scene, bin_width=asked.bin_width, window=asked.window)
+    seen = observe(folder, flow)
+    profiles, energy = seen.profiles, seen.energy
+    moved, open_ = energy.kinetic + energy.rotational, bool(scene.inlets or scene.pours or scene.outlets)
+    run, coefficients = energy.time >= 0, scene.coefficients
+    found = Quantities({}, {}, run={name: getattr(result, name) for name in RUN_NUMBERS})
+    scalars, curves = found.scalars, found.curves
+    blocks = -(-profiles.sizes["x"] // max(1, -(-profiles.sizes["x"] // MOST_BINS)))
     for name, unit in (("mass_depth", "m"), ("surface_depth", "m"), ("velocity", "m/s"), ("discharge", "m2/s")):
-        values = profiles[f"{name}_mean"].values
-        blocks = -(-len(x) // group)
-        curves[f"{name} profile"] = Curve("x", block_means(x, blocks), block_means(values, blocks), unit)
-    for name, unit in (("discs", "1"), ("kinetic", "J/m"), ("gravitational", "J/m")):
-        if (name == "gravitational" and not any(scene.gravity)) or (name == "discs" and not _open(scene)):
-            continue
-        curves[f"{name} history"] = _history(time[run], series[name][run].astype(float), unit)
-    total = series["kinetic"] + series["gravitational"] + series["elastic"]
-    scalars["kinetic energy, mean"] = float(np.mean(series["kinetic"][run])), "J/m"
-    scalars["energy at the end"] = float(total[-1]), "J/m"
-    if wanted.conservative:
-        scalars["energy, largest deviation"] = float(np.max(np.abs(total - total[0])) / abs(total[0])), "1"
-    if _open(scene):
-        scalars["discs in play, mean"] = float(series["discs"][run].mean()), "1"
+        at, values = (block_means(profiles[part].values, blocks) for part in ("x", f"{name}_mean"))
+        curves[f"{name} profile"] = Curve("x", at, values, unit)
+    histories = {"discs": (energy.discs, "1")} if open_ else {}
+    histories |= {"kinetic": (moved, "J/m")}
+    histories |= {"gravitational": (energy.potential, "J/m")} if any(scene.gravity) else {}
+    for name, (values, unit) in histories.items():
+        curves[f"{name} history"] = _history(energy.time[run], values[run].astype(float), unit)
+    scalars["kinetic energy, mean"] = float(np.mean(moved[run])), "J/m"
+    scalars["energy at the end"] = float(energy.total[-1]), "J/m"
+    if coefficients.restitution == 1.0 and not coefficients.friction and not scene.inlets:
+        scalars["energy, largest deviation"] = analyse_energy(energy, flow).max_deviation, "1"
+    if open_:
+        scalars["discs in play, mean"] = float(energy.discs[run].mean()), "1"
     if scene.inlets or scene.pours:
-        scalars["discs inserted"] = float(member.result.inserted), "1"
+        scalars["discs inserted"] = float(result.inserted), "1"
     if scene.outlets:
-        scalars["discs removed"] = float(member.result.removed), "1"
+        scalars["discs removed"] = float(result.removed), "1"
     wet = profiles["mass_depth_mean"].values > 0.5 * scene.diameter
     if wet.any():
         scalars["depth, mean over wet bins"] = float(profiles["mass_depth_mean"].values[wet].mean()), "m"
-    if wet.any() and _open(scene):
+    if wet.any() and open_:
         scalars["discharge, mean over wet bins"] = float(profiles["discharge_mean"].values[wet].mean()), "m2/s"
-    if wanted.front:
-        _front(member, time, run, scalars, curves)
-    for name, table in member.forces.items():
-        _force(name, table, scalars, curves)
-    verdict = _jump(member, scene, binning, scalars, curves) if wanted.jump else ""
-    return Quantities(scalars, curves, verdict)
-
-
-def _open(scene: Scene) -> bool:
-    return bool(scene.inlets or scene.pours or scene.outlets)
+    if asked.front:
+        _front(seen.front, found)
+    for name, force in seen.forces.items():
+        _force(name, force, found)
+    return replace(found, verdict=_jump(profiles, flow, found)) if asked.jump else found
 
 
 def _history(time: np.ndarray, values: np.ndarray, unit: str) -> Curve:
     return Curve("t", block_means(time, TIME_BLOCKS), block_means(values, TIME_BLOCKS), unit)
 
 
-def _front(member: Member, time: np.ndarray, run: np.ndarray, scalars: dict, curves: dict) -> None:
-    for name, label in (("front", "front"), ("front_99", "99 % front")):
-        values = member.series[name]
-        curves[f"{label} history"] = _history(time[run], values[run], "m")
-        for share in (0.25, 0.5, 1.0):
-            moment = share * time[-1]
-            scalars[f"{label} at t = {moment:.3g} s"] = float(np.interp(moment, time[run], values[run])), "m"
+def _front(front: FrontHistory, found: Quantities) -> None:
+    run, end = front.time >= 0, front.time[-1]
+    for label, places in (("front", front.bulk), ("99 % front", front.quantile)):
+        time, values = front.time[run], places[run] + front.back
+        found.curves[f"{label} history"] = _history(time, values, "m")
+        for moment in (0.25 * end, 0.5 * end, end):
+            found.scalars[f"{label} at t = {moment:.3g} s"] = float(np.interp(moment, time, values)), "m"
 
 
-def _force(name: str, table: np.ndarray, scalars: dict, curves: dict) -> None:
-    time, fx, fy, _ = table.T
-    if len(time) < 3:
+def _force(name: str, force: ForceHistory, found: Quantities) -> None:
+    if len(force.time) < 3:
         return
-    step = float(np.median(np.diff(time)))
-    run = time > 0
-    scalars[f"impulse on {name}, x"] = float(fx[run].sum() * step), "N s/m"
-    scalars[f"impulse on {name}, y"] = float(fy[run].sum() * step), "N s/m"
+    step, run = float(np.median(np.diff(force.time))), force.time > 0
+    time, fx, fy = force.time[run], force.fx[run], force.fy[run]
+    found.scalars[f"impulse on {name}, x"] = float(fx.sum() * step), "N s/m"
+    found.scalars[f"impulse on {name}, y"] = float(fy.sum() * step), "N s/m"
     width = max(1, round(FORCE_MEAN / step))
-    if run.sum() > width:
-        smooth = np.convolve(fx[run], np.full(width, 1.0 / width), mode="valid")
-        scalars[f"largest force on {name}, x"] = float(smooth[np.argmax(np.abs(smooth))]), "N/m"
-    curves[f"force on {name}, x"] = _history(time[run], fx[run], "N/m")
+    if len(fx) > width:
+        smooth = np.convolve(fx, np.full(width, 1.0 / width), mode="valid")
+        found.scalars[f"largest force on {name}, x"] = float(smooth[np.argmax(np.abs(smooth))]), "N/m"
+    found.curves[f"force on {name}, x"] = _history(time, fx, "N/m")
 
 
-def _jump(member: Member, scene: Scene, binning: Binning, scalars: dict, curves: dict) -> str:
-    found = analyse_jump(member.profiles, from_scene(scene, bin_width=binning.bin_width, window=binning.window))
-    numbers = summarise_jump(found)
-    names = (
-        ("speed", "shock speed", "m/s"),
-        ("y1", "depth before the jump", "m"),
-        ("y2", "sequent depth", "m"),
-        ("sequent_ratio", "sequent depth ratio", "1"),
-        ("froude", "Froude number in the shock's frame", "1"),
-        ("toe", "jump toe at the end", "m"),
-        ("length", "jump length", "m"),
-    )
-    for key, label, unit in names:
-        scalars[label] = float(getattr(numbers, key)), unit
-    if found.track is not None:
-        sign, track = found.direction, found.track
-        if track.found.sum() >= TIME_BLOCKS:
-            curves["jump toe history"] = _toe(track.time, sign * track.toe)
-    return found.verdict
+def _jump(profiles: xr.Dataset, flow: Flow, found: Quantities) -> str:
+    """Put the numbers of a jump into `found`; returns the verdict."""
+    jump = analyse_jump(profiles, flow)
+    numbers = summarise_jump(jump)
+    found.scalars.update({label: (float(getattr(numbers, key)), unit) for key, label, unit in JUMP_NUMBERS})
+    if jump.track is not None and jump.track.found.sum() >= TIME_BLOCKS:
+        found.curves["jump toe history"] = _toe(jump.track.time, jump.direction * jump.track.toe)
+    return jump.verdict
 
 
 def _toe(time: np.ndarray, toe: np.ndarray) -> Curve:
     """Return the toe by parts of the run; NaN for a part in which fewer than half of the frames have a jump."""
-    cuts = np.linspace(0, len(time), TIME_BLOCKS + 1).astype(int)
-    at, values = [], []
-    for a, b in pairwise(cuts):
-        good = np.isfinite(toe[a:b])
-        at.append(time[a:b].mean())
-        values.append(toe[a:b][good].mean() if good.sum() >= 0.5 * (b - a) else nan)
-    return Curve("t", np.array(at), np.array(values), "m")
+    cuts = np.linspace(0, len(time), TIME_BLOCKS + 1).astype(int)[1:-1]
+    parts = [(part, part[np.isfinite(part)]) for part in np.split(toe, cuts)]
+    values = [known.mean() if len(known) >= 0.5 * len(part) else nan for part, known in parts]
+    return Curve("t", [part.mean() for part in np.split(time, cuts)], values, "m")
 
 
 @dataclass(frozen=True)
@@ -239,15 +240,17 @@ def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantitie
     bands: dict[str, tuple[Curve, Band]] = {}
     for name in _common(one, two, "scalars"):
         unit = one[0].scalars[name][1]
-        values = [np.array([m.scalars[name][0] for m in side]) for side in (one, two)]
+        values = [np.array([m.scalars[name][0] for m in side], float) for side in (one, two)]
         if not any(np.any(side != 0.0) for side in values):  # nothing happened in either: nothing to compare
             continue
         found = welch(*values)
         drafts.append(Verdict(name, unit, "scalar", found, "", found.p))
     for name in _common(one, two, "curves"):
         curve = one[0].curves[name]
-        tables = [np.array([m.curves[name].values for m in side]) for side in (one, two)]
-        if len({table.shape[1] for table in tables}) > 1 or not any(np.nan_to_num(table).any() for table in tables):
+        if len({len(member.curves[name].values) for member in (*one, *two)}) > 1:
+            continue
+        tables = [np.array([m.curves[name].values for m in side], float) for side in (one, two)]
+        if not any(np.nan_to_num(table).any() for table in tables):
             continue
         band = compare_curves(*tables)
         bands[name] = (curve, band)

@@ -34,6 +34,10 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
     """
     passed = found.agrees and all(check.passed for check in study.checks)
     laws = {label: {"what": text, **_comparison(law)} for label, (text, law) in study.laws.items()}
+    runs = {
+        label: [{"seed": seed, **member.run} for seed, member in zip(study.seeds, group, strict=True)]
+        for label, group in study.members.items()
+    }
     return plain({
         "name": study.name,
         "passed": passed and all(item.met is not False for item in criteria),
@@ -52,7 +56,7 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
         "statistics": _comparison(found),
         "criteria": criteria,
         "laws": laws,
-        "runs": {label: [member.result for member in group] for label, group in study.members.items()},
+        "runs": runs,
     })  # fmt: skip
 
 

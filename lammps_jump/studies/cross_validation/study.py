@@ -194,7 +194,7 @@ def criteria(study: Study, found: Comparison) -> list[Criterion]:
     rows: list[Criterion] = []
     for name, limit in (("sequent depth", SEQUENT_LIMIT), ("shock speed", SPEED_LIMIT)):
         verdict = found.find(name)
-        if verdict is None or not study.wanted.jump:
+        if verdict is None or not study.case.fields.analysis.jump:
             continue
         d = verdict.difference
         share = abs(d.difference / d.mean_1) if isfinite(d.difference) and d.mean_1 else nan

@@ -57,6 +57,11 @@ class Separation:
     worst: np.ndarray
     other_discs: int | None
 
+    @property
+    def farthest(self) -> float:
+        """Largest separation of all frames, diameters; infinite where the discs differ."""
+        return float(self.largest.max(initial=0.0)) if self.other_discs is None else inf
+
 
 @dataclass(frozen=True)
 class Growth:
@@ -219,8 +224,7 @@ class DeterministicCheck:
 def twin_separation(scene: Scene, twin: Scene, steps: int, output_steps: int = 10) -> float:
     """Return the largest separation (d) of two native runs of a scene and its twin; infinite where the discs differ."""
     runs = [trajectory(plain_scene(one, steps, output_steps), "native") for one in (scene, twin)]
-    part = separation(*runs, scene.diameter)
-    return float(part.largest.max(initial=0.0)) if part.other_discs is None else inf
+    return separation(*runs, scene.diameter).farthest
 
 
 def plain_scene(scene: Scene, steps: int, output_steps: int) -> Scene:

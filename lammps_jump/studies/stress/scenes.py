@@ -19,6 +19,7 @@ import numpy as np
 from lammps_jump import load_case
 from lammps_jump.analysis.energy import EnergyLedger
 from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.passes import feed
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.result import RunResult
@@ -26,7 +27,6 @@ from lammps_jump.errors import DumpError, JumpError, SetupError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Box
-from lammps_jump.studies.measure import history
 from lammps_jump.studies.runs import execute, kernel_changes
 
 GOOD = ("stable", "refused", "stopped")
@@ -257,7 +257,10 @@ def energy_gain(folder: Path, scene: Scene) -> float:
     if scene.inlets or scene.outlets or scene.pours or not len(scene.positions):
         return nan
     flow = from_scene(scene)
-    energy = history(EnergyLedger(flow), read_dump(folder), flow)
+    ledger = EnergyLedger(flow)
+    for _ in feed(read_dump(folder), flow, [ledger]):
+        pass
+    energy = ledger.result()
     elastic = 0.0 if energy.elastic is None else energy.elastic[0]
     moved = energy.kinetic[0] + elastic + float(np.ptp(energy.potential))
     return float((energy.total - energy.total[0]).max() / moved) if moved > 0 else 0.0
