@@ -20,7 +20,7 @@ from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.case import CaseFields
 from lammps_jump.dump.find import ForceHistory, read_dump, read_forces
-from lammps_jump.errors import DumpError, JumpError, RunInterrupted
+from lammps_jump.errors import DumpError, JumpError
 from lammps_jump.files import plain
 from lammps_jump.scene.scene import Scene
 from lammps_jump.units import as_summary
@@ -115,8 +115,6 @@ def run_setting(case: Case, setting: Setting, member: int) -> Measured:
         return Measured("refused", str(error))
     with tempfile.TemporaryDirectory() as folder:
         result = execute(scene, Path(folder), setting.kernel, ranks=setting.ranks)
-        if result.status == "interrupted":  # no result to be stored: the study ends here
-            raise RunInterrupted("the study was ended; what it had is kept, and the same command continues from there")
         measures: dict[str, Measure] = {}
         message = result.message
         if result.status == "complete":

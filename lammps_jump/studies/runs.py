@@ -15,6 +15,7 @@ from lammps_jump.engines import Setting, plugin, run
 from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import ProgressCallback, RunResult
+from lammps_jump.errors import RunInterrupted
 from lammps_jump.scene.scene import Scene
 
 KERNELS = ("stock", "compiled", "native")
@@ -67,14 +68,23 @@ def execute(
     Returns
     -------
     RunResult
-        Its times cover the engine alone, without compiling anything.
+        Complete or failed. Its times cover the engine alone, without compiling anything.
+
+    Raises
+    ------
+    RunInterrupted
+        The user ended the run.
     """
     if kernel == "native":
         warm_up(scene)
-        return run_native(scene, folder, dump_format=dump_format, progress=progress)
-    library = plugin.plugin_path() if kernel == "compiled" else None
-    setting = Setting(kernel=kernel, ranks=ranks, plugin=library, dump_format=dump_format, script=script)
-    return run(scene, folder, setting, progress=progress)
+        result = run_native(scene, folder, dump_format=dump_format, progress=progress)
+    else:
+        library = plugin.plugin_path() if kernel == "compiled" else None
+        setting = Setting(kernel=kernel, ranks=ranks, plugin=library, dump_format=dump_format, script=script)
+        result = run(scene, folder, setting, progress=progress)
+    if result.status == "interrupted":  # no result to be stored: the study ends here
+        raise RunInterrupted("the study was ended; what it had is kept, and the same command continues from there")
+    return result
 
 
 _WARM: set[tuple[object, ...]] = set()

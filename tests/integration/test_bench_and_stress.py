@@ -84,7 +84,7 @@ def test_stress_quick(tmp_path):
     packings = [row for row in rows if row["engine"] == "stock" and row["arrangement"] in ("square", "hexagonal")]
     assert packings and all(abs(row["deviation"]) < 0.03 for row in packings)
     assert study.random_scenes(3, 40)["bad"] == []
-    assert all(bed.right for bed in study.beds(5000))
+    assert all(bed["right"] for bed in study.beds(5000))
 
 
 def test_sensitivity_and_calibration_smoke(tmp_path):

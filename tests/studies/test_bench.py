@@ -10,7 +10,7 @@ import pytest
 
 from lammps_jump import load_case
 from lammps_jump.errors import CaseError, RunInterrupted
-from lammps_jump.studies import measure
+from lammps_jump.studies import measure, runs
 from lammps_jump.studies.bench import errors as bench_errors
 from lammps_jump.studies.bench import table as bench_table
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
@@ -162,7 +162,7 @@ def test_an_interrupted_run_ends_the_study_and_is_not_stored(tmp_path, monkeypat
         "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
     )
     ended = SimpleNamespace(status="interrupted", message="ended")
-    monkeypatch.setattr(measure, "execute", lambda *_, **__: ended)
+    monkeypatch.setattr(runs, "run_native", lambda *_, **__: ended)
     store = Store(tmp_path / "bench.json")
     with pytest.raises(RunInterrupted, match="continues from there"):
         store.piece("a", lambda: measure.run_setting(load_case(path), Setting("native", 0.05), 0))

@@ -3,7 +3,6 @@
 
 import os
 import signal
-from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -20,8 +19,8 @@ NATIVE = ("native velocity_verlet", "native leapfrog_extrapolated")
 def test_limits_within_three_per_cent(arrangement, engine):
     found = stress_limits.measure_limit(arrangement, engine, 0.2, steps=2000, side=12, tolerance=0.01)
     # 3 % is promised: 12 discs a side take 1 % off the closed form, the bracket another 0.5 %
-    assert abs(found.deviation) < 0.03
-    assert found.stable < found.unstable
+    assert abs(found["deviation"]) < 0.03
+    assert found["stable"] < found["unstable"]
 
 
 def test_bisection_closes_in_from_a_wrong_guess():
@@ -117,7 +116,9 @@ def test_worker_survives_hang_crash_and_bug():
         assert worker.call(dict, answer, timeout=600) == {"outcome": "stable"}
 
 
-def test_limit_reports_its_deviation():
-    limit = stress_limits.Limit("pair", "stock", 0.2, 0.0, False, 0.5, 0.5, 0.51)
-    assert limit.deviation == pytest.approx(0.01)
-    assert replace(limit, predicted=0.505).deviation == pytest.approx(0.0)
+def test_limit_reports_its_deviation(monkeypatch):
+    monkeypatch.setattr(stress_limits, "predicted_limit", lambda *_: 0.5)
+    monkeypatch.setattr(stress_limits, "growth", lambda scene, engine, steps: 0.0)
+    monkeypatch.setattr(stress_limits, "bisect", lambda *_: (0.5, 0.51))
+    limit = stress_limits.measure_limit("pair", "stock", 0.2)
+    assert limit["measured"] == pytest.approx(0.505) and limit["deviation"] == pytest.approx(0.01)

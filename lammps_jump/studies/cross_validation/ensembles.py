@@ -20,7 +20,7 @@ from lammps_jump.engines import native
 from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.engines.plugin.build import plugin_path
 from lammps_jump.engines.result import ProgressCallback
-from lammps_jump.errors import RunError, RunInterrupted
+from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import data_text, script_text
 from lammps_jump.studies.runs import execute
@@ -98,8 +98,6 @@ def run_member(
     """
     with tempfile.TemporaryDirectory(prefix="running-", dir=folder) as work:
         result = execute(start, Path(work), kernel, dump_format="binary", progress=line)
-        if result.status == "interrupted":
-            raise RunInterrupted(f"ended in {name}; finished members are kept in {folder}: the same command continues")
         if result.status != "complete":
             raise RunError(f"{name}: {result.message}")
         return measure(Path(work), start, asked, result)

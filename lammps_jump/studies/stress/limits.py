@@ -11,17 +11,17 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from math import inf, isfinite, sqrt
 from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.find import read_dump
 from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.errors import RunError, SetupError
+from lammps_jump.errors import SetupError
 from lammps_jump.physics import contact
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Scene
@@ -29,6 +29,7 @@ from lammps_jump.scene.walls import Box, Plane
 from lammps_jump.script import stock
 from lammps_jump.script.stock import number
 from lammps_jump.studies.runs import execute
+from lammps_jump.studies.store import Results
 
 DIAMETER, DENSITY, STIFFNESS = 0.2, 1000.0, 2.56e7
 MASS = contact.disc_mass(DENSITY, DIAMETER)
@@ -45,41 +46,6 @@ ENGINES = {
 }  # fmt: skip
 """Kernel of each engine that is tried."""
 ARRANGEMENTS = ("pair", "wall", "square", "hexagonal", "column")
-
-
-@dataclass(frozen=True)
-class Limit:
-    """A measured limit of the time-step fraction.
-
-    Attributes
-    ----------
-    arrangement, engine : str
-    restitution, friction : float
-    rotation : bool
-    predicted : float
-        Closed form, docs/theory.md (for the column: that of a hexagonal packing, a lower bound).
-    stable, unstable : float
-        Largest fraction seen stable, smallest seen unstable.
-    """
-
-    arrangement: str
-    engine: str
-    restitution: float
-    friction: float
-    rotation: bool
-    predicted: float
-    stable: float
-    unstable: float
-
-    @property
-    def measured(self) -> float:
-        """Middle of the bracket."""
-        return 0.5 * (self.stable + self.unstable)
-
-    @property
-    def deviation(self) -> float:
-        """Measured over predicted, minus 1."""
-        return self.measured / self.predicted - 1.0
 
 
 def integrator_of(engine: str) -> str:
@@ -187,38 +153,13 @@ def growth(scene: Scene, engine: str, steps: int) -> float:
 
     The last value would not do: discs that have blown up fly apart, and their dashpots may calm them again.
     """
-    start = float((scene.velocities**2).sum())
     every = max(1, steps // LOOKS)
     scene = replace(scene, steps=LOOKS * every, output_steps=every)
-    try:
-        squares = _native(scene) if ENGINES[engine] == "native" else _lammps(scene, engine)
-    except RunError:
-        return inf
-    return max(squares) / start if all(map(isfinite, squares)) else inf
-
-
-def _square_sum(*velocities: np.ndarray) -> float:
-    with np.errstate(over="ignore", invalid="ignore"):
-        return float(sum((part**2).sum() for part in velocities))
-
-
-def _native(scene: Scene) -> list[float]:
-    simulation = NativeSimulation(scene, ledger=False)
-    squares = []
-    for _ in range(LOOKS):
-        with np.errstate(over="ignore", invalid="ignore"):
-            simulation.run(scene.output_steps)
-            squares.append(_square_sum(simulation.velocities))
-    return squares
-
-
-def _lammps(scene: Scene, kernel: str) -> list[float]:
-    with tempfile.TemporaryDirectory() as folder:
-        result = execute(scene, Path(folder), kernel)
-        if result.status != "complete":
-            raise RunError(result.message)
-        frames = list(open_dump(Path(folder) / "dump.lammpstrj"))[1:]
-        return [_square_sum(frame.vx, frame.vy) for frame in frames]
+    with tempfile.TemporaryDirectory() as folder, np.errstate(over="ignore", invalid="ignore"):
+        if execute(scene, Path(folder), ENGINES[engine], dump_format="binary").status != "complete":
+            return inf
+        start, *later = [float((frame.vx**2).sum() + (frame.vy**2).sum()) for frame in read_dump(Path(folder))]
+    return max(later) / start if all(map(isfinite, later)) else inf
 
 
 def bisect(stable: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
@@ -247,8 +188,16 @@ def measure_limit(
     steps: int = 4000,
     side: int = 16,
     tolerance: float = 0.005,
-) -> Limit:
-    """Find the largest stable step of one arrangement on one engine by bisection."""
+) -> Results:
+    """Find the largest stable step of one arrangement on one engine by bisection.
+
+    Returns
+    -------
+    dict
+        The arguments, and as time-step fractions: ``predicted`` by closed form (docs/theory.md; for the column that of
+        a hexagonal packing, a lower bound), ``stable``, the largest seen stable, ``unstable``, the smallest seen
+        unstable, ``measured``, their middle, and ``deviation``, measured over predicted less 1.
+    """
     integrator = integrator_of(engine)
     predicted = predicted_limit(arrangement, restitution, integrator)
 
@@ -258,7 +207,12 @@ def measure_limit(
         return growth(scene, engine, steps) < (BLOW_UP if friction or arrangement == "column" else GROWTH)
 
     low, high = bisect(stable, 0.96 * predicted, 1.04 * predicted, tolerance)
-    return Limit(arrangement, engine, restitution, friction, rotation, predicted, low, high)
+    middle = 0.5 * (low + high)
+    return {
+        "arrangement": arrangement, "engine": engine, "restitution": restitution, "friction": friction,
+        "rotation": rotation, "predicted": predicted, "stable": low, "unstable": high, "measured": middle,
+        "deviation": middle / predicted - 1.0,
+    }  # fmt: skip
 
 
 def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> float:

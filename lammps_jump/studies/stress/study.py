@@ -4,17 +4,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
 from pathlib import Path
 
 from lammps_jump.engines import usable_kernels
-from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
-from lammps_jump.studies.store import Store
+from lammps_jump.studies.store import Results, Say, Store
 
-from .bed import Bed, resting_bed
+from .bed import resting_bed
 from .limits import ARRANGEMENTS, ENGINES, integrator_of, measure_limit, periodic_hexagonal
 from .report import draw_map, report
 from .scenes import BYPASSED, ENGINE_CHANGES, GOOD, hard_scenes, judge, judge_bypassed, random_case
@@ -42,7 +42,7 @@ class Stress:
 
     store: Store
     kernels: list[str]
-    say: Callable[[str], None]
+    say: Say
     quick: bool = False
     long: bool = False
 
@@ -56,76 +56,59 @@ class Stress:
         """Engines of `scenes.ENGINE_CHANGES` that run here."""
         return [engine for engine in ENGINE_CHANGES if engine.startswith("native") or engine in self.kernels]
 
-    def limits(self) -> list[dict]:
+    def limits(self) -> list[Results]:
         """Measure limits for arrangements, restitutions, friction and spin on each engine."""
         size = {"steps": 2000, "side": 12, "tolerance": 0.01} if self.quick else {}
         rows = []
-        for option in limit_options(self.quick):
-            for engine in self.engines:
-
-                def make(option=option, engine=engine) -> dict:
-                    limit = measure_limit(engine=engine, **option, **size)
-                    return asdict(limit) | {"measured": limit.measured, "deviation": limit.deviation}
-
-                key = f"limit {sorted(option.items())} {engine} {sorted(size.items())}"
-                rows.append(self.store.piece(key, make))
-                self.say("  " + describe_limit(rows[-1]))
+        for option, engine in product(limit_options(self.quick), self.engines):
+            key = f"limit {sorted(option.items())} {engine} {sorted(size.items())}"
+            rows.append(self.store.piece(key, partial(measure_limit, engine=engine, **option, **size)))
+            self.say("  " + describe_limit(rows[-1]))
         return rows
 
-    def periodic(self) -> list[dict]:
+    def periodic(self) -> list[Results]:
         """Bracket the closed form on a periodic crystal of stock LAMMPS: 0.280 is stable, 0.285 is not (e = 0.2)."""
         points = [(0.2, 0.28), (0.2, 0.285)]
         points = points if self.quick else [(0.2, 0.275), *points, (1.0, 0.575), (1.0, 0.58)]
         rows = []
         for e, f in points if "stock" in self.kernels else []:
-            key = f"periodic {e} {f}"
-            value = self.store.piece(key, lambda e=e, f=f: {"growth": min(periodic_hexagonal(e, f), 1e300)})["growth"]
+            value = self.store.piece(f"periodic {e} {f}", partial(crystal_growth, e, f))["growth"]
             rows.append({"restitution": e, "fraction": f, "growth": value, "stable": value < 1.0})
             self.say(f"  periodic crystal, e = {e:g}, f = {f:g}: kinetic energy x {value:.3g} in 20,000 steps")
         return rows
 
-    def growth_per_contact(self) -> list[dict]:
+    def growth_per_contact(self) -> list[Results]:
         """Measure the relative change of energy of one elastic collision below the limit, over entry phases."""
-        rows = []
-        for engine in self.engines:
-            for fraction in (0.05, 0.2) if self.quick else (0.01, 0.05, 0.1, 0.2, 0.4):
+        fractions = (0.05, 0.2) if self.quick else (0.01, 0.05, 0.1, 0.2, 0.4)
+        return [
+            {"engine": engine, "fraction": f} | self.store.piece(f"growth {engine} {f}", partial(gain, engine, f))
+            for engine, f in product(self.engines, fractions)
+        ]
 
-                def make(fraction=fraction, engine=engine) -> dict[str, float]:
-                    scene = collision_scene(fraction, 1.0, integrator=integrator_of(engine))
-                    gain = measure_collisions(scene, ENGINES[engine])["restitution"] ** 2 - 1.0
-                    return {"mean": float(gain.mean()), "scatter": float(gain.std())}
-
-                found = self.store.piece(f"growth {engine} {fraction}", make)
-                rows.append({"engine": engine, "fraction": fraction, **found})
-        return rows
-
-    def scenes(self) -> list[dict]:
+    def scenes(self) -> list[Results]:
         """Run every hard scene on every engine, in a process of its own."""
+        few = ("ks 2, e 0.01, spin", "ks 0.5, e 0.5")
+        points = [
+            (name, f"scene {name} {{}} {longer}", right, judge, case, 10 * TIMEOUT if longer else TIMEOUT)
+            for name, (case, right) in hard_scenes(self.long).items()
+            for longer in (self.long and name == "inlet drowned",)
+            if not (self.quick and name.startswith("ks") and name not in few)
+        ]
+        points += [
+            (name, f"bypassed {name} {{}}", ("stopped",), judge_bypassed, start, TIMEOUT)
+            for name, start in BYPASSED.items()
+        ]
         rows = []
         with Worker() as worker:
-            for name, (case, right) in hard_scenes(self.long).items():
-                if self.quick and name.startswith("ks") and name not in ("ks 2, e 0.01, spin", "ks 0.5, e 0.5"):
-                    continue
-                longer = self.long and name == "inlet drowned"
-                key, patience = f"scene {{}} {{}} {longer}", 10 if longer else 1
-                rows += self._judged(name, key, right, worker, judge, case, patience)
-            for name, start in BYPASSED.items():
-                rows += self._judged(name, "bypassed {} {}", ("stopped",), worker, judge_bypassed, start)
-        return rows
-
-    def _judged(self, name: str, key: str, right, worker: Worker, function, case, patience: int = 1) -> list[dict]:
-        """Judge one scene on every engine."""
-        rows = []
-        for engine in self.scene_engines:
-            found = self.store.piece(
-                key.format(name, engine),
-                lambda e=engine: worker.call(function, case, e, timeout=patience * TIMEOUT).stored(),
-            )
-            row = {"scene": name, "engine": engine, **found, "right": found["outcome"] in right}
-            rows.append(row)
-            if not row["right"]:
-                self.say(f"  BAD: {name} ({engine}): {row['outcome']}: {row['message']}")
-        self.say(f"  {name}: " + ", ".join(sorted({row["outcome"] for row in rows})))
+            for name, key, right, function, start, patience in points:
+                for engine in self.scene_engines:
+                    run = partial(worker.call, function, start, engine, timeout=patience)
+                    found = self.store.piece(key.format(engine), lambda run=run: run().stored())
+                    rows.append({"scene": name, "engine": engine, **found, "right": found["outcome"] in right})
+                    if not rows[-1]["right"]:
+                        self.say(f"  BAD: {name} ({engine}): {found['outcome']}: {found['message']}")
+                outcomes = sorted({row["outcome"] for row in rows if row["scene"] == name})
+                self.say(f"  {name}: {', '.join(outcomes)}")
         return rows
 
     def random_scenes(self, count: int, seed: int) -> dict:
@@ -149,12 +132,12 @@ class Stress:
         self.say(f"  {count} random scenes: " + "; ".join(f"{e} {dict(t)}" for e, t in tally.items()))
         return {"count": count, "first_seed": seed, "tally": {e: dict(t) for e, t in tally.items()}, "bad": bad}
 
-    def beds(self, steps: int) -> list[Bed]:
+    def beds(self, steps: int) -> list[Results]:
         """Let a settled bed rest on every engine."""
         rows = []
         for engine in self.engines:
-            rows.append(self.store.piece(f"bed {engine} {steps}", lambda e=engine: resting_bed(e, steps), Bed))
-            self.say(f"  resting bed, {engine}, {steps} steps: {rows[-1].message}")
+            rows.append(self.store.piece(f"bed {engine} {steps}", partial(resting_bed, engine, steps)))
+            self.say(f"  resting bed, {engine}, {steps} steps: {rows[-1]['message']}")
         return rows
 
 
@@ -166,7 +149,7 @@ def stress(
     random: int | None = None,
     seed: int = 0,
     fresh: bool = False,
-    say: Callable[[str], None] = print,
+    say: Say = print,
 ) -> list[str]:
     """Do everything that `lammps-jump stress` does; returns what ended badly.
 
@@ -186,10 +169,6 @@ def stress(
         Run again what is stored.
     say : callable
     """
-    if random is not None and random < 0:
-        raise CaseError(f"--random {random}: allowed is 0 or more")
-    if seed < 0:
-        raise CaseError(f"--seed {seed}: allowed is 0 or more")
     folder = Path(out) if out else Path("runs") / "stress"
     store = Store(folder / STRESS_FILE, fresh=fresh)
     kernels, notes = usable_kernels()
@@ -202,12 +181,24 @@ def stress(
     found = [(row["scene"], row) for row in scenes if not row["right"]]
     found += [(f"random scene {row['seed']}", row) for row in drawn["bad"]]
     bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in found]
-    bad += [f"resting bed ({bed.engine}): {bed.message}" for bed in beds if not bed.right]
+    bad += [f"resting bed ({bed['engine']}): {bed['message']}" for bed in beds if not bed["right"]]
     results = {"limits": limits, "periodic": crystal, "growth": growth, "scenes": scenes, "random": drawn, "bed": beds}
     store.finish(**results, bad=bad, notes=notes)
     store.write_table(report(store.data))
     draw_map(limits, folder / "stress_map.png")
     return bad
+
+
+def crystal_growth(restitution: float, fraction: float) -> Results:
+    """Return the growth in a periodic crystal; 1e300 stands for infinity."""
+    return {"growth": min(periodic_hexagonal(restitution, fraction), 1e300)}
+
+
+def gain(engine: str, fraction: float) -> Results:
+    """Return mean and scatter over entry phases of the relative change of energy of one elastic collision."""
+    scene = collision_scene(fraction, 1.0, integrator=integrator_of(engine))
+    found = measure_collisions(scene, ENGINES[engine])["restitution"] ** 2 - 1.0
+    return {"mean": float(found.mean()), "scatter": float(found.std())}
 
 
 def limit_options(quick: bool) -> list[dict]:

@@ -6,13 +6,14 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Callable
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 
 from .scenes import Outcome
 
 
 def _serve(pipe: Connection) -> None:
-    while (task := pipe.recv()) is not None:
-        function, arguments = task
+    while True:
+        function, arguments = pipe.recv()
         try:
             pipe.send(function(*arguments))
         except Exception as error:  # any error is an outcome, and the study continues
@@ -26,30 +27,18 @@ class Worker:
     """
 
     def __init__(self) -> None:
-        self._context = multiprocessing.get_context("spawn")
-        self._process: multiprocessing.process.BaseProcess | None = None
+        self._process: BaseProcess | None = None
 
     def __enter__(self) -> Worker:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._process is None:
-            return
-        try:
-            self._pipe.send(None)
-            self._process.join(2.0)
-        except (OSError, ValueError):
-            pass
         self._end()
-
-    def _start(self) -> None:
-        self._pipe, theirs = self._context.Pipe()
-        self._process = self._context.Process(target=_serve, args=(theirs,), daemon=True)
-        self._process.start()
-        theirs.close()
 
     def _end(self) -> int | None:
         """End the process where it still runs; returns its exit status."""
+        if self._process is None:
+            return None
         process, self._process = self._process, None
         process.kill()
         process.join()
@@ -68,8 +57,12 @@ class Worker:
         timeout : float
             s of wall time.
         """
-        if self._process is None or not self._process.is_alive():
-            self._start()
+        if self._process is None:
+            context = multiprocessing.get_context("spawn")
+            self._pipe, theirs = context.Pipe()
+            self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
+            self._process.start()
+            theirs.close()
         try:
             self._pipe.send((function, arguments))
             if self._pipe.poll(timeout):
