@@ -29,18 +29,21 @@ def cross_validate(
     quiet: Quiet = False,
 ) -> None:
     """Compare LAMMPS with the native engine; exit status 1 if they differ where they must agree."""
-    agree = studies.cross_validation.run_command(
+    study = studies.cross_validation
+    report = study.cross_validate(
         case,
         out=out,
-        assignments=set_ or [],
+        assignments=set_,
         members=members,
         kernel=kernel,
         quick=quick,
-        quiet=quiet,
         line=partial(ProgressLine, quiet=quiet),
         say=sayer(quiet),
     )
-    if not agree:
+    if not quiet or not report["passed"]:
+        print(study.verdict_text(report))
+        print(f"look at {(out or study.default_folder(report['name'])) / study.REPORT_FILE}")
+    if not report["passed"]:
         raise typer.Exit(1)
 
 

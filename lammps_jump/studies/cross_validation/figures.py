@@ -91,6 +91,10 @@ def _rate(growth: Growth) -> str:
     return f" (e-fold in {1.0 / growth.rate:.3g} s)" if growth.rate > 0 else ""
 
 
+def _band(axes, at, middle: np.ndarray, half: np.ndarray, colour: str, alpha: float) -> None:
+    axes.fill_between(at, middle - half, middle + half, color=colour, alpha=alpha, lw=0)
+
+
 def curves(found: Comparison, names: list[str]) -> Figure:
     """Draw the mean of each ensemble with a band of one standard deviation, and the difference with its interval."""
     count = max(1, len(names))
@@ -105,14 +109,11 @@ def curves(found: Comparison, names: list[str]) -> Figure:
             (found.name_2, band.mean_2, band.deviation_2, GOLD, "--", 0.30),
         )
         for label, mean, spread, colour, dash, alpha in sides:
-            row[0].fill_between(
-                curve.at, scale * (mean - spread), scale * (mean + spread), color=colour, alpha=alpha, lw=0
-            )
+            _band(row[0], curve.at, scale * mean, scale * spread, colour, alpha)
             row[0].plot(curve.at, scale * mean, dash, color=colour, marker=".", ms=3, label=SHOWN.get(label, label))
         row[0].set_ylabel(LABELS.get(name, f"{name} [{unit}]"))
         row[1].axhline(0.0, color=GREY, lw=0.8)
-        low, high = band.difference - band.half_width, band.difference + band.half_width
-        row[1].fill_between(curve.at, scale * low, scale * high, color=GREY, alpha=0.35, lw=0)
+        _band(row[1], curve.at, scale * band.difference, scale * band.half_width, GREY, 0.35)
         row[1].plot(curve.at, scale * band.difference, color="#1a1a1a", lw=1.1, marker=".", ms=3)
         row[1].set_ylabel(f"difference [{unit}]")
         for part in row:
@@ -165,9 +166,7 @@ def law_profiles(laws: dict[str, Comparison]) -> Figure:
     base = next(iter(laws.values())).bands.get("mass_depth profile")
     if base is not None:
         curve, band = base
-        axes.fill_between(
-            curve.at, band.mean_1 - band.deviation_1, band.mean_1 + band.deviation_1, color=BLUE, alpha=0.2, lw=0
-        )
+        _band(axes, curve.at, band.mean_1, band.deviation_1, BLUE, 0.2)
         axes.plot(curve.at, band.mean_1, "-", color=BLUE, label="hooke, velocity Verlet, corrected")
     for (label, found), dash, colour in zip(laws.items(), dashes, colours, strict=False):
         if "mass_depth profile" in found.bands:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import nan
@@ -22,7 +23,7 @@ from lammps_jump.engines.result import RunResult
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.measure import observe
 
-from .statistics import Band, Difference, block_means, compare_curves, holm, welch
+from .statistics import Difference, block_means, compare_curves, holm, welch
 
 TIME_BLOCKS = 12
 """Series are compared by their means over this many equal parts of the run; neighbouring frames are correlated."""
@@ -221,7 +222,7 @@ class Comparison:
     name_1: str
     name_2: str
     verdicts: tuple[Verdict, ...]
-    bands: dict[str, tuple[Curve, Band]]
+    bands: dict[str, tuple[Curve, Difference]]
     verdicts_of_jump: tuple[dict[str, int], dict[str, int]]
 
     @property
@@ -237,7 +238,7 @@ class Comparison:
 def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantities], family_error: float) -> Comparison:
     """Compare each number (Welch), each curve (Welch, Bonferroni over its points), and all together (Holm)."""
     drafts: list[Verdict] = []
-    bands: dict[str, tuple[Curve, Band]] = {}
+    bands: dict[str, tuple[Curve, Difference]] = {}
     for name in _common(one, two, "scalars"):
         unit = one[0].scalars[name][1]
         values = [np.array([m.scalars[name][0] for m in side], float) for side in (one, two)]
@@ -254,28 +255,25 @@ def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantitie
             continue
         band = compare_curves(*tables)
         bands[name] = (curve, band)
-        if band.worst < 0:
+        points = int(np.isfinite(band.p).sum())
+        if not points:
             continue
-        k = band.worst
+        k = int(np.nanargmin(band.p))
         at_worst = welch(tables[0][:, k], tables[1][:, k], float(np.nanmax(np.abs(band.mean_1), initial=0.0)))
-        at_worst = replace(at_worst, half_width=float(band.half_width[k]))
+        at_worst = at_worst._replace(half_width=band.half_width[k])
         sign = "x" if curve.axis == "x" else "t"
-        place = f"{sign} = {curve.at[k]:.3g} {'m' if sign == 'x' else 's'}, worst of {band.points}"
-        drafts.append(Verdict(name, curve.unit, "curve", at_worst, place, band.p, points=band.points))
+        place = f"{sign} = {curve.at[k]:.3g} {'m' if sign == 'x' else 's'}, worst of {points}"
+        drafts.append(Verdict(name, curve.unit, "curve", at_worst, place, min(1.0, band.p[k] * points), points=points))
     adjusted = holm({draft.name: draft.p_adjusted for draft in drafts})
     verdicts = []
     for draft in drafts:
         p = adjusted[draft.name]
         word = "not comparable" if p != p else ("differ" if p < family_error else "agree")
         verdicts.append(replace(draft, p_adjusted=p, word=word))
-    return Comparison(name_1, name_2, tuple(verdicts), bands, (_count(one), _count(two)))
+    words = (dict(Counter(member.verdict for member in side if member.verdict)) for side in (one, two))
+    return Comparison(name_1, name_2, tuple(verdicts), bands, tuple(words))
 
 
 def _common(one: list[Quantities], two: list[Quantities], kind: str) -> list[str]:
     names = list(getattr(one[0], kind))
     return [name for name in names if all(name in getattr(member, kind) for member in (*one, *two))]
-
-
-def _count(members: list[Quantities]) -> dict[str, int]:
-    words = [member.verdict for member in members if member.verdict]
-    return {word: words.count(word) for word in dict.fromkeys(words)}

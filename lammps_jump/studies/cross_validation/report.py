@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
@@ -82,7 +81,7 @@ def _comparison(found: Comparison) -> dict:
             {
                 "name": v.name, "unit": v.unit, "kind": v.kind, "verdict": v.word, "text": v.text,
                 "place": v.place or None, "points": v.points or None, "p_adjusted": v.p_adjusted,
-                **asdict(v.difference),
+                **v.difference._asdict(),
             }
             for v in found.verdicts
         ],

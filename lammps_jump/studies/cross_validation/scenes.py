@@ -11,28 +11,20 @@ from lammps_jump.scene.walls import Block, Box, Plane
 
 DIAMETER = 0.2
 DOMAIN = ((-5.0, 10.0), (-5.0, 10.0))
+FLOOR = Plane("floor", "y", 0.0, "above")
 
 
 def _scene(name: str, description: str, positions, velocities, walls=(), **others) -> Scene:
-    settings = {
-        "name": name,
-        "description": description,
-        "diameter": DIAMETER,
-        "restitution": 0.5,
-        "impact_speed": 6.0,
-        "domain": DOMAIN,
-        "skin": 0.3 * DIAMETER,
-        "steps": 3_000,
-        "correct_restitution": True,
-        **others,
-    }
-    return handmade_scene(positions, velocities, walls, **settings)
+    settings = {"diameter": DIAMETER, "restitution": 0.5, "impact_speed": 6.0, "domain": DOMAIN, "steps": 3_000}
+    settings |= {"skin": 0.3 * DIAMETER, "correct_restitution": True, "name": name, "description": description}
+    return handmade_scene(positions, velocities, walls, **{**settings, **others})
 
 
-def _heap(rng: np.random.Generator, columns: int, rows: int, x0: float = 0.4, y0: float = 0.11) -> np.ndarray:
-    i, j = np.meshgrid(np.arange(columns), np.arange(rows))
-    grid = np.column_stack([x0 + 0.21 * i.ravel(), y0 + 0.21 * j.ravel()])
-    return grid + rng.uniform(-0.004, 0.004, grid.shape)
+def _heap(seed: int, rows: int, x0: float = 0.4) -> np.ndarray:
+    """Return places of a heap of four columns, slightly moved by random numbers."""
+    i, j = np.meshgrid(np.arange(4), np.arange(rows))
+    grid = np.column_stack([x0 + 0.21 * i.ravel(), 0.11 + 0.21 * j.ravel()])
+    return grid + np.random.default_rng(seed).uniform(-0.004, 0.004, grid.shape)
 
 
 def pair_scene() -> Scene:
@@ -42,18 +34,13 @@ def pair_scene() -> Scene:
     along = np.column_stack([-out[:, 1], out[:, 0]])
     positions = np.vstack([[0.0, 0.0], 0.62 * out])
     velocities = np.vstack([[0.3, -0.2], -2.5 * out + 0.4 * along])
-    return _scene(
-        "pair",
-        "ring of discs thrown at one in the middle: pair contacts only",
-        positions,
-        velocities,
-        gravity=(0.0, 0.0),
-    )
+    text = "ring of discs thrown at one in the middle: pair contacts only"
+    return _scene("pair", text, positions, velocities, gravity=(0.0, 0.0))
 
 
 def wall_scene() -> Scene:
     """Return discs far from each other in a box over a plane: they bounce and rest, and never meet."""
-    walls = (Plane("floor", "y", 0.0, "above"), Box("box", (-0.3, 3.3), (-1.0, 1.2)))
+    walls = (FLOOR, Box("box", (-0.3, 3.3), (-1.0, 1.2)))
     positions = [[0.0, 0.115], [1.0, 0.2], [2.0, 0.6], [3.19, 1.0]]
     velocities = [[-1.0, 0.0], [0.0, -2.0], [0.3, 3.0], [1.0, 2.5]]
     return _scene("wall", "discs that bounce and rest on planes and box faces", positions, velocities, walls)
@@ -61,7 +48,7 @@ def wall_scene() -> Scene:
 
 def corner_scene() -> Scene:
     """Return discs that hit the corners of a block and slide off: normals that turn."""
-    walls = (Block("step", (0.0, 1.0), (-1.0, 0.5)), Plane("floor", "y", 0.0, "above"))
+    walls = (Block("step", (0.0, 1.0), (-1.0, 0.5)), FLOOR)
     positions = [[-0.03, 0.61], [1.05, 0.62], [0.5, 0.61], [-0.8, 0.55], [1.9, 0.52]]
     velocities = [[0.0, -1.0], [-0.4, -1.5], [3.0, 0.0], [4.0, 0.4], [-5.0, 0.6]]
     return _scene("corner", "discs against the corners of a block", positions, velocities, walls)
@@ -69,10 +56,8 @@ def corner_scene() -> Scene:
 
 def _sliding_heap(name: str, text: str, seed: int, slow: float, range_: float, **contact) -> Scene:
     """Return a heap of twenty discs that slides against a step; speeds (m/s) rise from `slow` by `range_`."""
-    positions = _heap(np.random.default_rng(seed), 4, 5)
     velocities = np.column_stack([slow + range_ * np.arange(20) / 20, np.zeros(20)])
-    walls = (Plane("floor", "y", 0.0, "above"), Block("step", (2.0, 2.5), (-1.0, 0.3)))
-    return _scene(name, text, positions, velocities, walls, **contact)
+    return _scene(name, text, _heap(seed, 5), velocities, (FLOOR, Block("step", (2.0, 2.5), (-1.0, 0.3))), **contact)
 
 
 def friction_scene(law: str = "hooke") -> Scene:
@@ -89,47 +74,31 @@ def spin_scene() -> Scene:
 
 def gate_scene() -> Scene:
     """Return a column that settles behind a gate until the gate opens."""
-    rng = np.random.default_rng(9)
-    walls = (Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above"))
+    text, walls = "a column behind a gate that opens after 600 steps", (Plane("back", "x", 0.0, "above"), FLOOR)
     gates = (Gate(Plane("gate", "x", 0.86, "below"), 600),)
-    positions = _heap(rng, 4, 6, x0=0.11)
-    return _scene(
-        "gate", "a column behind a gate that opens after 600 steps", positions, np.zeros((24, 2)), walls,
-        gates=gates, settle_steps=600,
-    )  # fmt: skip
+    return _scene("gate", text, _heap(9, 6, 0.11), np.zeros((24, 2)), walls, gates=gates, settle_steps=600)
 
 
 def inlet_scene() -> Scene:
     """Return two rows of inflow over a floor into an outlet, so that discs leave while others enter."""
+    text, none = "two rows of inflow over a sill into an outlet", np.empty((0, 2))
     rows = tuple(InletRow(0.0, 0.1 + 0.2 * i, 4.0 + 0.7 * i, 0.0, 1, 260 - 35 * i, 0.999 * DIAMETER) for i in range(2))
     walls = (Block("floor", (-4.0, 3.0), (-4.0, 0.0)), Block("sill", (1.2, 1.4), (-4.0, 0.15)))
     outlets = (Outlet("x", 1.9, "above", 40), Outlet("y", -1.0, "below", 40))
-    return _scene(
-        "inlet and outlet", "two rows of inflow over a sill into an outlet", np.empty((0, 2)), np.empty((0, 2)), walls,
-        inlets=rows, outlets=outlets,
-    )  # fmt: skip
+    return _scene("inlet and outlet", text, none, none, walls, inlets=rows, outlets=outlets)
 
 
 def elastic_scene() -> Scene:
     """Return discs of restitution 1 in a closed box: without damping, errors grow fastest."""
     positions = [[0.3, 0.3], [0.7, 0.35], [0.4, 0.75], [0.8, 0.8], [0.55, 0.5]]
     velocities = [[4.0, -3.0], [0.0, 0.0], [0.0, 0.0], [-2.0, 1.0], [0.0, 0.0]]
-    walls = (Box("box", (0.0, 1.0), (0.0, 1.0)),)
-    return _scene(
-        "elastic box", "five discs, restitution 1, closed box", positions, velocities, walls,
-        restitution=1.0, gravity=(0.0, 0.0),
-    )  # fmt: skip
+    text, walls = "five discs, restitution 1, closed box", (Box("box", (0.0, 1.0), (0.0, 1.0)),)
+    return _scene("elastic box", text, positions, velocities, walls, restitution=1.0, gravity=(0.0, 0.0))
 
 
 def micro_scenes() -> tuple[Scene, ...]:
     """Return the scenes that both LAMMPS kernels can run, in the order of the report."""
-    return (
-        pair_scene(),
-        wall_scene(),
-        corner_scene(),
-        friction_scene(),
-        spin_scene(),
-        elastic_scene(),
-        gate_scene(),
-        inlet_scene(),
-    )
+    makers = (
+        pair_scene, wall_scene, corner_scene, friction_scene, spin_scene, elastic_scene, gate_scene, inlet_scene,
+    )  # fmt: skip
+    return tuple(make() for make in makers)

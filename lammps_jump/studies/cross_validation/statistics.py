@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 from math import comb, nan
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
@@ -19,37 +19,37 @@ RESOLUTION = 1e-6
 MOST_PERMUTATIONS = 20_000
 
 
-@dataclass(frozen=True)
-class Difference:
-    """Difference of two means.
+class Difference(NamedTuple):
+    """Difference of two means: numbers, or arrays with an entry for each point of a curve.
 
     Attributes
     ----------
-    mean_1, mean_2 : float
-    deviation_1, deviation_2 : float
+    mean_1, mean_2 : float or ndarray
+    deviation_1, deviation_2 : float or ndarray
         Standard deviations among members.
-    difference, half_width : float
-        mean_2 - mean_1 and the half width of its `CONFIDENCE` interval (Welch).
-    p : float
+    difference, half_width : float or ndarray
+        mean_2 - mean_1 and the half width of its `CONFIDENCE` interval (Welch). The intervals of all points of a curve
+        hold at once (Bonferroni).
+    p : float or ndarray
         Two-sided, Welch.
     p_permutation : float
-        Exact permutation test of the difference of means; NaN with too many permutations.
-    n_1, n_2 : int
+        Exact permutation test of the difference of means; NaN with too many permutations, and for curves.
+    n_1, n_2 : int or ndarray
     """
 
-    mean_1: float
-    mean_2: float
-    deviation_1: float
-    deviation_2: float
-    difference: float
-    half_width: float
-    p: float
+    mean_1: float | np.ndarray
+    mean_2: float | np.ndarray
+    deviation_1: float | np.ndarray
+    deviation_2: float | np.ndarray
+    difference: float | np.ndarray
+    half_width: float | np.ndarray
+    p: float | np.ndarray
     p_permutation: float
-    n_1: int
-    n_2: int
+    n_1: int | np.ndarray
+    n_2: int | np.ndarray
 
 
-def welch(one: np.ndarray, two: np.ndarray, scale: float | None = None) -> Difference:
+def welch(one: np.ndarray, two: np.ndarray, scale: float | None = None, points: int = 1) -> Difference:
     """Return the difference of the means of two samples of unequal variance.
 
     B. L. Welch, Biometrika 34 (1947) 28: t = (m2 - m1)/sqrt(s1^2/n1 + s2^2/n2) with the Welch-Satterthwaite degrees
@@ -58,39 +58,37 @@ def welch(one: np.ndarray, two: np.ndarray, scale: float | None = None) -> Diffe
 
     Parameters
     ----------
-    one, two : array_like, shape (n_1,), (n_2,)
+    one, two : ndarray, shape (n_1,) and (n_2,), or (n_1, points) and (n_2, points)
         NaN is left out.
     scale : float, optional
         Size of the quantity; default the larger absolute mean.
+    points : int
+        Number of intervals that are to hold at once.
 
     Returns
     -------
     Difference
         With NaN half width and p where a sample has fewer than two values.
     """
-    one, two = (np.asarray(v, float)[np.isfinite(np.asarray(v, float))] for v in (one, two))
-    n1, n2 = len(one), len(two)
-    if not n1 or not n2:
-        return Difference(
-            *(float(v.mean()) if len(v) else nan for v in (one, two)), nan, nan, nan, nan, nan, nan, n1, n2
-        )
-    m1, m2 = float(one.mean()), float(two.mean())
-    if n1 < 2 or n2 < 2:
-        return Difference(m1, m2, nan, nan, m2 - m1, nan, nan, nan, n1, n2)
-    s1, s2 = float(one.std(ddof=1)), float(two.std(ddof=1))
-    if s1 == s2 == m2 - m1 == 0.0:
-        return Difference(m1, m2, s1, s2, m2 - m1, 0.0, 1.0, 1.0, n1, n2)
-    floor = (RESOLUTION * (scale if scale is not None else max(abs(m1), abs(m2)))) ** 2
-    half, p = _welch(m2 - m1, s1**2 / n1 + floor, s2**2 / n2 + floor, n1, n2)
-    return Difference(m1, m2, s1, s2, m2 - m1, float(half), float(p), permutation_p(one, two), n1, n2)
-
-
-def _welch(difference, v1, v2, n1: int, n2: int, points: int = 1):
-    """Return half width and p of a difference of means with variances `v1`, `v2`, each one of `points`."""
-    total = np.where(v1 + v2 > 0, v1 + v2, 1.0)
-    freedom = total**2 / np.where(v1 + v2 > 0, v1**2 / (n1 - 1) + v2**2 / (n2 - 1), 1.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        (n1, m1, s1), (n2, m2, s2) = _moments(one), _moments(two)
+        gap = m2 - m1
+        same = (s1 == 0) & (s2 == 0) & (gap == 0)
+        floor = np.where(same, 0.0, RESOLUTION * (np.fmax(np.abs(m1), np.abs(m2)) if scale is None else scale)) ** 2
+        v1, v2 = s1**2 / n1 + floor, s2**2 / n2 + floor
+        total = np.where(v1 + v2 == 0, 1.0, v1 + v2)
+        freedom = total**2 / np.where(v1 + v2 == 0, 1.0, v1**2 / (n1 - 1) + v2**2 / (n2 - 1))
     half = stats.t.ppf(1.0 - 0.5 * (1.0 - CONFIDENCE) / points, freedom) * np.sqrt(v1 + v2)
-    return half, 2.0 * stats.t.sf(np.abs(difference) / np.sqrt(total), freedom)
+    p = 2.0 * stats.t.sf(np.abs(gap) / np.sqrt(total), freedom)
+    exact = permutation_p(one[np.isfinite(one)], two[np.isfinite(two)]) if one.ndim == 1 and p == p else nan
+    return Difference(m1, m2, s1, s2, gap, half, p, exact, n1, n2)
+
+
+def _moments(sample: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return number, mean and standard deviation of the values that are not NaN, along the first axis."""
+    n = np.isfinite(sample).sum(axis=0)
+    mean = np.nansum(sample, axis=0) / n
+    return n, mean, np.sqrt(np.nansum((sample - mean) ** 2, axis=0) / np.maximum(n - 1, 0))
 
 
 def permutation_p(one: np.ndarray, two: np.ndarray) -> float:
@@ -111,35 +109,7 @@ def _gap(one: np.ndarray, two: np.ndarray, axis: int) -> np.ndarray:
     return np.abs(one.mean(axis=axis) - two.mean(axis=axis))
 
 
-@dataclass(frozen=True)
-class Band:
-    """Two sets of curves, point by point.
-
-    Attributes
-    ----------
-    difference, half_width : ndarray, shape (points,)
-        Half width of the simultaneous interval: Bonferroni over the points, so that all of them hold at once with
-        `CONFIDENCE`.
-    p : float
-        Of the hypothesis that no point differs: least p times the number of points (Bonferroni).
-    worst : int
-        Point of the least p; -1 where nothing can be compared.
-    points : int
-        Points compared.
-    """
-
-    mean_1: np.ndarray
-    mean_2: np.ndarray
-    deviation_1: np.ndarray
-    deviation_2: np.ndarray
-    difference: np.ndarray
-    half_width: np.ndarray
-    p: float
-    worst: int
-    points: int
-
-
-def compare_curves(one: np.ndarray, two: np.ndarray) -> Band:
+def compare_curves(one: np.ndarray, two: np.ndarray) -> Difference:
     """Compare point by point (Welch) with Bonferroni over the points.
 
     Parameters
@@ -148,19 +118,9 @@ def compare_curves(one: np.ndarray, two: np.ndarray) -> Band:
         Points at which any member has no number are left out.
     """
     good = np.isfinite(one).all(axis=0) & np.isfinite(two).all(axis=0)
-    scale = float(np.max(np.abs(np.concatenate([one[:, good], two[:, good]])), initial=0.0))
-    floor = (RESOLUTION * scale) ** 2
-    n1, n2 = len(one), len(two)
-    columns = np.full((6, one.shape[1]), nan)
-    a, b = one[:, good], two[:, good]
-    points = int(good.sum())
-    if not points or n1 < 2 or n2 < 2:
-        return Band(*columns, nan, -1, points)
-    m1, m2, s1, s2 = a.mean(axis=0), b.mean(axis=0), a.std(axis=0, ddof=1), b.std(axis=0, ddof=1)
-    half, p = _welch(m2 - m1, s1**2 / n1 + floor, s2**2 / n2 + floor, n1, n2, points)
-    columns[:, good] = m1, m2, s1, s2, m2 - m1, half
-    worst = int(np.flatnonzero(good)[np.argmin(p)])
-    return Band(*columns, float(min(1.0, p.min() * points)), worst, points)
+    one, two = (np.where(good, side, nan) for side in (one, two))
+    scale = float(np.nanmax(np.abs([*one, *two]), initial=0.0))
+    return welch(one, two, scale, max(1, int(good.sum())))
 
 
 def holm(ps: dict[str, float]) -> dict[str, float]:

@@ -23,7 +23,7 @@ from .ensembles import perturbed
 from .figures import draw_all
 from .outcome import Criterion, Line, Say, Study
 from .quantities import Comparison
-from .report import as_dict, verdict_text, write_report
+from .report import as_dict, write_report
 from .scenes import friction_scene, micro_scenes
 from .trajectories import CONTACT_STEPS, Growth, check_scene, developed_scene, twin_separation
 
@@ -104,14 +104,6 @@ def cross_validate(
     figures = draw_all(study, divergence, found, study.folder / "figures")
     write_report(report, study.scene.description, figures, study.folder / REPORT_FILE)
     return report
-
-
-def run_command(path: Path, *, out: Path | None, quiet: bool, say: Say, **options) -> bool:
-    """Run `cross_validate` for the command line and print the outcome; returns whether the engines agree."""
-    report = cross_validate(path, out=out, say=say, **options)
-    if not quiet or not report["passed"]:
-        print(f"{verdict_text(report)}\nlook at {(out or default_folder(report['name'])) / REPORT_FILE}")
-    return report["passed"]
 
 
 def default_folder(name: str) -> Path:
