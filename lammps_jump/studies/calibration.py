@@ -14,15 +14,15 @@ nothing. A candidate without a jump counts as 100 % off in the first two. Finish
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
+from typing import Any
 
 from lammps_jump import load_case
 
 from .runs import set_texts
 from .sensitivity import JUMP_CASE, QUICK_CHANGES, stored_run
-from .store import Store
+from .store import Say, Store
 from .table import markdown, percent
 
 Candidate = Mapping[str, float]
@@ -32,6 +32,7 @@ GRIDS: dict[str, tuple[float, ...]] = {
     "penetration_fraction": (5.0, 10.0, 20.0),
     "sill": (0.6, 0.9, 1.2, 1.5, 1.8),
 }
+DISTANCES = ("distance", "depth", "length", "front")
 START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.2}
 QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.2,)}
 
@@ -53,31 +54,10 @@ COLUMN = {
 }
 
 
-@dataclass(frozen=True)
-class Row:
-    """A candidate that was tried.
-
-    Attributes
-    ----------
-    restitution, friction, penetration_fraction, sill : float
-        e, ks, n and height of the sill, m.
-    depth, length, front : float
-        Relative distances from Bélanger, the USBR curve, and Martin & Moyce.
-    distance : float
-        Their root mean square.
-    jumps : str
-        Starts that found a jump, "2 of 3".
-    """
-
-    restitution: float
-    friction: float
-    penetration_fraction: float
-    sill: float
-    depth: float
-    length: float
-    front: float
-    distance: float
-    jumps: str
+Row = dict[str, Any]
+"""A candidate that was tried: its values (e, ks, n and height of the sill, m); ``depth``, ``length`` and ``front``, the
+relative distances from Bélanger, the USBR curve, and Martin & Moyce; ``distance``, their root mean square; ``jumps``,
+the starts that found a jump, "2 of 3"."""
 
 
 def distances(candidate: Candidate, store: Store, *, quick: bool, members: int) -> Row:
@@ -92,18 +72,14 @@ def distances(candidate: Candidate, store: Store, *, quick: bool, members: int) 
     found = [run.jump for run in jumps if run.jump]
     without = [1.0] * (len(jumps) - len(found))
     fronts = [(run.measures.get("martin_moyce") or {}).get("rms_bulk") for run in columns]
-    parts = (
-        _mean([*(abs(one["sequent_ratio"] / one["belanger_ratio"] - 1) for one in found), *without]),
-        _mean([*(abs(one["length"] / one["length_usbr"] - 1) for one in found), *without]),
-        _mean([1.0 if value is None else value for value in fronts]),
-    )
-    total = sqrt(sum(value**2 for value in parts) / 3)
-    return Row(**candidate, **dict(zip(("depth", "length", "front"), parts, strict=True)), distance=total,
-               jumps=f"{len(found)} of {len(jumps)}")  # fmt: skip
-
-
-def _mean(values: list[float]) -> float:
-    return sum(values) / len(values)
+    parts = {
+        "depth": [*(abs(one["sequent_ratio"] / one["belanger_ratio"] - 1) for one in found), *without],
+        "length": [*(abs(one["length"] / one["length_usbr"] - 1) for one in found), *without],
+        "front": [1.0 if value is None else value for value in fronts],
+    }
+    means = {name: sum(values) / len(values) for name, values in parts.items()}
+    total = sqrt(sum(value**2 for value in means.values()) / 3)
+    return {**candidate, **means, "distance": total, "jumps": f"{len(found)} of {len(jumps)}"}
 
 
 def run_calibration(
@@ -112,7 +88,7 @@ def run_calibration(
     quick: bool = False,
     members: int | None = None,
     fresh: bool = False,
-    say: Callable[[str], None] = print,
+    say: Say = print,
 ) -> str:
     """Search and return the table of every candidate tried, best first.
 
@@ -136,10 +112,10 @@ def run_calibration(
         if key not in tried:
             tried[key] = distances(candidate, store, quick=quick, members=members or (1 if quick else 3))
             say("  " + describe(tried[key]))
-        return tried[key].distance
+        return tried[key]["distance"]
 
     best = search(distance, START, QUICK_GRIDS if quick else GRIDS)
-    rows = sorted(tried.values(), key=lambda row: row.distance)
+    rows = sorted(tried.values(), key=lambda row: row["distance"])
     store.finish(best=tried[tuple(best.values())], rows=rows)
     return store.write_table(calibration_table(rows))
 
@@ -159,21 +135,18 @@ def search(distance: Callable[[Candidate], float], start: Candidate, grids: Mapp
 
 def describe(row: Row) -> str:
     """Return one line on a candidate."""
+    distance, depth, length, front = (f"{100 * row[name]:.1f}" for name in DISTANCES)
     return (
-        f"e = {row.restitution:g}, ks = {row.friction:g}, n = {row.penetration_fraction:g}, "
-        f"sill {row.sill:g} m: distance {100 * row.distance:.1f} % (depth {100 * row.depth:.1f}, "
-        f"length {100 * row.length:.1f}, front {100 * row.front:.1f}; {row.jumps} with a jump)"
+        f"e = {row['restitution']:g}, ks = {row['friction']:g}, n = {row['penetration_fraction']:g}, "
+        f"sill {row['sill']:g} m: distance {distance} % (depth {depth}, length {length}, front {front}; "
+        f"{row['jumps']} with a jump)"
     )
 
 
 def calibration_table(rows: list[Row]) -> str:
     """Return the Markdown table, best first."""
     lines = [
-        [
-            *(f"{value:g}" for value in (row.restitution, row.friction, row.penetration_fraction, row.sill)),
-            *(percent(share, 1) for share in (row.distance, row.depth, row.length, row.front)),
-            row.jumps,
-        ]
+        [*(f"{row[name]:g}" for name in START), *(percent(row[name], 1) for name in DISTANCES), row["jumps"]]
         for row in rows
     ]
     head = ["e", "ks", "n", "sill (m)", "distance", "sequent depth", "length", "Martin & Moyce", "jumps"]

@@ -8,12 +8,12 @@ starts. Finished runs are kept in ``sensitivity.json``; an interrupted study con
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from lammps_jump import Case, load_case
@@ -27,7 +27,7 @@ from lammps_jump.physics import jump as theory
 from .measure import Measured, run_setting
 from .runs import in_turn, middle, set_texts
 from .settings import Setting, reference_setting, stable
-from .store import Store
+from .store import Say, Store
 from .table import markdown, number, percent
 
 DEPTH, GRAVITY = 0.6, 9.81
@@ -130,7 +130,7 @@ def run_sensitivity(
     only: str | None = None,
     members: int | None = None,
     fresh: bool = False,
-    say: Callable[[str], None] = print,
+    say: Say = print,
 ) -> str:
     """Run all studies, or those named in `only`; returns their tables as Markdown.
 
@@ -167,7 +167,7 @@ def run_sensitivity(
     return store.write_table("\n".join(study_table(STUDIES[name], rows[name]) for name in names))
 
 
-def run_study(study: Study, store: Store, *, quick: bool, members: int, say: Callable[[str], None]) -> list[Row]:
+def run_study(study: Study, store: Store, *, quick: bool, members: int, say: Say) -> list[Row]:
     """Return a row for each value of the parameter."""
     base, common = load_case(JUMP_CASE), set_texts(QUICK_CHANGES if quick else {})
 
@@ -192,17 +192,22 @@ def stored_run(store: Store, name: str, base: Case, changes: list[str], member: 
 
 def summarise_runs(value: float, runs: list[Measured]) -> Row:
     """Return the row of one value of the parameter."""
-    verdicts = [run.verdict or run.status for run in runs]
-    jumps = [run.jump for run in runs if run.jump]
-    row: Row = {"value": value, "verdicts": {word: verdicts.count(word) for word in dict.fromkeys(verdicts)}}
+    table = pd.DataFrame([run.jump for run in runs if run.jump], columns=NUMBERS, dtype=float)
+    row: Row = {"value": value, "verdicts": dict(Counter(run.verdict or run.status for run in runs))}
     row["seconds"] = middle(run.cpu_seconds or 0.0 for run in runs)
-    table = pd.DataFrame(jumps, columns=NUMBERS, dtype=float)
     row |= plain({**table.mean(), **table.sem().add_suffix("_error")})
     ratio, expected = row["sequent_ratio"], row["belanger_ratio"]
     row["deviation"] = ratio / expected - 1 if ratio and expected else None
-    usbr = [jump["length_usbr"] / jump["y2"] for jump in jumps if jump.get("length_usbr") and jump.get("y2")]
-    row["usbr"] = float(np.mean(usbr)) if usbr else None
+    row["usbr"] = plain((table.length_usbr / table.y2).mean())
     return row
+
+
+PANELS = (
+    ("sequent_ratio", "sequent depths y2/y1", "belanger_ratio", "Bélanger"),
+    ("length_over_y2", "length over y2", "usbr", "USBR curve"),
+    ("speed", "speed of the front (m/s)", "", ""),
+)
+"""Panels of the figure: number, title, and the theory beside it with its label."""
 
 
 def study_table(study: Study, rows: list[Row]) -> str:
@@ -218,39 +223,28 @@ def study_table(study: Study, rows: list[Row]) -> str:
     return f"### {study.label} (base {study.base:.3g})\n\n{markdown(head, 'rlrrrrrrrr', lines)}\n"
 
 
-def draw_study(study: Study, rows: list[Row], path: Path) -> Path:
+def draw_study(study: Study, rows: list[Row], path: Path) -> None:
     """Draw three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
+    table = pd.DataFrame(rows).drop(columns="verdicts").astype(float)
     with drawing(8.6, 2.9, 1, 3) as (figure, axes):
-        _draw_points(axes[0], rows, "sequent_ratio", "sequent depths y2/y1")
-        _draw_theory(axes[0], rows, "sequent_ratio", "belanger_ratio", "Bélanger")
-        _draw_points(axes[1], rows, "length_over_y2", "length over y2")
-        _draw_theory(axes[1], rows, "length_over_y2", "usbr", "USBR curve")
-        _draw_points(axes[2], rows, "speed", "speed of the front (m/s)")
+        for panel, (name, title, theory_name, label) in zip(axes, PANELS, strict=True):
+            found = table.dropna(subset=name)
+            errors = found[f"{name}_error"].fillna(0.0)
+            panel.errorbar(found.value, found[name], yerr=errors, fmt="o-", color=BLUE, capsize=2, label="discs")
+            panel.set_title(title)
+            if theory_name:
+                found = found.dropna(subset=theory_name)
+                panel.plot(found.value, found[theory_name], "s--", color=GREY, markerfacecolor="white", label=label)
         axes[2].axhline(0, color="#999999", linewidth=0.8)
         for panel in axes:
             panel.set_xlabel(study.label)
             if study.name in ("diameter", "stiffness"):
                 panel.set_xscale("log")
-                panel.set_xticks([row["value"] for row in rows], [f"{row['value']:g}" for row in rows])
+                panel.set_xticks(table.value, [f"{value:g}" for value in table.value])
                 panel.minorticks_off()
-            none = [row["value"] for row in rows if row["sequent_ratio"] is None]
+            none = table.value[table.sequent_ratio.isna()]
             low = panel.get_ylim()[0]
-            if none:
+            if len(none):
                 panel.plot(none, [low] * len(none), "x", color=RED, clip_on=False, label="no jump found")
             panel.legend()
-        return save(figure, path)
-
-
-def _draw_points(panel, rows: list[Row], name: str, title: str) -> None:
-    found = [row for row in rows if row[name] is not None]
-    panel.errorbar(
-        [row["value"] for row in found], [row[name] for row in found],
-        yerr=[row[f"{name}_error"] or 0.0 for row in found], fmt="o-", color=BLUE, capsize=2, label="discs",
-    )  # fmt: skip
-    panel.set_title(title)
-
-
-def _draw_theory(panel, rows: list[Row], name: str, theory_name: str, label: str) -> None:
-    found = [row for row in rows if row[name] is not None and row[theory_name] is not None]
-    x, y = [row["value"] for row in found], [row[theory_name] for row in found]
-    panel.plot(x, y, "s--", color=GREY, markerfacecolor="white", label=label)
+        save(figure, path)

@@ -91,4 +91,4 @@ def test_sensitivity_and_calibration_smoke(tmp_path):
     text = run_sensitivity(tmp_path, quick=True, only="friction", say=silent)
     assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()
     row = distances(START, Store(tmp_path / "c.json"), quick=True, members=1)
-    assert 0 < row.front < 0.5 and row.distance > 0
+    assert 0 < row["front"] < 0.5 and row["distance"] > 0

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from lammps_jump import load_case
 from lammps_jump.analysis.draw.style import drawing, save
+from lammps_jump.case.to_scene import TOUCH_STEPS
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
+from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.runs import execute
 from lammps_jump.studies.store import Results, Say, Store
@@ -53,34 +54,21 @@ def collision_scene(
 ) -> Scene:
     """Return `phases` pairs of discs, 3 d apart from each other, each about to collide head-on at `speed` (m/s).
 
-    The scene is made from a case, so it has the corrected dashpot and the width of a smooth touch that a case gets.
+    It has the corrected dashpot and the width of a smooth touch that a case gets.
     """
     k = contact.stiffness(DENSITY, PENETRATION, SPEED)
     dt = fraction * contact.critical_time_step(k, contact.disc_mass(DENSITY, DIAMETER))
     gaps = speed * dt * (1.0 + (np.arange(phases) + 0.5) / phases)
-    heights = 3 * DIAMETER * np.arange(phases)
-    left = np.column_stack([-0.5 * (DIAMETER + gaps), heights])
-    positions = np.stack([left, left * [-1, 1]], axis=1).reshape(-1, 2)
-    velocities = np.tile([[0.5 * speed, 0.0], [-0.5 * speed, 0.0]], (phases, 1))
-    steps = int(1.6 * expected(restitution)["duration"] / dt) + 8
-    case = {
-        "name": "collision",
-        "description": "pairs of discs, head-on",
-        "gravity": 0,
-        "discs": {"diameter": DIAMETER, "density": DENSITY},
-        "contact": {
-            "restitution": restitution, "friction": 0, "penetration_fraction": PENETRATION, "impact_speed": SPEED,
-            "correct_restitution": correct, "touch": touch,
-        },
-        "initial": [{"kind": "list", "positions": positions.tolist(), "velocities": velocities.tolist()}],
-        "run": {
-            "duration": steps * dt, "output_interval": dt, "time_step_fraction": fraction, "integrator": integrator,
-            "allow_unstable": True,
-        },
-        "engine": {"name": "native"},  # may have any integrator and touch; `measure_collisions` runs on any engine
-    }  # fmt: skip
-    # a single elastic pair may go deeper than a case allows: that is what is measured
-    return replace(load_case(case).scene(), overlap_limit=DIAMETER)
+    left = np.column_stack([-0.5 * (DIAMETER + gaps), 3 * DIAMETER * np.arange(phases)])
+    return handmade_scene(
+        np.stack([left, left * [-1, 1]], axis=1), np.tile([[0.5 * speed, 0.0], [-0.5 * speed, 0.0]], (phases, 1)),
+        name="collision", description="pairs of discs, head-on", gravity=(0.0, 0.0), diameter=DIAMETER,
+        density=DENSITY, penetration_fraction=PENETRATION, impact_speed=SPEED, restitution=restitution,
+        time_step_fraction=fraction, integrator=integrator, correct_restitution=correct, touch=touch,
+        touch_width=TOUCH_STEPS * SPEED * dt if touch == "smooth" else 0.0,
+        skin=0.3 * DIAMETER, steps=int(1.6 * expected(restitution)["duration"] / dt) + 8,
+        overlap_limit=DIAMETER,  # a single elastic pair may go deeper than a case allows: that is what is measured
+    )  # fmt: skip
 
 
 def measure_collisions(scene: Scene, kernel: str) -> dict[str, np.ndarray]:
