@@ -86,7 +86,6 @@ def run_calibration(
     out: Path | None = None,
     *,
     quick: bool = False,
-    members: int | None = None,
     fresh: bool = False,
     say: Say = print,
 ) -> str:
@@ -97,9 +96,7 @@ def run_calibration(
     out : Path, optional
         Default ``runs/calibrate``.
     quick : bool
-        Coarse flows and small grids.
-    members : int, optional
-        Starts a candidate; default 3 (1 if quick).
+        Coarse flows, small grids, one start a candidate in place of three.
     fresh : bool
         Run again what is stored.
     say : callable
@@ -110,7 +107,7 @@ def run_calibration(
     def distance(candidate: Candidate) -> float:
         key = tuple(candidate.values())
         if key not in tried:
-            tried[key] = distances(candidate, store, quick=quick, members=members or (1 if quick else 3))
+            tried[key] = distances(candidate, store, quick=quick, members=1 if quick else 3)
             say("  " + describe(tried[key]))
         return tried[key]["distance"]
 

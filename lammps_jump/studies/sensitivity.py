@@ -128,7 +128,6 @@ def run_sensitivity(
     *,
     quick: bool = False,
     only: str | None = None,
-    members: int | None = None,
     fresh: bool = False,
     say: Say = print,
 ) -> str:
@@ -139,11 +138,9 @@ def run_sensitivity(
     out : Path, optional
         Default ``runs/sensitivity``.
     quick : bool
-        One value a study, one start, coarse discs.
+        One value a study, one start in place of four, coarse discs.
     only : str, optional
         Names of `STUDIES`, comma-separated.
-    members : int, optional
-        Starts of every value; default 4 (1 if quick), 2 for costly values.
     fresh : bool
         Run again what is stored.
     say : callable
@@ -161,13 +158,13 @@ def run_sensitivity(
     store = Store(folder / "sensitivity.json", fresh=fresh)
     rows: dict[str, list[Row]] = {}
     for name in names:
-        rows[name] = run_study(STUDIES[name], store, quick=quick, members=members or (1 if quick else 4), say=say)
+        rows[name] = run_study(STUDIES[name], store, quick=quick, say=say)
         draw_study(STUDIES[name], rows[name], folder / f"sensitivity_{name}.png")
     store.finish(studies={**store.data.get("studies", {}), **rows})
     return store.write_table("\n".join(study_table(STUDIES[name], rows[name]) for name in names))
 
 
-def run_study(study: Study, store: Store, *, quick: bool, members: int, say: Say) -> list[Row]:
+def run_study(study: Study, store: Store, *, quick: bool, say: Say) -> list[Row]:
     """Return a row for each value of the parameter."""
     base, common = load_case(JUMP_CASE), set_texts(QUICK_CHANGES if quick else {})
 
@@ -178,7 +175,7 @@ def run_study(study: Study, store: Store, *, quick: bool, members: int, say: Say
         say(f"  {study.label} = {value:g}, start {member + 1}: {found.verdict or found.message}")
         return found
 
-    groups = in_turn(study.quick if quick else study.values, members, run)
+    groups = in_turn(*((study.quick, 1) if quick else (study.values, 4)), run)
     return [summarise_runs(value, [run for run in group if run]) for value, group in groups.items()]
 
 

@@ -17,12 +17,12 @@ from lammps_jump.studies.cross_validation.trajectories import developed_scene
 
 
 def test_variants_follow_the_case_and_the_machine():
-    names = [v.name for v in make_variants(("stock", "compiled", "native"), friction=0.1, diameter=0.2)]
+    names = list(make_variants(("stock", "compiled", "native"), friction=0.1, diameter=0.2))
     assert names[0] == "stock" and "compiled, law sign" in names and "stock, skin 0.1 d" in names
     bare = make_variants(("stock", "native"), friction=0.0, diameter=0.2, skins=False)
-    assert [v.name for v in bare] == ["stock", "native"]
-    wide = {v.name: v for v in make_variants(("stock",), friction=0.0, diameter=0.4)}
-    assert wide["stock, skin 0.5 d"].changes == {"engine.skin": 0.2}
+    assert list(bare) == ["stock", "native"]
+    wide = make_variants(("stock",), friction=0.0, diameter=0.4)
+    assert wide["stock, skin 0.5 d"] == ("stock", {"engine.skin": 0.2})
 
 
 def test_ratios_are_those_within_a_round():

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -29,17 +29,6 @@ DIAMETER, DENSITY, SPEED, PENETRATION = 0.2, 1000.0, 16.0, 10.0
 PHASES = 64
 QUANTITIES = ("restitution", "duration", "overlap")
 COLOURS = ("#33508f", "#8aa0c8", "#7d7c78", "#b5a05a", "#111111")
-
-
-@dataclass(frozen=True)
-class Way:
-    """One way to compute a collision."""
-
-    name: str
-    kernel: str
-    integrator: str
-    correct: bool = True
-    touch: str = "sharp"
 
 
 def collision_scene(
@@ -101,39 +90,36 @@ def expected(restitution: float, speed: float = SPEED) -> dict[str, float]:
     }
 
 
-def collision_row(way: Way, restitution: float, fraction: float) -> Results:
+def collision_row(way: str, kernel: str, restitution: float, fraction: float, **options) -> Results:
     """Return errors of the mean over all entry phases, and the scatter among them, relative to the closed forms."""
     exact = expected(restitution)
-    scene = collision_scene(fraction, restitution, integrator=way.integrator, correct=way.correct, touch=way.touch)
-    row = {"way": way.name, "restitution": restitution, "fraction": fraction, "steps": scene.coefficients.contact_steps}
-    for name, found in measure_collisions(scene, way.kernel).items():
+    scene = collision_scene(fraction, restitution, **options)
+    row = {"way": way, "restitution": restitution, "fraction": fraction, "steps": scene.coefficients.contact_steps}
+    for name, found in measure_collisions(scene, kernel).items():
         row[f"{name}_error"] = float(found.mean() / exact[name] - 1)
         row[f"{name}_scatter"] = float(found.std() / exact[name])
     return row
 
 
-def _ways(kernels: Sequence[str], restitution: float) -> list[Way]:
-    verlet, thesis = "velocity_verlet", "leapfrog_extrapolated"
-    fast = "compiled" if "compiled" in kernels else "native"
-    ways = [
-        Way("stock, corrected", "stock", verlet),
-        Way("stock, uncorrected", "stock", verlet, correct=False),
-        Way("native, thesis scheme", "native", thesis),
-        Way(f"{fast}, smooth touch", fast, verlet, touch="smooth"),
-    ]
-    return [way for way in ways if way.kernel in kernels and (way.correct or restitution < 1)]
-
-
 def compare_collisions(case: None, store: Store, *, quick: bool, say: Say) -> Results:
     """Measure collisions for each restitution, way and stable step (``lammps-jump bench collision``)."""
     kernels, notes = usable_kernels()
-    rows = [
-        collision_row(way, restitution, fraction)
-        for restitution in ((0.2, 1.0) if quick else (0.2, 0.6, 1.0))
-        for way in _ways(kernels, restitution)
-        for fraction in ((0.05, 0.2) if quick else (0.01, 0.02, 0.05, 0.1, 0.2, 0.4))
-        if fraction <= contact.stable_fraction(contact.damping_ratio(restitution), way.integrator, "pair")
-    ]
+    fast = "compiled" if "compiled" in kernels else "native"
+    ways: dict[str, tuple[str, dict[str, Any]]] = {
+        "stock, corrected": ("stock", {}),
+        "stock, uncorrected": ("stock", {"correct": False}),
+        "native, thesis scheme": ("native", {"integrator": "leapfrog_extrapolated"}),
+        f"{fast}, smooth touch": (fast, {"touch": "smooth"}),
+    }
+    rows = []
+    for restitution in (0.2, 1.0) if quick else (0.2, 0.6, 1.0):
+        xi = contact.damping_ratio(restitution)
+        for way, (kernel, options) in ways.items():
+            if kernel not in kernels or (restitution == 1 and "correct" in options):
+                continue
+            limit = contact.stable_fraction(xi, options.get("integrator", "velocity_verlet"), "pair")
+            steps = [f for f in ((0.05, 0.2) if quick else (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)) if f <= limit]
+            rows += [collision_row(way, kernel, restitution, f, **options) for f in steps]
     return {"rows": rows, "notes": notes}
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
 
@@ -36,38 +35,28 @@ WORK, QUICK_WORK = 6e7, 2e6
 ROUNDS = 5
 
 
-@dataclass(frozen=True)
-class Variant:
-    """One way to compute the same flow.
-
-    Attributes
-    ----------
-    name, kernel : str
-    changes : dict of str
-        Values that differ from the case.
-    """
-
-    name: str
-    kernel: str
-    changes: dict[str, object] = field(default_factory=dict)
-
-    def scene(self, case: Case) -> Scene:
-        """Return the scene of a case in this variant."""
-        return case.replace({**kernel_changes(self.kernel), **self.changes}).scene()
+Variant = tuple[str, dict[str, object]]
+"""Kernel, and values that differ from the case."""
 
 
-def make_variants(kernels: Sequence[str], friction: float, diameter: float, *, skins: bool = True) -> list[Variant]:
-    """Return stock first, then what else runs here; skins in diameters for the kernels of LAMMPS."""
-    found = [Variant("stock", "stock")]
+def variant_scene(case: Case, variant: Variant) -> Scene:
+    """Return the scene of a case in a variant."""
+    kernel, changes = variant
+    return case.replace({**kernel_changes(kernel), **changes}).scene()
+
+
+def make_variants(
+    kernels: Sequence[str], friction: float, diameter: float, *, skins: bool = True
+) -> dict[str, Variant]:
+    """Return by name: stock first, then what else runs here; skins in diameters for the kernels of LAMMPS."""
+    found: dict[str, Variant] = {"stock": ("stock", {})}
     if "compiled" in kernels:
-        found += [Variant("compiled", "compiled")]
-        found += [Variant("compiled, law sign", "compiled", {"contact.friction_law": "sign"})] if friction > 0 else []
-        found += [Variant("compiled, smooth touch", "compiled", {"contact.touch": "smooth"})]
-    found += [Variant("native", "native")] if "native" in kernels else []
-    for kernel in ("stock", "compiled"):
-        if skins and kernel in kernels:
-            found += [Variant(f"{kernel}, skin {s:g} d", kernel, {"engine.skin": s * diameter}) for s in SKINS]
-    return found
+        found["compiled"] = ("compiled", {})
+        found |= {"compiled, law sign": ("compiled", {"contact.friction_law": "sign"})} if friction > 0 else {}
+        found["compiled, smooth touch"] = ("compiled", {"contact.touch": "smooth"})
+    found |= {"native": ("native", {})} if "native" in kernels else {}
+    lists = [kernel for kernel in ("stock", "compiled") if skins and kernel in kernels]
+    return found | {f"{k}, skin {s:g} d": (k, {"engine.skin": s * diameter}) for k in lists for s in SKINS}
 
 
 def started_from(developed: Scene, scene: Scene, steps: int, output_steps: int | None = None) -> Scene:
@@ -89,23 +78,22 @@ def time_kernels(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     if "stock" not in kernels:
         raise SetupError("bench --speed compares with stock LAMMPS, which does not run here; see `lammps-jump doctor`")
     work, rounds = (QUICK_WORK, 1) if quick else (WORK, ROUNDS)
-    developed = developed_scene(Variant("native", "native").scene(case), work=16 * work)
+    developed = developed_scene(variant_scene(case, ("native", {})), work=16 * work)
     discs = len(developed.positions)
     steps = max(100, int(work / max(discs, 1)))
     say(f"{case.name}: {discs} discs, {developed.description}; {rounds} rounds of {steps} steps")
     variants = make_variants(kernels, case.fields.contact.friction, developed.diameter, skins=not quick)
-    named = {variant.name: variant for variant in variants}
-    scenes = {name: started_from(developed, variant.scene(case), steps) for name, variant in named.items()}
+    scenes = {name: started_from(developed, variant_scene(case, one), steps) for name, one in variants.items()}
     identity = f"{case.hash} {steps} {versions()}"
 
     def timed(name: str, turn: int) -> float | None:
-        rate, seconds = store.piece(f"{name} {turn} {identity}", lambda: run_rate(scenes[name], named[name].kernel))
+        rate, seconds = store.piece(f"{name} {turn} {identity}", lambda: run_rate(scenes[name], variants[name][0]))
         say(f"  {turn + 1}/{rounds} {name}: {seconds:.2f} s")
         return rate
 
-    rates = in_turn(list(named), rounds, timed)
+    rates = in_turn(list(variants), rounds, timed)
     rows = [make_row(name, found, rates["stock"]) for name, found in rates.items()]
-    agreement = store.piece(f"agreement {identity}", lambda: _agreement(developed, case, named))
+    agreement = store.piece(f"agreement {identity}", lambda: _agreement(developed, case, variants))
     return {"discs": discs, "steps": steps, "rounds": rounds, "rows": rows, "agreement": agreement}
 
 
@@ -126,15 +114,15 @@ def make_row(name: str, rates: Sequence[float | None], stock: Sequence[float | N
     return {"name": name, "rate": middle(rates), "ratio": middle(ratios), "least": least, "most": most}
 
 
-def _agreement(developed: Scene, case: Case, named: Mapping[str, Variant]) -> dict[str, float]:
+def _agreement(developed: Scene, case: Case, variants: Mapping[str, Variant]) -> dict[str, float]:
     """Return the largest separation (d) over `CONTACT_STEPS`: compiled against stock, law sign against native."""
-    if "compiled" not in named:
+    if "compiled" not in variants:
         return {}
-    short = started_from(developed, named["stock"].scene(case), CONTACT_STEPS, 100)
+    short = started_from(developed, variant_scene(case, variants["stock"]), CONTACT_STEPS, 100)
     part = separation(trajectory(short, "stock"), trajectory(short, "compiled"), developed.diameter)
     found = {"compiled and stock": part.farthest}
-    if "compiled, law sign" in named:
-        sign = started_from(developed, named["compiled, law sign"].scene(case), CONTACT_STEPS)
+    if "compiled, law sign" in variants:
+        sign = started_from(developed, variant_scene(case, variants["compiled, law sign"]), CONTACT_STEPS)
         found["compiled and native, law sign"] = check_scene(sign, kernel="compiled").worst
     return found
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from lammps_jump import Case
@@ -23,14 +22,8 @@ from lammps_jump.studies.store import Results, Say, Store
 
 from .errors import EXACT, cheapest, names_of, pareto, setting_errors
 
-MOST_MEMBERS = 100
 TARGETS = (0.01, 0.05)
 """Errors for which the cheapest setting is named."""
-QUIET_CHANGES = {
-    "run.duration": 0.001, "run.output_interval": 0.001, "analysis.energy": False, "analysis.jump": False,
-    "analysis.front": False, "probes.forces": [], "analysis.window": None,
-}  # fmt: skip
-"""A run that only loads an engine."""
 
 
 @dataclass(frozen=True)
@@ -111,10 +104,19 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, say: 
     for note in notes:
         say(f"note: {note}")
     say(f"{case.name}: {len(settings)} settings x {rounds} starts -> {store.path.parent}")
-    _run_all(store, case, settings, rounds, say)
-    runs = {setting: _stored_runs(store, setting, case) for setting in settings}
-    every = [run for group in runs.values() for run in group]
-    if not any(run.complete for run in every):
+
+    def run(setting: Setting, member: int) -> Measured:
+        key = setting.key(case.hash, versions(), member)
+        known = key in store.pieces
+        found = store.piece(key, lambda: run_setting(case, setting, member), Measured)
+        outcome = f"{found.cpu_seconds:.2f} s" if found.complete else f"{found.status}: {found.message}"
+        if not known:
+            say(f"  {setting.label}, start {member + 1} of {rounds}: {outcome}")
+        return found
+
+    runs = in_turn(settings, rounds, run)
+    every = [found for group in runs.values() for found in group]
+    if not any(found.complete for found in every):
         raise RunError(f"no setting of {case.name} came to its end; the first one says: {every[0].message}")
     rows = [make_row(setting, group, runs[reference], setting == reference) for setting, group in runs.items()]
     return {
@@ -129,36 +131,6 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, say: 
         "rows": rows,
         "quantities": {name: summarise_quantity(rows, name) for name in names_of(every)},
     }
-
-
-def _run_all(store: Store, case: Case, settings: Sequence[Setting], rounds: int, say: Say) -> None:
-    identity = (case.hash, versions())
-    todo = [
-        key for setting in settings for member in range(rounds)
-        if (key := setting.key(*identity, member)) not in store.pieces
-    ]  # fmt: skip
-    loaded: set[str] = set()
-
-    def run(setting: Setting, member: int) -> None:
-        key = setting.key(*identity, member)
-        if key in store.pieces:
-            return
-        if setting.kernel not in loaded:
-            # load an engine before the clock starts: a first run pays for libraries and for the plugin's build
-            run_setting(case.replace(QUIET_CHANGES), Setting(setting.kernel, 0.05), 0)
-            loaded.add(setting.kernel)
-        run = store.piece(key, lambda: run_setting(case, setting, member), Measured)
-        outcome = f"{run.cpu_seconds:.2f} s" if run.complete else f"{run.status}: {run.message}"
-        done = sum(one in store.pieces for one in todo)
-        say(f"  {done}/{len(todo)} {setting.label}, start {member + 1}: {outcome}")
-
-    in_turn(settings, rounds, run)
-
-
-def _stored_runs(store: Store, setting: Setting, case: Case) -> list[Measured]:
-    """Return every stored run of a setting, also of starts that only an earlier call asked for."""
-    keys = [setting.key(case.hash, versions(), member) for member in range(MOST_MEMBERS)]
-    return [Measured(**store.pieces[key]) for key in keys if key in store.pieces]
 
 
 def make_row(setting: Setting, runs: list[Measured], reference: list[Measured], is_reference: bool) -> Results:

@@ -11,14 +11,13 @@ from typing import Protocol
 from lammps_jump import Case
 from lammps_jump.engines.result import Progress
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.store import Store
+from lammps_jump.studies.store import Say, Store
 
 from .ensembles import LABELS, member_key, perturbed, run_member
 from .quantities import Comparison, Quantities, compare
 from .statistics import FAMILY_ERROR
 from .trajectories import DeterministicCheck
 
-Say = Callable[[str], None]
 MEMBERS_FILE = "members.json"
 """Store of finished members, each under a hash of all that it depends on."""
 
@@ -31,16 +30,6 @@ class Line(Protocol):
 
     def finish(self) -> None:
         """Leave the line."""
-
-
-@dataclass(frozen=True)
-class Criterion:
-    """A limit set beforehand; `met` is None where it is for information only."""
-
-    name: str
-    limit: float
-    value: float
-    met: bool | None
 
 
 @dataclass(frozen=True)

@@ -8,17 +8,18 @@ from pathlib import Path
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
 from lammps_jump.files import plain
 from lammps_jump.provenance import versions
+from lammps_jump.studies.store import Results
 
 from .divergence import Divergence
 from .ensembles import JITTER
 from .figures import DIVERGENCE, LAW_FIGURES, SHOWN
-from .outcome import Criterion, Study
+from .outcome import Study
 from .quantities import Comparison
 from .statistics import CONFIDENCE, FAMILY_ERROR
 from .trajectories import CONTACT_STEPS
 
 
-def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: list[Criterion], seconds: float) -> dict:
+def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float) -> dict:
     """Return what goes into ``cross_validation.json``.
 
     Parameters
@@ -27,7 +28,7 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
     divergence : Divergence
     found : Comparison
         Of the engines.
-    criteria : list of Criterion
+    criteria : list of dict
     seconds : float
         Wall time of the study, s.
     """
@@ -39,7 +40,7 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
     }
     return plain({
         "name": study.name,
-        "passed": passed and all(item.met is not False for item in criteria),
+        "passed": passed and all(item["met"] is not False for item in criteria),
         "seconds": seconds,
         "versions": versions(),
         "seeds": study.seeds,

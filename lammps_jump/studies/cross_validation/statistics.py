@@ -74,7 +74,8 @@ def welch(one: np.ndarray, two: np.ndarray, scale: float | None = None, points: 
         (n1, m1, s1), (n2, m2, s2) = _moments(one), _moments(two)
         gap = m2 - m1
         same = (s1 == 0) & (s2 == 0) & (gap == 0)
-        floor = np.where(same, 0.0, RESOLUTION * (np.fmax(np.abs(m1), np.abs(m2)) if scale is None else scale)) ** 2
+        size = np.where(same, 0.0, np.fmax(np.abs(m1), np.abs(m2))) if scale is None else scale
+        floor = (RESOLUTION * size) ** 2
         v1, v2 = s1**2 / n1 + floor, s2**2 / n2 + floor
         total = np.where(v1 + v2 == 0, 1.0, v1 + v2)
         freedom = total**2 / np.where(v1 + v2 == 0, 1.0, v1**2 / (n1 - 1) + v2**2 / (n2 - 1))

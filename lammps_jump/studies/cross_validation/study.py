@@ -17,11 +17,12 @@ from lammps_jump import Case, load_case
 from lammps_jump.engines import choose, usable_kernels
 from lammps_jump.errors import SetupError
 from lammps_jump.files import write_json
+from lammps_jump.studies.store import Results, Say
 
 from .divergence import TWIN_JITTER, Divergence, measure_divergence
 from .ensembles import perturbed
 from .figures import draw_all
-from .outcome import Criterion, Line, Say, Study
+from .outcome import Line, Study
 from .quantities import Comparison
 from .report import as_dict, write_report
 from .scenes import friction_scene, micro_scenes
@@ -181,9 +182,12 @@ def _laws(study: Study, case: Case) -> None:
         study.laws[label] = text, study.compare("native", name, label)
 
 
-def criteria(study: Study, found: Comparison) -> list[Criterion]:
-    """Return the limits set beforehand for a jump without friction: sequent depth and shock speed."""
-    rows: list[Criterion] = []
+def criteria(study: Study, found: Comparison) -> list[Results]:
+    """Return the limits set beforehand for a jump without friction: sequent depth and shock speed.
+
+    ``met`` is None where a limit is for information only.
+    """
+    rows: list[Results] = []
     for name, limit in (("sequent depth", SEQUENT_LIMIT), ("shock speed", SPEED_LIMIT)):
         verdict = found.find(name)
         if verdict is None or not study.case.fields.analysis.jump:
@@ -191,5 +195,5 @@ def criteria(study: Study, found: Comparison) -> list[Criterion]:
         d = verdict.difference
         share = abs(d.difference / d.mean_1) if isfinite(d.difference) and d.mean_1 else nan
         met = share <= limit if isfinite(share) and study.scene.coefficients.friction == 0 else None
-        rows.append(Criterion(f"{name} between the engines", limit, share, met))
+        rows.append({"name": f"{name} between the engines", "limit": limit, "value": share, "met": met})
     return rows

@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.physics import contact
@@ -77,6 +78,7 @@ def _tally(tally: dict[str, dict[str, int]]) -> str:
 
 def draw_map(limits: list[dict], path: Path) -> Path:
     """Draw restitution against time step: predicted limits as lines, measured ones as marks, a panel an integrator."""
+    table = pd.DataFrame([row for row in limits if not row["friction"]])
     grid = np.concatenate([np.linspace(0.02, 0.98, 97), [1.0]])
     with drawing(8.4, 3.8, 1, 2, sharey=True) as (figure, axes):
         for panel, (integrator, title) in zip(axes, TITLES.items(), strict=True):
@@ -84,16 +86,10 @@ def draw_map(limits: list[dict], path: Path) -> Path:
                 line = [contact.stable_fraction(contact.damping_ratio(e), integrator, packing) for e in grid]
                 panel.plot(grid, line, dash, color=colour, label=f"{packing}, closed form")
                 for engine in (name for name in ENGINES if integrator_of(name) == integrator):
-                    rows = [
-                        row for row in limits
-                        if (row["engine"], row["arrangement"]) == (engine, packing) and not row["friction"]
-                    ]  # fmt: skip
-                    if rows:
-                        panel.plot(
-                            [row["restitution"] for row in rows], [row["measured"] for row in rows],
-                            MARKS[ENGINES[engine]], color=colour, markerfacecolor="none",
-                            label=f"measured, {ENGINES[engine]}" if packing == "hexagonal" else None,
-                        )  # fmt: skip
+                    rows = table[(table.engine == engine) & (table.arrangement == packing)]
+                    mark, name = MARKS[ENGINES[engine]], f"measured, {ENGINES[engine]}"
+                    label = name if len(rows) and packing == "hexagonal" else None
+                    panel.plot(rows.restitution, rows.measured, mark, color=colour, markerfacecolor="none", label=label)
             panel.axhline(0.05, color="#999999", linewidth=0.8)
             panel.annotate("thesis' step", (0.02, 0.055), fontsize=7, color="#666666")
             panel.set(xlabel="restitution coefficient", title=title)
