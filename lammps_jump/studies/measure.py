@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +29,8 @@ from .runs import execute
 from .settings import Setting
 
 JITTER = 1e-6
-"""Shift of the start, in diameters: small enough to change no mean, large enough that chaos makes runs independent."""
+"""Shift of a start, in diameters, and of row speeds, as a share: small enough to change no mean, large enough that
+chaos makes runs independent."""
 
 CURVE_POINTS = 20
 JUMP_NUMBERS = (
@@ -96,6 +97,21 @@ def moved_start(case: Case, member: int) -> Case:
     if fields.inflow is not None and fields.inflow.kind == "rows" and member:
         changes["inflow.y"] = fields.inflow.y + member * JITTER * fields.discs.diameter
     return case.replace(changes)
+
+
+def perturbed(scene: Scene, seed: int, jitter: float = JITTER) -> Scene:
+    """Return a copy of the scene with its start shifted by at most `jitter` diameters; seed 0 is the scene itself.
+
+    Positions of discs at the start move by uniform random numbers in ± jitter d. The speed of every inlet row changes
+    by a factor 1 ± jitter. Both engines get the same numbers.
+    """
+    if seed == 0:
+        return scene
+    rng = np.random.default_rng(seed)
+    positions = scene.positions + rng.uniform(-jitter, jitter, scene.positions.shape) * scene.diameter
+    positions.setflags(write=False)
+    inlets = tuple(replace(row, vx=row.vx * (1.0 + rng.uniform(-jitter, jitter))) for row in scene.inlets)
+    return replace(scene, positions=positions, inlets=inlets)
 
 
 def run_setting(case: Case, setting: Setting, member: int) -> Measured:

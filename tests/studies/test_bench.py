@@ -12,7 +12,7 @@ from lammps_jump import load_case
 from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.studies import measure, runs
 from lammps_jump.studies.bench import errors as bench_errors
-from lammps_jump.studies.bench import table as bench_table
+from lammps_jump.studies.bench import page as bench_page
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.errors import QuantityError
 from lammps_jump.studies.measure import JITTER, Measured, moved_start
@@ -183,6 +183,6 @@ def test_table_names_choices():
         ],
         "quantities": {"q": {"cheapest": {"0.01": "compiled f=0.1", "0.05": "compiled f=0.1"}, "pareto": []}},
     }  # fmt: skip
-    text = bench_table.page(data)
+    text = bench_page.page(data)
     assert "compiled f=0.1: 1.00 s, 4.0x (0.80 %)" in text
     assert "| compiled f=0.1 (1 failed) | 1.00 | 5.0 | 0.80 % |" in text

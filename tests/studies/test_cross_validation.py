@@ -14,7 +14,7 @@ from lammps_jump.errors import SetupError
 from lammps_jump.studies.cross_validation import ensembles, trajectories
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
-from lammps_jump.studies.cross_validation.outcome import MEMBERS_FILE, Study
+from lammps_jump.studies.cross_validation.ensembles import MEMBERS_FILE, Study
 from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import (
@@ -27,6 +27,7 @@ from lammps_jump.studies.cross_validation.trajectories import (
     separation,
     trajectory,
 )
+from lammps_jump.studies.measure import JITTER, perturbed
 
 DROP = """
 name: drops
@@ -118,7 +119,7 @@ def test_false_alarms_over_curves_and_numbers_stay_below_the_family_error():
 
     alarms = 0
     for _ in range(150):
-        found = compare("one", [member() for _ in range(4)], "two", [member() for _ in range(4)], 0.05)
+        found = compare(("one", "two"), [member() for _ in range(4)], [member() for _ in range(4)], 0.05)
         alarms += not found.agrees
     # at most 5 % = 7.5 of 150 expected (sd 2.7)
     assert alarms <= 15
@@ -132,11 +133,11 @@ def test_compare_finds_a_shift_in_one_bin_and_says_where():
         values = 2.0 + 0.01 * rng.normal(size=10) + shift * (np.arange(10) == 6)
         return Quantities({"still": (1.0, "m"), "zero": (0.0, "m")}, {"depth": Curve("x", at, values, "m")})
 
-    found = compare("one", [member(0.0) for _ in range(5)], "two", [member(0.3) for _ in range(5)], 0.01)
+    found = compare(("one", "two"), [member(0.0) for _ in range(5)], [member(0.3) for _ in range(5)], 0.01)
     verdict = found.find("depth")
-    assert verdict.word == "differ" and "x = 6.5 m" in verdict.text
-    assert verdict.difference.difference == pytest.approx(0.3, abs=0.03)
-    assert not found.agrees and found.find("still").word == "agree" and found.find("zero") is None
+    assert verdict["verdict"] == "differ" and "x = 6.5 m" in verdict["text"]
+    assert verdict["difference"] == pytest.approx(0.3, abs=0.03)
+    assert not found.agrees and found.find("still")["verdict"] == "agree" and found.find("zero") is None
 
 
 def test_curves_with_gaps_are_compared_where_all_members_have_values():
@@ -201,18 +202,18 @@ class TestScenes:
 class TestEnsembles:
     def test_jitter_is_small_reproducible_and_leaves_the_rest_alone(self):
         scene = _scene()
-        one, again, other = (ensembles.perturbed(scene, seed) for seed in (1, 1, 2))
+        one, again, other = (perturbed(scene, seed) for seed in (1, 1, 2))
         assert np.array_equal(one.positions, again.positions) and not np.array_equal(one.positions, other.positions)
         shift = np.abs(one.positions - scene.positions).max() / scene.diameter
-        assert 0 < shift <= ensembles.JITTER * (1 + 1e-6)
+        assert 0 < shift <= JITTER * (1 + 1e-6)
         assert np.array_equal(one.velocities, scene.velocities) and one.steps == scene.steps
-        assert ensembles.perturbed(scene, 0) is scene
+        assert perturbed(scene, 0) is scene
 
     def test_jitter_of_inflow_changes_speeds_only(self):
         scene = build_scene(load_case("inputs/quick_jump.yaml"))
-        moved = ensembles.perturbed(scene, 3)
+        moved = perturbed(scene, 3)
         for before, after in zip(scene.inlets, moved.inlets, strict=True):
-            assert 0 < abs(after.vx / before.vx - 1) <= ensembles.JITTER
+            assert 0 < abs(after.vx / before.vx - 1) <= JITTER
             assert replace(after, vx=before.vx) == before
 
     def test_members_are_kept_and_found_again_until_something_changes(self, tmp_path):
@@ -231,7 +232,7 @@ class TestEnsembles:
         scene, half = _scene(), _case().fields.analysis
         keys = {
             ensembles.member_key(scene, "native", half),
-            ensembles.member_key(ensembles.perturbed(scene, 1), "native", half),
+            ensembles.member_key(perturbed(scene, 1), "native", half),
             ensembles.member_key(scene, "native", _case("analysis.bin_width=0.25").fields.analysis),
             ensembles.member_key(scene, "native", _case("analysis.window=[0, 0.1]").fields.analysis),
             ensembles.member_key(scene, "native", _case("analysis.front=true").fields.analysis),
@@ -290,8 +291,8 @@ def test_growth_of_a_twin_is_the_growth_of_a_collision():
     """Two discs that meet off-centre: a shift across the line of centres grows as geometry says, not otherwise."""
     scene = next(scene for scene in micro_scenes() if scene.name == "pair")
     short = replace(scene, steps=1200, output_steps=20)
-    one = separation(trajectory(short, "native"), trajectory(ensembles.perturbed(short, 1, 1e-9), "native"), 0.2)
-    two = separation(trajectory(short, "native"), trajectory(ensembles.perturbed(short, 1, 1e-11), "native"), 0.2)
+    one = separation(trajectory(short, "native"), trajectory(perturbed(short, 1, 1e-9), "native"), 0.2)
+    two = separation(trajectory(short, "native"), trajectory(perturbed(short, 1, 1e-11), "native"), 0.2)
     late = one.steps >= 800
     # small separations are linear: a hundredth of the start, a hundredth of the end
     assert np.allclose(one.largest[late] / two.largest[late], 100.0, rtol=0.02)

@@ -13,11 +13,10 @@ from lammps_jump.studies.store import Say, Store
 
 from .cells import cell_page, time_cells
 from .collision import collision_page, compare_collisions
-from .figures import draw_all
+from .page import draw_quantity, page
 from .skips import measure_skips, skip_page
 from .speed import speed_page, time_kernels
 from .study import Axes, measure_settings
-from .table import page
 
 FOLDER = Path("runs") / "bench"
 PARTS = {
@@ -72,7 +71,8 @@ def run_bench(
 
 def settings_page(data: dict, folder: Path) -> str:
     """Return the page of a benchmark of settings; draws its figures."""
-    draw_all(data, folder)
+    for name in data["quantities"]:
+        draw_quantity(data, name, folder)
     return page(data)
 
 

@@ -10,10 +10,9 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, new_figure, save, style
 
-from .divergence import Divergence
-from .outcome import Study
+from .ensembles import Study
 from .quantities import Comparison, relative_size
-from .trajectories import AGREEMENT, CONTACT_STEPS, Growth
+from .trajectories import AGREEMENT, CONTACT_STEPS, Divergence, Growth
 
 SHOWN = {"lammps_stock": "LAMMPS (stock)", "lammps_compiled": "LAMMPS (compiled kernel)", "native": "native engine"}
 LABELS = {
@@ -105,8 +104,8 @@ def curves(found: Comparison, names: list[str]) -> Figure:
         kilo = {"J/m": "kJ/m", "N/m": "kN/m"} if scale != 1.0 else {}
         unit = {**kilo, "m2/s": "m²/s", "1": "discs"}.get(curve.unit, curve.unit)
         sides = (
-            (found.name_1, band.mean_1, band.deviation_1, BLUE, "-", 0.20),
-            (found.name_2, band.mean_2, band.deviation_2, GOLD, "--", 0.30),
+            (found.ensembles[0], band.mean_1, band.deviation_1, BLUE, "-", 0.20),
+            (found.ensembles[1], band.mean_2, band.deviation_2, GOLD, "--", 0.30),
         )
         for label, mean, spread, colour, dash, alpha in sides:
             _band(row[0], curve.at, scale * mean, scale * spread, colour, alpha)
@@ -126,25 +125,23 @@ def curves(found: Comparison, names: list[str]) -> Figure:
 
 def forest(comparisons: dict[str, Comparison]) -> Figure:
     """Draw the relative difference of every number with its confidence interval."""
-    names = list(dict.fromkeys(v.name for found in comparisons.values() for v in found.verdicts if v.kind == "scalar"))
+    rows = [row for found in comparisons.values() for row in found.quantities if row["kind"] == "scalar"]
+    names = list(dict.fromkeys(row["name"] for row in rows))
     figure, axes = new_figure(7.6, 0.26 * len(names) * max(1, 0.6 * len(comparisons)) + 1.2)
     styles = ((BLUE, "o"), (GOLD, "s"), (GREY, "^"), (RED, "D"))
     height, shift = len(names), 0.8 / max(1, len(comparisons))
     widest = 1.0
     for index, (label, found) in enumerate(comparisons.items()):
         colour, mark = styles[index % len(styles)]
-        rows = []
+        points = []
         for place, name in enumerate(names):
-            verdict = found.find(name)
-            if verdict is None or not np.isfinite(verdict.difference.half_width):
-                continue
-            d = verdict.difference
-            size = relative_size(d)
+            row = found.find(name)
+            size = relative_size(row) if row and np.isfinite(row["half_width"]) else None
             if size:
-                y = height - place - index * shift
-                rows.append((y, 100 * d.difference / size, 100 * d.half_width / size, verdict.word == "differ"))
-        if rows:
-            y, x, half, differs = np.array(rows, float).T
+                share, half = 100 * row["difference"] / size, 100 * row["half_width"] / size
+                points.append((height - place - index * shift, share, half, row["verdict"] == "differ"))
+        if points:
+            y, x, half, differs = np.array(points, float).T
             axes.errorbar(x, y, xerr=half, fmt=mark, color=colour, ms=4, lw=1.1, capsize=2, label=label or None)
             out = differs > 0
             axes.plot(x[out], y[out], mark, ms=9, mfc="none", mec=RED)

@@ -22,6 +22,7 @@ from lammps_jump.dump.find import ForceHistory
 from lammps_jump.engines.result import RunResult
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.measure import observe
+from lammps_jump.studies.store import Results
 
 from .statistics import Difference, block_means, compare_curves, holm, welch
 
@@ -169,111 +170,101 @@ def _toe(time: np.ndarray, toe: np.ndarray) -> Curve:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """One line of a comparison of ensembles.
+class Comparison:
+    """Comparison of two ensembles, by name.
 
     Attributes
     ----------
-    name, unit : str
-    kind : {'scalar', 'curve'}
-    difference : Difference
-        Of the scalar, or of the curve at its worst point (its half width then holds for all points at once).
-    place : str
-        Where that is, for a curve.
-    p_adjusted : float
-        Holm over the quantities of the comparison.
-    word : {'agree', 'differ', 'not comparable'}
-    points : int
-        Points of the curve.
+    ensembles : (str, str)
+    quantities : list of dict
+        A row for each number and curve: name, unit, kind ('scalar' or 'curve'), ``verdict`` ('agree', 'differ' or 'not
+        comparable') and its ``text``, ``p_adjusted`` (Holm over all rows), and a `Difference`: that of the number, or
+        of the curve at its worst point, which ``place`` names; its half width then holds for all ``points`` at once.
+    jump_verdicts : (dict, dict)
+        Members of each ensemble by the verdict of the jump analysis.
+    bands : dict of str to (Curve, Difference)
+        Of the curves, at every point.
     """
 
-    name: str
-    unit: str
-    kind: str
-    difference: Difference
-    place: str
-    p_adjusted: float
-    word: str = "not comparable"
-    points: int = 0
-
-    @property
-    def text(self) -> str:
-        """Verdict in words."""
-        d = self.difference
-        if self.word == "not comparable":
-            return "not comparable"
-        size = relative_size(d) if d.difference or d.half_width else None
-        share = f" ({100 * d.difference / size:+.2g} ± {100 * d.half_width / size:.2g} %)" if size else ""
-        where = f" at {self.place}" if self.place else ""
-        return f"{self.word}: {d.difference:+.3g} ± {d.half_width:.2g}{share}{where}"
-
-
-def relative_size(d: Difference) -> float | None:
-    """Return the larger mean, of which a difference is a share; None where it is within twice its scatter."""
-    size = max(abs(d.mean_1), abs(d.mean_2))
-    spread = max(d.deviation_1, d.deviation_2)
-    return size if size > 0 and not size < 2.0 * spread else None
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Comparison of two ensembles: one verdict a quantity, and the bands of the curves."""
-
-    name_1: str
-    name_2: str
-    verdicts: tuple[Verdict, ...]
+    ensembles: tuple[str, str]
+    quantities: list[Results]
+    jump_verdicts: tuple[dict[str, int], dict[str, int]]
     bands: dict[str, tuple[Curve, Difference]]
-    verdicts_of_jump: tuple[dict[str, int], dict[str, int]]
 
     @property
     def agrees(self) -> bool:
         """Whether no quantity differs."""
-        return all(verdict.word != "differ" for verdict in self.verdicts)
+        return all(row["verdict"] != "differ" for row in self.quantities)
 
-    def find(self, name: str) -> Verdict | None:
-        """Return the verdict of that name, None where there is none."""
-        return next((verdict for verdict in self.verdicts if verdict.name == name), None)
+    def find(self, name: str) -> Results | None:
+        """Return the row of that name, None where there is none."""
+        return next((row for row in self.quantities if row["name"] == name), None)
+
+    def stored(self) -> Results:
+        """Return what goes into ``cross_validation.json``."""
+        names = ("ensembles", "jump_verdicts", "agrees", "quantities")
+        return {name: getattr(self, name) for name in names}
 
 
-def compare(name_1: str, one: list[Quantities], name_2: str, two: list[Quantities], family_error: float) -> Comparison:
+def relative_size(row: Results) -> float | None:
+    """Return the larger mean, of which a difference is a share; None where it is within twice its scatter."""
+    size = max(abs(row["mean_1"]), abs(row["mean_2"]))
+    spread = max(row["deviation_1"], row["deviation_2"])
+    return size if size > 0 and not size < 2.0 * spread else None
+
+
+def _text(row: Results) -> str:
+    """Return the verdict in words."""
+    gap, half = row["difference"], row["half_width"]
+    if row["verdict"] == "not comparable":
+        return "not comparable"
+    size = relative_size(row) if gap or half else None
+    share = f" ({100 * gap / size:+.2g} ± {100 * half / size:.2g} %)" if size else ""
+    where = f" at {row['place']}" if row["place"] else ""
+    return f"{row['verdict']}: {gap:+.3g} ± {half:.2g}{share}{where}"
+
+
+def compare(names: tuple[str, str], one: list[Quantities], two: list[Quantities], family_error: float) -> Comparison:
     """Compare each number (Welch), each curve (Welch, Bonferroni over its points), and all together (Holm)."""
-    drafts: list[Verdict] = []
+    rows: list[Results] = []
     bands: dict[str, tuple[Curve, Difference]] = {}
-    for name in _common(one, two, "scalars"):
-        unit = one[0].scalars[name][1]
-        values = [np.array([m.scalars[name][0] for m in side], float) for side in (one, two)]
-        if not any(np.any(side != 0.0) for side in values):  # nothing happened in either: nothing to compare
+    for name in one[0].scalars:
+        if not _common(name, "scalars", one, two):
             continue
-        found = welch(*values)
-        drafts.append(Verdict(name, unit, "scalar", found, "", found.p))
-    for name in _common(one, two, "curves"):
-        curve = one[0].curves[name]
-        if len({len(member.curves[name].values) for member in (*one, *two)}) > 1:
+        values = [np.array([m.scalars[name][0] for m in side], float) for side in (one, two)]
+        if any(np.any(side != 0.0) for side in values):  # else nothing happened in either: nothing to compare
+            found = welch(*values)
+            facts = {"name": name, "unit": one[0].scalars[name][1], "kind": "scalar", "place": None, "points": None}
+            rows.append({**facts, "p_adjusted": found.p, **found._asdict()})
+    for name, curve in one[0].curves.items():
+        if not _common(name, "curves", one, two) or len({len(m.curves[name].values) for m in (*one, *two)}) > 1:
             continue
         tables = [np.array([m.curves[name].values for m in side], float) for side in (one, two)]
-        if not any(np.nan_to_num(table).any() for table in tables):
-            continue
-        band = compare_curves(*tables)
-        bands[name] = (curve, band)
-        points = int(np.isfinite(band.p).sum())
-        if not points:
-            continue
-        k = int(np.nanargmin(band.p))
-        at_worst = welch(tables[0][:, k], tables[1][:, k], float(np.nanmax(np.abs(band.mean_1), initial=0.0)))
-        at_worst = at_worst._replace(half_width=band.half_width[k])
-        sign = "x" if curve.axis == "x" else "t"
-        place = f"{sign} = {curve.at[k]:.3g} {'m' if sign == 'x' else 's'}, worst of {points}"
-        drafts.append(Verdict(name, curve.unit, "curve", at_worst, place, min(1.0, band.p[k] * points), points=points))
-    adjusted = holm({draft.name: draft.p_adjusted for draft in drafts})
-    verdicts = []
-    for draft in drafts:
-        p = adjusted[draft.name]
-        word = "not comparable" if p != p else ("differ" if p < family_error else "agree")
-        verdicts.append(replace(draft, p_adjusted=p, word=word))
+        if any(np.nan_to_num(table).any() for table in tables):
+            band = compare_curves(*tables)
+            bands[name] = (curve, band)
+            rows += _worst_point(name, curve, band, tables)
+    adjusted = holm({row["name"]: row["p_adjusted"] for row in rows})
+    for row in rows:
+        p = row["p_adjusted"] = adjusted[row["name"]]
+        row["verdict"] = "not comparable" if p != p else ("differ" if p < family_error else "agree")
+        row["text"] = _text(row)
     words = (dict(Counter(member.verdict for member in side if member.verdict)) for side in (one, two))
-    return Comparison(name_1, name_2, tuple(verdicts), bands, tuple(words))
+    return Comparison(names, rows, tuple(words), bands)
 
 
-def _common(one: list[Quantities], two: list[Quantities], kind: str) -> list[str]:
-    names = list(getattr(one[0], kind))
-    return [name for name in names if all(name in getattr(member, kind) for member in (*one, *two))]
+def _worst_point(name: str, curve: Curve, band: Difference, tables: list[np.ndarray]) -> list[Results]:
+    """Return the row of a curve, none where no point can be compared."""
+    points = int(np.isfinite(band.p).sum())
+    if not points:
+        return []
+    k = int(np.nanargmin(band.p))
+    found = welch(tables[0][:, k], tables[1][:, k], float(np.nanmax(np.abs(band.mean_1), initial=0.0)))
+    place = f"{curve.axis} = {curve.at[k]:.3g} {'m' if curve.axis == 'x' else 's'}, worst of {points}"
+    facts = {"name": name, "unit": curve.unit, "kind": "curve", "place": place, "points": points}
+    p = min(1.0, band.p[k] * points)
+    return [{**facts, "p_adjusted": p, **found._asdict(), "half_width": band.half_width[k]}]
+
+
+def _common(name: str, kind: str, *sides: list[Quantities]) -> bool:
+    return all(name in getattr(member, kind) for side in sides for member in side)

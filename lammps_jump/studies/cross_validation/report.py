@@ -8,15 +8,14 @@ from pathlib import Path
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
 from lammps_jump.files import plain
 from lammps_jump.provenance import versions
+from lammps_jump.studies.measure import JITTER
 from lammps_jump.studies.store import Results
 
-from .divergence import Divergence
-from .ensembles import JITTER
+from .ensembles import Study
 from .figures import DIVERGENCE, LAW_FIGURES, SHOWN
-from .outcome import Study
 from .quantities import Comparison
 from .statistics import CONFIDENCE, FAMILY_ERROR
-from .trajectories import CONTACT_STEPS
+from .trajectories import CONTACT_STEPS, Divergence
 
 
 def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float) -> dict:
@@ -33,7 +32,7 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
         Wall time of the study, s.
     """
     passed = found.agrees and all(check.passed for check in study.checks)
-    laws = {label: {"what": text, **_comparison(law)} for label, (text, law) in study.laws.items()}
+    laws = {label: {"what": text, **law.stored()} for label, (text, law) in study.laws.items()}
     runs = {
         label: [{"seed": seed, **member.run} for seed, member in zip(study.seeds, group, strict=True)]
         for label, group in study.members.items()
@@ -53,7 +52,7 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
         "notes": study.notes,
         "disc_by_disc": study.checks,
         "divergence": _divergence(divergence, study.scene.time_step),
-        "statistics": _comparison(found),
+        "statistics": found.stored(),
         "criteria": criteria,
         "laws": laws,
         "runs": runs,
@@ -71,22 +70,6 @@ def _divergence(found: Divergence, time_step: float) -> dict:
         "other_discs_from_step": found.engines.other_discs,
         "largest_separation": float(found.engines.largest.max(initial=0.0)),
     }
-
-
-def _comparison(found: Comparison) -> dict:
-    return {
-        "ensembles": [found.name_1, found.name_2],
-        "jump_verdicts": found.verdicts_of_jump,
-        "agrees": found.agrees,
-        "quantities": [
-            {
-                "name": v.name, "unit": v.unit, "kind": v.kind, "verdict": v.word, "text": v.text,
-                "place": v.place or None, "points": v.points or None, "p_adjusted": v.p_adjusted,
-                **v.difference._asdict(),
-            }
-            for v in found.verdicts
-        ],
-    }  # fmt: skip
 
 
 def write_report(report: dict, description: str, figures: dict[str, Path], path: Path) -> Path:

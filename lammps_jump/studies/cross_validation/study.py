@@ -17,16 +17,24 @@ from lammps_jump import Case, load_case
 from lammps_jump.engines import choose, usable_kernels
 from lammps_jump.errors import SetupError
 from lammps_jump.files import write_json
+from lammps_jump.studies.measure import perturbed
 from lammps_jump.studies.store import Results, Say
 
-from .divergence import TWIN_JITTER, Divergence, measure_divergence
-from .ensembles import perturbed
+from .ensembles import Line, Study
 from .figures import draw_all
-from .outcome import Line, Study
 from .quantities import Comparison
 from .report import as_dict, write_report
 from .scenes import friction_scene, micro_scenes
-from .trajectories import CONTACT_STEPS, Growth, check_scene, developed_scene, twin_separation
+from .trajectories import (
+    CONTACT_STEPS,
+    TWIN_JITTER,
+    Divergence,
+    Growth,
+    check_scene,
+    developed_scene,
+    measure_divergence,
+    twin_separation,
+)
 
 MEMBERS, QUICK_MEMBERS = 6, 3
 DIVERGENCE_WORK = 4e7
@@ -95,8 +103,8 @@ def cross_validate(
     study = _prepare(case, out, kernel, members, quick, line, say)
     divergence = _disc_by_disc(study, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
     found = study.compare(study.run(study.scene, study.kernel), study.run(study.scene, "native"))
-    for verdict in found.verdicts:
-        say(f"  {verdict.name}: {verdict.text}")
+    for row in found.quantities:
+        say(f"  {row['name']}: {row['text']}")
     if not quick:
         _laws(study, case)
     limits = criteria(study, found)
@@ -189,11 +197,10 @@ def criteria(study: Study, found: Comparison) -> list[Results]:
     """
     rows: list[Results] = []
     for name, limit in (("sequent depth", SEQUENT_LIMIT), ("shock speed", SPEED_LIMIT)):
-        verdict = found.find(name)
-        if verdict is None or not study.case.fields.analysis.jump:
+        row = found.find(name)
+        if row is None or not study.case.fields.analysis.jump:
             continue
-        d = verdict.difference
-        share = abs(d.difference / d.mean_1) if isfinite(d.difference) and d.mean_1 else nan
+        share = abs(row["difference"] / row["mean_1"]) if isfinite(row["difference"]) and row["mean_1"] else nan
         met = share <= limit if isfinite(share) and study.scene.coefficients.friction == 0 else None
         rows.append({"name": f"{name} between the engines", "limit": limit, "value": share, "met": met})
     return rows

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One scene on both engines, disc by disc: how far positions differ, from which step on, and how fast that grows."""
+"""One scene on both engines, disc by disc: how far positions differ, from which step on, and how fast that grows.
+
+The growth is measured of LAMMPS from the native engine, and of the native engine from itself.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from lammps_jump.dump.find import read_dump
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
+from lammps_jump.studies.measure import perturbed
 from lammps_jump.studies.runs import execute
 
 AGREEMENT = 1e-9
@@ -30,6 +34,11 @@ KNOWN_LIMIT = 1e-3
 CHAOS_SHARE = 0.1
 CHAOS = "the native engine, started a few last digits off, parts from itself by {:.1e} d in these steps"
 """Why a case may part within the steps compared: where its twin has parted by at least this share of it."""
+
+FRAMES = 400
+TWIN_JITTER = 1e-15
+"""The twin of the native run starts this far off (diameters, and shares of speeds): a few last digits."""
+LEVELS = (1e-12, AGREEMENT, 1e-6, 1e-3, 1e-1)
 
 Trajectory = dict[int, tuple[np.ndarray, np.ndarray]]
 """Step -> (ids ascending, positions of shape (n, 2), m)."""
@@ -289,3 +298,54 @@ def check_scene(
     discs = max(int(np.max(part.worst[:, 0], initial=0)), len(scene.positions))
     agrees = whole and worst <= AGREEMENT
     return DeterministicCheck(scene.name, kernel, discs, touched, last, worst, agrees, note)
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """Divergence of two runs of a case after they have agreed.
+
+    Attributes
+    ----------
+    engines, twin : Separation
+        LAMMPS from native; native from native with a start a few last digits off.
+    growth, twin_growth : Growth
+    levels : dict of str to (step or None)
+        First step beyond each separation, in diameters.
+    """
+
+    engines: Separation
+    twin: Separation
+    growth: Growth
+    twin_growth: Growth
+    levels: dict[str, int | None]
+    kernel: str
+
+
+def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
+    """Compare both engines, and the native engine with its twin, until discs have parted or `work` is done."""
+    bare = replace(scene, probes=())
+    steps = parting_step(bare, work)
+    interval = max(1, steps // FRAMES)
+    long = plain_scene(scene, max(interval, steps // interval * interval), interval)
+    native = trajectory(long, "native")
+    part = separation(native, trajectory(long, kernel), scene.diameter)
+    twin = separation(native, trajectory(perturbed(long, 1, TWIN_JITTER), "native"), scene.diameter)
+    levels = {f"{level:g}": crossing_step(part, level) for level in LEVELS}
+    dt = scene.time_step
+    growths = (fit_growth(one.steps, one.largest, dt) for one in (part, twin))
+    return Divergence(part, twin, *growths, levels, kernel)
+
+
+def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:
+    """Return a step soon after the native engine and its twin have parted by `level` d; at most `work` disc-steps."""
+    one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene, 1, TWIN_JITTER)))
+    while one.step < scene.steps and one.disc_steps < work:
+        chunk = min(200, scene.steps - one.step)
+        one.run(chunk)
+        two.run(chunk)
+        if not np.array_equal(one.ids, two.ids):
+            break
+        apart = np.abs(one.positions - two.positions)
+        if apart.size and apart.max() > level * scene.diameter:
+            break
+    return min(scene.steps, one.step + one.step // 4)

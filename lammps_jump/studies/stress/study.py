@@ -14,8 +14,7 @@ from lammps_jump.files import plain
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
 from lammps_jump.studies.store import Results, Say, Store
 
-from .bed import resting_bed
-from .limits import ARRANGEMENTS, ENGINES, integrator_of, measure_limit, periodic_hexagonal
+from .limits import ARRANGEMENTS, ENGINES, integrator_of, measure_limit, periodic_hexagonal, resting_bed
 from .report import draw_map, report
 from .scenes import BYPASSED, ENGINE_CHANGES, GOOD, hard_scenes, judge, judge_bypassed, random_case
 from .worker import Worker
