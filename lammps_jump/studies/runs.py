@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,8 @@ from statistics import median
 from typing import TypeVar
 
 from lammps_jump import provenance
+from lammps_jump.dump.find import read_dump
+from lammps_jump.dump.frame import Frame
 from lammps_jump.engines import Setting, plugin, run
 from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.engines.native import run_native
@@ -85,6 +88,16 @@ def execute(
     if result.status == "interrupted":  # no result to be stored: the study ends here
         raise RunInterrupted("the study was ended; what it had is kept, and the same command continues from there")
     return result
+
+
+def run_frames(
+    scene: Scene, kernel: str, *, dump_format: str = "text", script: str | None = None
+) -> tuple[RunResult, list[Frame]]:
+    """Run a scene in a temporary folder, as `execute`; returns the frames too, discs by id, none of a failed run."""
+    with tempfile.TemporaryDirectory() as folder:
+        result = execute(scene, Path(folder), kernel, dump_format=dump_format, script=script)
+        frames = read_dump(Path(folder)) if result.status == "complete" else []
+        return result, [frame.sorted() for frame in frames]
 
 
 _WARM: set[tuple[object, ...]] = set()

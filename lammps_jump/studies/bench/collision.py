@@ -6,7 +6,6 @@ All pairs of one run are independent: pair i starts so that first touch falls at
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,12 +15,11 @@ import pandas as pd
 
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.case.to_scene import TOUCH_STEPS
-from lammps_jump.dump.read import open_dump
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.runs import execute
+from lammps_jump.studies.runs import run_frames
 from lammps_jump.studies.store import Results, Say, Store
 from lammps_jump.studies.table import markdown
 
@@ -65,9 +63,7 @@ def measure_collisions(scene: Scene, kernel: str) -> dict[str, np.ndarray]:
 
     The overlap is the largest at a step, the duration the number of steps in contact: both are right to a step.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        execute(scene, Path(folder), kernel)
-        frames = [frame.sorted() for frame in open_dump(Path(folder) / "dump.lammpstrj")]
+    _, frames = run_frames(scene, kernel)
     x = np.array([frame.x for frame in frames])
     overlap = scene.diameter - (x[:, 1::2] - x[:, 0::2])
     last, first = frames[-1], frames[0]

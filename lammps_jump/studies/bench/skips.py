@@ -9,7 +9,6 @@ then made after few steps, before chaos has grown.
 from __future__ import annotations
 
 import re
-import tempfile
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
@@ -17,11 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump import Case
-from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import script_text
-from lammps_jump.studies.runs import execute, in_turn, kernel_changes, middle, versions
+from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames, versions
 from lammps_jump.studies.store import Results, Say, Store
 from lammps_jump.studies.table import markdown, percent
 
@@ -109,12 +107,10 @@ def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
     RunError
         Where it does not come to its end.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        result = execute(scene, Path(folder), "stock", script=text)
-        if result.status != "complete":
-            raise RunError(result.message)
-        *_, last = open_dump(Path(folder) / "dump.lammpstrj")
-    last = last.sorted()
+    result, frames = run_frames(scene, "stock", script=text)
+    if not frames:
+        raise RunError(result.message)
+    last = frames[-1]
     return np.column_stack([last.ids, last.x, last.y, last.vx, last.vy]), result.cpu_seconds
 
 
@@ -141,8 +137,7 @@ def dump_formats(scene: Scene, rounds: int) -> dict[str, float | None]:
     """Return the processor seconds of a stock run by dump format."""
 
     def timed(name: str, _: int) -> float:
-        with tempfile.TemporaryDirectory() as folder:
-            return execute(scene, Path(folder), "stock", dump_format=name).cpu_seconds
+        return run_frames(scene, "stock", dump_format=name)[0].cpu_seconds
 
     return {name: middle(values) for name, values in in_turn(["text", "gz", "binary"], rounds, timed).items()}
 

@@ -7,7 +7,6 @@ discs. The variants take turns, so that ratios hold on a busy machine.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping, Sequence
 from math import inf
 from pathlib import Path
@@ -25,7 +24,7 @@ from lammps_jump.studies.cross_validation.trajectories import (
     trajectory,
     with_discs_of,
 )
-from lammps_jump.studies.runs import execute, in_turn, kernel_changes, middle, versions
+from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames, versions
 from lammps_jump.studies.settings import SKINS
 from lammps_jump.studies.store import Results, Say, Store
 from lammps_jump.studies.table import markdown
@@ -99,8 +98,7 @@ def time_kernels(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
 
 def run_rate(scene: Scene, kernel: str) -> tuple[float | None, float]:
     """Return disc-steps per second, None for a run that is not complete, and the processor seconds of a run."""
-    with tempfile.TemporaryDirectory() as folder:
-        result = execute(scene, Path(folder), kernel)
+    result, _ = run_frames(scene, kernel)
     return result.disc_steps / result.cpu_seconds if result.status == "complete" else None, result.cpu_seconds
 
 

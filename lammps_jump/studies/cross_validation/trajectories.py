@@ -6,20 +6,17 @@ The growth is measured of LAMMPS from the native engine, and of the native engin
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf, nan
-from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.dump.find import read_dump
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.measure import perturbed
-from lammps_jump.studies.runs import execute
+from lammps_jump.studies.runs import run_frames
 
 AGREEMENT = 1e-9
 """Positions that must agree do so to this many diameters."""
@@ -104,12 +101,10 @@ def trajectory(scene: Scene, kernel: str) -> Trajectory:
     RunError
         Where the run is not complete.
     """
-    with tempfile.TemporaryDirectory(prefix="cross-validation-") as folder:
-        result = execute(scene, Path(folder), kernel, dump_format="binary")
-        if result.status != "complete":
-            raise RunError(f"{kernel}, {scene.name}: {result.message}")
-        frames = [frame.sorted() for frame in read_dump(Path(folder))]
-        return {frame.step: (frame.ids, np.column_stack([frame.x, frame.y])) for frame in frames}
+    result, frames = run_frames(scene, kernel, dump_format="binary")
+    if not frames:
+        raise RunError(f"{kernel}, {scene.name}: {result.message}")
+    return {frame.step: (frame.ids, np.column_stack([frame.x, frame.y])) for frame in frames}
 
 
 def separation(one: Trajectory, other: Trajectory, diameter: float) -> Separation:

@@ -9,16 +9,13 @@ walls are as stiff as the discs, and the effect of the ends falls with the squar
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from math import inf, isfinite, sqrt
-from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.dump.find import read_dump
 from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import SetupError
@@ -28,7 +25,7 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Box, Plane
 from lammps_jump.script import stock
 from lammps_jump.script.stock import number
-from lammps_jump.studies.runs import execute
+from lammps_jump.studies.runs import run_frames
 from lammps_jump.studies.store import Results
 
 DIAMETER, DENSITY, STIFFNESS = 0.2, 1000.0, 2.56e7
@@ -155,10 +152,9 @@ def growth(scene: Scene, engine: str, steps: int) -> float:
     """
     every = max(1, steps // LOOKS)
     scene = replace(scene, steps=LOOKS * every, output_steps=every)
-    with tempfile.TemporaryDirectory() as folder, np.errstate(over="ignore", invalid="ignore"):
-        if execute(scene, Path(folder), ENGINES[engine], dump_format="binary").status != "complete":
-            return inf
-        start, *later = [float((frame.vx**2).sum() + (frame.vy**2).sum()) for frame in read_dump(Path(folder))]
+    with np.errstate(over="ignore", invalid="ignore"):
+        frames = run_frames(scene, ENGINES[engine], dump_format="binary")[1]
+        start, *later = [float((frame.vx**2).sum() + (frame.vy**2).sum()) for frame in frames] or [1.0, inf]
     return max(later) / start if all(map(isfinite, later)) else inf
 
 
@@ -267,9 +263,7 @@ def resting_bed(engine: str, steps: int) -> Results:
     scene = replace(
         scene, steps=20 * every, output_steps=every, velocities=np.zeros_like(scene.velocities), overlap_limit=0.04
     )
-    with tempfile.TemporaryDirectory() as folder:
-        result = execute(scene, Path(folder), ENGINES[engine])
-        frames = list(read_dump(Path(folder))) if result.status == "complete" else []
+    result, frames = run_frames(scene, ENGINES[engine])
     bed: Results = {"engine": engine, "steps": steps, "discs": count, "seconds": result.cpu_seconds, "right": False,
                     "message": f"{result.status}: {result.message}", "kinetic_share": None, "drift": None}  # fmt: skip
     if not frames:
