@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import partial
 from pathlib import Path
 
@@ -85,10 +84,7 @@ def stored_table(path: Path, out: Path | None = None) -> str:
         Where there is none.
     """
     file = (out or FOLDER / load_case(path).name) / "bench.json"
-    try:
-        data = json.loads(file.read_text())
-    except (OSError, ValueError):
-        raise CaseError(f"{file}: no benchmark is stored there; run `lammps-jump bench {path}` first") from None
+    data = Store(file).data
     if "rows" not in data:
-        raise CaseError(f"{file}: the benchmark is not finished; `lammps-jump bench {path}` continues it")
+        raise CaseError(f"{file}: no finished benchmark is stored there; run `lammps-jump bench {path}` first")
     return page(data)

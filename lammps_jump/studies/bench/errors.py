@@ -11,9 +11,11 @@ the largest deviation, and its floor is 0.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from lammps_jump.studies.measure import Measured
 from lammps_jump.studies.store import Results
@@ -97,13 +99,8 @@ def setting_errors(runs: Sequence[Measured], reference: Sequence[Measured]) -> d
 
 def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
     """Return the indices of the points (time, error) that no other beats in both, from fast to slow."""
-    order = sorted(range(len(points)), key=lambda i: points[i])
-    best, front = float("inf"), []
-    for i in order:
-        if points[i][1] < best:
-            best = points[i][1]
-            front.append(i)
-    return front
+    errors = pd.DataFrame(points, columns=["time", "error"]).sort_values(["time", "error"]).error
+    return errors.index[errors < errors.cummin().shift(fill_value=inf)].tolist()
 
 
 def cheapest(rows: Sequence[Results], quantity: str, accuracy: float) -> Results | None:

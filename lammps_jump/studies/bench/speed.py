@@ -15,15 +15,8 @@ from lammps_jump import Case
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import SetupError
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.cross_validation.trajectories import (
-    CONTACT_STEPS,
-    check_scene,
-    developed_scene,
-    plain_scene,
-    separation,
-    trajectory,
-    with_discs_of,
-)
+from lammps_jump.studies.cross_validation import trajectories
+from lammps_jump.studies.cross_validation.trajectories import CONTACT_STEPS
 from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames, versions
 from lammps_jump.studies.settings import SKINS
 from lammps_jump.studies.store import Results, Say, Store
@@ -60,7 +53,7 @@ def make_variants(
 
 def started_from(developed: Scene, scene: Scene, steps: int, output_steps: int | None = None) -> Scene:
     """Return the scene with the discs of a developed one, for few steps, without probes."""
-    return plain_scene(with_discs_of(developed, scene), steps, output_steps or steps)
+    return trajectories.plain_scene(trajectories.with_discs_of(developed, scene), steps, output_steps or steps)
 
 
 def time_kernels(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
@@ -77,7 +70,7 @@ def time_kernels(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     if "stock" not in kernels:
         raise SetupError("bench --speed compares with stock LAMMPS, which does not run here; see `lammps-jump doctor`")
     work, rounds = (QUICK_WORK, 1) if quick else (WORK, ROUNDS)
-    developed = developed_scene(variant_scene(case, ("native", {})), work=16 * work)
+    developed = trajectories.developed_scene(variant_scene(case, ("native", {})), work=16 * work)
     discs = len(developed.positions)
     steps = max(100, int(work / max(discs, 1)))
     say(f"{case.name}: {discs} discs, {developed.description}; {rounds} rounds of {steps} steps")
@@ -117,11 +110,12 @@ def _agreement(developed: Scene, case: Case, variants: Mapping[str, Variant]) ->
     if "compiled" not in variants:
         return {}
     short = started_from(developed, variant_scene(case, variants["stock"]), CONTACT_STEPS, 100)
-    part = separation(trajectory(short, "stock"), trajectory(short, "compiled"), developed.diameter)
+    paths = [trajectories.trajectory(short, kernel) for kernel in ("stock", "compiled")]
+    part = trajectories.separation(*paths, developed.diameter)
     found = {"compiled and stock": part.farthest}
     if "compiled, law sign" in variants:
         sign = started_from(developed, variant_scene(case, variants["compiled, law sign"]), CONTACT_STEPS)
-        found["compiled and native, law sign"] = check_scene(sign, kernel="compiled").worst
+        found["compiled and native, law sign"] = trajectories.check_scene(sign, kernel="compiled").worst
     return found
 
 

@@ -21,8 +21,9 @@ from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.engines.plugin.build import plugin_path
 from lammps_jump.engines.result import Progress
 from lammps_jump.errors import RunError
+from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
-from lammps_jump.script.assemble import data_text, script_text
+from lammps_jump.script.assemble import script_text
 from lammps_jump.studies.measure import perturbed
 from lammps_jump.studies.runs import execute
 from lammps_jump.studies.store import Say, Store
@@ -47,9 +48,6 @@ def _sources(package) -> bytes:
 
 def member_key(scene: Scene, kernel: str, asked: Analysis) -> str:
     """Return the hash of all that a member depends on: the numbers of the scene, the code of engine and reduction."""
-    # the script holds every number that LAMMPS sees; the native engine gets the same scene
-    numbers = script_text(scene, kernel="compiled", dump_format="binary") + data_text(scene)
-    numbers += f"{scene.integrator} {scene.friction_law} {scene.steps} {scene.output_steps}"
     if kernel == "native":
         code = _sources(native)
     else:
@@ -58,7 +56,7 @@ def member_key(scene: Scene, kernel: str, asked: Analysis) -> str:
         code = f"{wheel_version()} {kernel} {plugin}{script_text(scene, kernel=kernel, dump_format='binary')}".encode()
     found = hashlib.sha256()
     wanted = f"{REDUCTION} {asked.bin_width} {asked.window} {asked.front} {asked.jump}"
-    for part in (wanted.encode(), _sources(analysis), numbers.encode(), code):
+    for part in (wanted.encode(), _sources(analysis), fingerprint(scene).encode(), code):
         found.update(part + b"\0")
     return found.hexdigest()[:12]
 

@@ -59,11 +59,11 @@ def draw_all(study: Study, part: Divergence, found: Comparison, folder: Path) ->
 
 def divergence(study: Study, part: Divergence) -> Figure:
     """Draw separation against time on a logarithmic axis, with its twin and the fitted growth."""
-    scene = study.scene
+    scene, found = study.scene, part.found
     figure, axes = new_figure(7.2, 4.0)
     rows = (
-        (part.engines, part.growth, BLUE, "-", f"LAMMPS ({part.kernel}) from native"),
-        (part.twin, part.twin_growth, GOLD, "--", "native from native, start off by the last digits"),
+        (part.engines, found["growth"], BLUE, "-", f"LAMMPS ({found['kernel']}) from native"),
+        (part.twin, found["twin_growth"], GOLD, "--", "native from native, start off by the last digits"),
     )
     top = 1.0
     for run, growth, colour, dash, label in rows:

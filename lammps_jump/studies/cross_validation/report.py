@@ -51,25 +51,12 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
         "lammps_kernel": study.kernel,
         "notes": study.notes,
         "disc_by_disc": study.checks,
-        "divergence": _divergence(divergence, study.scene.time_step),
+        "divergence": divergence.found,
         "statistics": found.stored(),
         "criteria": criteria,
         "laws": laws,
         "runs": runs,
     })  # fmt: skip
-
-
-def _divergence(found: Divergence, time_step: float) -> dict:
-    return {
-        "kernel": found.kernel,
-        "time_step": time_step,
-        "steps": int(found.engines.steps[-1]) if len(found.engines.steps) else 0,
-        "growth": found.growth,
-        "twin_growth": found.twin_growth,
-        "first_step_beyond": found.levels,
-        "other_discs_from_step": found.engines.other_discs,
-        "largest_separation": float(found.engines.largest.max(initial=0.0)),
-    }
 
 
 def write_report(report: dict, description: str, figures: dict[str, Path], path: Path) -> Path:

@@ -8,6 +8,7 @@ from math import comb, nan
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from scipy import stats
 
 CONFIDENCE = 0.95
@@ -129,12 +130,9 @@ def holm(ps: dict[str, float]) -> dict[str, float]:
 
     NaN stays NaN and does not count.
     """
-    known = sorted((p, name) for name, p in ps.items() if p == p)
-    adjusted, highest = dict.fromkeys(ps, nan), 0.0
-    for rank, (p, name) in enumerate(known):
-        highest = max(highest, min(1.0, (len(known) - rank) * p))
-        adjusted[name] = highest
-    return adjusted
+    known = pd.Series(ps, dtype=float).dropna().sort_values()
+    adjusted = (known * np.arange(len(known), 0, -1)).clip(upper=1.0).cummax()
+    return {name: float(adjusted.get(name, nan)) for name in ps}
 
 
 def block_means(values: np.ndarray, blocks: int) -> np.ndarray:

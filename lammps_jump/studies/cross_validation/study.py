@@ -20,21 +20,13 @@ from lammps_jump.files import write_json
 from lammps_jump.studies.measure import perturbed
 from lammps_jump.studies.store import Results, Say
 
+from . import trajectories
 from .ensembles import Line, Study
 from .figures import draw_all
 from .quantities import Comparison
 from .report import as_dict, write_report
 from .scenes import friction_scene, micro_scenes
-from .trajectories import (
-    CONTACT_STEPS,
-    TWIN_JITTER,
-    Divergence,
-    Growth,
-    check_scene,
-    developed_scene,
-    measure_divergence,
-    twin_separation,
-)
+from .trajectories import CONTACT_STEPS, TWIN_JITTER, Divergence, Growth
 
 MEMBERS, QUICK_MEMBERS = 6, 3
 DIVERGENCE_WORK = 4e7
@@ -150,24 +142,24 @@ def _disc_by_disc(study: Study, work: float) -> Divergence:
     kernels = [kernel for kernel in usable_kernels()[0] if kernel != "native"]
     if study.scene.touch == "smooth":
         kernels.remove("stock")
-    developed = developed_scene(study.scene, work=10 * work)
+    developed = trajectories.developed_scene(study.scene, work=10 * work)
     own = (study.scene, developed)
     scenes = [(scene, kernel) for scene in micro_scenes() for kernel in kernels]
     scenes += [(friction_scene("sign"), kernel) for kernel in kernels if kernel == "compiled"]
     scenes += [(scene, kernel) for scene in own for kernel in kernels]
     for scene, kernel in scenes:
-        check = check_scene(scene, kernel=kernel)
+        check = trajectories.check_scene(scene, kernel=kernel)
         if scene in own:
             twin, last = perturbed(scene, 1, TWIN_JITTER), check.last_step
-            check = check.explain(lambda s=scene, t=twin, n=last: twin_separation(s, t, n))
+            check = check.explain(lambda s=scene, t=twin, n=last: trajectories.twin_separation(s, t, n))
         study.checks.append(check)
         word = "agrees" if check.agrees else ("differs as expected" if check.passed else "DIFFERS")
         study.say(
             f"disc by disc: {check.name} ({kernel}): {check.worst:.1e} d over {CONTACT_STEPS} steps with contacts, "
             f"{word}"
         )
-    divergence = measure_divergence(study.scene, kernels[0], work)
-    growth, twin = _per(divergence.growth), _per(divergence.twin_growth)
+    divergence = trajectories.measure_divergence(study.scene, kernels[0], work)
+    growth, twin = (_per(divergence.found[name]) for name in ("growth", "twin_growth"))
     study.say(f"divergence: grows by e every {growth} s, a native twin every {twin} s")
     return divergence
 

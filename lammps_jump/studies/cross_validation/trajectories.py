@@ -17,6 +17,7 @@ from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.measure import perturbed
 from lammps_jump.studies.runs import run_frames
+from lammps_jump.studies.store import Results
 
 AGREEMENT = 1e-9
 """Positions that must agree do so to this many diameters."""
@@ -303,17 +304,13 @@ class Divergence:
     ----------
     engines, twin : Separation
         LAMMPS from native; native from native with a start a few last digits off.
-    growth, twin_growth : Growth
-    levels : dict of str to (step or None)
-        First step beyond each separation, in diameters.
+    found : dict
+        What is stored: `Growth` of both, first step beyond each of `LEVELS` (None for never), kernel and others.
     """
 
     engines: Separation
     twin: Separation
-    growth: Growth
-    twin_growth: Growth
-    levels: dict[str, int | None]
-    kernel: str
+    found: Results
 
 
 def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
@@ -325,10 +322,17 @@ def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
     native = trajectory(long, "native")
     part = separation(native, trajectory(long, kernel), scene.diameter)
     twin = separation(native, trajectory(perturbed(long, 1, TWIN_JITTER), "native"), scene.diameter)
-    levels = {f"{level:g}": crossing_step(part, level) for level in LEVELS}
     dt = scene.time_step
-    growths = (fit_growth(one.steps, one.largest, dt) for one in (part, twin))
-    return Divergence(part, twin, *growths, levels, kernel)
+    return Divergence(part, twin, {
+        "kernel": kernel,
+        "time_step": dt,
+        "steps": int(part.steps[-1]) if len(part.steps) else 0,
+        "growth": fit_growth(part.steps, part.largest, dt),
+        "twin_growth": fit_growth(twin.steps, twin.largest, dt),
+        "first_step_beyond": {f"{level:g}": crossing_step(part, level) for level in LEVELS},
+        "other_discs_from_step": part.other_discs,
+        "largest_separation": float(part.largest.max(initial=0.0)),
+    })  # fmt: skip
 
 
 def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:

@@ -174,17 +174,21 @@ def stress(
     for note in notes:
         say(f"note: {note}")
     study = Stress(store, kernels, say, quick, long)
-    limits, crystal, growth, scenes = study.limits(), study.periodic(), study.growth_per_contact(), study.scenes()
-    drawn = study.random_scenes(random if random is not None else (10 if quick else 200), seed)
-    beds = study.beds(20_000 if quick else (10_000_000 if long else 200_000))
-    found = [(row["scene"], row) for row in scenes if not row["right"]]
-    found += [(f"random scene {row['seed']}", row) for row in drawn["bad"]]
+    results: Results = {
+        "limits": study.limits(),
+        "periodic": study.periodic(),
+        "growth": study.growth_per_contact(),
+        "scenes": study.scenes(),
+        "random": study.random_scenes(random if random is not None else (10 if quick else 200), seed),
+        "bed": study.beds(20_000 if quick else (10_000_000 if long else 200_000)),
+    }
+    found = [(row["scene"], row) for row in results["scenes"] if not row["right"]]
+    found += [(f"random scene {row['seed']}", row) for row in results["random"]["bad"]]
     bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in found]
-    bad += [f"resting bed ({bed['engine']}): {bed['message']}" for bed in beds if not bed["right"]]
-    results = {"limits": limits, "periodic": crystal, "growth": growth, "scenes": scenes, "random": drawn, "bed": beds}
+    bad += [f"resting bed ({bed['engine']}): {bed['message']}" for bed in results["bed"] if not bed["right"]]
     store.finish(**results, bad=bad, notes=notes)
     store.write_table(report(store.data))
-    draw_map(limits, folder / "stress_map.png")
+    draw_map(results["limits"], folder / "stress_map.png")
     return bad
 
 
