@@ -20,13 +20,12 @@ from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_kernels
-from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.physics import jump as theory
 
 from .measure import Measured, run_setting
 from .runs import in_turn, middle, set_texts
-from .settings import Setting, reference_setting, stable
+from .settings import Setting, listed, reference_setting, stable
 from .store import Say, Store
 from .table import markdown, number, percent
 
@@ -150,10 +149,7 @@ def run_sensitivity(
     CaseError
         An unknown study.
     """
-    names = [word.strip() for word in only.split(",")] if only else list(STUDIES)
-    for name in names:
-        if name not in STUDIES:
-            raise CaseError(f"--only: there is no study '{name}'; allowed are {', '.join(STUDIES)}")
+    names = listed("--only", only, list(STUDIES)) or tuple(STUDIES)
     folder = Path(out) if out else Path("runs") / "sensitivity"
     store = Store(folder / "sensitivity.json", fresh=fresh)
     rows: dict[str, list[Row]] = {}

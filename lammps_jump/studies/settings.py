@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
 from lammps_jump.errors import CaseError
@@ -14,6 +14,7 @@ from lammps_jump.physics import contact
 from .runs import KERNELS, default_integrator, kernel_changes
 
 AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
+USUAL_AXES = ("f", "touch", "kernel", "correction", "n", "skin")
 FRACTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
 QUICK_FRACTIONS = (0.05, 0.1, 0.2)
 PENETRATIONS = (5.0, 10.0, 20.0, 40.0)
@@ -94,21 +95,19 @@ class Setting:
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def parse_axes(text: str | None) -> tuple[str, ...]:
-    """Return the names of axes in ``f,n,touch``.
+def listed(option: str, text: str | None, allowed: Sequence[str]) -> tuple[str, ...]:
+    """Return the words of an option, ``f,n,touch``, each once; none where it was not given.
 
     Raises
     ------
     CaseError
-        An unknown axis.
+        A word that is not allowed.
     """
-    if not text:
-        return ("f", "touch", "kernel", "correction", "n", "skin")
-    names = tuple(dict.fromkeys(word.strip() for word in text.split(",") if word.strip()))
-    for name in names:
-        if name not in AXES:
-            raise CaseError(f"--axes: '{name}' is no axis of a benchmark; allowed are {', '.join(AXES)}")
-    return names
+    words = tuple(dict.fromkeys(word.strip() for word in (text or "").split(",") if word.strip()))
+    for word in words:
+        if word not in allowed:
+            raise CaseError(f"{option}: '{word}' is not known; allowed are {', '.join(allowed)}")
+    return words
 
 
 def stable(setting: Setting, restitution: float) -> bool:

@@ -15,9 +15,10 @@ from lammps_jump.studies.bench import errors as bench_errors
 from lammps_jump.studies.bench import page as bench_page
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.errors import QuantityError
+from lammps_jump.studies.bench.study import Axes, read_axes
 from lammps_jump.studies.measure import JITTER, Measured, moved_start
 from lammps_jump.studies.runs import in_turn, middle
-from lammps_jump.studies.settings import Setting, make_settings, parse_axes, reference_setting, stable
+from lammps_jump.studies.settings import Setting, make_settings, reference_setting, stable
 from lammps_jump.studies.store import Store
 
 
@@ -70,9 +71,11 @@ def test_collisions_have_the_contact_of_a_case():
 
 
 def test_unknown_axis_is_named():
-    with pytest.raises(CaseError, match="'g' is no axis"):
-        parse_axes("f,g")
-    assert parse_axes("f, n,f") == ("f", "n")
+    with pytest.raises(CaseError, match="--axes: 'g' is not known; allowed are f, n"):
+        read_axes("f,g", None, None, None, None)
+    with pytest.raises(CaseError, match="--kernels: 'fast' is not known"):
+        read_axes(None, None, "stock,fast", None, None)
+    assert read_axes("f, n,f", None, None, "0.1", 3) == Axes(("f", "n"), diameters=(0.1,), members=3)
 
 
 def test_reference_is_the_fastest_kernel():

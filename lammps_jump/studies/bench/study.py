@@ -8,16 +8,10 @@ from dataclasses import asdict, dataclass
 from lammps_jump import Case
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.studies import settings
 from lammps_jump.studies.measure import Measured, run_setting
 from lammps_jump.studies.runs import KERNELS, in_turn, middle, versions
-from lammps_jump.studies.settings import (
-    FRACTIONS,
-    QUICK_FRACTIONS,
-    Setting,
-    make_settings,
-    parse_axes,
-    reference_setting,
-)
+from lammps_jump.studies.settings import Setting, listed
 from lammps_jump.studies.store import Results, Say, Store
 
 from .errors import EXACT, cheapest, names_of, pareto, setting_errors
@@ -28,22 +22,22 @@ TARGETS = (0.01, 0.05)
 
 @dataclass(frozen=True)
 class Axes:
-    """What a benchmark varies; None leaves the default values.
+    """What a benchmark varies; an empty tuple or None leaves the default values.
 
     Attributes
     ----------
-    names : str or None
-        Comma-separated, of `settings.AXES`.
-    fractions, diameters : tuple of float or None
+    names : tuple of str
+        Of `settings.AXES`.
+    fractions, diameters : tuple of float
         Time steps over 2/omega; disc diameters, m.
-    kernels : tuple of str or None
+    kernels : tuple of str
     members : int or None
         Starts of each setting; default 5 (2 if quick). The reference gets as many.
     """
 
-    names: str | None = None
-    fractions: tuple[float, ...] | None = None
-    kernels: tuple[str, ...] | None = None
+    names: tuple[str, ...] = ()
+    fractions: tuple[float, ...] = ()
+    kernels: tuple[str, ...] = ()
     diameters: tuple[float, ...] = ()
     members: int | None = None
 
@@ -56,18 +50,19 @@ def read_axes(
     Raises
     ------
     CaseError
-        A kernel that does not exist; a value that is no number above 0.
+        An axis or a kernel that does not exist; a value that is no number above 0.
     """
-    words = tuple(word.strip() for word in kernels.split(",")) if kernels else None
-    if words and not set(words) <= set(KERNELS):
-        raise CaseError(f"--kernels {kernels!r}: allowed are stock, compiled and native, with commas between")
-    found = _numbers("--fractions", fractions), words, _numbers("--diameters", diameters) or ()
-    return Axes(names, *found, members)
+    values = (
+        _numbers("--fractions", fractions),
+        listed("--kernels", kernels, KERNELS),
+        _numbers("--diameters", diameters),
+    )
+    return Axes(listed("--axes", names, settings.AXES), *values, members)
 
 
-def _numbers(option: str, text: str | None) -> tuple[float, ...] | None:
+def _numbers(option: str, text: str | None) -> tuple[float, ...]:
     if not text:
-        return None
+        return ()
     try:
         values = tuple(float(word) for word in text.split(","))
     except ValueError:
@@ -90,20 +85,20 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, say: 
         No setting came to its end.
     """
     fields = case.fields
-    chosen = parse_axes(axes.names or ("f,touch,kernel" if quick else None))
+    names = axes.names or (("f", "touch", "kernel") if quick else settings.USUAL_AXES)
     usable, notes = usable_kernels()
-    usable = [kernel for kernel in usable if axes.kernels is None or kernel in axes.kernels] or usable
-    settings = make_settings(
-        chosen, restitution=fields.contact.restitution, kernels=usable, diameters=axes.diameters,
-        fractions=axes.fractions or (QUICK_FRACTIONS if quick else FRACTIONS),
-        penetrations=(5.0, 20.0) if quick else (5.0, 10.0, 20.0, 40.0),
+    usable = [kernel for kernel in usable if kernel in axes.kernels] or usable
+    chosen = settings.make_settings(
+        names, restitution=fields.contact.restitution, kernels=usable, diameters=axes.diameters,
+        fractions=axes.fractions or (settings.QUICK_FRACTIONS if quick else settings.FRACTIONS),
+        penetrations=(5.0, 20.0) if quick else settings.PENETRATIONS,
     )  # fmt: skip
-    reference = reference_setting(0.02 if quick else min(FRACTIONS), usable)
-    settings = list(dict.fromkeys([reference, *settings]))
+    reference = settings.reference_setting(0.02 if quick else min(settings.FRACTIONS), usable)
+    chosen = list(dict.fromkeys([reference, *chosen]))
     rounds = axes.members or (2 if quick else 5)
     for note in notes:
         say(f"note: {note}")
-    say(f"{case.name}: {len(settings)} settings x {rounds} starts -> {store.path.parent}")
+    say(f"{case.name}: {len(chosen)} settings x {rounds} starts -> {store.path.parent}")
 
     def run(setting: Setting, member: int) -> Measured:
         key = setting.key(case.hash, versions(), member)
@@ -114,7 +109,7 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, say: 
             say(f"  {setting.label}, start {member + 1} of {rounds}: {outcome}")
         return found
 
-    runs = in_turn(settings, rounds, run)
+    runs = in_turn(chosen, rounds, run)
     every = [found for group in runs.values() for found in group]
     if not any(found.complete for found in every):
         raise RunError(f"no setting of {case.name} came to its end; the first one says: {every[0].message}")
