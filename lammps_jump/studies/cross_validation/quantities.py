@@ -102,21 +102,20 @@ def measure(folder: Path, scene: Scene, asked: Analysis, result: RunResult) -> Q
     histories |= {"gravitational": (energy.potential, "J/m")} if any(scene.gravity) else {}
     for name, (values, unit) in histories.items():
         curves[f"{name} history"] = _history(energy.time[run], values[run].astype(float), unit)
-    scalars["kinetic energy, mean"] = float(np.mean(moved[run])), "J/m"
-    scalars["energy at the end"] = float(energy.total[-1]), "J/m"
-    if coefficients.restitution == 1.0 and not coefficients.friction and not scene.inlets:
-        scalars["energy, largest deviation"] = analyse_energy(energy, flow).max_deviation, "1"
-    if open_:
-        scalars["discs in play, mean"] = float(energy.discs[run].mean()), "1"
-    if scene.inlets or scene.pours:
-        scalars["discs inserted"] = float(result.inserted), "1"
-    if scene.outlets:
-        scalars["discs removed"] = float(result.removed), "1"
-    wet = profiles["mass_depth_mean"].values > 0.5 * scene.diameter
-    if wet.any():
-        scalars["depth, mean over wet bins"] = float(profiles["mass_depth_mean"].values[wet].mean()), "m"
-    if wet.any() and open_:
-        scalars["discharge, mean over wet bins"] = float(profiles["discharge_mean"].values[wet].mean()), "m2/s"
+    depth, discharge = (profiles[name].values for name in ("mass_depth_mean", "discharge_mean"))
+    wet = depth > 0.5 * scene.diameter
+    closed = coefficients.restitution == 1.0 and not coefficients.friction and not scene.inlets
+    rows = (
+        ("kinetic energy, mean", "J/m", True, moved[run].mean),
+        ("energy at the end", "J/m", True, lambda: energy.total[-1]),
+        ("energy, largest deviation", "1", closed, lambda: analyse_energy(energy, flow).max_deviation),
+        ("discs in play, mean", "1", open_, energy.discs[run].mean),
+        ("discs inserted", "1", scene.inlets or scene.pours, lambda: result.inserted),
+        ("discs removed", "1", scene.outlets, lambda: result.removed),
+        ("depth, mean over wet bins", "m", wet.any(), depth[wet].mean),
+        ("discharge, mean over wet bins", "m2/s", wet.any() and open_, discharge[wet].mean),
+    )
+    scalars.update({name: (float(value()), unit) for name, unit, known, value in rows if known})
     if asked.front:
         _front(seen.front, found)
     for name, force in seen.forces.items():

@@ -52,8 +52,8 @@ class Separation:
         Frames in which both hold the same discs, up to the first in which they do not.
     largest, rms : ndarray, shape (frames,)
         Largest and root-mean-square distance between the two places of a disc, in diameters.
-    worst : ndarray, shape (frames, 3)
-        Id of the disc with the largest distance, and where it is (m).
+    worst : ndarray of int, shape (frames,)
+        Id of the disc with the largest distance.
     other_discs : int or None
         First step at which the engines hold different discs; None for never.
     """
@@ -117,20 +117,16 @@ def separation(one: Trajectory, other: Trajectory, diameter: float) -> Separatio
     diameter : float
         m; separations are in its units.
     """
-    rows, other_discs = [], None
-    for step in sorted(set(one) & set(other)):
-        (ids, places), (other_ids, other_places) = one[step], other[step]
-        if not np.array_equal(ids, other_ids):
-            other_discs = step
-            break
-        if not len(ids):
-            rows.append((step, 0.0, 0.0, 0, nan, nan))
-            continue
-        distance = np.hypot(*(places - other_places).T) / diameter
-        k = int(np.argmax(distance))
-        rows.append((step, float(distance[k]), float(np.sqrt(np.mean(distance**2))), int(ids[k]), *places[k]))
-    table = np.array(rows, float).reshape(-1, 6)
-    return Separation(table[:, 0].astype(int), table[:, 1], table[:, 2], table[:, 3:], other_discs)
+    shared = sorted(set(one) & set(other))
+    other_discs = next((step for step in shared if not np.array_equal(one[step][0], other[step][0])), None)
+    rows = []
+    for step in shared[: shared.index(other_discs) if other_discs is not None else None]:
+        ids, places = one[step]
+        distance = np.hypot(*(places - other[step][1]).T) / diameter
+        k = int(np.argmax(distance)) if len(ids) else None
+        rows.append((step, 0.0, 0.0, 0) if k is None else (step, distance[k], np.sqrt(np.mean(distance**2)), ids[k]))
+    steps, largest, rms, worst = np.array(rows, float).reshape(-1, 4).T
+    return Separation(steps.astype(int), largest, rms, worst.astype(int), other_discs)
 
 
 def first_contact(scene: Scene, limit: int) -> int | None:
@@ -291,7 +287,7 @@ def check_scene(
     worst = float(part.largest.max(initial=0.0))
     whole = part.other_discs is None
     note = "" if whole else f"the engines hold different discs at step {part.other_discs}"
-    discs = max(int(np.max(part.worst[:, 0], initial=0)), len(scene.positions))
+    discs = max(int(part.worst.max(initial=0)), len(scene.positions))
     agrees = whole and worst <= AGREEMENT
     return DeterministicCheck(scene.name, kernel, discs, touched, last, worst, agrees, note)
 
