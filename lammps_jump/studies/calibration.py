@@ -23,7 +23,7 @@ from lammps_jump import load_case
 from .runs import set_texts
 from .sensitivity import JUMP_CASE, QUICK_CHANGES, stored_run
 from .store import Say, Store
-from .table import markdown, percent
+from .table import filled, markdown
 
 Candidate = Mapping[str, float]
 GRIDS: dict[str, tuple[float, ...]] = {
@@ -32,7 +32,6 @@ GRIDS: dict[str, tuple[float, ...]] = {
     "penetration_fraction": (5.0, 10.0, 20.0),
     "sill": (0.6, 0.9, 1.2, 1.5, 1.8),
 }
-DISTANCES = ("distance", "depth", "length", "front")
 START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.2}
 QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.2,)}
 
@@ -132,19 +131,16 @@ def search(distance: Callable[[Candidate], float], start: Candidate, grids: Mapp
 
 def describe(row: Row) -> str:
     """Return one line on a candidate."""
-    distance, depth, length, front = (f"{100 * row[name]:.1f}" for name in DISTANCES)
+    shares = {name: 100 * row[name] for name in ("distance", "depth", "length", "front")}
     return (
-        f"e = {row['restitution']:g}, ks = {row['friction']:g}, n = {row['penetration_fraction']:g}, "
-        f"sill {row['sill']:g} m: distance {distance} % (depth {depth}, length {length}, front {front}; "
-        f"{row['jumps']} with a jump)"
-    )
+        "e = {restitution:g}, ks = {friction:g}, n = {penetration_fraction:g}, sill {sill:g} m: distance {distance:.1f} % "
+        "(depth {depth:.1f}, length {length:.1f}, front {front:.1f}; {jumps} with a jump)"
+    ).format_map(row | shares)
 
 
 def calibration_table(rows: list[Row]) -> str:
     """Return the Markdown table, best first."""
-    lines = [
-        [*(f"{row[name]:g}" for name in START), *(percent(row[name], 1) for name in DISTANCES), row["jumps"]]
-        for row in rows
-    ]
+    law = "{restitution:g}|{friction:g}|{penetration_fraction:g}|{sill:g}"
+    lines = filled(law + "|{distance:.1%}|{depth:.1%}|{length:.1%}|{front:.1%}|{jumps}", rows)
     head = ["e", "ks", "n", "sill (m)", "distance", "sequent depth", "length", "Martin & Moyce", "jumps"]
     return markdown(head, "rrrrrrrrl", lines) + "\n"

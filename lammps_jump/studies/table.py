@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 RULES = {"l": "---", "r": "---:"}
 
@@ -23,6 +23,11 @@ def markdown(head: Sequence[str], align: str, rows: Iterable[Sequence[object]]) 
     """
     first, *others = ("|" + "|".join(f" {cell} " if cell != "" else " " for cell in row) + "|" for row in (head, *rows))
     return "\n".join([first, "|" + "|".join(RULES[letter] for letter in align) + "|", *others])
+
+
+def filled(template: str, rows: Iterable[Mapping[str, object]]) -> list[list[str]]:
+    """Return the cells of each row: ``{engine}|{mean:+.1%}`` with the values of the row in it."""
+    return [template.format_map(row).replace("%", " %").split("|") for row in rows]
 
 
 def show(text: str) -> None:

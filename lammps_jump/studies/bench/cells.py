@@ -17,7 +17,7 @@ from lammps_jump.engines.native import run_native
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.runs import in_turn, middle, versions
 from lammps_jump.studies.store import Results, Say, Store
-from lammps_jump.studies.table import markdown, number
+from lammps_jump.studies.table import filled, markdown
 
 SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
 """Cell sizes in diameters; the thesis used 2."""
@@ -65,10 +65,10 @@ def cell_page(data: Results, folder: Path) -> str:
     rows = data["rows"]
     cells = [row for row in rows if row["size"] is not None]
     best = min(row["seconds"] for row in cells)
-    lines = [
-        [search_name(row["size"]), number(row["seconds"]), number(row["seconds"] / best), number(row["rate"] / 1e6, 1)]
-        for row in rows
-    ]
+    told = (
+        {"name": search_name(r["size"]), "over": r["seconds"] / best, "million": r["rate"] / 1e6, **r} for r in rows
+    )
+    lines = filled("{name}|{seconds:.2f}|{over:.2f}|{million:.1f}", told)
     with drawing(5.6, 3.4) as (figure, axes):
         axes.plot([row["size"] for row in cells], [row["seconds"] for row in cells], "o-", color="#33508f",
                   label="cells")  # fmt: skip

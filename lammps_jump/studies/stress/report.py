@@ -11,7 +11,7 @@ import pandas as pd
 
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.physics import contact
-from lammps_jump.studies.table import markdown, percent
+from lammps_jump.studies.table import filled, markdown
 
 from .limits import ENGINES, integrator_of
 
@@ -26,40 +26,28 @@ TITLES = {
 def report(data: dict) -> str:
     """Return the Markdown page: what ended badly, limits, growth, scenes, random scenes, resting bed."""
     random = data["random"]
-    crystal = [
-        f"- e = {row['restitution']:g}, f = {row['fraction']:g}: kinetic energy x {row['growth']:.3g}"
-        for row in data["periodic"]
-    ]
-    growth = [
-        [row["engine"], f"{row['fraction']:g}", percent(row["mean"], 3, "+"), percent(row["scatter"], 2)]
-        for row in data["growth"]
-    ]
-    beds = [f"- {row['engine']}, {row['discs']} discs, {row['steps']} steps: {row['message']}" for row in data["bed"]]
+    crystal = "- e = {restitution:g}, f = {fraction:g}: kinetic energy x {growth:.3g}"
+    growth = filled("{engine}|{fraction:g}|{mean:+.3%}|{scatter:.2%}", data["growth"])
+    bed = "- {engine}, {discs} discs, {steps} steps: {message}"
     parts = ["## What ended badly", "\n".join(f"- {text}" for text in data["bad"]) or "Nothing."]
     parts += ["## Limits of the step, as a share of 2/omega of a pair", _limits(data["limits"])]
-    if crystal:
-        parts += ["Periodic hexagonal crystal, 2 % compressed, 20,000 steps of stock LAMMPS:", "\n".join(crystal)]
+    if data["periodic"]:
+        parts += [
+            "Periodic hexagonal crystal, 2 % compressed, 20,000 steps of stock LAMMPS:",
+            "\n".join(map(crystal.format_map, data["periodic"])),
+        ]
     parts += ["## Energy of one elastic collision below the limit"]
     parts += [markdown(["engine", "f", "mean change", "scatter over entry phases"], "lrrr", growth)]
     parts += ["## Hard scenes", _outcomes(data["scenes"])]
     parts += [f"## Random scenes: {random['count']} from seed {random['first_seed']}", _tally(random["tally"])]
-    return "\n\n".join([*parts, "## Resting bed", "\n".join(beds)]) + "\n"
+    return "\n\n".join([*parts, "## Resting bed", "\n".join(map(bed.format_map, data["bed"]))]) + "\n"
 
 
 def _limits(limits: list[dict]) -> str:
-    rows = [
-        [
-            row["arrangement"] + (", spin" if row["rotation"] else ""),
-            f"{row['restitution']:g}",
-            f"{row['friction']:g}",
-            row["engine"],
-            *(f"{row[name]:.4f}" for name in ("predicted", "stable", "unstable")),
-            percent(row["deviation"], 1, "+"),
-        ]
-        for row in limits
-    ]
+    law = "{restitution:g}|{friction:g}|{engine}|{predicted:.4f}|{stable:.4f}|{unstable:.4f}|{deviation:+.1%}"
+    rows = (row | {"spin": ", spin" if row["rotation"] else ""} for row in limits)
     head = ["arrangement", "e", "ks", "engine", "predicted", "stable", "unstable", "deviation"]
-    return markdown(head, "lrrlrrrr", rows)
+    return markdown(head, "lrrlrrrr", filled("{arrangement}{spin}|" + law, rows))
 
 
 def _outcomes(scenes: list[dict]) -> str:
