@@ -133,8 +133,8 @@ def describe(row: Row) -> str:
     """Return one line on a candidate."""
     shares = {name: 100 * row[name] for name in ("distance", "depth", "length", "front")}
     return (
-        "e = {restitution:g}, ks = {friction:g}, n = {penetration_fraction:g}, sill {sill:g} m: distance {distance:.1f} % "
-        "(depth {depth:.1f}, length {length:.1f}, front {front:.1f}; {jumps} with a jump)"
+        "e = {restitution:g}, ks = {friction:g}, n = {penetration_fraction:g}, sill {sill:g} m: distance "
+        "{distance:.1f} % (depth {depth:.1f}, length {length:.1f}, front {front:.1f}; {jumps} with a jump)"
     ).format_map(row | shares)
 
 
