@@ -34,9 +34,6 @@ from .trajectories import DeterministicCheck
 
 MEMBERS_FILE = "members.json"
 """Store of finished members, each under a hash of all that it depends on."""
-
-REDUCTION = 4
-"""Counts up when what is kept of a run changes; older results are then made anew."""
 LABELS = {"stock": "lammps_stock", "compiled": "lammps_compiled", "native": "native"}
 """Name of an ensemble in the store and in tables, by kernel."""
 
@@ -55,8 +52,9 @@ def member_key(scene: Scene, kernel: str, asked: Analysis) -> str:
         plugin = plugin_path() if kernel == "compiled" else ""
         code = f"{wheel_version()} {kernel} {plugin}{script_text(scene, kernel=kernel, dump_format='binary')}".encode()
     found = hashlib.sha256()
-    wanted = f"{REDUCTION} {asked.bin_width} {asked.window} {asked.front} {asked.jump}"
-    for part in (wanted.encode(), _sources(analysis), fingerprint(scene).encode(), code):
+    wanted = f"{asked.bin_width} {asked.window} {asked.front} {asked.jump} {fingerprint(scene)}"
+    reduction = Path(__file__).with_name("quantities.py").read_bytes()
+    for part in (wanted.encode(), _sources(analysis), reduction, code):
         found.update(part + b"\0")
     return found.hexdigest()[:12]
 

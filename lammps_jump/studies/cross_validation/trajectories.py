@@ -23,6 +23,8 @@ AGREEMENT = 1e-9
 """Positions that must agree do so to this many diameters."""
 CONTACT_STEPS = 1_000
 """They must do so over this many steps from the first contact on."""
+EVERY = 10
+"""Steps between two comparisons."""
 ROUND_OFF = 1e-13
 """Separations (diameters) below this are rounding of the coordinates, not yet growth."""
 SATURATED = 1e-2
@@ -139,12 +141,10 @@ def first_contact(scene: Scene, limit: int) -> int | None:
     return simulation.step
 
 
-def fit_growth(
-    steps: np.ndarray, values: np.ndarray, time_step: float, low: float = ROUND_OFF, high: float = SATURATED
-) -> Growth:
+def fit_growth(steps: np.ndarray, values: np.ndarray, time_step: float) -> Growth:
     """Return the rate of growth of a separation: least squares through ln(values) between two levels.
 
-    The frames used run from the last time the values were below `low` to the first time they reach `high`.
+    The frames used run from the last time the values were below `ROUND_OFF` to the first time they reach `SATURATED`.
 
     Parameters
     ----------
@@ -154,18 +154,18 @@ def fit_growth(
     time_step : float
         s.
     """
-    above = np.flatnonzero(values >= high)
+    above = np.flatnonzero(values >= SATURATED)
     stop = int(above[0]) + 1 if above.size else len(values)
-    below = np.flatnonzero(values[:stop] < low)
+    below = np.flatnonzero(values[:stop] < ROUND_OFF)
     start = int(below[-1]) + 1 if below.size else 0
     t, v = steps[start:stop] * time_step, values[start:stop]
     if len(v) < 5 or not (v > 0).all() or v[-1] <= v[0]:
-        return Growth(nan, low, high, None, None, nan)
+        return Growth(nan, ROUND_OFF, SATURATED, None, None, nan)
     logs = np.log(v)
     rate, offset = np.polyfit(t, logs, 1)
     rest = logs - rate * t - offset
     share = 1.0 - float(rest.var() / logs.var()) if logs.var() > 0 else nan
-    return Growth(float(rate), low, high, int(steps[start]), int(steps[stop - 1]), share)
+    return Growth(float(rate), ROUND_OFF, SATURATED, int(steps[start]), int(steps[stop - 1]), share)
 
 
 def crossing_step(part: Separation, level: float) -> int | None:
@@ -222,9 +222,9 @@ class DeterministicCheck:
         return replace(self, expected_difference=CHAOS.format(apart)) if apart >= CHAOS_SHARE * self.worst else self
 
 
-def twin_separation(scene: Scene, twin: Scene, steps: int, output_steps: int = 10) -> float:
+def twin_separation(scene: Scene, twin: Scene, steps: int) -> float:
     """Return the largest separation (d) of two native runs of a scene and its twin; infinite where the discs differ."""
-    runs = [trajectory(plain_scene(one, steps, output_steps), "native") for one in (scene, twin)]
+    runs = [trajectory(plain_scene(one, steps, EVERY), "native") for one in (scene, twin)]
     return separation(*runs, scene.diameter).farthest
 
 
@@ -233,19 +233,20 @@ def plain_scene(scene: Scene, steps: int, output_steps: int) -> Scene:
     return replace(scene, probes=(), steps=steps, output_steps=output_steps)
 
 
-def developed_scene(scene: Scene, share: float = 0.6, work: float = 3e8) -> Scene:
-    """Return the scene with the discs of the native engine after a share of its run: a start full of contacts.
+def developed_scene(scene: Scene, work: float) -> Scene:
+    """Return the scene with the discs of the native engine after 60 % of its steps: a start full of contacts.
 
     Both engines then start from these positions and velocities, without spin. Open gates are removed, and the inlets
     count their intervals from the first step.
 
     Parameters
     ----------
-    share : float
-        Of the steps; fewer where that would take more than `work` disc-steps.
+    scene : Scene
+    work : float
+        Fewer steps where 60 % would take more than this many disc-steps.
     """
     simulation = NativeSimulation(replace(scene, probes=()), ledger=False)
-    goal = max(int(share * scene.steps), scene.settle_steps + 1)
+    goal = max(int(0.6 * scene.steps), scene.settle_steps + 1)
     while simulation.step < goal and (simulation.disc_steps < work or simulation.step <= scene.settle_steps):
         simulation.run(min(500, goal - simulation.step))
     since = scene.time(simulation.step)
@@ -263,9 +264,7 @@ def with_discs_of(source: NativeSimulation | Scene, scene: Scene) -> Scene:
     )
 
 
-def check_scene(
-    scene: Scene, *, kernel: str = "stock", contact_steps: int = CONTACT_STEPS, output_steps: int = 10
-) -> DeterministicCheck:
+def check_scene(scene: Scene, *, kernel: str = "stock") -> DeterministicCheck:
     """Run a scene on both engines over the first steps with contacts and compare every disc.
 
     Parameters
@@ -274,15 +273,13 @@ def check_scene(
         Its own `steps` bound the search for the first contact.
     kernel : {'stock', 'compiled'}
         LAMMPS kernel to compare with the native engine.
-    contact_steps, output_steps : int
-        Steps from the first contact on, and between two comparisons.
     """
     touched = first_contact(scene, scene.steps)
     if touched is None:
         note = f"no contact in {scene.steps} steps: nothing was tested"
         return DeterministicCheck(scene.name, kernel, len(scene.positions), None, 0, nan, False, note)
-    last = -(-(touched + contact_steps) // output_steps) * output_steps
-    short = plain_scene(scene, last, output_steps)
+    last = -(-(touched + CONTACT_STEPS) // EVERY) * EVERY
+    short = plain_scene(scene, last, EVERY)
     part = separation(trajectory(short, "native"), trajectory(short, kernel), scene.diameter)
     worst = float(part.largest.max(initial=0.0))
     whole = part.other_discs is None
@@ -331,8 +328,8 @@ def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
     })  # fmt: skip
 
 
-def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:
-    """Return a step soon after the native engine and its twin have parted by `level` d; at most `work` disc-steps."""
+def parting_step(scene: Scene, work: float) -> int:
+    """Return a step soon after the native engine and its twin have parted by 1 d; at most `work` disc-steps."""
     one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene, 1, TWIN_JITTER)))
     while one.step < scene.steps and one.disc_steps < work:
         chunk = min(200, scene.steps - one.step)
@@ -341,6 +338,6 @@ def parting_step(scene: Scene, work: float, level: float = 1.0) -> int:
         if not np.array_equal(one.ids, two.ids):
             break
         apart = np.abs(one.positions - two.positions)
-        if apart.size and apart.max() > level * scene.diameter:
+        if apart.size and apart.max() > scene.diameter:
             break
     return min(scene.steps, one.step + one.step // 4)
