@@ -31,9 +31,8 @@ def cross_validate(
     """Compare LAMMPS with the native engine; exit status 1 if they differ where they must agree."""
     study = studies.cross_validation
     report = study.cross_validate(
-        case,
+        lj.load_case(case, set_),
         out=out,
-        assignments=set_,
         members=members,
         kernel=kernel,
         quick=quick,

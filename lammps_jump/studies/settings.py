@@ -16,6 +16,8 @@ from .runs import KERNELS, default_integrator, kernel_changes
 AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
 USUAL_AXES = ("f", "touch", "kernel", "correction", "n", "skin")
 FRACTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
+BASE = 0.05
+"""Time-step fraction of the settings that vary another axis."""
 QUICK_FRACTIONS = (0.05, 0.1, 0.2)
 PENETRATIONS = (5.0, 10.0, 20.0, 40.0)
 SKINS = (0.1, 0.2, 0.3, 0.5, 0.7)
@@ -121,12 +123,11 @@ def make_settings(
     *,
     restitution: float,
     kernels: Iterable[str] = KERNELS,
-    base: float = 0.05,
     fractions: Iterable[float] = FRACTIONS,
     penetrations: Iterable[float] = PENETRATIONS,
     diameters: Iterable[float] = (),
 ) -> list[Setting]:
-    """Return stable settings: step, kernel and touch are crossed, the other axes vary one at a time from a base.
+    """Return stable settings: step, kernel and touch are crossed, the other axes vary one at a time from `BASE`.
 
     Parameters
     ----------
@@ -136,31 +137,27 @@ def make_settings(
         Decides which steps are stable.
     kernels : iterable of str
         Those that are usable here.
-    base : float
-        Time-step fraction of the settings that vary another axis.
     fractions, penetrations, diameters : iterable of float
         Values of the axes f, n and diameter (m).
     """
     axes, kernels = set(axes), list(kernels)
     first = kernels[0]
     families = [(kernel, "sharp") for kernel in (kernels if "kernel" in axes else [first])]
-    quickest = reference_setting(base, kernels).kernel
+    quickest = reference_setting(BASE, kernels).kernel
     if "touch" in axes and quickest != "stock":
         families.append((quickest, "smooth"))
-    steps = list(fractions) if "f" in axes else [base]
+    steps = list(fractions) if "f" in axes else [BASE]
     found = [Setting(kernel, step, touch) for kernel, touch in families for step in steps]
     if "correction" in axes and restitution < 1:
         found += [Setting(first, step, correction=False) for step in steps]
     if "n" in axes:
-        found += [
-            Setting(quickest, step, penetration=n) for n in penetrations for step in sorted({base, min(0.1, 2 * base)})
-        ]
+        found += [Setting(quickest, step, penetration=n) for n in penetrations for step in (BASE, 2 * BASE)]
     if "skin" in axes:
-        found += [Setting(kernel, base, skin=skin) for kernel in kernels[:2] for skin in SKINS]
+        found += [Setting(kernel, BASE, skin=skin) for kernel in kernels[:2] for skin in SKINS]
     if "diameter" in axes:
-        found += [Setting(quickest, base, diameter=d) for d in diameters]
+        found += [Setting(quickest, BASE, diameter=d) for d in diameters]
     if "ranks" in axes:
-        found += [Setting(first, base), Setting(first, base, ranks=2)]
+        found += [Setting(first, BASE), Setting(first, BASE, ranks=2)]
     return list(dict.fromkeys(setting for setting in found if stable(setting, restitution)))
 
 

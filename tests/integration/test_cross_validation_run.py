@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from lammps_jump import load_case
 from lammps_jump.cli.app import app
 from lammps_jump.studies.cross_validation import study as cross_validation
 from lammps_jump.studies.cross_validation.scenes import friction_scene, micro_scenes
@@ -111,5 +112,6 @@ def test_exit_status_is_one_where_the_engines_differ(study, monkeypatch, numbers
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["energy_box_16", "dam_break", "quick_jump"])
 def test_the_scenes_agree(name, tmp_path):
-    report = cross_validation.cross_validate(Path("inputs") / f"{name}.yaml", out=tmp_path, members=6, quick=True)
+    case = load_case(Path("inputs") / f"{name}.yaml")
+    report = cross_validation.cross_validate(case, out=tmp_path, members=6, quick=True)
     assert report["passed"], report["statistics"]

@@ -277,13 +277,13 @@ def test_expected_differences_excuse_only_small_ones():
 
 def test_one_member_and_poured_discs_are_refused(tmp_path):
     with pytest.raises(SetupError, match="at least 2"):
-        cross_validation.cross_validate("inputs/energy_box_7.yaml", out=tmp_path, members=1)
+        cross_validation.cross_validate(load_case("inputs/energy_box_7.yaml"), out=tmp_path, members=1)
     case = tmp_path / "pour.yaml"
     text = DROP.replace("initial: [{kind: lattice, nx: 3, ny: 3, spacing: 0.25, origin: [0.2, 0.3]}]",
                         "inflow: {kind: pour, x: [0, 1], y: [1, 2], count: 5}")  # fmt: skip
     case.write_text(text)
     with pytest.raises(SetupError, match="poured"):
-        cross_validation.cross_validate(case, out=tmp_path / "out")
+        cross_validation.cross_validate(load_case(case), out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 

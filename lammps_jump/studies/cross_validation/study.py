@@ -13,7 +13,7 @@ from collections.abc import Callable
 from math import isfinite, nan
 from pathlib import Path
 
-from lammps_jump import Case, load_case
+from lammps_jump import Case
 from lammps_jump.engines import choose, usable_kernels
 from lammps_jump.errors import SetupError
 from lammps_jump.files import write_json
@@ -47,10 +47,9 @@ LAWS: dict[str, tuple[str, dict[str, object]]] = {
 
 
 def cross_validate(
-    path: str | Path,
+    case: Case,
     *,
     out: Path | None = None,
-    assignments: list[str] | None = None,
     members: int | None = None,
     quick: bool = False,
     kernel: str = "auto",
@@ -61,12 +60,9 @@ def cross_validate(
 
     Parameters
     ----------
-    path : str or Path
-        Case file.
+    case : Case
     out : Path, optional
         Default ``runs/<name>_cross_validation``. Finished members are kept in it: an interrupted study continues.
-    assignments : list of str, optional
-        ``--set`` texts.
     members : int, optional
         Runs in each ensemble, at least 2; default 6, with `quick` 3.
     quick : bool
@@ -91,7 +87,6 @@ def cross_validate(
         Where a run fails.
     """
     begin = time.perf_counter()
-    case = load_case(path, assignments)
     study = _prepare(case, out, kernel, members, quick, line, say)
     divergence = _disc_by_disc(study, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
     found = study.compare(study.run(study.scene, study.kernel), study.run(study.scene, "native"))
