@@ -79,7 +79,7 @@ def time_kernels(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     identity = f"{case.hash} {steps} {versions()}"
 
     def timed(name: str, turn: int) -> float | None:
-        rate, seconds = store.piece(f"{name} {turn} {identity}", lambda: run_rate(scenes[name], variants[name][0]))
+        rate, seconds = store.piece(f"rate {name} {turn} {identity}", lambda: run_rate(scenes[name], variants[name][0]))
         say(f"  {turn + 1}/{rounds} {name}: {seconds:.2f} s")
         return rate
 
