@@ -53,55 +53,32 @@ def require_case(folder: Path) -> Path:
     return path
 
 
-def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping[str, Any] | None:
-    """The summary of a finished run of the same resolved case in the folder, else None."""
+def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping[str, Any]:
+    """The summary of a finished run of the same resolved case in the folder, else nothing."""
     try:
-        stored = read_summary(folder)
-    except DumpError:
-        return None
-    if stored is None or stored.get("status") != "complete" or stored.get("case_hash") != run_key(case, setting):
-        return None
-    try:
-        same = (folder / "case.yaml").read_text() == case.to_yaml()
-    except OSError:
-        return None
-    finished = all((folder / name).exists() for name in ("profiles.nc", "report.html"))
-    return stored if same and finished and any(folder.glob("dump.lammps*")) else None
+        stored, case_file = read_summary(folder), (folder / "case.yaml").read_text()
+    except (DumpError, OSError):
+        return {}
+    known = stored.get("status") == "complete" and stored["case_hash"] == run_key(case, setting)
+    whole = all(any(folder.glob(name)) for name in ("profiles.nc", "report.html", "dump.lammps*"))
+    return stored if known and whole and case_file == case.to_yaml() else {}
 
 
 def result_of(
-    case: ReadCase, folder: Path, stored: Mapping[str, Any] | None, setting: Setting, *, write: bool = True
+    case: ReadCase, folder: Path, stored: Mapping[str, Any], setting: Setting, *, write: bool = True
 ) -> RunResult:
     """The result of a run as its summary holds it, else from what it wrote; see `result_of_files`."""
-    if stored is None:
+    if not stored:
         return result_of_files(case.scene(), folder, setting, write=write)
-    discs = stored.get("discs") or {}
+    same = ("engine", "kernel", "status", "steps", "disc_steps", "versions", "ledger")
     return RunResult(
-        engine=stored.get("engine", setting.engine),
-        kernel=stored.get("kernel", setting.kernel),
-        status=stored.get("status", "unknown"),
-        message=stored.get("message") or "",
-        steps=stored.get("steps", 0),
-        disc_steps=stored.get("disc_steps", 0.0),
-        inserted=discs.get("inserted", 0),
-        present=discs.get("present", 0),
-        removed=discs.get("removed", 0),
-        lost=discs.get("lost", 0),
-        seconds=(stored.get("wall_seconds") or {}).get("run", 0.0),
-        versions=stored.get("versions", {}),
-        ledger=stored.get("ledger"),
-        breakdown=stored.get("breakdown_seconds") or {},
-        resumed=tuple(stored.get("resumed_at") or ()),
+        **{name: stored[name] for name in same},
+        **stored["discs"],
+        message=stored["message"] or "",
+        seconds=stored["wall_seconds"]["run"],
+        breakdown=stored["breakdown_seconds"] or {},
+        resumed=tuple(stored.get("resumed_at", ())),
     )
-
-
-def reached_end(scene: Scene, folder: Path) -> bool:
-    """Whether the log, else the dump of a run folder tells of the run's last step."""
-    step = read_log(folder / "log.lammps").step
-    try:
-        return (step or max((frame.step for frame in read_dump(folder)), default=0)) >= scene.steps
-    except DumpError:
-        return False
 
 
 def result_of_files(scene: Scene, folder: Path, setting: Setting, *, write: bool = True) -> RunResult:

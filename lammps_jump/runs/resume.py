@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, Checkpoint, read_checkpoint
 from lammps_jump.engines.setting import Setting
-from lammps_jump.errors import ResumeError
+from lammps_jump.errors import DumpError, ResumeError
 from lammps_jump.provenance import fingerprint
 
-from .folder import reached_end
+from .folder import result_of_files
 from .summary import read_summary
 
 ANEW = "the same command without --resume starts a new run"
@@ -34,7 +35,7 @@ def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
             f"{folder / 'case.yaml'}: differs from the case that was asked for, so its run cannot go on as that case; "
             f"`lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
         )
-    _require_interrupted(case, folder)
+    _require_interrupted(case, folder, setting)
     checkpoint = read_checkpoint(folder)
     if checkpoint is None:
         raise ResumeError(f"{folder}: the run has no checkpoint; {ANEW}")
@@ -52,17 +53,19 @@ def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
     return checkpoint
 
 
-def _require_interrupted(case: ReadCase, folder: Path) -> None:
-    stored = read_summary(folder)
-    status = (stored or {}).get("status", "interrupted")
+def _require_interrupted(case: ReadCase, folder: Path, setting: Setting) -> None:
+    status = read_summary(folder).get("status")
     if status == "complete":
         raise ResumeError(f"{folder}: the run is finished, nothing is left to do; {ANEW}")
-    if stored is None and not (folder / CHECKPOINT_FILE).exists() and reached_end(case.scene(), folder):
+    if status is None and not (folder / CHECKPOINT_FILE).exists():
+        with suppress(DumpError):  # without a dump the checkpoint is asked for
+            status = result_of_files(case.scene(), folder, setting, write=False).status
+    if status == "complete":
         raise ResumeError(
             f"{folder}: the run reached its end, nothing of it is left to do; only its analysis is missing: "
             f"`lammps-jump analyze {folder}` makes it"
         )
-    if status != "interrupted":
+    if status == "failed":
         raise ResumeError(
             f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
             "new run"

@@ -9,21 +9,22 @@ the interval: residuals with lag-1 correlation r > 0 inflate the standard error 
 discharge and toe must all be steady at two looks in a row, half a window apart.
 
 False-stop rate, measured (tests/runs/test_steady.py; 1,500 records of three windows whose depth drifts by the tolerance
-a window, 100 samples a window): below 0.1 % with independent noise, 0.5 % with AR(1) noise of 0.8 from sample to
-sample, 2.7 % with 0.95.
+a window, 100 samples a window): below 0.1 % with independent noise, 0.3 % with AR(1) noise of 0.8 from sample to
+sample, 3.1 % with 0.95.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 from pathlib import Path
 
 import numpy as np
 from scipy.special import stdtrit
 
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.jump.track import straight_motion
 from lammps_jump.dump.tail import Tail
 from lammps_jump.scene.scene import Scene
 
@@ -32,24 +33,10 @@ PASSAGES = 1.5
 FEWEST_FRAMES = 48
 """The detector wants sixteen batches of several frames each."""
 BATCHES = 16
-QUANTITIES = ("depth", "discharge", "toe")
-
-
-@dataclass(frozen=True)
-class Tolerances:
-    """Drift over one window that still counts as none.
-
-    Attributes
-    ----------
-    depth, discharge : float
-        Shares of the window's mean.
-    toe : float
-        m.
-    """
-
-    depth: float = 0.02
-    discharge: float = 0.02
-    toe: float = 0.5
+TOLERANCES = {"depth": 0.02, "discharge": 0.02, "toe": 0.5}
+"""Drift over one window that still counts as none: shares of the window's mean, and m."""
+CONFIDENCE = 0.95
+"""Of each one-sided test; the two make an interval of confidence 2 `CONFIDENCE` - 1."""
 
 
 @dataclass(frozen=True)
@@ -74,14 +61,14 @@ class Drift:
         return abs(self.drift) + self.margin <= tolerance
 
 
-def drift_of(values: np.ndarray, confidence: float = 0.95, batches: int = BATCHES) -> Drift:
+def drift_of(values: np.ndarray, confidence: float = CONFIDENCE, batches: int = BATCHES) -> Drift:
     """Drift of an equally spaced series over its length.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
     confidence : float
-        Of each one-sided test; the two make an interval of confidence 2 confidence - 1.
+        Of each one-sided test.
     batches : int
         Number of batch means that the line is fitted to.
 
@@ -95,18 +82,9 @@ def drift_of(values: np.ndarray, confidence: float = 0.95, batches: int = BATCHE
     if size < 2 or not np.isfinite(values).all():
         return Drift(float("nan"), float("nan"), inf)
     means = values[len(values) - size * batches :].reshape(batches, size).mean(axis=1)
-    place = (np.arange(batches) + 0.5) / batches - 0.5
-    spread = float(place @ place)
-    slope = float(place @ means) / spread
-    residual = means - means.mean() - slope * place
-    variance = float(residual @ residual) / (batches - 2)
-    total = float(residual @ residual)
-    # the fit of a line pulls the correlation of independent residuals down by about 2/n: put it back
-    correlation = float(residual[1:] @ residual[:-1]) / total + 2.0 / batches if total > 0 else 0.0
-    correlation = min(max(correlation, 0.0), 0.9)
-    error = sqrt(variance / spread * (1 + correlation) / (1 - correlation))
+    fit = straight_motion(np.arange(batches) / batches, means)
     whole = len(values) / (batches * size)  # the batches leave out the few samples that do not fill one
-    return Drift(float(means.mean()), whole * slope, whole * float(stdtrit(batches - 2, confidence)) * error)
+    return Drift(float(means.mean()), whole * fit.speed, whole * float(stdtrit(batches - 2, confidence)) * fit.error)
 
 
 class SteadyDetector:
@@ -116,10 +94,6 @@ class SteadyDetector:
     ----------
     window : float
         Length of record that is tested, s: several times what the flow needs to pass through the studied reach.
-    tolerances : Tolerances
-    confidence : float
-    start : float
-        Records before this time (s) do not count.
 
     Attributes
     ----------
@@ -131,13 +105,10 @@ class SteadyDetector:
         Tests made.
     """
 
-    def __init__(
-        self, window: float, tolerances: Tolerances | None = None, *, confidence: float = 0.95, start: float = 0.0
-    ):
+    def __init__(self, window: float):
         if not 0 < window < inf:
             raise ValueError(f"window {window!r} s: expected a length of time above 0")
-        self.window, self.confidence, self.start = window, confidence, start
-        self.tolerances = tolerances or Tolerances()
+        self.window = window
         self.steady, self.reason, self.looks = False, "", 0
         self.drifts: dict[str, Drift] = {}
         self._rows: deque[tuple[float, float, float, float]] = deque()
@@ -158,8 +129,8 @@ class SteadyDetector:
         toe : float
             Position of the toe, m; NaN where there is none, which is never steady.
         """
-        if self.steady or time < self.start:
-            return self.steady
+        if self.steady:
+            return True
         self._rows.append((time, depth, discharge, toe))
         while self._rows[0][0] < time - self.window:
             self._rows.popleft()
@@ -173,10 +144,8 @@ class SteadyDetector:
         self.looks += 1
         self._next_look = time + 0.5 * self.window
         columns = np.array(self._rows)[:, 1:].T
-        self.drifts = {
-            name: drift_of(values, self.confidence) for name, values in zip(QUANTITIES, columns, strict=True)
-        }
-        good = all(self.drifts[name].within(self._allowed(name)) for name in QUANTITIES)
+        self.drifts = {name: drift_of(values) for name, values in zip(TOLERANCES, columns, strict=True)}
+        good = all(drift.within(self._allowed(name)) for name, drift in self.drifts.items())
         self._passed = self._passed + 1 if good else 0
         if self._passed >= 2:
             self.steady = True
@@ -186,12 +155,11 @@ class SteadyDetector:
             )
             self.reason = (
                 f"statistically steady at t = {time:.4g} s: drift over the last {self.window:g} s of {found}; "
-                f"two one-sided t tests, {100 * self.confidence:g} %, twice in a row"
+                f"two one-sided t tests, {100 * CONFIDENCE:g} %, twice in a row"
             )
 
     def _allowed(self, name: str) -> float:
-        tolerance = getattr(self.tolerances, name)
-        return tolerance if name == "toe" else tolerance * abs(self.drifts[name].mean)
+        return TOLERANCES[name] * (1.0 if name == "toe" else abs(self.drifts[name].mean))
 
 
 def flow_state(
