@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -74,17 +75,10 @@ def sayer(quiet: bool) -> Callable[[str], None]:
     return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
 
 
-class _Printer(logging.Handler):
-    """Prints what the program says about its work."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        print(record.getMessage(), flush=True)
-
-
 @contextmanager
 def told(quiet: bool) -> Iterator[None]:
     """Print what the program says while the block runs, unless `quiet`."""
-    logger, printer = logging.getLogger("lammps_jump"), _Printer()
+    logger, printer = logging.getLogger("lammps_jump"), logging.StreamHandler(sys.stdout)
     before = logger.level
     if not quiet:
         logger.addHandler(printer)
