@@ -51,14 +51,11 @@ class View:
         return (self.y[1] - np.asarray(y, float)) * self.scale
 
     @classmethod
-    def fitted(cls, x: Interval, y: Interval, width: int, even: bool = True) -> View:
-        """A view of these extents that is `width` pixels wide; its height follows (and y grows to whole pixels)."""
-        scale = width / (x[1] - x[0])
-        height = max(2, ceil((y[1] - y[0]) * scale))
-        if even:
-            width, height = width + width % 2, height + height % 2
-            scale = width / (x[1] - x[0])
-        return cls(x, (y[0], y[0] + height / scale), width, height)
+    def fitted(cls, x: Interval, y: Interval, width: int) -> View:
+        """A view of these extents in even pixels, about `width` wide; its height follows (and y grows to them)."""
+        height = max(2, ceil((y[1] - y[0]) * width / (x[1] - x[0])))
+        width, height = width + width % 2, height + height % 2
+        return cls(x, (y[0], y[0] + height * (x[1] - x[0]) / width), width, height)
 
 
 def blank(view: View) -> np.ndarray:
@@ -114,11 +111,11 @@ def paint_arrow(picture: np.ndarray, start, end, thickness: float, colour) -> No
     _paint_arrow(picture, x0, y0, ux, uy, length, head, thickness, np.array(colour, np.uint8))
 
 
-def colour_table(name: str = "cividis", entries: int = 256) -> np.ndarray:
-    """A matplotlib colour map as bytes, shape (entries, 3)."""
+def colour_table() -> np.ndarray:
+    """The colour map cividis as bytes, shape (256, 3)."""
     from matplotlib import colormaps
 
-    return (colormaps[name](np.linspace(0, 1, entries))[:, :3] * 255 + 0.5).astype(np.uint8)
+    return (colormaps["cividis"](np.arange(256))[:, :3] * 255 + 0.5).astype(np.uint8)
 
 
 def coloured(values: np.ndarray, top: float, table: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import matplotlib as mpl
@@ -21,39 +21,24 @@ from .painter import View, blank, colour_table, coloured, paint_discs, paint_wal
 from .style import STYLE, colour_bar, style
 
 
-def snapshots(
-    frames: Dump | Sequence[Frame] | Iterable[Frame],
-    flow: Flow,
-    *,
-    x: Interval | None = None,
-    y: Interval | None = None,
-    top_speed: float | None = None,
-    pictures: int = 10,
-    title: str | None = None,
-) -> Figure:
+def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
     """Discs at ten equal times as true circles coloured by speed, walls in grey (the thesis' ten pictures).
+
+    Shown is the studied stretch, as high as discs go. Colours end at the 99.5 % quantile of the speeds.
 
     Parameters
     ----------
-    frames : Dump or iterable of Frame
+    frames : Dump or sequence of Frame
         Of a Dump only the ten frames are parsed.
     flow : Flow
-    x, y : (float, float), optional
-        What is shown, m; default the studied stretch, and as high as discs go.
-    top_speed : float, optional
-        m/s at the end of the colour scale; default the 99.5 % quantile over the pictures.
     """
-    if isinstance(frames, Dump):
-        chosen = list(frames.select(ten_indices(frames.count(), pictures)))
-    else:
-        given = list(frames)
-        chosen = [given[i] for i in ten_indices(len(given), pictures)]
+    indices = ten_indices(len(frames))
+    chosen = list(frames.select(indices)) if isinstance(frames, Dump) else [frames[i] for i in indices]
     if not chosen:
         raise DumpError("there is no frame to draw.")
-    x = x or seen_range(chosen, flow)
-    y = y or seen_heights(chosen, flow, x)
+    x, y = seen(chosen, flow)
     speeds = [disc_speeds(frame) for frame in chosen]
-    top_speed = top_speed or top_of(speeds)
+    top_speed = top_of(speeds)
     grid = _Grid.fitted(len(chosen), (x[1] - x[0]) / (y[1] - y[0]))
     view = View.fitted(x, y, round(grid.width * STYLE["savefig.dpi"]))
     table = colour_table()
@@ -78,7 +63,7 @@ def snapshots(
                 axes.set_ylabel("y [m]", fontsize=8)
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")
         colour_bar(figure, scale, "Speed [m/s]", cax=figure.add_axes(grid.bar), orientation="horizontal")
-        figure.suptitle(title or flow.scene.name, x=0.01, y=1 - 0.07 / grid.size[1], ha="left", va="top", fontsize=10)
+        figure.suptitle(flow.scene.name, x=0.01, y=1 - 0.07 / grid.size[1], ha="left", va="top", fontsize=10)
     return figure
 
 
@@ -150,29 +135,26 @@ def top_of(speeds: Sequence[np.ndarray]) -> float:
     return float(np.ceil(2 * high / unit) / 2 * unit)
 
 
-def seen_range(frames: Sequence[Frame], flow: Flow) -> Interval:
-    """The studied stretch, cut short where the frames hold neither a disc nor a block, m."""
-    low, high = flow.x_range
+def seen(frames: Sequence[Frame], flow: Flow) -> tuple[Interval, Interval]:
+    """What of the plane is worth showing, m.
+
+    Along x the studied stretch, cut short where the frames hold neither a disc nor a block; along y from just below the
+    floor to just above nearly all discs there.
+    """
+    (low, high), diameter = flow.x_range, flow.scene.diameter
+    blocks = [wall.extent for wall in flow.scene.walls if wall.finite]
     parts = [frame.x[(frame.x >= low) & (frame.x <= high)] for frame in frames]
     ends = [float(np.quantile(part, q)) for part in parts if part.size for q in (0.0, 0.999)]
-    ends += [end for wall in flow.scene.walls if wall.finite for end in wall.extent[0] if low < end < high]
-    if not ends:
-        return low, high
-    margin = 0.02 * (max(ends) - min(ends)) + 2 * flow.scene.diameter
-    return max(low, min(ends) - margin), min(high, max(ends) + margin)
-
-
-def seen_heights(frames: Sequence[Frame], flow: Flow, x: Interval) -> Interval:
-    """Heights worth showing, m: from just below the floor to just above nearly all discs within x."""
-    floors = flow.bed_height(np.linspace(*x, 200))
-    floors = floors[np.isfinite(floors)]
-    low = float(np.min(floors)) if floors.size else flow.scene.domain[1][0]
-    heights = [frame.y[(frame.x >= x[0]) & (frame.x <= x[1])] for frame in frames]
+    ends += [end for sides, _ in blocks for end in sides if low < end < high]
+    if ends:
+        margin = 0.02 * (max(ends) - min(ends)) + 2 * diameter
+        low, high = max(low, min(ends) - margin), min(high, max(ends) + margin)
+    floors = flow.bed_height(np.linspace(low, high, 200))
+    bottom = float(np.min(floors[np.isfinite(floors)], initial=np.inf))
+    bottom = bottom if np.isfinite(bottom) else flow.scene.domain[1][0]
+    heights = [frame.y[(frame.x >= low) & (frame.x <= high)] for frame in frames]
     tops = [float(np.quantile(part, 0.995)) for part in heights if part.size]
-    top = max([*tops, low + 5 * flow.scene.diameter])
-    for wall in flow.scene.walls:
-        (start, end), (_, highest) = wall.extent
-        if wall.finite and end > x[0] and start < x[1]:
-            top = max(top, highest)
-    margin = 0.06 * (top - low) + flow.scene.diameter
-    return low - margin, top + margin
+    tops += [highest for (start, end), (_, highest) in blocks if end > low and start < high]
+    top = max([*tops, bottom + 5 * diameter])
+    margin = 0.06 * (top - bottom) + diameter
+    return (low, high), (bottom - margin, top + margin)

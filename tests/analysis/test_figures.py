@@ -40,7 +40,7 @@ def texts(figure):
 
 def test_depth_profile(profiles, tmp_path):
     before = dict(mpl.rcParams)
-    figure = figures.depth_profile(profiles, CONTEXT, y1=1.0, y2=4.2, lines={"critical": 2.0}, marks={"toe": 5.0})
+    figure = figures.depth_profile(profiles, CONTEXT, lines={"Bélanger": 4.2, "critical": 2.0}, marks={"toe": 5.0})
     labels = " ".join(texts(figure))
     for word in ("[m]", "[m/s]", "Distance x", "made-up", "frames"):
         assert word in labels
