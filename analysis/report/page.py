@@ -89,10 +89,15 @@ class Section(NamedTuple):
 
 
 def render(title: str, sections: Sequence[Section | None], *, tab: str = "") -> str:
-    """One self-contained HTML page; None among the sections is left out; `tab` is the browser's title."""
-    return _template().render(
-        title=title, tab=tab or title, sections=[section for section in sections if section is not None]
-    )
+    """One self-contained HTML page; `tab` is the browser's title.
+
+    None among the sections, blocks that hold nothing, and sections of such blocks only are left out.
+    """
+    full = [
+        Section(name, [block for block in blocks if block[0] or isinstance(block, Picture)])
+        for name, blocks in filter(None, sections)
+    ]
+    return _template().render(title=title, tab=tab or title, sections=[section for section in full if section.blocks])
 
 
 @lru_cache(maxsize=1)
