@@ -24,8 +24,7 @@ COARSE = 64
 """Most places tried for each end of the ramp in the first search; the second is eight times finer."""
 
 
-@dataclass(frozen=True)
-class Ramp:
+class Ramp(NamedTuple):
     """Two levels with a straight ramp from `toe` to `end` between them; `share` is the variance explained."""
 
     toe: float
@@ -35,17 +34,12 @@ class Ramp:
     share: float
 
 
-def _ramp_integral(x: np.ndarray, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Integral from -infinity to x of the unit ramp from toe to end (a step where they coincide)."""
+def _shapes(bins: int, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Mean over each bin of unit ramps (a step where toe and end, in bins, coincide), shape (ramps, bins)."""
+    edges, toe, end = np.arange(bins + 1.0), toe[:, None], end[:, None]
     length = np.maximum(end - toe, 1e-12)
-    inside = np.clip(x - toe, 0.0, length)
-    return 0.5 * inside**2 / length + np.maximum(x - end, 0.0)
-
-
-def _shapes(edges: np.ndarray, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Mean of unit ramps over bins, shape (ramps, bins)."""
-    integral = _ramp_integral(edges[None, :], toe[:, None], end[:, None])
-    return np.diff(integral, axis=1) / np.diff(edges)
+    integral = 0.5 * np.clip(edges - toe, 0.0, length) ** 2 / length + np.maximum(edges - end, 0.0)
+    return np.diff(integral, axis=1)
 
 
 @lru_cache(maxsize=64)
@@ -53,23 +47,21 @@ def _coarse(bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Toe and end (in bins) of all ramps between a coarse set of edges, and their shapes."""
     places = np.unique(np.round(np.linspace(0, bins, min(bins, COARSE) + 1)).astype(int))[1:-1].astype(float)
     i, j = np.triu_indices(len(places))
-    toe, end = places[i], places[j]
-    return toe, end, _shapes(np.arange(bins + 1.0), toe, end)
+    return places[i], places[j], _shapes(bins, places[i], places[j])
 
 
-def _best(depth: np.ndarray, toe: np.ndarray, end: np.ndarray, shapes: np.ndarray) -> tuple[int, Ramp] | None:
+def _best(depth: np.ndarray, toe: np.ndarray, end: np.ndarray, shapes: np.ndarray) -> Ramp | None:
     """The ramp among `shapes` that leaves the least squares, rising ones only."""
     mean = shapes.mean(axis=1)
     spread = (shapes**2).mean(axis=1) - mean**2
     covariance = shapes @ depth / len(depth) - mean * depth.mean()
     rise = np.where(spread > 1e-12, covariance / np.maximum(spread, 1e-12), 0.0)
     gain = np.where(rise > 0, rise * covariance, -1.0)
-    if not len(gain) or gain.max() <= 0:
-        return None
     best = int(np.argmax(gain))
-    low = float(depth.mean() - rise[best] * mean[best])
-    share = float(gain[best] / max(depth.var(), 1e-300))
-    return best, Ramp(float(toe[best]), float(end[best]), low, low + float(rise[best]), share)
+    if gain[best] <= 0:
+        return None
+    low, share = depth.mean() - rise[best] * mean[best], gain[best] / max(depth.var(), 1e-300)
+    return Ramp(*(float(value) for value in (toe[best], end[best], low, low + rise[best], share)))
 
 
 def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
@@ -81,23 +73,19 @@ def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
         Equally spaced.
     depth : ndarray, shape (bins,), m
     """
-    bins = len(depth)
+    bins, width = len(depth), edges[1] - edges[0]
     if bins < 4 or not np.isfinite(depth).all() or np.ptp(depth) <= 1e-9 * np.abs(depth).max():
         return None
-    toe, end, shapes = _coarse(bins)
-    found = _best(depth, toe, end, shapes)
-    if found is None:
+    ramp = _best(depth, *_coarse(bins))
+    if ramp is None:
         return None
-    ramp = found[1]
     reach = max(1.0, bins / COARSE)
     offsets = np.linspace(-reach, reach, 17)
     i, j = np.meshgrid(ramp.toe + offsets, ramp.end + offsets, indexing="ij")
     # the coarse edges themselves are among the candidates, so the second fit is never worse
     keep = (i <= j) & (i > 0) & (j < bins)
-    toe, end = i[keep], j[keep]
-    ramp = _best(depth, toe, end, _shapes(np.arange(bins + 1.0), toe, end))[1]
-    width = edges[1] - edges[0]
-    return Ramp(edges[0] + ramp.toe * width, edges[0] + ramp.end * width, ramp.depth_1, ramp.depth_2, ramp.share)
+    ramp = _best(depth, i[keep], j[keep], _shapes(bins, i[keep], j[keep]))
+    return ramp._replace(toe=edges[0] + ramp.toe * width, end=edges[0] + ramp.end * width)
 
 
 @dataclass(frozen=True)
