@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame, ten_indices
@@ -19,6 +19,11 @@ from lammps_jump.scene.walls import Interval
 
 from .painter import View, blank, colour_table, coloured, paint_discs, paint_walls
 from .style import STYLE, colour_bar, style
+
+SIDE, GAP, RIGHT, TOP, HEAD, FOOT = 0.6, 0.22, 0.2, 0.24, 0.24, 1.04
+"""Room for labels left of the pictures, between and right of them, above all, above each and below, inches."""
+BAR = 0.52, 0.12
+"""Bottom and height of the colour bar, inches."""
 
 
 def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
@@ -39,82 +44,50 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
     x, y = seen(chosen, flow)
     speeds = [disc_speeds(frame) for frame in chosen]
     top_speed = top_of(speeds)
-    grid = _Grid.fitted(len(chosen), (x[1] - x[0]) / (y[1] - y[0]))
-    view = View.fitted(x, y, round(grid.width * STYLE["savefig.dpi"]))
+    figure, places, width = layout(len(chosen), (x[1] - x[0]) / (y[1] - y[0]))
+    view = View.fitted(x, y, round(width * STYLE["savefig.dpi"]))
     table = colour_table()
     with style():
-        figure = Figure(figsize=grid.size)
         FigureCanvasAgg(figure)
         first = None
-        for index, (frame, speed) in enumerate(zip(chosen, speeds, strict=True)):
+        for frame, speed, place in zip(chosen, speeds, places, strict=True):
             picture = blank(view)
             paint_walls(picture, view, flow.scene.walls, flow.shut_gates(flow.time(frame)))
             paint_discs(picture, view, frame.x, frame.y, flow.scene.radius, coloured(speed, top_speed, table))
-            axes = figure.add_axes(grid.place(index), sharex=first, sharey=first)
+            axes = figure.add_subplot(place, sharex=first, sharey=first)
             first = first or axes
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")
             axes.grid(False)
             axes.set_title(f"t = {flow.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=3)
-            lowest, leftmost = index + grid.columns >= len(chosen), index % grid.columns == 0
+            lowest, leftmost = place.num1 + place.get_gridspec().ncols >= len(chosen), place.is_first_col()
             axes.tick_params(labelsize=7, labelbottom=lowest, labelleft=leftmost)
             if lowest:
                 axes.set_xlabel("x [m]", fontsize=8)
             if leftmost:
                 axes.set_ylabel("y [m]", fontsize=8)
+        wide, high = figure.get_size_inches()
+        bar = figure.add_axes((SIDE / wide, BAR[0] / high, 1 - (SIDE + RIGHT) / wide, BAR[1] / high))
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")
-        colour_bar(figure, scale, "Speed [m/s]", cax=figure.add_axes(grid.bar), orientation="horizontal")
-        figure.suptitle(flow.scene.name, x=0.01, y=1 - 0.07 / grid.size[1], ha="left", va="top", fontsize=10)
+        colour_bar(figure, scale, "Speed [m/s]", cax=bar, orientation="horizontal")
+        figure.suptitle(flow.scene.name, x=0.01, y=1 - 0.07 / high, ha="left", va="top", fontsize=10)
     return figure
 
 
-@dataclass(frozen=True)
-class _Grid:
-    """Places of equal pictures above a colour bar, in inches from measured labels: no layout engine has to search.
+def layout(pictures: int, wide: float) -> tuple[Figure, list[SubplotSpec], float]:
+    """A figure, at most 9.6 inches wide, with places for equal pictures above a colour bar, and their width (inches).
 
-    Attributes
-    ----------
-    columns : int
-    width, height : float
-        Of one picture.
-    size : (float, float)
-        Of the figure.
+    The places come from measured labels: no layout engine has to search. Pictures are `wide` times as wide as high.
     """
-
-    columns: int
-    width: float
-    height: float
-    size: tuple[float, float]
-
-    SIDE, GAP, RIGHT = 0.6, 0.22, 0.2
-    TOP, HEAD, FOOT = 0.24, 0.24, 1.04
-    BAR = 0.52, 0.12
-
-    @classmethod
-    def fitted(cls, pictures: int, wide: float) -> _Grid:
-        """The grid of this many pictures that are `wide` times as wide as high, 9.6 inches wide."""
-        columns = min(pictures, 1 if wide > 4.5 else 2 if wide > 1.6 else 5)
-        rows = -(-pictures // columns)
-        width = (9.6 - cls.SIDE - cls.RIGHT - (columns - 1) * cls.GAP) / columns
-        most = (24 - cls.TOP - cls.FOOT) / rows - cls.HEAD
-        height = width / wide
-        if height > most:
-            width, height = width * most / height, most
-        total = cls.SIDE + columns * width + (columns - 1) * cls.GAP + cls.RIGHT
-        return cls(columns, width, height, (total, cls.TOP + rows * (cls.HEAD + height) + cls.FOOT))
-
-    def place(self, index: int) -> tuple[float, float, float, float]:
-        """Left, bottom, width and height of a picture as shares of the figure."""
-        row, column = divmod(index, self.columns)
-        left = self.SIDE + column * (self.width + self.GAP)
-        top = self.TOP + row * (self.HEAD + self.height) + self.HEAD
-        wide, high = self.size
-        return left / wide, 1 - (top + self.height) / high, self.width / wide, self.height / high
-
-    @property
-    def bar(self) -> tuple[float, float, float, float]:
-        """The same of the colour bar."""
-        wide, high = self.size
-        return self.SIDE / wide, self.BAR[0] / high, 1 - (self.SIDE + self.RIGHT) / wide, self.BAR[1] / high
+    columns = min(pictures, 1 if wide > 4.5 else 2 if wide > 1.6 else 5)
+    rows = -(-pictures // columns)
+    height = (9.6 - SIDE - RIGHT - (columns - 1) * GAP) / columns / wide
+    height = min(height, (24 - TOP - FOOT) / rows - HEAD)
+    width = height * wide
+    across, high = SIDE + columns * width + (columns - 1) * GAP + RIGHT, TOP + rows * (HEAD + height) + FOOT
+    figure = Figure(figsize=(across, high))
+    sides = {"left": SIDE / across, "right": 1 - RIGHT / across, "bottom": FOOT / high, "top": 1 - (TOP + HEAD) / high}
+    grid = figure.add_gridspec(rows, columns, wspace=GAP / width, hspace=HEAD / height, **sides)
+    return figure, [grid[divmod(index, columns)] for index in range(pictures)], width
 
 
 def disc_speeds(frame: Frame) -> np.ndarray:

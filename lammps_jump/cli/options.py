@@ -58,16 +58,13 @@ Force = Annotated[bool, typer.Option("--force", help="Run again, even if the fol
 Fresh = Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")]
 
 
-def assignments(
-    sets: list[str] | None,
-    engine: str | None = None,
-    kernel: str | None = None,
-    ranks: str | None = None,
-    accuracy: str | None = None,
-) -> list[str]:
-    """Texts ``path=value`` of ``--set`` and of the options that stand for one."""
-    given = {"engine.name": engine, "engine.kernel": kernel, "engine.ranks": ranks, "run.accuracy": accuracy}
-    return [*(sets or []), *(f"{path}={value}" for path, value in given.items() if value is not None)]
+PATHS = {"engine": "engine.name", "kernel": "engine.kernel", "ranks": "engine.ranks", "accuracy": "run.accuracy"}
+"""Fields of a case that have an option."""
+
+
+def assignments(sets: list[str] | None, **given: str | None) -> list[str]:
+    """Texts ``path=value`` of ``--set`` and of the options of `PATHS`."""
+    return [*(sets or []), *(f"{PATHS[name]}={value}" for name, value in given.items() if value is not None)]
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:

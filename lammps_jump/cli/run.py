@@ -38,7 +38,7 @@ def build_and_run(
     quiet: Quiet = False,
 ) -> None:
     """Check a case, write its script, run it, analyse it and write the report."""
-    loaded = lj.load_case(case, assignments(set_, engine, kernel, ranks, accuracy))
+    loaded = lj.load_case(case, assignments(set_, engine=engine, kernel=kernel, ranks=ranks, accuracy=accuracy))
     _run(loaded, out or runs.folder.default_folder(loaded), quiet=quiet, live=live, force=force, resume=resume)
 
 
@@ -52,7 +52,7 @@ def build(
     slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a SLURM cluster.")] = False,
 ) -> None:
     """Write the run folder (case and LAMMPS script) without running it."""
-    loaded = lj.load_case(case, assignments(set_, None, kernel, ranks))
+    loaded = lj.load_case(case, assignments(set_, kernel=kernel, ranks=ranks))
     folder = out or runs.folder.default_folder(loaded)
     runs.start.build(loaded, folder, job=slurm)
     if slurm:
