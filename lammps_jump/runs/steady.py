@@ -24,7 +24,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.jump.track import straight_motion
+from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp, straight_motion
 from lammps_jump.dump.tail import Tail
 from lammps_jump.scene.scene import Scene
 
@@ -167,9 +167,8 @@ def flow_state(
 ) -> tuple[float, float, float]:
     """Depth (m), discharge (m^2/s) and toe (m) of one frame, for `SteadyDetector.feed`.
 
-    Depth and discharge are means over the reach; the toe is the first place from upstream where the mass depth,
-    smoothed over three bins, has risen half way from the median of the first quarter to its highest value;
-    NaN where it rises by less than half.
+    Depth and discharge are means over the reach; the toe is the middle of the ramp that `fit_ramp` finds in the mass
+    depth, NaN where that is no jump: too low a rise, or a ramp that explains too little.
 
     Parameters
     ----------
@@ -184,20 +183,11 @@ def flow_state(
     """
     low, high = reach
     inside = (x >= low) & (x < high)
-    width = (high - low) / bins
-    depth = np.bincount(((x[inside] - low) / width).astype(int), minlength=bins)[:bins] * (mass / (density * width))
-    length = high - low
-    mean_depth = float(inside.sum()) * mass / (density * length)
-    discharge = float(vx[inside].sum()) * mass / (density * length)
-    smooth = np.convolve(depth, np.ones(3) / 3, mode="valid")
-    base, top = float(np.median(smooth[: max(1, bins // 4)])), float(smooth.max())
-    if not top > 1.5 * base:
-        return mean_depth, discharge, float("nan")
-    level = 0.5 * (base + top)
-    first = int(np.argmax(smooth > level))
-    before = smooth[first - 1] if first else smooth[0]
-    share = (level - before) / (smooth[first] - before) if smooth[first] > before else 0.0
-    return mean_depth, discharge, low + width * (first + 0.5 + share)
+    depth, edges = np.histogram(x[inside], bins, reach)
+    ramp = fit_ramp(edges, depth * mass / (density * (edges[1] - edges[0])))
+    jump = ramp is not None and ramp.depth_2 >= LEAST_RATIO * ramp.depth_1 and ramp.share >= LEAST_SHARE
+    scale = mass / (density * (high - low))
+    return scale * inside.sum(), scale * vx[inside].sum(), 0.5 * (ramp.toe + ramp.end) if jump else float("nan")
 
 
 def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
