@@ -92,10 +92,6 @@ def test_painter_without_compilation():
     painter._paint_discs(one, columns, rows, 4.3, colours)
     painter._paint_discs_py(two, columns, rows, 4.3, colours)
     np.testing.assert_array_equal(one, two)
-    arrow = (5.0, 6.0, 0.6, 0.8, 20.0, 8.0, 2.0, np.array([9, 8, 7], np.uint8))
-    painter._paint_arrow(one, *arrow)
-    painter._paint_arrow_py(two, *arrow)
-    np.testing.assert_array_equal(one, two)
 
 
 def test_colours_run_from_zero_to_the_top():
