@@ -229,15 +229,12 @@ class Motion:
     start : float
         Position at t = 0 of the fit, m.
     points : int
-    wander : float
-        Standard deviation of the residuals, m.
     """
 
     speed: float
     error: float
     start: float
     points: int
-    wander: float
 
 
 def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
@@ -251,7 +248,7 @@ def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
     t, x = time[good], position[good]
     n = len(t)
     if n < 2 or np.ptp(t) == 0:
-        return Motion(nan, nan, nan, n, nan)
+        return Motion(nan, nan, nan, n)
     centred = t - t.mean()
     spread = float(centred @ centred)
     speed = float(centred @ x) / spread
@@ -261,4 +258,4 @@ def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
         r = float(residual[1:] @ residual[:-1]) / square if square > 0 else 0.0
         r = min(max(r + (1.0 + 4.0 * r) / n, 0.0), 0.95)
         error = sqrt(square / (n - 2) / spread * (1 + r) / (1 - r))
-    return Motion(speed, error, float(x.mean() - speed * t.mean()), n, float(residual.std()))
+    return Motion(speed, error, float(x.mean() - speed * t.mean()), n)

@@ -56,10 +56,6 @@ class Drift:
     drift: float
     margin: float
 
-    def within(self, tolerance: float) -> bool:
-        """Whether the whole interval lies inside ±`tolerance`."""
-        return abs(self.drift) + self.margin <= tolerance
-
 
 def drift_of(values: np.ndarray, confidence: float = CONFIDENCE, batches: int = BATCHES) -> Drift:
     """Drift of an equally spaced series over its length.
@@ -97,8 +93,6 @@ class SteadyDetector:
 
     Attributes
     ----------
-    steady : bool
-        Stays True once it is.
     reason : str
         Empty until steady; then one sentence for the summary.
     looks : int
@@ -109,14 +103,14 @@ class SteadyDetector:
         if not 0 < window < inf:
             raise ValueError(f"window {window!r} s: expected a length of time above 0")
         self.window = window
-        self.steady, self.reason, self.looks = False, "", 0
+        self.reason, self.looks = "", 0
         self.drifts: dict[str, Drift] = {}
         self._rows: deque[tuple[float, float, float, float]] = deque()
         self._next_look: float | None = None
         self._passed = 0
 
     def feed(self, time: float, depth: float, discharge: float, toe: float) -> bool:
-        """Add one sample (equally spaced in time); returns `steady`.
+        """Add one sample (equally spaced in time); True once all is steady.
 
         Parameters
         ----------
@@ -129,7 +123,7 @@ class SteadyDetector:
         toe : float
             Position of the toe, m; NaN where there is none, which is never steady.
         """
-        if self.steady:
+        if self.reason:
             return True
         self._rows.append((time, depth, discharge, toe))
         while self._rows[0][0] < time - self.window:
@@ -138,17 +132,16 @@ class SteadyDetector:
             self._next_look = time + self.window
         if time >= self._next_look - 1e-9 * self.window:
             self._look(time)
-        return self.steady
+        return bool(self.reason)
 
     def _look(self, time: float) -> None:
         self.looks += 1
         self._next_look = time + 0.5 * self.window
         columns = np.array(self._rows)[:, 1:].T
         self.drifts = {name: drift_of(values) for name, values in zip(TOLERANCES, columns, strict=True)}
-        good = all(drift.within(self._allowed(name)) for name, drift in self.drifts.items())
+        good = all(abs(found.drift) + found.margin <= self._allowed(name) for name, found in self.drifts.items())
         self._passed = self._passed + 1 if good else 0
         if self._passed >= 2:
-            self.steady = True
             found = ", ".join(
                 f"{name} {drift.drift:+.2g} ± {drift.margin:.1g} (allowed {self._allowed(name):.2g})"
                 for name, drift in self.drifts.items()
@@ -244,4 +237,4 @@ class SteadyWatch:
             if frame.n:
                 state = flow_state(frame.x, frame.vx, self.scene.mass, self.scene.density, self.reach)
                 self.detector.feed(self.scene.time(frame.step) if frame.time is None else frame.time, *state)
-        return self.detector.steady
+        return bool(self.reason)
