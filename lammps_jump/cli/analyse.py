@@ -62,11 +62,9 @@ def analyze(
 def animate(
     folder: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
     out: Annotated[Path | None, place("File (.mp4 or .gif); default animation.mp4 in the folder.")] = None,
-    fps: Annotated[int, typer.Option(help="Frames a second.")] = 20,
+    fps: Annotated[int, typer.Option(help="Frames a second.", min=1, max=120)] = 20,
 ) -> None:
     """Write a film of a run: discs coloured by speed, forces on structures, time."""
-    if not 1 <= fps <= 120:
-        raise CaseError(f"--fps {fps}: allowed is 1 to 120")
     with told(quiet=False):
         print(runs.results.animate(folder, out, fps))
 
