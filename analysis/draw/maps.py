@@ -65,17 +65,12 @@ def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
     xarray.Dataset
         ``stress`` (contact and kinetic yy) and ``hydrostatic``, dims (x), Pa; NaN where a column has no open cell.
     """
-    open_ = np.isfinite(fields["density"].values)
-    lowest = np.argmax(open_, axis=0)
-    columns = np.arange(open_.shape[1])
-    some = open_.any(axis=0)
-
-    def there(values, long_name):
-        return "x", np.where(some, values[lowest, columns], np.nan), {"units": "Pa", "long_name": long_name}
-
-    stress = there(fields["contact_yy"].values + fields["kinetic_yy"].values, "vertical stress at the bed")
-    weight = there(fields["hydrostatic"].values, "weight above")
-    return xr.Dataset({"stress": stress, "hydrostatic": weight}, coords={"x": fields.x})
+    held = fields["density"].notnull()
+    lowest = fields[["contact_yy", "kinetic_yy", "hydrostatic"]].isel(y=held.argmax("y")).where(held.any("y"))
+    lowest = lowest.drop_vars("y").assign(stress=lowest["contact_yy"] + lowest["kinetic_yy"])
+    for name, meaning in (("stress", "vertical stress at the bed"), ("hydrostatic", "weight above")):
+        lowest[name].attrs = {"units": "Pa", "long_name": meaning}
+    return lowest[["stress", "hydrostatic"]]
 
 
 def bed_pressure_figure(fields: xr.Dataset, flow: Flow) -> Figure:
