@@ -25,8 +25,7 @@ from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
 from lammps_jump.files import RESULT_FILES, clear, writing
 
 from .engine import choose_setting, with_header
-from .folder import require_case, result_of, stored_result, write_folder
-from .resume import resumable
+from .folder import require_case, result_of, resumable, stored_result, write_folder
 from .summary import compose, read_summary, write_summary
 
 log = logging.getLogger(__name__)
