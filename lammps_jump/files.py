@@ -151,10 +151,8 @@ def is_written(folder: Path) -> bool:
     place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
+    except OSError as error:  # another one where the file system has no locks
+        return isinstance(error, BlockingIOError)
     finally:
         os.close(place)
     return False
