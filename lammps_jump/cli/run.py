@@ -13,7 +13,7 @@ import lammps_jump as lj
 import lammps_jump.analysis as analysis
 import lammps_jump.cli as cli
 import lammps_jump.runs as runs
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, RunError
 
 from .options import Accuracy, CaseFile, EngineName, Force, Kernel, Out, Quiet, Ranks, Resume, Sets, assignments, told
 from .progress import ProgressLine
@@ -84,9 +84,12 @@ def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force:
     with told(quiet):
         try:
             done = lj.run(case, folder, force=force, resume=resume, progress=view)
-        finally:
+        except RunError:  # others leave the folder as it was
             view.finish()
+            raise
+        finally:
             line.finish()
+    view.finish()
     if not quiet:
         print_summary(done.summary, folder)
 

@@ -80,7 +80,7 @@ def result_of(
         **{name: stored[name] for name in same},
         **stored["discs"],
         message=stored["message"] or "",
-        seconds=stored["wall_seconds"]["run"],
+        seconds=stored["wall_seconds"].get("run", 0.0),
         breakdown=stored["breakdown_seconds"] or {},
         resumed=tuple(stored.get("resumed_at", ())),
     )
