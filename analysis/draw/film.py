@@ -8,6 +8,7 @@ its discs in software straight into it and goes to ffmpeg (mp4) or into Pillow (
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -207,16 +208,14 @@ def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int
     # yuv420p and the index in front: plays in every browser while loading
     options = ["-preset", "fast", "-crf", "20", "-movflags", "+faststart", "-f", "mp4"]
     try:
-        writer = write_frames(
+        film = write_frames(
             str(out), (shape[1], shape[0]), fps=fps, codec="libx264", quality=None, macro_block_size=2,
             ffmpeg_log_level="error", output_params=options,
         )  # fmt: skip
-        writer.send(None)
-        try:
+        with closing(film) as writer:
+            writer.send(None)
             for picture in pictures:
-                writer.send(np.ascontiguousarray(picture))
-        finally:
-            writer.close()
+                writer.send(picture)
     except (RuntimeError, OSError) as error:
         last = str(error).strip().splitlines()[-1:]
         raise SetupError(f"{out}: ffmpeg failed ({''.join(last)}).") from error

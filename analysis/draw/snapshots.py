@@ -61,10 +61,8 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
             axes.set_title(f"t = {flow.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=3)
             lowest, leftmost = place.num1 + place.get_gridspec().ncols >= len(chosen), place.is_first_col()
             axes.tick_params(labelsize=7, labelbottom=lowest, labelleft=leftmost)
-            if lowest:
-                axes.set_xlabel("x [m]", fontsize=8)
-            if leftmost:
-                axes.set_ylabel("y [m]", fontsize=8)
+            axes.set_xlabel("x [m]" if lowest else "", fontsize=8)
+            axes.set_ylabel("y [m]" if leftmost else "", fontsize=8)
         wide, high = figure.get_size_inches()
         bar = figure.add_axes((SIDE / wide, BAR[0] / high, 1 - (SIDE + RIGHT) / wide, BAR[1] / high))
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")

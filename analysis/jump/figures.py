@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing
 from lammps_jump.physics import jump as theory
+from lammps_jump.units import numbers_of
 
 from .frame import mean_profile
 from .summary import Jump
@@ -88,16 +89,9 @@ def balance_figure(jump: Jump) -> Figure | None:
     terms = jump.measured.balance
     if terms is None:
         return None
-    rows = {
-        "Bélanger's balance, 1 − 2": terms.classical,
-        "uneven velocities (β)": terms.profile,
-        "packing (surface for mass depth)": terms.packing,
-        "contact minus hydrostatic pressure": terms.pressure,
-        "force of the bed": terms.bed,
-        "slope": terms.slope,
-        "unsteadiness": terms.unsteady,
-        "left unexplained": terms.unexplained,
-    }
+    numbers = [number for number in numbers_of(terms).values() if number.key != "pressure_error"]
+    rows = {number.meaning: getattr(terms, number.key) for number in numbers}
+    rows = {"Bélanger's balance, 1 − 2": terms.classical, **rows}
     rows = {name: 100 * value for name, value in rows.items() if isfinite(value)}
     with drawing(7.2, 3.4) as (figure, axes):
         places = np.arange(len(rows))[::-1]
