@@ -26,7 +26,6 @@ class Text(NamedTuple):
     text: str
     kind: str = ""
     bold: str = ""
-    block = "text"
 
 
 class Mark(NamedTuple):
@@ -41,7 +40,6 @@ class Table(NamedTuple):
 
     rows: Sequence[Sequence[Value | Mark]]
     header: Sequence[str] = ()
-    block = "table"
 
     @property
     def numeric(self) -> list[bool]:
@@ -54,7 +52,6 @@ class Boxes(NamedTuple):
     """Numbers in boxes: (label, value, unit) of each."""
 
     numbers: Sequence[tuple[str, Value, str]]
-    block = "boxes"
 
 
 class Items(NamedTuple):
@@ -62,7 +59,6 @@ class Items(NamedTuple):
 
     texts: Sequence[str]
     title: str = ""
-    block = "items"
 
 
 class Code(NamedTuple):
@@ -70,7 +66,6 @@ class Code(NamedTuple):
 
     text: str
     summary: str = ""
-    block = "code"
 
 
 class Picture(NamedTuple):
@@ -78,7 +73,6 @@ class Picture(NamedTuple):
 
     caption: str
     source: str
-    block = "picture"
 
 
 class Section(NamedTuple):
@@ -105,6 +99,7 @@ def _template():
     loader = FileSystemLoader(Path(__file__).parent)
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     environment.filters["shown"] = text
+    environment.tests["a"] = lambda block, kind: type(block).__name__ == kind
     return environment.get_template("page.html.j2")
 
 

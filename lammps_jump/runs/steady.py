@@ -106,7 +106,7 @@ class SteadyDetector:
         self.reason, self.looks = "", 0
         self.drifts: dict[str, Drift] = {}
         self._rows: deque[tuple[float, float, float, float]] = deque()
-        self._next_look: float | None = None
+        self._next_look = 0.0
         self._passed = 0
 
     def feed(self, time: float, depth: float, discharge: float, toe: float) -> bool:
@@ -128,8 +128,7 @@ class SteadyDetector:
         self._rows.append((time, depth, discharge, toe))
         while self._rows[0][0] < time - self.window:
             self._rows.popleft()
-        if self._next_look is None:
-            self._next_look = time + self.window
+        self._next_look = self._next_look or time + self.window
         if time >= self._next_look - 1e-9 * self.window:
             self._look(time)
         return bool(self.reason)
@@ -139,20 +138,19 @@ class SteadyDetector:
         self._next_look = time + 0.5 * self.window
         columns = np.array(self._rows)[:, 1:].T
         self.drifts = {name: drift_of(values) for name, values in zip(TOLERANCES, columns, strict=True)}
-        good = all(abs(found.drift) + found.margin <= self._allowed(name) for name, found in self.drifts.items())
+        allowed = {name: TOLERANCES[name] * abs(found.mean) for name, found in self.drifts.items()}
+        allowed["toe"] = TOLERANCES["toe"]
+        good = all(abs(found.drift) + found.margin <= allowed[name] for name, found in self.drifts.items())
         self._passed = self._passed + 1 if good else 0
         if self._passed >= 2:
             found = ", ".join(
-                f"{name} {drift.drift:+.2g} ± {drift.margin:.1g} (allowed {self._allowed(name):.2g})"
+                f"{name} {drift.drift:+.2g} ± {drift.margin:.1g} (allowed {allowed[name]:.2g})"
                 for name, drift in self.drifts.items()
             )
             self.reason = (
                 f"statistically steady at t = {time:.4g} s: drift over the last {self.window:g} s of {found}; "
                 f"two one-sided t tests, {100 * CONFIDENCE:g} %, twice in a row"
             )
-
-    def _allowed(self, name: str) -> float:
-        return TOLERANCES[name] * (1.0 if name == "toe" else abs(self.drifts[name].mean))
 
 
 def flow_state(
