@@ -154,12 +154,14 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     found = theory.inflow_theory(inflow.depth, inflow.mean_speed, case.gravity)
     number, y1 = found.froude, found.depth
     low, high = theory.velocity_range(y1, case.gravity)
-    carried = sum(scene.diameter**2 / (row.every_steps * inflow.turns * scene.time_step) for row in scene.inlets)
+    mean_square = scene.mean_mass / scene.density
+    carried = sum(mean_square / (row.every_steps * scene.time_step) for row in scene.inlets)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
         ("jump_class", "class of jump", found.jump_class if number > 1 else "none: the inflow is subcritical", ""),
         ("discharge", "discharge asked for, Va y1", found.velocity * y1, "m^2/s"),
-        ("discharge_rows", "discharge of the rows as spaced", carried, "m^2/s"),
+        ("discharge_rows", "discharge of the rows, in whole steps", carried, "m^2/s"),
+        ("mass_flow_rows", "mass flow of the rows", scene.density * carried, "kg/(m s)"),
         ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),
         ("thesis_speed_high", "thesis' range of Va to", high, "m/s"),
     ]
