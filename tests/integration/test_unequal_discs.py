@@ -69,6 +69,13 @@ def test_each_disc_of_a_heap_is_carried(heap):
     assert np.abs(total - np.column_stack([0 * weight, weight])).max() < 0.02 * flow.scene.mass * 9.81
 
 
+def test_walls_and_weight_give_the_discs_their_momentum(heap):
+    summary = lj.open_run(heap[2]).summary
+    for axis in ("x", "y"):
+        identity = summary["force"]["identity"][axis]
+        assert identity["complete"] and identity["relative"] < 1e-7
+
+
 def test_profiles_of_a_heap(heap):
     profiles = lj.open_run(heap[2]).profiles
     flow, dump, _ = heap
