@@ -149,6 +149,22 @@ def test_discs_of_several_sizes_keep_their_mass_and_momentum(points, width, seed
         assert float((ds.packing * ds.surface_depth).sum()) * width <= np.pi * np.sum(radius**2) * (1 + 1e-12)
 
 
+@settings(max_examples=60)
+@given(seed=st.integers(0, 2**31), count=st.integers(1, 60))
+def test_the_surface_is_the_highest_top_over_each_line(seed, count):
+    """Against trying every disc; all lie so low that they hang together with the bed; one line a bin."""
+    rng = np.random.default_rng(seed)
+    radius = rng.uniform(0.05, 0.3, count)
+    radius[0] = 0.3
+    x, y = rng.uniform(0.5, 9.5, count), rng.uniform(-0.05, 0.6, count) + radius
+    columns = {"id": np.arange(count), "x": x, "y": y, "vx": np.arange(count), "vy": 0 * x, "radius": radius}
+    ds = compute_profiles([make_frame(0, 0.0, BOX, columns)], context(x_range=(0.0, 10.0), bin_width=0.025, sized=True))
+    cut = np.abs(ds.x.values[:, None] - x) <= radius
+    top = np.where(cut, y + radius, 0.0)
+    np.testing.assert_allclose(ds.surface_depth.values[0], top.max(axis=1), atol=1e-12)
+    np.testing.assert_array_equal(ds.surface_velocity.values[0], np.where(cut.any(axis=1), top.argmax(axis=1), np.nan))
+
+
 def test_the_surface_is_the_highest_top_edge():
     """A small disc beside the upper half of a large one: its centre is higher, its top is lower."""
     columns = {"id": [1, 2], "x": [0.5, 0.8], "y": [0.3, 0.42], "vx": [1.0, 2.0], "vy": [0, 0], "radius": [0.3, 0.02]}
