@@ -67,7 +67,7 @@ def script_text(scene: Scene, **options) -> str:
         *control(scene, how),
         ("output", stock.output(scene, how.dump_format)),
         ("log", stock.thermo(scene)),
-        ("run", stock.schedule(scene, how.style.gates(scene))),
+        ("run", stock.schedule(scene, how.style.gates(scene), how.kernel)),
         ("state, where the end was asked for", save_at_end(scene, how.kernel, how.ranks, stock.first_step(scene))),
     ]
     return joined(f"{scene.name}: {scene.description}".rstrip(": "), how, sections)

@@ -240,24 +240,23 @@ def thermo(scene: Scene, removed: tuple[int, ...] = ()) -> list[str]:
     ]
 
 
-def schedule(scene: Scene, gates: list[str]) -> list[str]:
+def schedule(scene: Scene, gates: list[str], kernel: str) -> list[str]:
     """Gates and the run; inlets that begin later need a second run, which begins without the gates' fixes.
 
     Inlets wait for gates. Where discs are not equal they also wait for a step of the raster on which ``fix set`` acts.
+    The second run goes on with the forces of the half step, as `lammps_jump.script.resume` explains.
     """
     first = first_step(scene)
     if not first:
         return [*gates, *inlets(scene), f"run             {scene.steps}"]
+    change = [*(f"unfix           {name}" for name in fix_names(gates)), *inlets(scene)]
+    rest = f"run             {scene.steps - first}"
+    if len(scene.positions):
+        change = [*half_step_back(scene, kernel), *change, "run             0 post no", *half_step(scene, kernel)]
+        return [*gates, f"run             {first}", *change, f"{rest} pre no"]
     # without a disc LAMMPS knows no cutoff and makes too many bins
-    bins = [] if len(scene.positions) else [f"neigh_modify    binsize {number(0.5 * (scene.largest + scene.skin))}"]
-    return [
-        *bins,
-        *gates,
-        f"run             {first}",
-        *(f"unfix           {name}" for name in fix_names(gates)),
-        *inlets(scene),
-        f"run             {scene.steps - first}",
-    ]
+    bins = f"neigh_modify    binsize {number(0.5 * (scene.largest + scene.skin))}"
+    return [bins, *gates, f"run             {first}", *change, rest]
 
 
 def first_step(scene: Scene) -> int:
