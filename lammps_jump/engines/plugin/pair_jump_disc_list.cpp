@@ -45,8 +45,9 @@ void PairJumpDisc::remember_order()
 
 /** All pairs closer than the reach and the room to move, from the packed positions.
 
-    Cells are as wide as that distance and numbered along y first: what a disc can meet and that comes after it lies
-    in two runs of the sorted discs, its own cell with the one above, and the three cells beside. */
+    Cells are as wide as that distance and numbered along x first, as LAMMPS sorts its discs: pairs that follow each
+    other then lie close in memory. What a disc can meet and that comes after it lies in two runs of the sorted discs,
+    its own cell with the one beside, and the three cells above. */
 void PairJumpDisc::build_list(double room_to_move)
 {
   const int nlocal = atom->nlocal;
@@ -76,11 +77,11 @@ void PairJumpDisc::build_list(double room_to_move)
                xhi - xlo, yhi - ylo);
   double side = cut * (1.0 + 1e-9);    // rounding must not put neighbours two cells apart
   const double most = 16.0 * n + 65536.0;    // far-flung discs must not cost memory: wider cells then
-  while (((xhi - xlo) / side + 1.0) * ((yhi - ylo) / side + 3.0) > most) side *= 2.0;
+  while (((xhi - xlo) / side + 3.0) * ((yhi - ylo) / side + 1.0) > most) side *= 2.0;
   const double inverse = 1.0 / side;
-  const int nx = (int) ((xhi - xlo) * inverse) + 1;
-  const int ny = (int) ((yhi - ylo) * inverse) + 3;    // an empty row below and above: no tests at the rims
-  const size_t cells = (size_t) (nx + 1) * ny + 1;
+  const int nx = (int) ((xhi - xlo) * inverse) + 3;    // an empty column left and right: no tests at the rims
+  const int ny = (int) ((yhi - ylo) * inverse) + 1;
+  const size_t cells = (size_t) (ny + 1) * nx + 1;
 
   cell_of.resize(n);
   cell_start.assign(cells + 1, 0);
@@ -88,7 +89,7 @@ void PairJumpDisc::build_list(double room_to_move)
   sorted_x.resize(n + 8);
   sorted_y.resize(n + 8);
   for (int i = 0; i < n; i++) {
-    const int c = (int) ((disc[i].x - xlo) * inverse) * ny + (int) ((disc[i].y - ylo) * inverse) + 1;
+    const int c = (int) ((disc[i].y - ylo) * inverse) * nx + (int) ((disc[i].x - xlo) * inverse) + 1;
     cell_of[i] = c;
     cell_start[c + 1]++;
   }
@@ -108,8 +109,8 @@ void PairJumpDisc::build_list(double room_to_move)
     const int i = sorted[s];
     const int c = cell_of[i];
     const double x = sorted_x[s], y = sorted_y[s];
-    const int beside = c + ny - 1;
-    const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[beside + 1], cell_start[beside + 4]}};
+    const int above = c + nx - 1;
+    const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
     const size_t room = found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]);
     if (first.size() < room) {
       first.resize(room + room / 2 + 1024);
