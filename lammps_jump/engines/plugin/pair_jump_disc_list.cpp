@@ -43,7 +43,7 @@ void PairJumpDisc::remember_order()
   order++;
 }
 
-/** All pairs closer than the reach and the room to move, from the packed positions.
+/** All pairs whose rims are closer than the room to move, from the packed positions.
 
     Cells are as wide as that distance and numbered along x first, as LAMMPS sorts its discs: pairs that follow each
     other then lie close in memory. What a disc can meet and that comes after it lies in two runs of the sorted discs,
@@ -57,11 +57,11 @@ void PairJumpDisc::build_list(double room_to_move)
   for (int c = 0; c < 2; c++) moved[c] = moved_here[c] = 0.0;
   first_across.clear();
   second_across.clear();
-  check_equal_discs(0, nlocal);
+  check_discs(0, nlocal);
   remember_order();
   if (n == 0) return;
 
-  const double cut = law.reach + margin;
+  const double cut = largest + margin;
   double xlo = disc[0].x, xhi = xlo, ylo = disc[0].y, yhi = ylo;
   for (int i = 0; i < n; i++) {
     if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
@@ -88,6 +88,7 @@ void PairJumpDisc::build_list(double room_to_move)
   sorted.resize(n);
   sorted_x.resize(n + 8);
   sorted_y.resize(n + 8);
+  if (sizes) sorted_radius.resize(n + 8);
   for (int i = 0; i < n; i++) {
     const int c = (int) ((disc[i].y - ylo) * inverse) * nx + (int) ((disc[i].x - xlo) * inverse) + 1;
     cell_of[i] = c;
@@ -100,15 +101,32 @@ void PairJumpDisc::build_list(double room_to_move)
     sorted[s] = i;
     sorted_x[s] = disc[i].x;
     sorted_y[s] = disc[i].y;
+    if (sizes) sorted_radius[s] = radii[i];
   }
   // now cell_start[c + 1] is where cell c begins: the discs of cell c are [cell_start[c + 1], cell_start[c + 2])
-  const double cut_sq = cut * cut;
+  interior = sizes ? find_pairs<true>(n, nx) : find_pairs<false>(n, nx);
+  candidates = interior + first_across.size();
+  if (first.size() < candidates) {
+    first.resize(candidates + candidates / 2);
+    second.resize(first.size());
+  }
+  std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
+  std::copy(second_across.begin(), second_across.end(), second.begin() + interior);
+}
+
+/** Pairs of the sorted discs, in rows of nx cells; those of local discs into the list, the others beside it.
+
+    Returns the number of pairs of local discs. */
+template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
+{
+  const int nlocal = atom->nlocal;
   const bool ghosts = n > nlocal;
+  double cut_sq = (largest + margin) * (largest + margin);
   size_t found = 0;
   for (int s = 0; s < n; s++) {
     const int i = sorted[s];
     const int c = cell_of[i];
-    const double x = sorted_x[s], y = sorted_y[s];
+    const double x = sorted_x[s], y = sorted_y[s], rim = SIZES ? sorted_radius[s] + margin : 0.0;
     const int above = c + nx - 1;
     const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
     const size_t room = found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]);
@@ -120,6 +138,7 @@ void PairJumpDisc::build_list(double room_to_move)
       if (ghosts) {
         for (int t = run[0]; t < run[1]; t++) {
           const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+          if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
           const int j = sorted[t];
           if (dx * dx + dy * dy >= cut_sq || (i >= nlocal && j >= nlocal) || !is_mine(i, j)) continue;
           if (i < nlocal && j < nlocal) {
@@ -134,6 +153,7 @@ void PairJumpDisc::build_list(double room_to_move)
       } else {
         for (int t = run[0]; t < run[1]; t++) {
           const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+          if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
           first[found] = i;
           second[found] = sorted[t];
           found += dx * dx + dy * dy < cut_sq;
@@ -141,23 +161,14 @@ void PairJumpDisc::build_list(double room_to_move)
       }
     }
   }
-  interior = found;
-  candidates = found + first_across.size();
-  if (first.size() < candidates) {
-    first.resize(candidates + candidates / 2);
-    second.resize(first.size());
-  }
-  std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
-  std::copy(second_across.begin(), second_across.end(), second.begin() + interior);
+  return found;
 }
 
 /** New discs at the end, the others as they were: add the pairs of the new ones. */
 void PairJumpDisc::append_to_list(int from)
 {
   const int n = atom->nlocal;
-  check_equal_discs(from, n);
-  // the others may have moved since the list was built: reach as far as they still may
-  const double cut = law.reach + margin;
+  check_discs(from, n);
   for (int j = from; j < n; j++) {
     const size_t room = candidates + j;
     if (first.size() < room + 1) {
@@ -166,6 +177,8 @@ void PairJumpDisc::append_to_list(int from)
     }
     for (int i = 0; i < j; i++) {
       const double dx = disc[j].x - disc[i].x, dy = disc[j].y - disc[i].y;
+      // the others may have moved since the list was built: look as far as they still may
+      const double cut = reach_of(i, j) + margin;
       first[candidates] = i;
       second[candidates] = j;
       candidates += dx * dx + dy * dy < cut * cut;
