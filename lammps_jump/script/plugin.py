@@ -49,7 +49,7 @@ def own_sizes(scene: Scene) -> list[str]:
 
 
 def contact_law(scene: Scene) -> list[str]:
-    """The plugin's pair style; what the scene lacks (friction, spin, sizes, soft touch) is not named and not computed."""
+    """The plugin's pair style; what the scene lacks (friction, spin, sizes, soft touch) is left out, not computed."""
     c = scene.coefficients
     words = [
         f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
@@ -102,7 +102,7 @@ def motion_and_walls(scene: Scene) -> list[str]:
 
 
 def sizes(scene: Scene) -> list[str]:
-    """Words of the fix that give inserted discs their own size: raster of steps, density, and size by id (see `Sizes`)."""
+    """Words of the fix that give inserted discs their own size: raster of steps, density, size by id (`Sizes`)."""
     if not scene.sizes or not (scene.inlets or scene.pours):
         return []
     pieces = scene.sizes.pieces

@@ -107,7 +107,8 @@ template <Touch TOUCH> inline double elastic_energy(const Law &law, double overl
 
 /** Force on a disc whose centre lies at (dx, dy) from its partner's; (vx, vy) is its relative velocity.
 
-    rim is R_i omega_i + R_j omega_j, the speed of the rims at the contact; own is the law itself where discs are equal. */
+    rim is R_i omega_i + R_j omega_j, the speed of the rims at the contact; own is an OwnLaw, or law where discs are
+    equal. */
 template <Friction FRICTION, Touch TOUCH, class Own, class Number>
 inline ContactForce<Number> contact_force(const Law &law, const Own &own, const Number &dx, const Number &dy,
                                           const Number &vx, const Number &vy, const Number &rim)

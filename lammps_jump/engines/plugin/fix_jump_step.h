@@ -15,8 +15,8 @@
      round, a centre inside feels nothing); a box holds discs inside with four faces. GN, GT in 1/s: force = M GN v.
      With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
      A wall with `until STEP` is felt by the forces of the steps before STEP.
-   - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY each disc gets
-     its own diameter d from its id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
+   - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
+     their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END.
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about the lower-left corner (block, box) or the plane's point nearest the origin.
@@ -107,7 +107,8 @@ class FixJumpStep : public Fix {
   void reduce();
   template <bool SPIN, bool SIZES> void drift();
   template <jump::Friction, jump::Touch, bool SIZES> void push();
-  template <jump::Friction, jump::Touch, class Own> void touch(const Face &, int, double, double, const Own &, double *);
+  template <jump::Friction, jump::Touch, class Own>
+  void touch(const Face &, int, double, double, const Own &, double *);
 };
 
 }    // namespace LAMMPS_NS

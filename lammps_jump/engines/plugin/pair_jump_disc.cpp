@@ -243,7 +243,8 @@ void PairJumpDisc::check_discs(int from, int to)
         bad = i;
     }
     if (bad >= 0)
-      error->one(FLERR, "jump/disc: disc {} has diameter {} and mass {}, the pair style says {} to {}, and mass {} at {}",
+      error->one(FLERR,
+                 "jump/disc: disc {} has diameter {} and mass {}, the pair style says {} to {}, and mass {} at {}",
                  atom->tag[bad], 2.0 * radii[bad], atom->rmass[bad], smallest, largest, mass, diameter);
     return;
   }
@@ -338,8 +339,8 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
 double PairJumpDisc::memory_usage()
 {
   return ring.memory_usage() + disc.capacity() * sizeof(Disc) +
-      (rim.capacity() + radii.capacity() + inverse_masses.capacity() + 4 * loss.capacity() + sorted_x.capacity() + sorted_y.capacity() +
-       sorted_radius.capacity()) * sizeof(double) +
+      (rim.capacity() + radii.capacity() + inverse_masses.capacity() + 4 * loss.capacity() + sorted_x.capacity() +
+       sorted_y.capacity() + sorted_radius.capacity()) * sizeof(double) +
       (first.capacity() + second.capacity() + first_across.capacity() + second_across.capacity() + cell_of.capacity() + cell_start.capacity() +
        sorted.capacity() + listed.capacity()) *
       sizeof(int);

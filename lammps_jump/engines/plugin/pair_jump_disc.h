@@ -9,11 +9,12 @@
    M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
    sqrt((M/2)/m_eff). Works with any fixes; `fix jump/step` shares its arrays.
 
-   The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs whose rims are closer than L,
-   0.3 D unless given) and asks LAMMPS for none. The list holds until the discs can have moved L against one another. Where
-   fix jump/step moves the discs, that is bounded by the sum over the steps of dt times the range of the velocities
-   (all the discs of a jet move together: only the range counts); under other integrators the list is built when LAMMPS
-   reneighbours, with LAMMPS' skin. Without ghosts it also outlives a reneighbouring that only brought new discs.
+   The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs whose rims are closer than
+   L, 0.3 D unless given) and asks LAMMPS for none. The list holds until the discs can have moved L against one
+   another. Where fix jump/step moves the discs, that is bounded by the sum over the steps of dt times the range of the
+   velocities (all the discs of a jet move together: only the range counts); under other integrators the list is built
+   when LAMMPS reneighbours, with LAMMPS' skin. Without ghosts it also outlives a reneighbouring that only brought new
+   discs.
 
    halo yes (no): on several ranks the style exchanges the discs near the cuts itself (halo.h) and asks LAMMPS for no
    ghosts. For `processors * 1 1`, newton off and no periodic x or y; it sees to `comm_modify cutoff`. The list is then in

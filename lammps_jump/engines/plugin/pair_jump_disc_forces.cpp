@@ -111,7 +111,7 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER, bool SIZES> void PairJump
         out = jump::contact_force<FRICTION, TOUCH>(rule, rule, part[0], part[1], part[2], part[3], rim_speed);
       jump::rows_of_two(out.fx, out.fy, force_on + c);
       if (jump::has_spin(FRICTION)) {
-        // the lever of unequal discs ends in the middle of the overlap, as in LAMMPS' granular; of equal ones at the rim
+        // the lever of unequal discs ends in the middle of the overlap, as in LAMMPS' granular; else at the rim
         if (SIZES) *reinterpret_cast<Lanes *>(twist_two + c) = (*rj - 0.5 * out.overlap) * out.twist;
         *reinterpret_cast<Lanes *>(twist + c) = (SIZES ? *ri - 0.5 * out.overlap : radius + Lanes{}) * out.twist;
       }
