@@ -14,7 +14,7 @@ from lammps_jump.errors import SetupError
 from lammps_jump.physics import contact, law
 from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import InletRow, Outlet, Scene
+from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Box, Plane
 from lammps_jump.script.assemble import write_script
@@ -155,6 +155,17 @@ def test_a_jet_with_inflow_and_outflow_equals_the_stock_styles(run, rubbing):
     # the bits of the functions in Python decide which piece a disc belongs to
     assert np.array_equal(2 * found["radius"][settled], case.diameters(ids[settled]))
     assert found["rmass"][settled] == pytest.approx(case.masses(case.diameters(ids[settled])), rel=1e-15)
+
+
+@pytest.mark.parametrize("rubbing", [{}, {"friction": 0.2, "rotation": True}])
+def test_a_pour_equals_the_stock_styles(run, rubbing):
+    """LAMMPS drops the discs in both; its gravity fix holds the weight, so that no velocity is corrected."""
+    room, pour = Box("room", (0.0, 2.0), (0.0, 6.0)), Pour((0.2, 1.8), (0.6, 3.0), 40, 0.5, 4.0)
+    case = scene(np.zeros((0, 2)), np.zeros((0, 2)), (room,), pours=(pour,), size_steps=100, steps=3000, **rubbing)
+    expected, found = run(case, "stock"), run(case)
+    assert np.array_equal(2 * found["radius"], case.diameters(found["id"])) and len(found["id"]) > 10
+    assert found["f"][:, :2].max() > 100 * case.mass  # discs have landed on each other
+    assert apart(found, expected) < EQUAL * DIAMETER
 
 
 def test_an_inserted_disc_falls_with_the_gravity_of_its_inserted_mass(run):
