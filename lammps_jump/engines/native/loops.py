@@ -516,8 +516,8 @@ def _give_sizes_py(
     """Radii ``new[id - known - 1]`` (m) for the discs with ids above `known`, behind a step and with its forces.
 
     The velocities of the step stay: the first half of the step's kick is that of the old mass, the second half that of
-    the new one. Returns what the kinetic and gravitational energy grows by, with the work that dashpots and friction
-    take in the first half (J per m of width).
+    the new one. Returns what this gives to the energy (J per m of width): to kinetic and gravitational energy, to the
+    work that dashpots and friction take in the first half, and, in the second, by the old weight on the new mass.
     """
     gained = 0.0
     dt = motion.time_step
@@ -532,6 +532,10 @@ def _give_sizes_py(
         vy[i] += (before - after) * fy[i]
         gained += 0.5 * motion.mass * (own - old) * (wx * wx + wy * wy)
         gained -= (own - old) * (motion.weight_x * x[i] + motion.weight_y * y[i])
+        push_x, push_y = 0.5 * dt * (old - own) * motion.weight_x, 0.5 * dt * (old - own) * motion.weight_y
+        late_x, late_y = push_x / own + dt * motion.weight_x, push_y / own + dt * motion.weight_y
+        gained += push_x * (wx + after * fx[i] - 0.5 * late_x / motion.mass)
+        gained += push_y * (wy + after * fy[i] - 0.5 * late_y / motion.mass)
         if dash_x is not None:
             gained -= 0.25 * dt * (before - after) * (dash_x[i] * fx[i] + dash_y[i] * fy[i])
         if slide_x is not None:

@@ -86,7 +86,8 @@ class NativeSimulation:
         self._touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
         self._law = law_of(scene)
         self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
-        self._weight = np.array(scene.gravity) * scene.mass  # of a nominal disc
+        self._share = (scene.largest / scene.diameter) ** 2  # of a disc that enters, in the nominal mass
+        self._weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
         self._motion = motion_of(scene, self.skin)
         self._ledger_on = ledger
         self._work = np.zeros(2)
@@ -210,7 +211,7 @@ class NativeSimulation:
 
     def _compute_forces(self) -> None:
         """Forces at the start, weight included."""
-        d, share = self.discs, energies.shares_of(self.scene, self.discs)
+        d, share = self.discs, energies.shares_of(self.scene, self.discs) / self._share
         d.fx[: d.n], d.fy[: d.n] = np.multiply.outer(self._weight, share)
         self._kernel(0, True, False)
 
@@ -223,11 +224,10 @@ class NativeSimulation:
         elif old:
             self._rebuild()
         known = self.boundaries.last_id
-        share = (self.scene.largest / self.scene.diameter) ** 2
         skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for identity, x, y, vx, vy in self.boundaries.arrivals(self.step, discs):
-            discs.append(identity, x, y, vx, vy, self._weight * share, skin, self.scene.largest)
-            self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, share)
+            discs.append(identity, x, y, vx, vy, self._weight, skin, self.scene.largest)
+            self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, self._share)
         if self.boundaries.last_id > known:
             self._list_walls()
             self._exchanged["brought_in"] += self._elastic_of_newcomers(known)
