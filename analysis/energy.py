@@ -67,12 +67,13 @@ class EnergyLedger:
         """Add a frame."""
         flow = self.flow
         mass, (gx, gy) = flow.scene.mass, flow.scene.gravity
-        x, y = frame.x, frame.y
-        kinetic = 0.5 * mass * float(np.dot(frame.vx, frame.vx) + np.dot(frame.vy, frame.vy))
+        share = flow.relative_masses(frame)
+        x, y = share * frame.x, share * frame.y
+        kinetic = 0.5 * mass * float(np.dot(frame.vx, share * frame.vx) + np.dot(frame.vy, share * frame.vy))
         rotational = 0.0
         if "omegaz" in frame.columns:
             spin = frame.column("omegaz")
-            rotational = 0.25 * mass * flow.scene.radius**2 * float(np.dot(spin, spin))
+            rotational = 0.25 * mass * flow.scene.radius**2 * float(np.dot(spin, share**2 * spin))
         potential = -mass * float(gx * x.sum() + gy * y.sum())
         elastic = np.nan
         if self.contacts is not None:

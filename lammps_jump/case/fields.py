@@ -81,7 +81,9 @@ class ListSizes(Strict):
     @model_validator(mode="after")
     def _shares(self) -> ListSizes:
         if len(self.shares) != len(self.diameters):
-            raise ValueError(f"{len(self.shares)} shares for {len(self.diameters)} diameters; give one for each")
+            raise ValueError(
+                f"shares has {len(self.shares)} values, diameters {len(self.diameters)}; give one for each"
+            )
         if abs(sum(self.shares) - 1.0) > 1e-6:
             raise ValueError(f"shares add up to {sum(self.shares):g}; their sum must be 1")
         return self

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rows of an inflow of discs that carry the discharge asked for: heights, speeds and intervals in whole steps.
 
-The thesis (4.1-4.2) fills the depth with touching rows and lets a disc follow at 1.02 diameters. Rows so close drag each
-other and refuse 3 % of the discs, and intervals in whole steps lose more. Here the rows are fewer discs wide: as many as
-leave `LEAST_GAP` between followers, so that no disc is refused and the mass depth is the depth asked for.
+The thesis (4.1-4.2) fills the depth with touching rows and lets a disc follow at 1.02 diameters. Rows so close drag
+each other: 3 % of the discs are refused, and intervals in whole steps lose more. Here there are more rows. The discs of
+a row are `LEAST_GAP` or more apart, none is refused, and the mass depth is the depth asked for.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ LARGEST_ERROR = 2e-3
 """Relative error of the planned discharge that a raster coarser than a step may have."""
 EXACT = 2e-4
 """Relative error of the planned discharge at which no interval is changed any more."""
+
+Change = tuple[float, tuple[tuple[int, int], ...]]
+"""Gain of a change of intervals, and the rows that change by so many ticks."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,7 @@ def whole_intervals(ideal: np.ndarray, wanted: float) -> np.ndarray:
         fewer = rows[(n > 1) & (np.abs(n - 1 - ideal) <= 1)]
         more = rows[np.abs(n + 1 - ideal) <= 1]
         up, down = 1.0 / (n[fewer] - 1) - 1.0 / n[fewer], 1.0 / (n[more] + 1) - 1.0 / n[more]
-        changes = [(gain, ((row, -1),)) for gain, row in zip(up, fewer, strict=True)]
+        changes: list[Change] = [(gain, ((row, -1),)) for gain, row in zip(up, fewer, strict=True)]
         changes += [(loss, ((row, 1),)) for loss, row in zip(down, more, strict=True)]
         order = np.argsort(down)
         for gain, row in zip(up, fewer, strict=True):
@@ -135,8 +138,8 @@ def plan_rows(
     least_gap : float
         Least distance of followers in a row, in largest diameters.
     coarsest : int
-        Coarsest raster of the intervals, steps; halved until the discharge is within `LARGEST_ERROR` and every gap is wide
-        enough.
+        Coarsest raster of the intervals, steps; halved until the discharge is within `LARGEST_ERROR` and every gap is
+        wide enough.
     """
     rows = row_count(depth, mean_square, largest, least_gap)
     speeds = row_speeds(rows, mean_speed, profile)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lammps_jump.physics.contact import Coefficients, disc_mass
+from lammps_jump.physics.contact import Coefficients
 
 from .sizes import Sizes
 from .walls import Interval, Wall
@@ -91,8 +91,8 @@ class Scene:
     sizes : Sizes, optional
         Diameters where discs are not equal.
     size_steps : int
-        A disc that an inlet or a pour inserts has the largest diameter. At the end of the next step that is a multiple of
-        this number it gets its own.
+        A disc that an inlet or a pour inserts has the largest diameter. At the end of the next step that is a multiple
+        of this number it gets its own.
     steps : int
         All steps of the run, `settle_steps` included; output every `output_steps`.
     """
@@ -160,7 +160,7 @@ class Scene:
 
     def masses(self, diameters: ArrayLike) -> np.ndarray:
         """Mass of discs of these diameters (m), kg/m; shape of `diameters`."""
-        return disc_mass(self.density, np.asarray(diameters, float))
+        return self.density * np.square(np.asarray(diameters, float))
 
     @property
     def time_step(self) -> float:

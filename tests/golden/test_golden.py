@@ -37,7 +37,7 @@ def test_blocks_stand_only_where_needed():
     jump = TEXTS["hydraulic_jump_frictionless.stock.lammps"]
     # no friction: dampflag and coefficients are zero in pair and walls
     assert "gran/hooke 25600000 NULL 1008.5" in jump and " 0 0 0\n" in jump
-    assert jump.count("fix deposit") == 0 and jump.count(" all deposit ") == 5
+    assert jump.count("fix deposit") == 0 and jump.count(" all deposit ") == 6
 
 
 def test_skin_of_the_case_reaches_every_neighbour_list():
