@@ -55,6 +55,10 @@ class Flow:
         """Mass of each disc over the nominal mass, shape (n,), read-only; 1 seen n times where discs are equal."""
         return np.broadcast_to((self.radii(frame) / self.scene.radius) ** 2 if self.sized else 1.0, frame.n)
 
+    def by_mass(self, values: np.ndarray, frame: Frame) -> np.ndarray:
+        """Values of the discs times their relative masses; the values themselves where discs are equal."""
+        return values * self.relative_masses(frame) if self.sized else values
+
     def largest_radius(self, frame: Frame) -> float:
         """Largest radius of a frame or, where all are smaller, the nominal one, m."""
         return float(self.radii(frame).max(initial=self.scene.radius)) if self.sized else self.scene.radius

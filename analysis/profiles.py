@@ -355,14 +355,16 @@ def _surface_frame_py(x, y, vx, radius, reach, bed, bed_lines, low, width, bins)
     per_bin = lines // bins
     spacing = width / per_bin
     top = np.full(lines, -1, np.int64)
+    top_y, top_radius = np.full(lines, -np.inf), np.zeros(lines)
     for i in range(len(x)):
         if joined[i]:
-            first = max(ceil((x[i] - radius[i] - low) / spacing - 0.5), 0)
-            last = min(floor((x[i] + radius[i] - low) / spacing - 0.5), lines - 1)
+            r, height = radius[i], y[i]
+            first = max(ceil((x[i] - r - low) / spacing - 0.5), 0)
+            last = min(floor((x[i] + r - low) / spacing - 0.5), lines - 1)
             for k in range(first, last + 1):
                 # the higher top edge, without rounding where discs are equal
-                if top[k] < 0 or y[i] - y[top[k]] > radius[top[k]] - radius[i]:
-                    top[k] = i
+                if height - top_y[k] > top_radius[k] - r:
+                    top[k], top_y[k], top_radius[k] = i, height, r
     depth = np.zeros(bins)
     speed = np.zeros(bins)
     for b in range(bins):
@@ -370,8 +372,8 @@ def _surface_frame_py(x, y, vx, radius, reach, bed, bed_lines, low, width, bins)
         for k in range(b * per_bin, (b + 1) * per_bin):
             if np.isnan(bed_lines[k]):
                 depth[b] = np.nan
-            elif top[k] >= 0 and y[top[k]] + radius[top[k]] > bed_lines[k]:
-                depth[b] += y[top[k]] + radius[top[k]] - bed_lines[k]
+            elif top_y[k] + top_radius[k] > bed_lines[k]:
+                depth[b] += top_y[k] + top_radius[k] - bed_lines[k]
                 speed[b] += vx[top[k]]
                 wet += 1
         depth[b] /= per_bin

@@ -133,9 +133,9 @@ def _paint_discs_py(picture, column, row, radius, scale, colours):
     height, width = picture.shape[0], picture.shape[1]
     for i in range(len(column)):
         c, r = column[i], row[i]
-        # a disc below a pixel keeps its share of the pixel's ink
-        rim = max(radius[i] * scale, 0.5)
-        ink = min(1.0, (radius[i] * scale / rim) ** 2)
+        rim, ink = radius[i] * scale, 1.0
+        if rim < 0.5:  # a disc below a pixel keeps its share of the pixel's ink
+            rim, ink = 0.5, (rim / 0.5) ** 2
         if not (-rim - 1.0 <= c <= width + rim + 1.0 and -rim - 1.0 <= r <= height + rim + 1.0):
             continue
         for py in range(max(floor(r - rim - 0.5), 0), min(ceil(r + rim + 0.5), height)):

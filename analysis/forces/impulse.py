@@ -55,13 +55,12 @@ class MomentumLedger:
         """Add a frame."""
         flow = self.flow
         ids = np.sort(frame.ids)
-        mass, share = flow.scene.mass, flow.relative_masses(frame)
-        discs = float(share.sum())
+        discs = float(flow.relative_masses(frame).sum())
         same = self._ids is not None and np.array_equal(ids, self._ids)
         # a disc that was poured may have got its own size since
         same = same and abs(discs - self._rows[-1][3]) < 1e-7 * discs
         self._ids = ids
-        momentum = (mass * float((share * v).sum()) for v in (frame.vx, frame.vy))
+        momentum = (flow.scene.mass * float(flow.by_mass(v, frame).sum()) for v in (frame.vx, frame.vy))
         self._rows.append((time, *momentum, discs, same))
         self._forces.append({})
         self._unprobed.append({})

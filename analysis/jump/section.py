@@ -161,8 +161,8 @@ def _tail(tail: Mapping | None) -> list[Text]:
     if not tail or tail["depth"] is None:
         return []
     text = (
-        f"Tail water over {tail['length']:.1f} m: mass depth {_with_error(tail['depth'], tail['depth_error'])} m, slope of "
-        f"its surface {_with_error(tail['slope'], tail['slope_error'])}."
+        f"Tail water over {tail['length']:.1f} m: mass depth {_with_error(tail['depth'], tail['depth_error'])} m, "
+        f"slope of its surface {_with_error(tail['slope'], tail['slope_error'])}."
     )
     if tail["belanger_y2"] is not None:
         text += (
