@@ -178,7 +178,7 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
         if sizes and isinstance(item, Column) and item.hydrostatic and not item.settle and case.gravity:
             notes.append(
                 f"initial[{index}]: discs of several sizes start touching, without the overlaps of hydrostatic: true, "
-                "and sink a little at first; settle gives them time behind the gate (settle: 1)"
+                "and sink by 2 to 4 % at first; settle gives them time behind the gate (settle: 2)"
             )
     return notes
 
