@@ -141,7 +141,7 @@ def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
 def data_text(scene: Scene) -> str:
     """Data file with the discs at the start (full precision)."""
     (xlo, xhi), (ylo, yhi) = scene.domain
-    half = number(scene.radius)
+    half = number(0.5 * scene.largest)
     lines = [
         f"{len(scene.positions)} discs of {scene.name}; the density column is of spheres, the script sets the mass",
         "",

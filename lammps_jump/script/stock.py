@@ -41,7 +41,7 @@ def box_and_discs(scene: Scene) -> list[str]:
         what = SIZE if scene.sizes else f"mass {number(scene.mass)}"
         lines = [f"read_data       {DATA_FILE}", *size_variables(scene), f"set             group all {what}"]
     else:
-        extent = numbers(*scene.domain[0], *scene.domain[1], -scene.radius, scene.radius)
+        extent = numbers(*scene.domain[0], *scene.domain[1], -0.5 * scene.largest, 0.5 * scene.largest)
         lines = [f"region          domain block {extent}", "create_box      1 domain", *size_variables(scene)]
     return lines + molecule(scene)
 
