@@ -63,11 +63,11 @@ def script_text(scene: Scene, **options) -> str:
         ("simulated time before the gate opens", [f"reset_timestep  0 time {number(begin)}"] if begin else []),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
-        ("pour", stock.pours(scene)),
+        ("pour", stock.pours(scene, how.style.own_sizes(scene))),
         *control(scene, how),
         ("output", stock.output(scene, how.dump_format)),
         ("log", stock.thermo(scene)),
-        ("run", stock.schedule(scene, how.style.gates(scene), how.kernel)),
+        ("run", stock.schedule(scene, how.style.gates(scene), how.style.own_sizes(scene), how.kernel)),
         ("state, where the end was asked for", save_at_end(scene, how.kernel, how.ranks, stock.first_step(scene))),
     ]
     return joined(f"{scene.name}: {scene.description}".rstrip(": "), how, sections)
