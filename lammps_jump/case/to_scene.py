@@ -99,8 +99,8 @@ def build_scene(loaded: PlacedFields) -> Scene:
     positions, velocities = _discs(case, source, coefficients, sizes)
     inlets, raster = _inlets(case, source, dt, steps.settle, sizes)
     speed = _largest_speed(case, impact_speed, velocities, inlets)
-    domain = _domain(case, source, positions, inlets, speed)
-    outlets = _outlets(case, source, domain, speed, dt, steps.output)
+    domain = _domain(case, source, positions, inlets, speed, largest)
+    outlets = _outlets(case, source, domain, speed, dt, steps.output, largest)
     walls, gates = case.walls + _inlet_back(case), _gates(case, positions, steps.settle, domain)
     checks.check_names(case, source, walls, gates)
     checks.check_places(case, source, positions, sizes, walls, gates, inlets, domain, d / penetration)
@@ -316,14 +316,19 @@ def _pours(case: CaseFields) -> tuple[Pour, ...]:
 
 
 def _domain(
-    case: CaseFields, source: CaseSource, positions: np.ndarray, inlets: tuple[InletRow, ...], speed: float
+    case: CaseFields,
+    source: CaseSource,
+    positions: np.ndarray,
+    inlets: tuple[InletRow, ...],
+    speed: float,
+    largest: float,
 ) -> tuple[Interval, Interval]:
     """The given domain, or one around all that the case names."""
     if case.domain is not None:
         domain = case.domain.x, case.domain.y
     else:
         closed = any(wall.hollow for wall in case.walls)
-        margin = 2 * case.discs.diameter if closed else 10 * case.discs.diameter + speed * min(case.run.duration, 3.0)
+        margin = 2 * largest if closed else 10 * largest + speed * min(case.run.duration, 3.0)
         ends = (_ends(case, axis, positions, inlets) for axis in "xy")
         domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
     checks.check_domain(case, source, domain)
@@ -342,7 +347,7 @@ def _ends(case: CaseFields, axis: str, positions: np.ndarray, inlets: tuple[Inle
 
 
 def _outlets(
-    case: CaseFields, source: CaseSource, domain, speed: float, dt: float, output_steps: int
+    case: CaseFields, source: CaseSource, domain, speed: float, dt: float, output_steps: int, largest: float
 ) -> tuple[Outlet, ...]:
     outlets = []
     for index, item in enumerate(case.outflow):
@@ -351,7 +356,7 @@ def _outlets(
         side = "above" if field in ("x_beyond", "y_above") else "below"
         low, high = domain[0] if axis == "x" else domain[1]
         room = high - at if side == "above" else at - low
-        if room <= case.discs.diameter:
+        if room <= largest:
             raise source.error(
                 ("outflow", index, field),
                 f"{at:g} m leaves no room before the edge of the domain ([{low:g}, {high:g}]); discs need a few metres "

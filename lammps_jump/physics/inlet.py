@@ -14,8 +14,10 @@ from math import ceil, floor
 import numpy as np
 
 LEAST_GAP = 1.10
-"""Least distance of followers in a row, in largest diameters. Refusals begin below 1.05 (measured)."""
-ROUNDING = 1.05 / LEAST_GAP
+"""Least distance of followers in a row, in largest diameters."""
+REFUSAL_GAP = 1.05
+"""Distance of followers, in largest diameters, below which places of some are still occupied (measured)."""
+ROUNDING = REFUSAL_GAP / LEAST_GAP
 """Share of the least gap that rounding to a raster of steps may leave."""
 COARSEST_RASTER = 8
 """Steps of the first raster tried; a finer one where discharge or gaps would be off."""

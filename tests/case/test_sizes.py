@@ -241,3 +241,8 @@ def test_check_says_what_sizes_mean():
     assert "radius" not in " ".join(found.skipped)
     equal = load_case(INPUTS / "hydraulic_jump.yaml").check()
     assert "smallest_diameter" not in equal.numbers and "radius" in " ".join(equal.skipped)
+
+
+def test_rows_too_close_to_enter_are_named():
+    (note,) = build_scene(case(*JET, "inflow.spacing=1.02")).warnings
+    assert "inflow.spacing 1.02" in note and "1.1" in note

@@ -13,7 +13,7 @@ from lammps_jump.scene import Block, Plane, Sizes, handmade_scene
 
 from .conftest import start
 
-ENGINES = ("lammps",)
+ENGINES = ("lammps", "compiled", "native_verlet")
 D, SPEED, PHASES = 0.2, 3.0, 15
 LARGE = {1: D, 2: D * sqrt(2), 10: D * sqrt(10)}
 """Diameter by mass over that of the smallest."""
@@ -27,7 +27,7 @@ def ids_by_size(count: int) -> dict[int, list[int]]:
 
 
 def scene(positions, velocities, walls=(), **others):
-    others = {"time_step_fraction": 0.05, "restitution": 0.2, "gravity": (0.0, 0.0)} | others
+    others = {"time_step_fraction": 0.05, "restitution": 0.2, "gravity": (0.0, 0.0), "skin": 0.05} | others
     return handmade_scene(positions, velocities, walls, sizes=SIZES, domain=((-10, 500), (-10, 500)), **others)
 
 

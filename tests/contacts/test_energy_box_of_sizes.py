@@ -12,7 +12,7 @@ from lammps_jump.scene.scene import Scene
 
 from .conftest import start
 
-ENGINES = ("lammps",)
+ENGINES = ("lammps", "compiled", "native_verlet")
 STARTS, SECONDS = 8, 20.0
 
 

@@ -54,8 +54,6 @@ def end(scene, folder, kernel):
 @pytest.mark.parametrize("sizes", [None, Sizes((1.0,), (0.16,), (0.24,))], ids=["equal", "sizes"])
 @pytest.mark.parametrize("kernel", ["stock", "compiled"])
 def test_the_second_run_changes_nothing(kernel, sizes, gate, tmp_path):
-    if kernel == "compiled" and sizes:
-        pytest.skip("sizes in the plugin: later")
     scene = heap(sizes)
     if gate:
         scene = replace(scene, gates=(Gate(Plane("gate", "x", 2.05, "below"), FIRST - 1),), settle_steps=FIRST - 1)
