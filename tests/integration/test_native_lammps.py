@@ -138,6 +138,7 @@ def worst_distance(lammps, scene, steps, folder, parts=4):
     finally:
         engine.close()
     assert contacts > 0
+    assert simulation.boundaries.removed or not scene.outlets
     return worst
 
 
