@@ -129,7 +129,7 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
 
 
 def _normal_forces_py(overlap, opening, stiffness, damping, touch):
-    """Normal force of each contact, N/m; parameters as of `law.normal_force`, overlap, opening, damping of shape (n,)."""
+    """Normal force of each contact, N/m; parameters of `law.normal_force`, overlap, opening, damping of shape (n,)."""
     force = np.empty_like(overlap)
     for k in range(overlap.size):
         force[k] = normal_force(overlap[k], opening[k], stiffness, damping[k], touch)[0]
@@ -137,7 +137,7 @@ def _normal_forces_py(overlap, opening, stiffness, damping, touch):
 
 
 def _friction_forces_py(normal, slip, friction, damping, slope):
-    """Friction of each contact, N/m; parameters as of `law.friction_force`, normal, slip, damping of shape (n,)."""
+    """Friction of each contact, N/m; parameters of `law.friction_force`, normal, slip, damping of shape (n,)."""
     force = np.empty_like(normal)
     for k in range(normal.size):
         force[k] = friction_force(normal[k], slip[k], friction, damping[k], slope)

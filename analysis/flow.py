@@ -125,7 +125,7 @@ class Flow:
         x = np.asarray(x, float)
         bed = np.full(x.shape, -np.inf)
         for floor in sorted(self._floors(), key=lambda floor: floor.underside):
-            carried = np.isinf(bed) | (floor.underside <= bed + self.scene.diameter)
+            carried = np.isinf(bed) | (floor.underside <= bed + self.scene.smallest)
             here = (x >= floor.x[0]) & (x <= floor.x[1]) & carried
             bed = np.where(here, np.maximum(bed, floor.top), bed)
         return np.where(np.isinf(bed), np.nan, bed)

@@ -73,9 +73,10 @@ def compute_profiles(
     """Profiles of every frame, and their means and standard errors over a window.
 
     The free surface is the mean, over eight vertical lines a diameter, of the top edge of the highest disc that the
-    line cuts among the discs *connected* to the bed: a chain of centres no further than two diameters apart, whose
-    first has no more than a diameter of air under it (the largest of the frame). A line that cuts none counts as dry. A
-    disc that is splashed up has no such chain and does not count. ``packing`` uses all discs of the bin over the area below that surface.
+    line cuts among the discs *connected* to the bed: a chain of centres no further than two diameters apart (of the
+    largest disc where sizes differ), whose first has no more than a diameter of air under it. A line that cuts none
+    counts as dry. A disc that is splashed up has no such chain and does not count. ``packing`` uses all discs of the
+    bin over the area below that surface.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ class MomentumHistory:
     discs : ndarray, shape (frames,)
         Mass of all discs over the nominal mass: their number where they are equal.
     same : ndarray of bool, shape (frames,)
-        The discs are those of the frame before.
+        The discs are those of the frame before, and have their masses.
     forces : dict of ndarray, shape (frames, 2), N
         Force on the discs by each probed wall at the frame itself, from positions and velocities.
     unprobed : dict of ndarray of bool, shape (frames, 2)
@@ -55,11 +55,14 @@ class MomentumLedger:
         """Add a frame."""
         flow = self.flow
         ids = np.sort(frame.ids)
-        same = self._ids is not None and np.array_equal(ids, self._ids)
-        self._ids = ids
         mass, share = flow.scene.mass, flow.relative_masses(frame)
+        discs = float(share.sum())
+        same = self._ids is not None and np.array_equal(ids, self._ids)
+        # a disc that was poured may have got its own size since
+        same = same and abs(discs - self._rows[-1][3]) < 1e-7 * discs
+        self._ids = ids
         momentum = (mass * float((share * v).sum()) for v in (frame.vx, frame.vy))
-        self._rows.append((time, *momentum, float(share.sum()), same))
+        self._rows.append((time, *momentum, discs, same))
         self._forces.append({})
         self._unprobed.append({})
         # the last frame before a gate opens counts as with the gate, the first one after as without

@@ -249,7 +249,7 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
             track.time[used],
             data["mass_depth"][used],
             data["surface_depth"][used],
-            front + toe,
+            front,
             two.mass_depth.value,
         ),
     )

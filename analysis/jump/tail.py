@@ -12,8 +12,8 @@ from lammps_jump.analysis.statistics import mean_of
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
-JUMP_LENGTH = 1.2
-"""Length of a jump of discs behind its toe, in depths of the tail water (measured; water takes 5 to 6)."""
+BEHIND_FRONT = 1.2
+"""Distance from the front at which a jump of discs has ended, in depths of the tail water (measured)."""
 SILL_REACH = 0.5
 """Distance from the end of the channel at which a sill no longer draws the surface down, in the same depths."""
 LEAST_BINS = 3
@@ -33,7 +33,7 @@ class Tail:
 
 
 def measure_tail(
-    x: np.ndarray, time: np.ndarray, mass_depth: np.ndarray, surface_depth: np.ndarray, toe: np.ndarray, depth: float
+    x: np.ndarray, time: np.ndarray, mass_depth: np.ndarray, surface_depth: np.ndarray, front: np.ndarray, depth: float
 ) -> Tail:
     """Depth and slope of the tail water, frame by frame, between the jump and the end of the channel.
 
@@ -43,14 +43,14 @@ def measure_tail(
         Along the stream; its last bin ends at the sill or fall.
     time : ndarray, shape (frames,), s
     mass_depth, surface_depth : ndarray, shape (frames, bins), m
-    toe : ndarray, shape (frames,), m
+    front : ndarray, shape (frames,), m
     depth : float
-        Depth behind the jump, m: sets the zone, `JUMP_LENGTH` behind the toe to `SILL_REACH` before the end.
+        Depth behind the jump, m: sets the zone, `BEHIND_FRONT` behind the front to `SILL_REACH` before the end.
     """
     width = x[1] - x[0]
     end = x[-1] + 0.5 * width - SILL_REACH * depth
     rows = []
-    for s, h, start in zip(mass_depth, surface_depth, toe + JUMP_LENGTH * depth, strict=True):
+    for s, h, start in zip(mass_depth, surface_depth, front + BEHIND_FRONT * depth, strict=True):
         inside = (x - 0.5 * width >= start) & (x + 0.5 * width <= end) & np.isfinite(s) & np.isfinite(h)
         if inside.sum() >= LEAST_BINS:
             rows.append((np.polyfit(x[inside], h[inside], 1)[0], s[inside].mean(), width * inside.sum()))

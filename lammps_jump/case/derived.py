@@ -9,6 +9,7 @@ from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval, Wall
 from lammps_jump.units import numbers_of
 
@@ -113,10 +114,33 @@ def _described(result: object, keys: str) -> list[Row]:
     return [(key, numbers[key].label, getattr(result, key), numbers[key].unit) for key in keys.split()]
 
 
+def _size_rows(scene: Scene) -> list[Row]:
+    """Discs of several sizes: their range, and the contacts of the smallest and of the largest pairs."""
+    if scene.sizes is None:
+        return []
+    c = scene.coefficients
+    rows: list[Row] = [
+        ("smallest_diameter", "smallest disc", scene.smallest, "m"),
+        ("largest_diameter", "largest disc", scene.largest, "m"),
+        ("mean_mass", "mean mass of a disc", scene.mean_mass, "kg/m"),
+    ]
+    for name, diameter in (("smallest", scene.smallest), ("largest", scene.largest)):
+        ratio = diameter / scene.diameter
+        rows += [
+            (f"contact_duration_{name}", f"contact duration, {name} pair", ratio * c.contact_duration, "s"),
+            (f"contact_steps_{name}", f"the same in steps, {name} pair", ratio * c.contact_steps, ""),
+        ]
+        if scene.touch == "sharp":
+            e = c.restitution_of_pair(ratio, scene.integrator)
+            rows.append((f"restitution_{name}", f"restitution in steps, {name} pair", e, ""))
+    return rows
+
+
 def _contact_rows(scene: Scene) -> list[Row]:
     c = scene.coefficients
     rows: list[Row] = [
         ("discs_at_start", "discs at the start", len(scene.positions), ""),
+        *_size_rows(scene),
         *_described(c, "mass stiffness stiffness_wall restitution damping_ratio damping damping_wall"),
         *_described(c, "correction correction_wall gamma_normal gamma_normal_wall friction"),
     ]
@@ -186,7 +210,7 @@ def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:
 
 
 def skipped(
-    case: CaseFields, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...]
+    case: CaseFields, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...], sizes: Sizes | None
 ) -> tuple[str, ...]:
     """Sentences: what the engines leave out because the scene does not need it."""
     texts = []
@@ -209,9 +233,9 @@ def skipped(
         texts.append("outlet: no outflow")
     texts.append("z constraint: nothing pushes out of the plane")
     texts.append("tangential springs: the laws here have no history")
-    columns = "z, vz, radius, mass, type, forces" + (
-        "" if case.contact.rotation and case.contact.friction else ", spin"
-    )
+    columns = "z, vz, " + ("" if sizes else "radius, ") + "mass, type, forces"
+    if not (case.contact.rotation and case.contact.friction):
+        columns += ", spin"
     texts.append(f"dump columns {columns}: no analysis reads them")
     if not probes:
         texts.append("wall forces: no probe asks for them")

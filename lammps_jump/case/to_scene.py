@@ -90,20 +90,21 @@ def build_scene(loaded: PlacedFields) -> Scene:
     integrator = _integrator(case, source)
     coefficients = contact_coefficients(case, integrator)
     penetration, impact_speed, _ = _stiffness(case)
-    warnings = checks.check_stability(case, source, coefficients, integrator)
     sizes = disc_sizes(case)
+    warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
+    warnings += checks.check_sizes(case, source, sizes)
     d, dt = case.discs.diameter, coefficients.time_step
     largest = sizes.largest if sizes else d
-    steps = _steps(case, source, dt)
-    positions, velocities = _discs(case, source, coefficients)
+    steps = _steps(case, source, dt, sizes)
+    positions, velocities = _discs(case, source, coefficients, sizes)
     inlets, raster = _inlets(case, source, dt, steps.settle, sizes)
     speed = _largest_speed(case, impact_speed, velocities, inlets)
     domain = _domain(case, source, positions, inlets, speed)
     outlets = _outlets(case, source, domain, speed, dt, steps.output)
     walls, gates = case.walls + _inlet_back(case), _gates(case, positions, steps.settle, domain)
     checks.check_names(case, source, walls, gates)
-    checks.check_places(case, source, positions, walls, gates, inlets, domain, d / penetration)
-    checks.check_pour(case, source, domain)
+    checks.check_places(case, source, positions, sizes, walls, gates, inlets, domain, d / penetration)
+    checks.check_pour(case, source, domain, largest)
     probes = _probes(case, source, walls)
     kept = tuple(wall for wall in walls if reachable(wall, domain, largest) or wall.name in probes)
     return Scene(
@@ -136,7 +137,7 @@ def build_scene(loaded: PlacedFields) -> Scene:
         touch_width=_touch_width(case, impact_speed, dt),
         sizes=sizes,
         size_steps=raster if inlets else POUR_RASTER,
-        skipped=skipped(case, walls, kept, probes),
+        skipped=skipped(case, walls, kept, probes, sizes),
         warnings=(*warnings, *checks.check_stop(case, source)),
     )
 
@@ -195,7 +196,7 @@ class Steps(NamedTuple):
     probe: int
 
 
-def _steps(case: CaseFields, source: CaseSource, dt: float) -> Steps:
+def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> Steps:
     """Frames divide the duration, windows of the probes divide the frames.
 
     The intervals are adapted by less than a step each; the duration by less than half a step a window.
@@ -211,7 +212,7 @@ def _steps(case: CaseFields, source: CaseSource, dt: float) -> Steps:
     settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
     settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
     steps = Steps(math.ceil(settle_steps / output) * output, frames * output, output, probe)
-    checks.check_size(case, source, steps.settle, steps.run, steps.output)
+    checks.check_size(case, source, steps.settle, steps.run, steps.output, sizes)
     return steps
 
 
@@ -246,15 +247,19 @@ def _gates(
     return tuple(gates)
 
 
-def _discs(case: CaseFields, source: CaseSource, coefficients: contact.Coefficients) -> tuple[np.ndarray, np.ndarray]:
+def _discs(
+    case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, sizes: Sizes | None
+) -> tuple[np.ndarray, np.ndarray]:
     """Positions and velocities at the start, each of shape (n, 2), m and m/s."""
     random = np.random.default_rng(case.run.seed)
     positions, velocities = [np.empty((0, 2))], [np.empty((0, 2))]
+    first = 1
     for index, item in enumerate(case.initial):
         try:
-            place, speed = arrange(item, case.discs, case.gravity, coefficients, random)
+            place, speed = arrange(item, case.discs, case.gravity, coefficients, random, sizes, first)
         except ValueError as error:
             raise source.error(("initial", index), str(error)) from None
+        first += len(place)
         positions.append(place)
         velocities.append(speed)
     return np.concatenate(positions), np.concatenate(velocities)

@@ -284,6 +284,14 @@ class Coefficients:
         """The same at walls."""
         return self.gamma_tangential_wall / self.gamma_normal_wall if self.gamma_normal_wall else nan
 
+    def restitution_of_pair(self, ratio: float, integrator: str) -> float:
+        """Mean restitution, in steps, of two discs whose diameter is `ratio` times the nominal one (sharp touch).
+
+        All pairs have the same damping ratio. Small discs have fewer steps in a contact, so a larger bias of the step.
+        """
+        mean = lagged_restitution if integrator == "velocity_verlet" else extrapolated_restitution
+        return mean(self.damping_ratio * self.correction, self.omega / ratio * self.time_step)
+
     @property
     def inertia(self) -> float:
         """Moment of inertia of a uniform disc over R^2, kg: I / R^2 = m/2."""

@@ -63,11 +63,11 @@ def script_text(scene: Scene, **options) -> str:
         ("simulated time before the gate opens", [f"reset_timestep  0 time {number(begin)}"] if begin else []),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
-        ("pour", stock.pours(scene)),
+        ("pour", stock.pours(scene, how.style.own_sizes(scene))),
         *control(scene, how),
         ("output", stock.output(scene, how.dump_format)),
         ("log", stock.thermo(scene)),
-        ("run", stock.schedule(scene, how.style.gates(scene))),
+        ("run", stock.schedule(scene, how.style.gates(scene), how.style.own_sizes(scene), how.kernel)),
         ("state, where the end was asked for", save_at_end(scene, how.kernel, how.ranks, stock.first_step(scene))),
     ]
     return joined(f"{scene.name}: {scene.description}".rstrip(": "), how, sections)
@@ -141,7 +141,7 @@ def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
 def data_text(scene: Scene) -> str:
     """Data file with the discs at the start (full precision)."""
     (xlo, xhi), (ylo, yhi) = scene.domain
-    half = number(scene.radius)
+    half = number(0.5 * scene.largest)
     lines = [
         f"{len(scene.positions)} discs of {scene.name}; the density column is of spheres, the script sets the mass",
         "",

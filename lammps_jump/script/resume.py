@@ -50,7 +50,7 @@ def continuation_text(scene: Scene, *, state: str, step: int, removed: tuple[int
         *control(scene, how),
         ("output", _output(scene, how.dump_format)),
         ("log", stock.thermo(scene, removed)),
-        ("gates and inlets", [*gates, *stock.inlets(scene)]),
+        ("gates and inlets", [*gates, *stock.inlets(scene, how.style.own_sizes(scene))]),
         ("forces of the half step, then the velocities of the step", ["run             0 post no", *half_step]),
         ("run", [f"run             {scene.steps} upto pre no", *save_at_end(scene, how.kernel, how.ranks, step)]),
     ]

@@ -41,7 +41,8 @@ def box_and_discs(scene: Scene) -> list[str]:
         what = SIZE if scene.sizes else f"mass {number(scene.mass)}"
         lines = [f"read_data       {DATA_FILE}", *size_variables(scene), f"set             group all {what}"]
     else:
-        extent = numbers(*scene.domain[0], *scene.domain[1], -scene.radius, scene.radius)
+        half = 0.5 * scene.largest
+        extent = numbers(*scene.domain[0], *scene.domain[1], -half, half)
         lines = [f"region          domain block {extent}", "create_box      1 domain", *size_variables(scene)]
     return lines + molecule(scene)
 
@@ -134,10 +135,10 @@ def outlets(scene: Scene) -> list[str]:
     return lines
 
 
-def inlets(scene: Scene) -> list[str]:
+def inlets(scene: Scene, sizes: list[str]) -> list[str]:
     """One ``fix deposit`` for each row: a point as region (flat in z too), a disc as molecule, ids in turn.
 
-    A molecule has one diameter, the largest. Where discs are not equal, ``fix set`` gives them their own.
+    A molecule has one diameter, the largest. Where discs are not equal, the commands `sizes` give them their own.
     """
     lines = []
     for index, row in enumerate(scene.inlets, 1):
@@ -149,15 +150,15 @@ def inlets(scene: Scene) -> list[str]:
             f"region inlet_{index} mol disk id max near {number(row.clearance)} attempt 1 "
             f"vx {numbers(row.vx, row.vx)}{fall}",
         ]
-    return lines + (own_sizes(scene) if lines else [])
+    return [*lines, *sizes] if lines else []
 
 
 def own_sizes(scene: Scene) -> list[str]:
-    """Gives inserted discs their own diameter and mass, where discs are not equal."""
+    """``fix set`` gives inserted discs their own diameter and mass, where discs are not equal."""
     return [f"fix             size all set {scene.size_steps} 0 group all {SIZE}"] if scene.sizes else []
 
 
-def pours(scene: Scene) -> list[str]:
+def pours(scene: Scene, sizes: list[str]) -> list[str]:
     """fix pour for filling; a mol template keeps mass and diameter exact.
 
     ``diam poly`` of fix pour would give masses of spheres, which grow as d^3.
@@ -169,7 +170,7 @@ def pours(scene: Scene) -> list[str]:
             f"fix             pour_{index} all pour {item.count} 0 {scene.seed + 100 + index} region pour_{index} "
             f"mol disk vol {number(item.volume_fraction)} 200 vel 0 0 {number(-item.speed_down)}",
         ]
-    return lines + (own_sizes(scene) if lines else [])
+    return [*lines, *sizes] if lines else []
 
 
 def output(scene: Scene, dump_format: str) -> list[str]:
@@ -240,24 +241,23 @@ def thermo(scene: Scene, removed: tuple[int, ...] = ()) -> list[str]:
     ]
 
 
-def schedule(scene: Scene, gates: list[str]) -> list[str]:
+def schedule(scene: Scene, gates: list[str], sizes: list[str], kernel: str) -> list[str]:
     """Gates and the run; inlets that begin later need a second run, which begins without the gates' fixes.
 
     Inlets wait for gates. Where discs are not equal they also wait for a step of the raster on which ``fix set`` acts.
+    The second run goes on with the forces of the half step, as `lammps_jump.script.resume` explains.
     """
     first = first_step(scene)
     if not first:
-        return [*gates, *inlets(scene), f"run             {scene.steps}"]
+        return [*gates, *inlets(scene, sizes), f"run             {scene.steps}"]
+    change = [*(f"unfix           {name}" for name in fix_names(gates)), *inlets(scene, sizes)]
+    rest = f"run             {scene.steps - first}"
+    if len(scene.positions):
+        change = [*half_step_back(scene, kernel), *change, "run             0 post no", *half_step(scene, kernel)]
+        return [*gates, f"run             {first}", *change, f"{rest} pre no"]
     # without a disc LAMMPS knows no cutoff and makes too many bins
-    bins = [] if len(scene.positions) else [f"neigh_modify    binsize {number(0.5 * (scene.largest + scene.skin))}"]
-    return [
-        *bins,
-        *gates,
-        f"run             {first}",
-        *(f"unfix           {name}" for name in fix_names(gates)),
-        *inlets(scene),
-        f"run             {scene.steps - first}",
-    ]
+    bins = f"neigh_modify    binsize {number(0.5 * (scene.largest + scene.skin))}"
+    return [bins, *gates, f"run             {first}", *change, rest]
 
 
 def first_step(scene: Scene) -> int:
