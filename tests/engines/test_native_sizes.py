@@ -143,7 +143,7 @@ def test_free_fall_is_exact_across_new_lists():
     simulation.run(1000)
     t = 1000 * scene.time_step
     assert simulation.rebuilds > 50
-    assert simulation.positions == pytest.approx(positions + 40 + [9 * t, -9.81 * t**2 / 2], abs=1e-12)
+    assert simulation.positions == pytest.approx(positions + 40 + [9 * t, -9.81 * t**2 / 2], abs=1e-11)
     assert 2 * simulation.radii == pytest.approx(GRADED.diameters(simulation.ids), abs=0)
 
 
@@ -199,7 +199,7 @@ def channel(**kw):
     rows = tuple(InletRow(0.0, (i + 0.5) * 0.26, 8.0, 0.0, 8, 104 + 8 * i, 0.999 * 0.26) for i in range(3))
     walls = (Block("floor", (-2.0, 3.0), (-2.0, 0.0)), Block("sill", (2.0, 2.4), (-2.0, 0.3)))
     outlets = (Outlet("x", 6.0, "above", 50), Outlet("y", -2.5, "below", 50), Outlet("x", -0.5, "below", 50))
-    kw = dict(steps=9000, output_steps=1000, probes=("sill",), probe_steps=100, friction=0.1) | kw
+    kw = dict(steps=13_000, output_steps=1000, probes=("sill",), probe_steps=100, friction=0.1) | kw
     return handmade_scene([], [], walls, inlets=rows, outlets=outlets, sizes=GRADED, size_steps=8, **kw)
 
 
@@ -261,8 +261,8 @@ def test_discs_balance(cell_size):
 def test_cell_search_finds_the_same_contacts(size):
     scene = channel(rotation=True)
     lists, cells = NativeSimulation(scene), CellSimulation(scene, cell_size=size)
-    lists.run(3500)
-    cells.run(3500)
+    lists.run(4700)
+    cells.run(4700)
     assert sum(row[2] for row in lists.forces) > 0
     assert np.array_equal(lists.ids, cells.ids)
     assert cells.positions == pytest.approx(lists.positions, abs=1e-9 * 0.2)
@@ -272,7 +272,7 @@ def test_list_is_never_too_old():
     runs = []
     for skin in (0.004, 0.02, 0.12):
         simulation = NativeSimulation(channel(skin=skin))
-        simulation.run(3500)
+        simulation.run(4700)
         runs.append(simulation.positions)
     assert runs[1] == pytest.approx(runs[0], abs=1e-9 * 0.2)
     assert runs[2] == pytest.approx(runs[0], abs=1e-9 * 0.2)

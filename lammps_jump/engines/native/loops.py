@@ -498,9 +498,9 @@ def _newcomers_py(known, n, ids, x, y, radius, face_kind, face_data, law, touch)
             if j == i or (j > i and ids[j] > known):
                 continue
             reach = law.diameter if radius is None else radius[i] + radius[j]
-            overlap = reach - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
-            if overlap > 0.0:
-                energy += law.stiffness * stored_energy(overlap, touch)
+            r2 = (x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2
+            if r2 < reach * reach:
+                energy += law.stiffness * stored_energy(reach - sqrt(r2), touch)
         for face in range(face_kind.size):
             a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
             gap = _wall_gap(face_kind[face], a, b, c, d, x[i], y[i])[0]

@@ -7,7 +7,9 @@ so that between steps the arrays hold v_(n-1/2) (see `loops`); what this class h
 
 Start: forces at step 0 see v_0, and v_(-1/2) = v_0 - dt F_0 / (2 m), so that the thesis' extrapolation
 1.5 v_(n-1/2) - 0.5 v_(n-3/2) has its older value from the first step on. A disc that enters at step n has
-v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and gets its last half kick.
+v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and gets its last half kick. Where discs are
+not equal it enters with the largest diameter, and gets its own behind a step (`Scene.size_steps`): the first half of
+that step's kick is that of the largest disc, the second half has the same force on the new mass (LAMMPS' `fix set`).
 """
 
 from __future__ import annotations
