@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from lammps_jump.engines.lammps.loader import load_lammps, program
+from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import SetupError
 from lammps_jump.physics import contact, law
 from lammps_jump.physics.slip import SIGN_RAMP
@@ -180,6 +181,24 @@ def test_an_inserted_disc_falls_with_the_gravity_of_its_inserted_mass(run):
     kick = 0.5 * dt * 9.81
     assert found["v"][0, 1] == pytest.approx(-kick * (1 + (case.largest / d) ** 2 + 1), rel=1e-12)
     assert run(case, "stock")["v"][0, 1] == pytest.approx(found["v"][0, 1], rel=1e-12)
+
+
+NATIVE = {
+    "sign": dict(friction=0.2, friction_law="sign"),
+    "sign, spin": dict(friction=0.05, friction_law="sign", rotation=True),  # see test_compiled_kernel
+    "sign, smooth touch": dict(friction=0.2, friction_law="sign", touch="smooth", touch_width=0.003),
+    "hooke, spin, smooth touch": dict(friction=0.2, rotation=True, touch="smooth", touch_width=0.003),
+}
+
+
+@pytest.mark.parametrize("name", NATIVE)
+def test_laws_that_stock_styles_lack_equal_the_native_engine(run, name):
+    case = jet(**NATIVE[name])
+    native = NativeSimulation(case)
+    native.run(1000)
+    order, found = np.argsort(native.ids), run(case)
+    assert np.array_equal(native.ids[order], found["id"])
+    assert np.abs(native.positions[order] - found["x"][:, :2]).max() < EQUAL * DIAMETER
 
 
 def test_the_ledger_closes_with_the_square_of_the_step(run):
