@@ -196,7 +196,7 @@ InitialField = Annotated[Column | Lattice | DiscList, Field(discriminator="kind"
 
 
 class RowsInflow(Strict):
-    """A jet of discs in rows (thesis 4.1-4.2) that carries mean_speed * depth; row i at (i + 1/2) d_max above `y`."""
+    """A jet of discs in rows (thesis 4.1-4.2); row i at (i + 1/2) d_max above `y`."""
 
     kind: Literal["rows"]
     x: Coordinate = 0.0
@@ -204,6 +204,9 @@ class RowsInflow(Strict):
     depth: Metre = Field(**LENGTH)
     mean_speed: MetrePerSecond = Field(**SPEED)
     profile: Literal["power_law", "uniform"] = "power_law"
+    schedule: Literal["exact", "thesis"] = Field(
+        default="exact", description="exact: rows carry mean_speed * depth; thesis: touching rows fill the depth"
+    )
     spacing: Plain = Field(
         default=LEAST_GAP, ge=1, le=5, description="least distance between discs of a row, in largest diameters"
     )
@@ -212,7 +215,7 @@ class RowsInflow(Strict):
     @model_validator(mode="before")
     @classmethod
     def _fields_of_0_1_0(cls, data: Any) -> Any:
-        """Leave out fields that stored runs of 0.1.0 name: every inflow carries its exact discharge now."""
+        """Leave out fields that earlier cases name: the default schedule carries the exact discharge."""
         if isinstance(data, dict):
             return {key: value for key, value in data.items() if key not in ("turns", "exact_discharge")}
         return data

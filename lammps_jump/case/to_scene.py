@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.physics import contact
-from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count
+from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, thesis_rows
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Interval, Plane
@@ -290,16 +290,23 @@ def _inlets(
             f"{inflow.mean_speed:g} m/s lets a disc in every {slowest:.3g} steps; allowed are "
             f"{checks.MOST_STEPS:.0e}: raise it or lower the stiffness",
         )
-    plan = plan_rows(
-        inflow.depth,
-        inflow.mean_speed,
-        dt,
-        mean_square=mean_square,
-        largest=largest,
-        profile=inflow.profile,
-        least_gap=inflow.spacing,
-        coarsest=COARSEST_RASTER if sizes else 1,
-    )
+    if inflow.schedule == "thesis":
+        if sizes:
+            raise source.error(
+                "inflow.schedule", "'thesis' is for equal discs; allowed is exact where discs.sizes is given"
+            )
+        plan = thesis_rows(inflow.depth, d, inflow.mean_speed, dt, profile=inflow.profile)
+    else:
+        plan = plan_rows(
+            inflow.depth,
+            inflow.mean_speed,
+            dt,
+            mean_square=mean_square,
+            largest=largest,
+            profile=inflow.profile,
+            least_gap=inflow.spacing,
+            coarsest=COARSEST_RASTER if sizes else 1,
+        )
     first = (settle_steps // plan.raster + 1) * plan.raster
     rows = zip(plan.heights, plan.speeds, plan.steps, strict=True)
     return tuple(

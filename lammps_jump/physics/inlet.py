@@ -17,6 +17,8 @@ LEAST_GAP = 1.10
 """Least distance of followers in a row, in largest diameters."""
 REFUSAL_GAP = 1.05
 """Distance of followers, in largest diameters, below which places of some are still occupied (measured)."""
+THESIS_GAP = 1.02
+"""Distance of followers in a row of the thesis, in diameters."""
 ROUNDING = REFUSAL_GAP / LEAST_GAP
 """Share of the least gap that rounding to a raster of steps may leave."""
 COARSEST_RASTER = 8
@@ -113,6 +115,28 @@ def whole_intervals(ideal: np.ndarray, wanted: float) -> np.ndarray:
         for row, change in best[1]:
             n[row] += change
     return n
+
+
+def thesis_rows(
+    depth: float, diameter: float, mean_speed: float, time_step: float, *, profile: str = "power_law"
+) -> RowPlan:
+    """Rows of the thesis (4.1-4.2): as many as the depth holds, a disc every `THESIS_GAP` diameters.
+
+    Speeds are (8/7) Va (y_i/y1)^(1/7) at the row centres, or Va; intervals are rounded up to whole steps. They carry
+    up to 3 % less than Va y1, and lose 3 % more where discs are refused.
+
+    Parameters
+    ----------
+    depth, diameter, mean_speed, time_step : float
+        y1 (m), d (m), Va (m/s), s.
+    profile : {'power_law', 'uniform'}
+    """
+    heights = tuple((i + 0.5) * diameter for i in range(floor(depth / diameter + 1e-9)))  # 0.6 / 0.2 is below 3
+    speeds = tuple(
+        mean_speed * (8.0 / 7.0 * (y / depth) ** (1.0 / 7.0) if profile == "power_law" else 1.0) for y in heights
+    )
+    steps = tuple(max(1, ceil(THESIS_GAP * diameter / (speed * time_step) - 1e-9)) for speed in speeds)
+    return RowPlan(heights, speeds, steps, 1, sum(diameter**2 / (n * time_step) for n in steps))
 
 
 def plan_rows(

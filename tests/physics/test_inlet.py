@@ -9,7 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lammps_jump.physics.contact import critical_time_step, disc_mass, stiffness
-from lammps_jump.physics.inlet import COARSEST_RASTER, LEAST_GAP, plan_rows, row_count, row_speeds, whole_intervals
+from lammps_jump.physics.inlet import (
+    COARSEST_RASTER,
+    LEAST_GAP,
+    plan_rows,
+    row_count,
+    row_speeds,
+    thesis_rows,
+    whole_intervals,
+)
 
 THESIS = {"depth": 1.0, "mean_speed": 16.0, "time_step": 8.8388e-5}
 
@@ -100,3 +108,15 @@ def test_whole_intervals_are_near_and_better_than_rounding(ideal, share):
     found, rounded = whole_intervals(ideal, wanted), np.maximum(1, np.rint(ideal))
     assert (np.abs(found - ideal) <= 1).all() and (found >= 1).all()
     assert abs(np.sum(1 / found) - wanted) <= abs(np.sum(1 / rounded) - wanted) + 1e-12
+
+
+def test_rows_of_the_thesis():
+    plan = thesis_rows(1.0, 0.2, 16.0, 1e-4)
+    assert plan.speeds == pytest.approx((13.160, 15.396, 16.562, 17.377, 18.013), abs=0.51e-3)
+    assert plan.heights == pytest.approx((0.1, 0.3, 0.5, 0.7, 0.9), rel=1e-14)
+    mean = sum(plan.speeds) / 5
+    assert sum(u**2 for u in plan.speeds) / 5 / mean**2 == pytest.approx(1.01129, abs=0.51e-5)
+    # touching discs would carry 402.5 discs a second; the gap takes 2 %, whole steps some more
+    assert 0.97 * 402.54 / 1.02 < plan.discharge / 0.04 <= 402.54 / 1.02
+    assert len(thesis_rows(0.6, 0.2, 1.0, 1e-4).steps) == 3  # 0.6 / 0.2 rounds below 3
+    assert set(thesis_rows(1.0, 0.2, 16.0, 1e-4, profile="uniform").speeds) == {16.0}
