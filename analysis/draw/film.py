@@ -171,7 +171,7 @@ class _Painter:
         picture = self._ground(self.flow.shut_gates(time)).copy()
         inner = picture[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
         colours = coloured(disc_speeds(frame), stage.top_speed, stage.table)
-        paint_discs(inner, view, frame.x, frame.y, self.flow.scene.radius, colours)
+        paint_discs(inner, view, frame.x, frame.y, self.flow.radii(frame), colours)
         for anchor, history in self.forces.values():
             if not len(history.time):
                 continue

@@ -33,6 +33,7 @@ from .frame import (
     roller,
     zones,
 )
+from .tail import Tail, measure_tail
 from .track import JumpTrack, Motion, straight_motion, track_jump
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ class JumpResult:
     mass : Mass or None
     roller : Roller or None
     heap : Heap or None
+    tail : Tail or None
     """
 
     verdict: str
@@ -111,6 +113,7 @@ class JumpResult:
     mass: Mass | None = None
     roller: Roller | None = None
     heap: Heap | None = None
+    tail: Tail | None = None
     window: tuple[float, float] = (nan, nan)
     bin_width: float = nan
 
@@ -241,6 +244,14 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
         balance=balance(moving, one, two, speed, gravity, along),
         mass=mass_balance(moving, one, two, speed),
         roller=roller(moving, speed, toe, end),
+        tail=measure_tail(
+            x,
+            track.time[used],
+            data["mass_depth"][used],
+            data["surface_depth"][used],
+            front,
+            two.mass_depth.value,
+        ),
     )
 
 

@@ -15,6 +15,7 @@ from lammps_jump.units import number
 
 from .frame import Balance, Mass, Roller
 from .result import Heap, JumpResult
+from .tail import Tail, against_inflow
 
 DEVELOPED_SHARE = 0.7
 """A front whose depth ratio stays below this share of Bélanger's is still on its way to be a jump."""
@@ -113,6 +114,7 @@ class Jump:
     momentum_terms: MomentumTerms | None = None
     mass: Mass | None = None
     roller: Roller | None = None
+    tail: Tail | None = None
     measured: JumpResult | None = field(default=None, metadata={"summary": False})
 
 
@@ -160,7 +162,16 @@ def summarise_jump(result: JumpResult) -> Jump:
         belanger_deviation=ratio / belanger - 1,
         mass=result.mass,
         roller=result.roller,
+        tail=_tail(result, jump.inflow),
     )
+
+
+def _tail(result: JumpResult, inflow: theory.Inflow | None) -> Tail:
+    """Tail water, held against the inflow where there is one."""
+    if inflow is None:
+        return result.tail
+    found = against_inflow(result.tail.depth, inflow, result.motion.speed, -result.flow.scene.gravity[1])
+    return replace(result.tail, belanger_y2=found[0], belanger_deviation=found[1])
 
 
 def _motion(result: JumpResult) -> dict[str, float]:

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 from scipy.special import stdtrit
 
-from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.dump.tail import Tail
 from lammps_jump.scene.scene import Scene
 
@@ -195,7 +195,13 @@ class SteadyDetector:
 
 
 def flow_state(
-    x: np.ndarray, vx: np.ndarray, mass: float, density: float, reach: tuple[float, float], bins: int = 64
+    x: np.ndarray,
+    vx: np.ndarray,
+    mass: float,
+    density: float,
+    reach: tuple[float, float],
+    bins: int = 64,
+    relative: np.ndarray | float = 1.0,
 ) -> tuple[float, float, float]:
     """Depth (m), discharge (m^2/s) and toe (m) of one frame, for `SteadyDetector.feed`.
 
@@ -208,19 +214,23 @@ def flow_state(
     x, vx : ndarray, shape (n,)
         m, m/s; discs outside the reach are left out.
     mass : float
-        Of a disc, kg per metre of width.
+        Of a nominal disc, kg per metre of width.
     density : float
         kg/m^3.
     reach : (float, float)
         m.
+    relative : float or ndarray, shape (n,)
+        Mass of each disc over the nominal one.
     """
     low, high = reach
     inside = (x >= low) & (x < high)
     width = (high - low) / bins
-    depth = np.bincount(((x[inside] - low) / width).astype(int), minlength=bins)[:bins] * (mass / (density * width))
+    relative = np.broadcast_to(relative, x.shape)[inside]
+    discs = np.bincount(((x[inside] - low) / width).astype(int), weights=relative, minlength=bins)[:bins]
+    depth = discs * (mass / (density * width))
     length = high - low
-    mean_depth = float(inside.sum()) * mass / (density * length)
-    discharge = float(vx[inside].sum()) * mass / (density * length)
+    mean_depth = float(relative.sum()) * mass / (density * length)
+    discharge = float((relative * vx[inside]).sum()) * mass / (density * length)
     smooth = np.convolve(depth, np.ones(3) / 3, mode="valid")
     base, top = float(np.median(smooth[: max(1, bins // 4)])), float(smooth.max())
     if not top > 1.5 * base:
@@ -268,7 +278,7 @@ class SteadyWatch:
     """
 
     def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float]):
-        self.scene, self.reach = scene, reach
+        self.scene, self.flow, self.reach = scene, from_scene(scene), reach
         self.tail = Tail(folder / "dump.lammpstrj")
         window = steady_window(scene, reach)
         self.detector = SteadyDetector(window) if window else None
@@ -284,6 +294,7 @@ class SteadyWatch:
             return False
         for frame in self.tail.new_frames():
             if frame.n:
-                state = flow_state(frame.x, frame.vx, self.scene.mass, self.scene.density, self.reach)
+                discs = frame.x, frame.vx, self.scene.mass, self.scene.density
+                state = flow_state(*discs, self.reach, relative=self.flow.relative_masses(frame))
                 self.detector.feed(self.scene.time(frame.step) if frame.time is None else frame.time, *state)
         return self.detector.steady

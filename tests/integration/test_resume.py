@@ -74,6 +74,7 @@ def apart(one, two) -> float:
         ("compiled", "text", "dam_break", (*COLLAPSE, "contact.friction=0.1", "contact.friction_law=sign")),
         ("stock", "binary", "quick_jump", JUMP),
         ("compiled", "binary", "quick_jump", JUMP),
+        ("compiled", "text", "quick_jump", (*JUMP, "discs.sizes={kind: uniform, spread: 0.2}", "contact.friction=0.1")),
     ],
 )
 def test_continued_run_is_the_uninterrupted_one(kernel, dump_format, name, changes, tmp_path):
