@@ -5,16 +5,15 @@ from __future__ import annotations
 
 import fcntl
 import json
-import math
 import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic_core import to_jsonable_python
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
@@ -103,22 +102,20 @@ def _force_tables(folder: Path) -> list[str]:
 
 
 def plain(value: Any) -> Any:
-    """Dataclasses to dicts, numpy scalars and arrays to Python, NaN and infinities to None, tuples to lists."""
-    if is_dataclass(value) and not isinstance(value, type):
-        value = asdict(value)
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Path):
-        return value.name
-    return value
+    """Dataclasses to dicts, numpy scalars and arrays to Python, NaN and infinities to None, tuples to lists.
+
+    Raises
+    ------
+    TypeError
+        Something else that JSON does not know.
+    """
+    return to_jsonable_python(value, inf_nan_mode="null", fallback=_python_of)
+
+
+def _python_of(value: object) -> object:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is not JSON serializable")
 
 
 def write_text(path: Path, text: str) -> Path:
@@ -154,10 +151,8 @@ def is_written(folder: Path) -> bool:
     place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
+    except OSError as error:  # another one where the file system has no locks
+        return isinstance(error, BlockingIOError)
     finally:
         os.close(place)
     return False

@@ -8,6 +8,7 @@ import json
 import os
 import platform
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import fields
 from importlib import metadata
 from pathlib import Path
@@ -43,11 +44,9 @@ def versions(*more: str) -> dict[str, str]:
 def machine() -> dict[str, str | int | None]:
     """Processor model and number of cores, system; no host name, no paths."""
     model = platform.processor() or platform.machine()
-    try:
+    with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text().splitlines()
         model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), model)
-    except OSError:
-        pass
     return {
         "processor": model,
         "cores": os.cpu_count(),

@@ -7,8 +7,8 @@ its discs in software straight into it and goes to ffmpeg (mp4) or into Pillow (
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -18,31 +18,19 @@ from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
-from lammps_jump.scene.walls import Interval
+from lammps_jump.scene.walls import Interval, Wall
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
-from .snapshots import disc_speeds, seen_heights, seen_range, top_of
+from .snapshots import disc_speeds, seen, top_of
 from .style import colour_bar, style
 
 NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
 """What to tell users where a GIF took the place of an MP4."""
 ARROW = (179, 38, 58)
+ABOVE, LEFT = 34, 62
+"""Pixels above and left of the discs."""
 SAMPLE = 12
 """Frames that are looked at to find the heights and the speeds worth showing."""
-
-
-@dataclass(frozen=True)
-class _Stage:
-    """The picture around the moving part, and where that part goes."""
-
-    picture: np.ndarray
-    view: View
-    top: int
-    left: int
-    clock: tuple[int, int]
-    digits: dict[str, np.ndarray]
-    table: np.ndarray
-    top_speed: float
 
 
 def animate(
@@ -52,11 +40,7 @@ def animate(
     *,
     fps: float = 20.0,
     forces: Mapping[str, ForceHistory] | None = None,
-    x: Interval | None = None,
-    y: Interval | None = None,
     width: int = 1280,
-    top_speed: float | None = None,
-    frames: Iterable[int] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Make a film of a dump.
@@ -72,14 +56,8 @@ def animate(
         Frames of the dump shown a second.
     forces : mapping of structure to ForceHistory, optional
         An arrow on each structure that has a wall of that name: the force, interpolated to the time of the frame.
-    x, y : (float, float), optional
-        What is shown, m; default the studied stretch, and as high as discs go.
     width : int
         Pixels of the whole picture.
-    top_speed : float, optional
-        m/s at the end of the colour scale; default from a sample of frames.
-    frames : iterable of int, optional
-        Indices of the frames to show; default all.
     progress : callable(done, all), optional
 
     Returns
@@ -94,174 +72,133 @@ def animate(
     SetupError
         ffmpeg failed.
     """
-    out = Path(out)
-    kind = out.suffix.lower()
-    if kind not in (".mp4", ".gif"):
+    out, count = Path(out), dump.count()
+    if out.suffix.lower() not in (".mp4", ".gif"):
         raise DumpError(f"{out}: an animation ends in .mp4 or .gif.")
-    if not (np.isfinite(fps) and 0 < fps <= 240):
-        raise DumpError(f"fps = {fps}: it must be above 0 and at most 240.")
-    if not 320 <= width <= 7680:
-        raise DumpError(f"width = {width} pixels: it must be 320 … 7680.")
-    indices = list(range(dump.count())) if frames is None else sorted(set(frames))
-    if not indices or indices[-1] >= dump.count():
-        raise DumpError(f"{dump.path}: no such frames to show; it has {dump.count()}.")
-    sample = list(dump.select({indices[round(i)] for i in np.linspace(0, len(indices) - 1, SAMPLE)}))
-    if kind == ".mp4" and not has_ffmpeg():
-        kind, out = ".gif", out.with_suffix(".gif")
-    painter = _Painter(_stage(sample, flow, x, y, width, top_speed), flow, forces or {})
-    pictures = _counted((painter.paint(frame) for frame in dump.select(indices)), len(indices), progress)
+    if not count:
+        raise DumpError(f"{dump.path}: it holds no frame to show.")
+    if out.suffix.lower() == ".mp4" and not has_ffmpeg():
+        out = out.with_suffix(".gif")
+    sample = list(dump.select({round(i) for i in np.linspace(0, count - 1, SAMPLE)}))
+    painter = _Painter(sample, flow, width, forces or {})
+
+    def pictures() -> Iterable[np.ndarray]:
+        for done, frame in enumerate(dump, start=1):
+            yield painter.paint(frame)
+            if progress:
+                progress(done, count)
+
     try:
-        if kind == ".mp4":
-            _mp4(pictures, out, fps, painter.stage.picture.shape)
+        if out.suffix.lower() == ".mp4":
+            _mp4(pictures(), out, fps, painter.picture.shape)
         else:
-            _gif(pictures, out, fps)
+            _gif(pictures(), out, fps)
     except OSError as error:
         raise DumpError(f"{out}: the animation cannot be written ({error.strerror or error}).") from error
     return out
 
 
-def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280, **view) -> Path:
+def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280) -> Path:
     """One frame as the animation shows it, as a PNG: for watching a run where there is no screen.
 
-    The file is replaced at once, so that a viewer never sees half a picture. Keywords: x, y, top_speed, forces.
+    The file is replaced at once, so that a viewer never sees half a picture.
     """
     from PIL import Image
 
     out = Path(out)
-    forces = view.pop("forces", None) or {}
-    stage = _stage([frame], flow, view.get("x"), view.get("y"), width, view.get("top_speed"))
     part = out.with_name(out.name + ".part")
     try:
-        Image.fromarray(_Painter(stage, flow, forces).paint(frame)).save(part, format="PNG")
+        Image.fromarray(_Painter([frame], flow, width, {}).paint(frame)).save(part, format="PNG")
         part.replace(out)
     except OSError as error:
         raise DumpError(f"{out}: the picture cannot be written ({error.strerror or error}).") from error
     return out
 
 
-def _counted(pictures, total, progress):
-    for done, picture in enumerate(pictures, start=1):
-        yield picture
-        if progress:
-            progress(done, total)
-
-
 class _Painter:
-    """Paints frames onto copies of the stage."""
+    """Paints frames into copies of the picture around them: axes, labels and colour bar, in whole, even pixels."""
 
-    def __init__(self, stage: _Stage, flow: Flow, forces: Mapping[str, ForceHistory]):
-        self.stage, self.flow = stage, flow
-        self.forces = {}
-        for name, history in forces.items():
-            try:
-                self.forces[name] = (_anchor(flow.scene.wall(name), stage.view), history)
-            except KeyError:
-                continue  # a force on something that is no wall of this scene
-        biggest = max(
-            (float(np.quantile(np.hypot(h.fx, h.fy), 0.995)) for _, h in self.forces.values() if len(h.time)),
-            default=0.0,
-        )
+    def __init__(self, sample: Sequence[Frame], flow: Flow, width: int, forces: Mapping[str, ForceHistory]):
+        from matplotlib.font_manager import findfont
+        from PIL import ImageFont
+
+        self.flow = flow
+        self.top_speed = top_of([disc_speeds(frame) for frame in sample])
+        self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.scene.name)
+        self.inside = slice(ABOVE, ABOVE + self.view.height), slice(LEFT, LEFT + self.view.width)
+        self.table = colour_table()
+        self.font = ImageFont.truetype(findfont("DejaVu Sans"), 16)
+        walls = {wall.name: wall for wall in flow.scene.walls}
+        # a force may act on something that is no wall
+        acting = [(walls[name], history) for name, history in forces.items() if name in walls and len(history.time)]
+        self.forces = [(_anchor(wall, self.view), history) for wall, history in acting]
+        biggest = max((float(np.quantile(np.hypot(h.fx, h.fy), 0.995)) for _, h in self.forces), default=0.0)
         # the largest force is a third of the picture's height long
-        self.metres_per_newton = stage.view.height / stage.view.scale / 3.0 / biggest if biggest > 0 else 0.0
-        self.grounds: dict[tuple, np.ndarray] = {}
+        self.pixels_per_newton = self.view.height / 3.0 / biggest if biggest > 0 else 0.0
+        self.grounds: dict[tuple[Wall, ...], np.ndarray] = {}
 
     def paint(self, frame: Frame) -> np.ndarray:
         """The picture of a frame, shape (height, width, 3), uint8."""
-        stage, view, time = self.stage, self.stage.view, self.flow.time(frame)
-        picture = self._ground(self.flow.shut_gates(time)).copy()
-        inner = picture[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
-        colours = coloured(disc_speeds(frame), stage.top_speed, stage.table)
-        paint_discs(inner, view, frame.x, frame.y, self.flow.radii(frame), colours)
-        for anchor, history in self.forces.values():
-            if not len(history.time):
-                continue
-            fx, fy = (float(np.interp(time, history.time, part)) for part in (history.fx, history.fy))
-            pixels = self.metres_per_newton * view.scale
-            start = (float(view.column(anchor[0])), float(view.row(anchor[1])))
-            end = (start[0] + fx * pixels, start[1] - fy * pixels)
-            paint_arrow(inner, start, end, max(3.0, view.height / 90), ARROW)
-        self._write(picture, f"t = {time:.2f} s   {frame.n} discs")
+        view, time = self.view, self.flow.time(frame)
+        gates = self.flow.shut_gates(time)
+        if gates not in self.grounds:
+            self.grounds[gates] = self.picture.copy()
+            paint_walls(self.grounds[gates][self.inside], view, self.flow.scene.walls, gates)
+        picture = self.grounds[gates].copy()
+        colours = coloured(disc_speeds(frame), self.top_speed, self.table)
+        paint_discs(picture[self.inside], view, frame.x, frame.y, self.flow.radii(frame), colours)
+        for (x, y), history in self.forces:
+            fx, fy = (self.pixels_per_newton * np.interp(time, history.time, part) for part in (history.fx, history.fy))
+            start = float(view.column(x)), float(view.row(y))
+            end = start[0] + fx, start[1] - fy
+            paint_arrow(picture[self.inside], start, end, max(3.0, view.height / 90), ARROW)
+        self._write(picture[9:29, LEFT:], f"t = {time:.2f} s   {frame.n} discs")
         return picture
 
-    def _ground(self, gates) -> np.ndarray:
-        if gates not in self.grounds:
-            stage, view = self.stage, self.stage.view
-            ground = stage.picture.copy()
-            inner = ground[stage.top : stage.top + view.height, stage.left : stage.left + view.width]
-            paint_walls(inner, view, self.flow.scene.walls, gates)
-            self.grounds[gates] = ground
-        return self.grounds[gates]
+    def _write(self, strip: np.ndarray, text: str) -> None:
+        from PIL import Image, ImageDraw
 
-    def _write(self, picture: np.ndarray, text: str) -> None:
-        row, column = self.stage.clock
-        for letter in text:
-            glyph = self.stage.digits[letter]
-            height, width = glyph.shape[:2]
-            if column + width > picture.shape[1]:
-                return
-            picture[row : row + height, column : column + width] = glyph
-            column += width
+        image = Image.fromarray(strip)
+        ImageDraw.Draw(image).text((0, 0), text, font=self.font, fill="#1a1a1a")
+        strip[:] = image
 
 
-def _anchor(wall, view: View) -> tuple[float, float]:
+def _anchor(wall: Wall, view: View) -> tuple[float, float]:
     """Where the arrow of a structure starts: its middle, of what is seen, m."""
     sides = zip(wall.extent, (view.x, view.y), strict=True)
-    return tuple(float(np.mean(np.clip(side, *seen))) if side[0] < side[1] else side[0] for side, seen in sides)
+    return tuple(float(np.mean(np.clip(side, *shown))) if side[0] < side[1] else side[0] for side, shown in sides)
 
 
-def _stage(sample, flow, x, y, width, top_speed) -> _Stage:
-    """Axes, labels and colour bar around an empty place for the discs; everything in whole, even pixels."""
+def _surroundings(x: Interval, y: Interval, width: int, top_speed: float, name: str) -> tuple[View, np.ndarray]:
+    """View of the discs, and axes, labels and colour bar around an empty place for them."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    x = x or seen_range(sample, flow)
-    y = y or seen_heights(sample, flow, x)
-    top_speed = top_speed or top_of([disc_speeds(frame) for frame in sample])
-    left, right, above, below = 62, 92, 34, 46
-    inner = width - left - right
+    right, below = 92, 46
+    inner = width - LEFT - right
     view = View.fitted(x, y, inner)
     if view.height > 1000:  # tall scenes: narrow the picture rather than letting it grow out of every screen
-        inner = max(120, int(inner * 1000 / view.height))
-        view = View.fitted(x, y, inner)
+        view = View.fitted(x, y, max(120, int(inner * 1000 / view.height)))
     bar_height = max(view.height, 120)
-    total_width, total_height = left + view.width + right, above + bar_height + below
-    total_width, total_height = total_width + total_width % 2, total_height + total_height % 2
-    dpi = 100
+    wide, high = (size + size % 2 for size in (LEFT + view.width + right, ABOVE + bar_height + below))
 
-    def place(start: float, bottom: float, wide: float, high: float) -> tuple[float, float, float, float]:
+    def place(start: float, bottom: float, width: float, height: float) -> tuple[float, float, float, float]:
         """Shares of the picture, of pixels from the left and from above."""
-        return start / total_width, 1 - bottom / total_height, wide / total_width, high / total_height
+        return start / wide, 1 - bottom / high, width / wide, height / high
 
     with style():
-        figure = Figure(figsize=(total_width / dpi, total_height / dpi), dpi=dpi)
+        figure = Figure(figsize=(wide / 100, high / 100), dpi=100)
         canvas = FigureCanvasAgg(figure)
-        axes = figure.add_axes(place(left, above + view.height, view.width, view.height))
+        axes = figure.add_axes(place(LEFT, ABOVE + view.height, view.width, view.height))
         axes.set(xlim=view.x, ylim=view.y, xlabel="x [m]", ylabel="y [m]")
         axes.grid(False)
-        bar_axes = figure.add_axes(place(left + view.width + 16, above + bar_height, 14, bar_height))
+        bar_axes = figure.add_axes(place(LEFT + view.width + 16, ABOVE + bar_height, 14, bar_height))
         colour_bar(figure, ScalarMappable(Normalize(0, top_speed), "cividis"), "Speed [m/s]", cax=bar_axes)
-        corner = 1 - 8 / total_width, 1 - 20 / total_height
-        figure.text(*corner, flow.scene.name, ha="right", fontsize=9, color="#555555")
+        figure.text(1 - 8 / wide, 1 - 20 / high, name, ha="right", fontsize=9, color="#555555")
         canvas.draw()
-        picture = np.asarray(canvas.buffer_rgba())[..., :3].copy()
-    return _Stage(picture, view, above, left, (9, left), _glyphs(), colour_table(), top_speed)
-
-
-def _glyphs() -> dict[str, np.ndarray]:
-    """Letters of the clock as pictures of one height, drawn once."""
-    from matplotlib import font_manager
-    from PIL import Image, ImageDraw, ImageFont
-
-    font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 16)
-    pictures = {}
-    for letter in "0123456789.-+e tsdicnaf=":
-        width = round(font.getlength("0" if letter.isdigit() else letter))
-        image = Image.new("RGB", (width, 20), "white")
-        ImageDraw.Draw(image).text((0, 0), letter, font=font, fill="#1a1a1a")
-        pictures[letter] = np.asarray(image)
-    return pictures
+    return view, np.asarray(canvas.buffer_rgba())[..., :3].copy()
 
 
 def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int, ...]) -> None:
@@ -271,16 +208,14 @@ def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int
     # yuv420p and the index in front: plays in every browser while loading
     options = ["-preset", "fast", "-crf", "20", "-movflags", "+faststart", "-f", "mp4"]
     try:
-        writer = write_frames(
+        film = write_frames(
             str(out), (shape[1], shape[0]), fps=fps, codec="libx264", quality=None, macro_block_size=2,
             ffmpeg_log_level="error", output_params=options,
         )  # fmt: skip
-        writer.send(None)
-        try:
+        with closing(film) as writer:
+            writer.send(None)
             for picture in pictures:
-                writer.send(np.ascontiguousarray(picture))
-        finally:
-            writer.close()
+                writer.send(picture)
     except (RuntimeError, OSError) as error:
         last = str(error).strip().splitlines()[-1:]
         raise SetupError(f"{out}: ffmpeg failed ({''.join(last)}).") from error

@@ -12,7 +12,7 @@ from lammps_jump.analysis.flow import Flow
 from .style import BLUE, GOLD, axis_label, colour_bar, draw_walls, drawing
 
 
-def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure", *, title: str | None = None) -> Figure:
+def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Figure:
     """Map of one field over the channel, walls in grey.
 
     Parameters
@@ -26,9 +26,8 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure", *, tit
     if quantity.attrs.get("units") == "Pa":
         quantity = (quantity / 1e3).assign_attrs(quantity.attrs, units="kPa")
     values = quantity.values
-    spacing = float(fields.attrs["spacing"])
-    x = np.append(fields.x.values - spacing / 2, fields.x.values[-1] + spacing / 2)
-    y = np.append(fields.y.values - spacing / 2, fields.y.values[-1] + spacing / 2)
+    half = 0.5 * float(fields.attrs["spacing"])
+    x, y = (np.append(axis.values - half, axis.values[-1] + half) for axis in (fields.x, fields.y))
     # where the kernel has only the rim of a disc there is nothing to see
     dense = fields["density"].values > 0.05 * flow.scene.density
     finite = values[np.isfinite(values) & dense]
@@ -44,7 +43,7 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure", *, tit
         label = axis_label(quantity).replace(", compression positive", "")
         side = "horizontal" if wide > 3 else "vertical"
         colour_bar(figure, image, label, ax=axes, pad=0.02, orientation=side, aspect=40)
-        axes.set(xlabel="Distance x [m]", ylabel="Height y [m]", title=title or _heading(fields, flow, variable))
+        axes.set(xlabel="Distance x [m]", ylabel="Height y [m]", title=_heading(fields, flow, variable))
     return figure
 
 
@@ -66,20 +65,15 @@ def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
     xarray.Dataset
         ``stress`` (contact and kinetic yy) and ``hydrostatic``, dims (x), Pa; NaN where a column has no open cell.
     """
-    open_ = np.isfinite(fields["density"].values)
-    lowest = np.argmax(open_, axis=0)
-    columns = np.arange(open_.shape[1])
-    some = open_.any(axis=0)
-
-    def there(values, long_name):
-        return "x", np.where(some, values[lowest, columns], np.nan), {"units": "Pa", "long_name": long_name}
-
-    stress = there(fields["contact_yy"].values + fields["kinetic_yy"].values, "vertical stress at the bed")
-    weight = there(fields["hydrostatic"].values, "weight above")
-    return xr.Dataset({"stress": stress, "hydrostatic": weight}, coords={"x": fields.x})
+    held = fields["density"].notnull()
+    lowest = fields[["contact_yy", "kinetic_yy", "hydrostatic"]].isel(y=held.argmax("y")).where(held.any("y"))
+    lowest = lowest.drop_vars("y").assign(stress=lowest["contact_yy"] + lowest["kinetic_yy"])
+    for name, meaning in (("stress", "vertical stress at the bed"), ("hydrostatic", "weight above")):
+        lowest[name].attrs = {"units": "Pa", "long_name": meaning}
+    return lowest[["stress", "hydrostatic"]]
 
 
-def bed_pressure_figure(fields: xr.Dataset, flow: Flow, *, title: str | None = None) -> Figure:
+def bed_pressure_figure(fields: xr.Dataset, flow: Flow) -> Figure:
     """Vertical stress at the bed along the channel beside the weight of what lies above."""
     pressure = bed_pressure(fields)
     with drawing(7.6, 3.2) as (figure, axes):
@@ -87,6 +81,6 @@ def bed_pressure_figure(fields: xr.Dataset, flow: Flow, *, title: str | None = N
         axes.plot(pressure.x, pressure.hydrostatic / 1e3, color=GOLD, ls="--", label="hydrostatic: weight above")
         axes.set_ylim(bottom=min(0.0, float(pressure.stress.min(skipna=True).fillna(0)) / 1e3))
         axes.legend(loc="upper left")
-        title = title or _heading(fields, flow, "pressure at the bed")
+        title = _heading(fields, flow, "pressure at the bed")
         axes.set(xlabel="Distance x [m]", ylabel="Vertical stress [kPa]", title=title)
     return figure

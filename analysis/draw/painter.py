@@ -51,14 +51,11 @@ class View:
         return (self.y[1] - np.asarray(y, float)) * self.scale
 
     @classmethod
-    def fitted(cls, x: Interval, y: Interval, width: int, even: bool = True) -> View:
-        """A view of these extents that is `width` pixels wide; its height follows (and y grows to whole pixels)."""
-        scale = width / (x[1] - x[0])
-        height = max(2, ceil((y[1] - y[0]) * scale))
-        if even:
-            width, height = width + width % 2, height + height % 2
-            scale = width / (x[1] - x[0])
-        return cls(x, (y[0], y[0] + height / scale), width, height)
+    def fitted(cls, x: Interval, y: Interval, width: int) -> View:
+        """A view of these extents in even pixels, about `width` wide; its height follows (and y grows to them)."""
+        height = max(2, ceil((y[1] - y[0]) * width / (x[1] - x[0])))
+        width, height = width + width % 2, height + height % 2
+        return cls(x, (y[0], y[0] + height * (x[1] - x[0]) / width), width, height)
 
 
 def blank(view: View) -> np.ndarray:
@@ -111,16 +108,23 @@ def paint_arrow(picture: np.ndarray, start, end, thickness: float, colour) -> No
     if not length > 0:
         return
     thickness = min(thickness, 0.2 * length)  # a short arrow is thin, not stubby
-    head = 4.0 * thickness
+    head, half = 4.0 * thickness, 2.0 * thickness + 1.0
+    sides = zip((y0, x0), (y1, x1), picture.shape[:2], strict=True)
+    box = tuple(slice(*np.clip((floor(min(a, b) - half), ceil(max(a, b) + half)), 0, size)) for a, b, size in sides)
+    y, x = np.mgrid[box] + 0.5 - np.reshape((y0, x0), (2, 1, 1))
     ux, uy = (x1 - x0) / length, (y1 - y0) / length
-    _paint_arrow(picture, x0, y0, ux, uy, length, head, thickness, np.array(colour, np.uint8))
+    along, across = x * ux + y * uy, np.abs(y * ux - x * uy)
+    shaft = np.minimum(0.5 * thickness + 0.5 - across, along + 0.5)
+    point = np.where(along > length, 0.0, 2.0 * thickness * (length - along) / head + 0.5 - across)
+    cover = np.clip(np.where(along < length - head, shaft, point), 0.0, 1.0)[..., None]
+    picture[box] = picture[box] + cover * (np.array(colour) - picture[box]) + 0.5
 
 
-def colour_table(name: str = "cividis", entries: int = 256) -> np.ndarray:
-    """A matplotlib colour map as bytes, shape (entries, 3)."""
+def colour_table() -> np.ndarray:
+    """The colour map cividis as bytes, shape (256, 3)."""
     from matplotlib import colormaps
 
-    return (colormaps[name](np.linspace(0, 1, entries))[:, :3] * 255 + 0.5).astype(np.uint8)
+    return (colormaps["cividis"](np.arange(256))[:, :3] * 255 + 0.5).astype(np.uint8)
 
 
 def coloured(values: np.ndarray, top: float, table: np.ndarray) -> np.ndarray:
@@ -151,26 +155,4 @@ def _paint_discs_py(picture, column, row, radius, scale, colours):
                     picture[py, px, k] = np.uint8(old + cover * (float(colours[i, k]) - old) + 0.5)
 
 
-def _paint_arrow_py(picture, x0, y0, ux, uy, length, head, thickness, colour):
-    height, width = picture.shape[0], picture.shape[1]
-    half = 2.0 * thickness + 1.0
-    x1, y1 = x0 + ux * length, y0 + uy * length
-    for py in range(max(floor(min(y0, y1) - half), 0), min(ceil(max(y0, y1) + half), height)):
-        for px in range(max(floor(min(x0, x1) - half), 0), min(ceil(max(x0, x1) + half), width)):
-            along = (px + 0.5 - x0) * ux + (py + 0.5 - y0) * uy
-            across = abs((py + 0.5 - y0) * ux - (px + 0.5 - x0) * uy)
-            if along < length - head:
-                cover = min(0.5 * thickness + 0.5 - across, along + 0.5)
-            else:
-                cover = 2.0 * thickness * (length - along) / head + 0.5 - across
-                if along > length:
-                    cover = 0.0
-            if cover > 0.0:
-                cover = min(cover, 1.0)
-                for k in range(3):
-                    old = picture[py, px, k]
-                    picture[py, px, k] = np.uint8(old + cover * (float(colour[k]) - old) + 0.5)
-
-
 _paint_discs = njit(cache=True)(_paint_discs_py)
-_paint_arrow = njit(cache=True)(_paint_arrow_py)

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame, ten_indices
@@ -20,116 +20,72 @@ from lammps_jump.scene.walls import Interval
 from .painter import View, blank, colour_table, coloured, paint_discs, paint_walls
 from .style import STYLE, colour_bar, style
 
+SIDE, GAP, RIGHT, TOP, HEAD, FOOT = 0.6, 0.22, 0.2, 0.24, 0.24, 1.04
+"""Room for labels left of the pictures, between and right of them, above all, above each and below, inches."""
+BAR = 0.52, 0.12
+"""Bottom and height of the colour bar, inches."""
 
-def snapshots(
-    frames: Dump | Sequence[Frame] | Iterable[Frame],
-    flow: Flow,
-    *,
-    x: Interval | None = None,
-    y: Interval | None = None,
-    top_speed: float | None = None,
-    pictures: int = 10,
-    title: str | None = None,
-) -> Figure:
+
+def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
     """Discs at ten equal times as true circles coloured by speed, walls in grey (the thesis' ten pictures).
+
+    Shown is the studied stretch, as high as discs go. Colours end at the 99.5 % quantile of the speeds.
 
     Parameters
     ----------
-    frames : Dump or iterable of Frame
+    frames : Dump or sequence of Frame
         Of a Dump only the ten frames are parsed.
     flow : Flow
-    x, y : (float, float), optional
-        What is shown, m; default the studied stretch, and as high as discs go.
-    top_speed : float, optional
-        m/s at the end of the colour scale; default the 99.5 % quantile over the pictures.
     """
-    if isinstance(frames, Dump):
-        chosen = list(frames.select(ten_indices(frames.count(), pictures)))
-    else:
-        given = list(frames)
-        chosen = [given[i] for i in ten_indices(len(given), pictures)]
+    indices = ten_indices(len(frames))
+    chosen = list(frames.select(indices)) if isinstance(frames, Dump) else [frames[i] for i in indices]
     if not chosen:
         raise DumpError("there is no frame to draw.")
-    x = x or seen_range(chosen, flow)
-    y = y or seen_heights(chosen, flow, x)
+    x, y = seen(chosen, flow)
     speeds = [disc_speeds(frame) for frame in chosen]
-    top_speed = top_speed or top_of(speeds)
-    grid = _Grid.fitted(len(chosen), (x[1] - x[0]) / (y[1] - y[0]))
-    view = View.fitted(x, y, round(grid.width * STYLE["savefig.dpi"]))
+    top_speed = top_of(speeds)
+    figure, places, width = layout(len(chosen), (x[1] - x[0]) / (y[1] - y[0]))
+    view = View.fitted(x, y, round(width * STYLE["savefig.dpi"]))
     table = colour_table()
     with style():
-        figure = Figure(figsize=grid.size)
         FigureCanvasAgg(figure)
         first = None
-        for index, (frame, speed) in enumerate(zip(chosen, speeds, strict=True)):
+        for frame, speed, place in zip(chosen, speeds, places, strict=True):
             picture = blank(view)
             paint_walls(picture, view, flow.scene.walls, flow.shut_gates(flow.time(frame)))
             paint_discs(picture, view, frame.x, frame.y, flow.radii(frame), coloured(speed, top_speed, table))
-            axes = figure.add_axes(grid.place(index), sharex=first, sharey=first)
+            axes = figure.add_subplot(place, sharex=first, sharey=first)
             first = first or axes
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")
             axes.grid(False)
             axes.set_title(f"t = {flow.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=3)
-            lowest, leftmost = index + grid.columns >= len(chosen), index % grid.columns == 0
+            lowest, leftmost = place.num1 + place.get_gridspec().ncols >= len(chosen), place.is_first_col()
             axes.tick_params(labelsize=7, labelbottom=lowest, labelleft=leftmost)
-            if lowest:
-                axes.set_xlabel("x [m]", fontsize=8)
-            if leftmost:
-                axes.set_ylabel("y [m]", fontsize=8)
+            axes.set_xlabel("x [m]" if lowest else "", fontsize=8)
+            axes.set_ylabel("y [m]" if leftmost else "", fontsize=8)
+        wide, high = figure.get_size_inches()
+        bar = figure.add_axes((SIDE / wide, BAR[0] / high, 1 - (SIDE + RIGHT) / wide, BAR[1] / high))
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")
-        colour_bar(figure, scale, "Speed [m/s]", cax=figure.add_axes(grid.bar), orientation="horizontal")
-        figure.suptitle(title or flow.scene.name, x=0.01, y=1 - 0.07 / grid.size[1], ha="left", va="top", fontsize=10)
+        colour_bar(figure, scale, "Speed [m/s]", cax=bar, orientation="horizontal")
+        figure.suptitle(flow.scene.name, x=0.01, y=1 - 0.07 / high, ha="left", va="top", fontsize=10)
     return figure
 
 
-@dataclass(frozen=True)
-class _Grid:
-    """Places of equal pictures above a colour bar, in inches from measured labels: no layout engine has to search.
+def layout(pictures: int, wide: float) -> tuple[Figure, list[SubplotSpec], float]:
+    """A figure, at most 9.6 inches wide, with places for equal pictures above a colour bar, and their width (inches).
 
-    Attributes
-    ----------
-    columns : int
-    width, height : float
-        Of one picture.
-    size : (float, float)
-        Of the figure.
+    The places come from measured labels: no layout engine has to search. Pictures are `wide` times as wide as high.
     """
-
-    columns: int
-    width: float
-    height: float
-    size: tuple[float, float]
-
-    SIDE, GAP, RIGHT = 0.6, 0.22, 0.2
-    TOP, HEAD, FOOT = 0.24, 0.24, 1.04
-    BAR = 0.52, 0.12
-
-    @classmethod
-    def fitted(cls, pictures: int, wide: float) -> _Grid:
-        """The grid of this many pictures that are `wide` times as wide as high, 9.6 inches wide."""
-        columns = min(pictures, 1 if wide > 4.5 else 2 if wide > 1.6 else 5)
-        rows = -(-pictures // columns)
-        width = (9.6 - cls.SIDE - cls.RIGHT - (columns - 1) * cls.GAP) / columns
-        most = (24 - cls.TOP - cls.FOOT) / rows - cls.HEAD
-        height = width / wide
-        if height > most:
-            width, height = width * most / height, most
-        total = cls.SIDE + columns * width + (columns - 1) * cls.GAP + cls.RIGHT
-        return cls(columns, width, height, (total, cls.TOP + rows * (cls.HEAD + height) + cls.FOOT))
-
-    def place(self, index: int) -> tuple[float, float, float, float]:
-        """Left, bottom, width and height of a picture as shares of the figure."""
-        row, column = divmod(index, self.columns)
-        left = self.SIDE + column * (self.width + self.GAP)
-        top = self.TOP + row * (self.HEAD + self.height) + self.HEAD
-        wide, high = self.size
-        return left / wide, 1 - (top + self.height) / high, self.width / wide, self.height / high
-
-    @property
-    def bar(self) -> tuple[float, float, float, float]:
-        """The same of the colour bar."""
-        wide, high = self.size
-        return self.SIDE / wide, self.BAR[0] / high, 1 - (self.SIDE + self.RIGHT) / wide, self.BAR[1] / high
+    columns = min(pictures, 1 if wide > 4.5 else 2 if wide > 1.6 else 5)
+    rows = -(-pictures // columns)
+    height = (9.6 - SIDE - RIGHT - (columns - 1) * GAP) / columns / wide
+    height = min(height, (24 - TOP - FOOT) / rows - HEAD)
+    width = height * wide
+    across, high = SIDE + columns * width + (columns - 1) * GAP + RIGHT, TOP + rows * (HEAD + height) + FOOT
+    figure = Figure(figsize=(across, high))
+    sides = {"left": SIDE / across, "right": 1 - RIGHT / across, "bottom": FOOT / high, "top": 1 - (TOP + HEAD) / high}
+    grid = figure.add_gridspec(rows, columns, wspace=GAP / width, hspace=HEAD / height, **sides)
+    return figure, [grid[divmod(index, columns)] for index in range(pictures)], width
 
 
 def disc_speeds(frame: Frame) -> np.ndarray:
@@ -150,29 +106,26 @@ def top_of(speeds: Sequence[np.ndarray]) -> float:
     return float(np.ceil(2 * high / unit) / 2 * unit)
 
 
-def seen_range(frames: Sequence[Frame], flow: Flow) -> Interval:
-    """The studied stretch, cut short where the frames hold neither a disc nor a block, m."""
-    low, high = flow.x_range
+def seen(frames: Sequence[Frame], flow: Flow) -> tuple[Interval, Interval]:
+    """What of the plane is worth showing, m.
+
+    Along x the studied stretch, cut short where the frames hold neither a disc nor a block; along y from just below the
+    floor to just above nearly all discs there.
+    """
+    (low, high), diameter = flow.x_range, flow.scene.diameter
+    blocks = [wall.extent for wall in flow.scene.walls if wall.finite]
     parts = [frame.x[(frame.x >= low) & (frame.x <= high)] for frame in frames]
     ends = [float(np.quantile(part, q)) for part in parts if part.size for q in (0.0, 0.999)]
-    ends += [end for wall in flow.scene.walls if wall.finite for end in wall.extent[0] if low < end < high]
-    if not ends:
-        return low, high
-    margin = 0.02 * (max(ends) - min(ends)) + 2 * flow.scene.diameter
-    return max(low, min(ends) - margin), min(high, max(ends) + margin)
-
-
-def seen_heights(frames: Sequence[Frame], flow: Flow, x: Interval) -> Interval:
-    """Heights worth showing, m: from just below the floor to just above nearly all discs within x."""
-    floors = flow.bed_height(np.linspace(*x, 200))
-    floors = floors[np.isfinite(floors)]
-    low = float(np.min(floors)) if floors.size else flow.scene.domain[1][0]
-    heights = [frame.y[(frame.x >= x[0]) & (frame.x <= x[1])] for frame in frames]
+    ends += [end for sides, _ in blocks for end in sides if low < end < high]
+    if ends:
+        margin = 0.02 * (max(ends) - min(ends)) + 2 * diameter
+        low, high = max(low, min(ends) - margin), min(high, max(ends) + margin)
+    floors = flow.bed_height(np.linspace(low, high, 200))
+    bottom = float(np.min(floors[np.isfinite(floors)], initial=np.inf))
+    bottom = bottom if np.isfinite(bottom) else flow.scene.domain[1][0]
+    heights = [frame.y[(frame.x >= low) & (frame.x <= high)] for frame in frames]
     tops = [float(np.quantile(part, 0.995)) for part in heights if part.size]
-    top = max([*tops, low + 5 * flow.scene.diameter])
-    for wall in flow.scene.walls:
-        (start, end), (_, highest) = wall.extent
-        if wall.finite and end > x[0] and start < x[1]:
-            top = max(top, highest)
-    margin = 0.06 * (top - low) + flow.scene.diameter
-    return low - margin, top + margin
+    tops += [highest for (start, end), (_, highest) in blocks if end > low and start < high]
+    top = max([*tops, bottom + 5 * diameter])
+    margin = 0.06 * (top - bottom) + diameter
+    return (low, high), (bottom - margin, top + margin)

@@ -137,10 +137,7 @@ def depth_profile(
     flow: Flow,
     *,
     lines: Mapping[str, float] | None = None,
-    y1: float | None = None,
-    y2: float | None = None,
     marks: Mapping[str, float] | None = None,
-    title: str | None = None,
 ) -> Figure:
     """Mean free surface and mass depth along the channel, with the classical depths beside them; velocity below.
 
@@ -151,28 +148,18 @@ def depth_profile(
     flow : Flow
     lines : mapping of label to depth (m), optional
         Horizontal lines to compare with.
-    y1, y2 : float, optional
-        Shorthand for the inflow depth and the sequent depth of Bélanger, m.
     marks : mapping of label to x (m), optional
         Vertical marks: toe, end of the jump.
     """
-    compare = dict(lines or {})
-    if y1 is not None:
-        compare |= {f"y₁ = {y1:.3g} m": y1}
-    if y2 is not None:
-        compare |= {f"Bélanger y₂ = {y2:.3g} m": y2}
-    x, bed = profiles.x.values, profiles.bed.values
-    surface = profiles.surface_depth_mean.values + bed
-    mass = profiles.mass_depth_mean.values + bed
-    extent = _occupied(profiles)
+    compare = lines or {}
+    bed = profiles.bed.values
     with drawing(7.6, 5.0, 2, 1, sharex=True, height_ratios=[2.2, 1]) as (figure, (upper, lower)):
         low = min(0.0, float(np.min(bed[np.isfinite(bed)], initial=0.0)))
-        tops = [1.0, *compare.values(), *surface[np.isfinite(surface)], *mass[np.isfinite(mass)]]
-        draw_walls(upper, flow.scene.walls, extent, (low - 0.04 * max(tops), 1.15 * max(tops)))
-        upper.plot(x, surface, color=BLUE, label="free surface")
-        _band(upper, x, surface, profiles.surface_depth_stderr.values, BLUE)
-        upper.plot(x, mass, color=GOLD, ls="--", label="mass depth")
-        _band(upper, x, mass, profiles.mass_depth_stderr.values, GOLD)
+        depths = [profiles[f"{name}_mean"].values + bed for name in ("surface_depth", "mass_depth")]
+        top = float(np.nanmax([1.0, *compare.values(), *depths[0], *depths[1]]))
+        draw_walls(upper, flow.scene.walls, _occupied(profiles), (low - 0.04 * top, 1.15 * top))
+        _mean(upper, profiles, "surface_depth", bed, color=BLUE, label="free surface")
+        _mean(upper, profiles, "mass_depth", bed, color=GOLD, ls="--", label="mass depth")
         for i, (label, value) in enumerate(compare.items()):
             upper.axhline(value, color=BLACK, lw=1, ls=(0, (6, 2 + 2 * i)), zorder=1)
             upper.annotate(
@@ -181,12 +168,10 @@ def depth_profile(
             )  # fmt: skip
         upper.legend(loc="upper left", bbox_to_anchor=(0, 0.97), frameon=True, edgecolor="none", framealpha=0.95)
         begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
-        title = title or f"{flow.scene.name}: mean of {frames} frames, t = {begin:g} … {end:g} s"
+        title = f"{flow.scene.name}: mean of {frames} frames, t = {begin:g} … {end:g} s"
         upper.set(ylabel="Height above y = 0 [m]", title=title)
-        velocity = profiles.velocity_mean.values
-        lower.plot(x, velocity, color=BLUE, label="mean velocity")
-        _band(lower, x, velocity, profiles.velocity_stderr.values, BLUE)
-        lower.plot(x, profiles.surface_velocity_mean.values, color=GOLD, ls="--", lw=1.2, label="at the surface")
+        _mean(lower, profiles, "velocity", 0.0, color=BLUE, label="mean velocity")
+        lower.plot(profiles.x, profiles.surface_velocity_mean, color=GOLD, ls="--", lw=1.2, label="at the surface")
         lower.axhline(0, color=GREY, lw=0.8)
         lower.set(xlabel="Distance x [m]", ylabel="Velocity [m/s]")
         lower.legend(loc="best")
@@ -200,24 +185,22 @@ def depth_profile(
     return figure
 
 
-def _band(axes, x, mean, error, colour) -> None:
-    """Two standard errors either side, where there are any."""
+def _mean(axes, profiles: xr.Dataset, name: str, above, *, color: str, **look) -> None:
+    """A mean of the window, drawn `above` this height, with two standard errors either side where there are any."""
+    mean, error = profiles[f"{name}_mean"].values + above, profiles[f"{name}_stderr"].values
+    axes.plot(profiles.x, mean, color=color, **look)
     if np.isfinite(error).any():
-        axes.fill_between(x, mean - 2 * error, mean + 2 * error, color=colour, alpha=0.2, lw=0)
+        axes.fill_between(profiles.x, mean - 2 * error, mean + 2 * error, color=color, alpha=0.2, lw=0)
 
 
-def _extent(profiles: xr.Dataset) -> Interval:
-    return float(profiles.attrs["x_low"]), float(profiles.attrs["x_high"])
+def _bin_edges(profiles: xr.Dataset) -> np.ndarray:
+    return np.linspace(profiles.attrs["x_low"], profiles.attrs["x_high"], profiles.sizes["x"] + 1)
 
 
 def _occupied(profiles: xr.Dataset) -> Interval:
     """The bins from the first to the last that held a disc in the window, m; all where none did."""
-    held = np.flatnonzero(profiles["count_mean"].values > 0)
-    low, high = _extent(profiles)
-    if not held.size:
-        return low, high
-    width = (high - low) / profiles.sizes["x"]
-    return low + width * held[0], low + width * (held[-1] + 1)
+    edges, held = _bin_edges(profiles), np.flatnonzero(profiles["count_mean"].values > 0)
+    return (edges[held[0]], edges[held[-1] + 1]) if held.size else (edges[0], edges[-1])
 
 
 def xt_map(
@@ -242,7 +225,7 @@ def xt_map(
     with drawing(7.6, 4.2) as (figure, axes):
         axes.grid(False)
         signed = variable in ("velocity", "surface_velocity", "discharge") and np.nanmin(values, initial=0.0) < 0
-        x = np.linspace(*_extent(profiles), values.shape[1] + 1)
+        x = _bin_edges(profiles)
         finite = values[np.isfinite(values)]
         low, high = (float(np.quantile(finite, q)) for q in (0.002, 0.998)) if finite.size else (0.0, 1.0)
         image = axes.pcolormesh(

@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing
 from lammps_jump.physics import jump as theory
+from lammps_jump.units import numbers_of
 
+from .frame import mean_profile
 from .summary import Jump
 
 if TYPE_CHECKING:
@@ -46,14 +48,13 @@ def frame_figure(jump: Jump) -> Figure | None:
     result = jump.measured
     if result.moving is None:
         return None
-    moving = result.moving
-    depth = moving.mean("mass_depth")
-    covered = np.flatnonzero(np.isfinite(depth))
-    near = (result.upstream.zone[0] - 2, result.downstream.zone[1] + 2)
-    limits = max(near[0], moving.xi[covered[0]]), min(near[1], moving.xi[covered[-1]])
+    mean = mean_profile(result.moving)
+    xi, depth = mean.xi.values, mean["mass_depth"].values
+    covered = xi[np.isfinite(depth)]
+    limits = max(result.upstream.zone[0] - 2, covered[0]), min(result.downstream.zone[1] + 2, covered[-1])
     with drawing(7.2, 5.4, 2, 1, sharex=True, height_ratios=[1.8, 1]) as (figure, (upper, lower)):
-        upper.plot(moving.xi, moving.mean("surface_depth"), color=BLUE, label="free surface h")
-        upper.plot(moving.xi, depth, color=GOLD, ls="--", label="mass depth s")
+        upper.plot(xi, mean["surface_depth"], color=BLUE, label="free surface h")
+        upper.plot(xi, depth, color=GOLD, ls="--", label="mass depth s")
         for label, value, dash in (
             ("Bélanger, front's frame", jump.belanger_y2, "-"),
             ("with the measured density change", jump.density_relation_ratio * jump.y1, (0, (5, 2, 1, 2))),
@@ -75,8 +76,8 @@ def frame_figure(jump: Jump) -> Figure | None:
         upper.set(ylim=(0, top), ylabel="Depth [m]", title=title)
         upper.legend(loc="lower right", frameon=True, framealpha=0.95, edgecolor="none")
         with np.errstate(invalid="ignore", divide="ignore"):
-            lower.plot(moving.xi, moving.mean("discharge") / depth, color=BLUE, label="mean velocity u")
-        lower.plot(moving.xi, moving.mean("surface_velocity"), color=GOLD, ls="--", label="at the surface")
+            lower.plot(xi, mean["discharge"] / depth, color=BLUE, label="mean velocity u")
+        lower.plot(xi, mean["surface_velocity"], color=GOLD, ls="--", label="at the surface")
         lower.axhline(0, color=GREY, lw=0.8)
         lower.set(xlim=limits, xlabel="Distance from the front [m]", ylabel="Velocity [m/s]")
         lower.legend(loc="upper right")
@@ -88,17 +89,10 @@ def balance_figure(jump: Jump) -> Figure | None:
     terms = jump.measured.balance
     if terms is None:
         return None
-    rows = {
-        "Bélanger's balance, 1 − 2": terms.classical,
-        "uneven velocities (β)": terms.profile,
-        "packing (surface for mass depth)": terms.packing,
-        "contact minus hydrostatic pressure": terms.pressure,
-        "force of the bed": terms.bed,
-        "slope": terms.slope,
-        "unsteadiness": terms.unsteady,
-        "left unexplained": terms.unexplained,
-    }
-    rows = {name: 100 * value / terms.downstream for name, value in rows.items() if np.isfinite(value)}
+    numbers = [number for number in numbers_of(terms).values() if number.key != "pressure_error"]
+    rows = {number.meaning: getattr(terms, number.key) for number in numbers}
+    rows = {"Bélanger's balance, 1 − 2": terms.classical, **rows}
+    rows = {name: 100 * value for name, value in rows.items() if isfinite(value)}
     with drawing(7.2, 3.4) as (figure, axes):
         places = np.arange(len(rows))[::-1]
         values = np.array(list(rows.values()))

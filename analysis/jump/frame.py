@@ -8,10 +8,12 @@ Forces and momentum fluxes are divided by the density: m^3/s^2.
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import nan, sqrt
 
 import numpy as np
+import xarray as xr
 
 from lammps_jump.analysis.statistics import Mean, mean_of
 from lammps_jump.physics import jump as theory
@@ -25,63 +27,42 @@ COVERED = 0.9
 """Share of the frames that must reach a place behind the jump for it to count."""
 
 
-@dataclass(frozen=True)
-class MovingProfile:
-    """Profiles in the frame of the front.
-
-    Attributes
-    ----------
-    xi : ndarray, shape (bins,), m
-        Distance from the front.
-    time : ndarray, shape (frames,), s
-    fields : dict of ndarray, shape (frames, bins)
-        Shifted profiles, NaN outside the reach.
-    """
-
-    xi: np.ndarray
-    time: np.ndarray
-    fields: dict[str, np.ndarray]
-
-    def mean(self, name: str, share: float = 0.5) -> np.ndarray:
-        """Mean over the frames, NaN where fewer than this share of them has a value, shape (bins,)."""
-        values = self.fields[name]
-        return _mean_of_known(values, axis=0, least=share * len(values))
+def mean_profile(moving: xr.Dataset, share: float = 0.5) -> xr.Dataset:
+    """Means over the frames, NaN where fewer than this share of them has a value, dims (xi)."""
+    return moving.where(moving.notnull().mean("time") >= share).mean("time")
 
 
-def _mean_of_known(values: np.ndarray, axis: int, least: float = 1) -> np.ndarray:
-    """Mean along an axis of what is not NaN; NaN where fewer than `least` values are known, or none."""
-    good = np.isfinite(values)
-    counts = good.sum(axis=axis)
-    total = np.where(good, values, 0.0).sum(axis=axis)
-    return np.where(counts >= max(1, least), total / np.maximum(counts, 1), np.nan)
-
-
-def move_along(
-    x: np.ndarray, time: np.ndarray, fields: dict[str, np.ndarray], position: np.ndarray, reach_end: np.ndarray
-) -> MovingProfile:
+def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) -> xr.Dataset:
     """Shift profiles so that the front stands at 0, linear between bins.
 
     Parameters
     ----------
-    x : ndarray, shape (bins,), m
-    time : ndarray, shape (frames,), s
-    fields : dict of ndarray, shape (frames, bins)
+    stream : xarray.Dataset
+        Dims (time, x): s, m.
     position, reach_end : ndarray, shape (frames,), m
         The front, and where the profile stops to count, frame by frame.
+
+    Returns
+    -------
+    xarray.Dataset
+        The shifted profiles, dims (time, xi): s, m from the front; NaN outside the reach.
     """
+    x = stream.x.values
     width = x[1] - x[0]
     low = np.floor((x[0] - position.max()) / width) * width
     high = np.ceil((x[-1] - position.min()) / width) * width
     xi = low + width * np.arange(round((high - low) / width) + 1)
-    shifted = {}
-    for name, values in fields.items():
-        rows = np.full((len(time), len(xi)), np.nan)
-        for k, (front, stop) in enumerate(zip(position, reach_end, strict=True)):
-            good = np.isfinite(values[k]) & (x < stop)
+
+    def shifted(values: np.ndarray) -> np.ndarray:
+        rows = np.full((len(values), len(xi)), np.nan)
+        for row, known, front, stop in zip(rows, values, position, reach_end, strict=True):
+            good = np.isfinite(known) & (x < stop)
             if good.sum() >= 2:
-                rows[k] = np.interp(xi + front, x[good], values[k, good], left=np.nan, right=np.nan)
-        shifted[name] = rows
-    return MovingProfile(xi, time, shifted)
+                row[:] = np.interp(xi + front, x[good], known[good], left=np.nan, right=np.nan)
+        return rows
+
+    fields = {name: (("time", "xi"), shifted(values.values)) for name, values in stream.items()}
+    return xr.Dataset(fields, {"time": stream.time.values, "xi": xi})
 
 
 def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) -> float:
@@ -100,70 +81,90 @@ class State:
 
     Attributes
     ----------
-    mass_depth, surface_depth, velocity, discharge, momentum_flux, packing, thrust : Mean
-        m, m, m/s, m^2/s, m^3/s^2 (lab frame), 1, m^3/s^2 (contact force over density; NaN where not known).
-    froude, froude_relative : float
-        u / sqrt(g s) and (u - c) / sqrt(g s).
     zone : (float, float)
         Where it was measured, m from the front.
+    speed, gravity : float
+        c, m/s; across the bed, m/s^2.
+    mass_depth, surface_depth, velocity, discharge, momentum_flux, packing, thrust : Mean
+        m, m, m/s, m^2/s, m^3/s^2 (lab frame), 1, m^3/s^2 (contact force over density; NaN where not known).
     """
 
+    zone: tuple[float, float]
+    speed: float
+    gravity: float
+    velocity: Mean
     mass_depth: Mean
     surface_depth: Mean
-    velocity: Mean
     discharge: Mean
     momentum_flux: Mean
     packing: Mean
     thrust: Mean
-    froude: float
-    froude_relative: float
-    zone: tuple[float, float]
+
+    @property
+    def froude(self) -> float:
+        """Froude number in the laboratory, u / sqrt(g s)."""
+        return self.velocity.value / sqrt(self.gravity * self.mass_depth.value)
+
+    @property
+    def froude_relative(self) -> float:
+        """Froude number in the frame of the front, (u - c) / sqrt(g s)."""
+        return (self.velocity.value - self.speed) / sqrt(self.gravity * self.mass_depth.value)
+
+    @property
+    def head(self) -> float:
+        """Head in the frame of the front, s + (u - c)^2/(2 g), m."""
+        return theory.specific_energy(self.mass_depth.value, self.velocity.value - self.speed, self.gravity)
 
     @property
     def bulk_density(self) -> float:
         """Mass depth over surface depth: density of the packed discs over that of the discs' material (rho)."""
         return self.mass_depth.value / self.surface_depth.value
 
-    def relative_flux(self, speed: float) -> float:
-        """Momentum flux through a plane that moves at `speed`, m^3/s^2, velocity fluctuations included."""
-        return self.momentum_flux.value - 2 * speed * self.discharge.value + speed**2 * self.mass_depth.value
+    @property
+    def mass_flux(self) -> float:
+        """Mass flux through the moving front, s (u - c), m^2/s."""
+        return self.discharge.value - self.speed * self.mass_depth.value
 
-    def uniform_flux(self, speed: float) -> float:
+    @property
+    def relative_flux(self) -> float:
+        """Momentum flux through a plane that moves with the front, m^3/s^2, velocity fluctuations included."""
+        return self.momentum_flux.value - self.speed * (self.discharge.value + self.mass_flux)
+
+    @property
+    def uniform_flux(self) -> float:
         """The same with the mean velocity everywhere: s (u - c)^2."""
-        return self.mass_depth.value * (self.velocity.value - speed) ** 2
+        return self.mass_depth.value * (self.velocity.value - self.speed) ** 2
 
-    def beta(self, speed: float) -> float:
-        """Momentum coefficient in the frame that moves at `speed`: relative over uniform flux."""
-        return self.relative_flux(speed) / self.uniform_flux(speed)
+    @property
+    def beta(self) -> float:
+        """Momentum coefficient in the frame of the front: relative over uniform flux."""
+        return self.relative_flux / self.uniform_flux
+
+    def still(self, depth: Mean) -> float:
+        """Hydrostatic force under a depth, g s depth/2, m^3/s^2."""
+        return 0.5 * self.gravity * self.mass_depth.value * depth.value
 
 
-def measure_state(moving: MovingProfile, zone: tuple[float, float], speed: float, gravity: float) -> State:
+def measure_state(moving: xr.Dataset, zone: tuple[float, float], speed: float, gravity: float) -> State:
     """Averages over a stretch of the moving frame; the velocity is discharge over mass depth."""
-    inside = (moving.xi >= zone[0] - 1e-9) & (moving.xi <= zone[1] + 1e-9)
-
-    def series(name: str) -> np.ndarray:
-        return _mean_of_known(moving.fields[name][:, inside], axis=1)
-
+    inside = moving.sel(xi=slice(zone[0] - 1e-9, zone[1] + 1e-9)).mean("xi")
     names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing", "thrust")
-    rows = {name: series(name) if name in moving.fields else np.full(len(moving.time), nan) for name in names}
-    means = {name: mean_of(values) for name, values in rows.items()}
-    ratio = mean_of(rows["discharge"] / rows["mass_depth"])
-    depth = means["mass_depth"].value
-    velocity = Mean(means["discharge"].value / depth, ratio.error)
-    wave = sqrt(gravity * depth)
-    return State(velocity=velocity, froude=velocity.value / wave, froude_relative=(velocity.value - speed) / wave,
-                 zone=zone, **means)  # fmt: skip
+    means = {name: mean_of(inside[name].values) if name in inside else Mean(nan, nan) for name in names}
+    ratio = mean_of((inside["discharge"] / inside["mass_depth"]).values)
+    velocity = Mean(means["discharge"].value / means["mass_depth"].value, ratio.error)
+    return State(zone, speed, gravity, velocity, **means)
 
 
 def zones(
-    moving: MovingProfile, toe: float, end: float, depth_1: float, depth_2: float
+    moving: xr.Dataset, toe: float, end: float, depth_1: float, depth_2: float
 ) -> tuple[tuple[float, float], tuple[float, float], bool]:
     """Stretches before the toe and behind the end, and whether the second one is long enough (two bins).
 
     A bin is left free on both sides; where the profile ends too soon behind the jump its last two bins must do.
     """
-    covered = moving.xi[np.isfinite(moving.mean("mass_depth", COVERED))]
-    width = moving.xi[1] - moving.xi[0]
+    xi = moving.xi.values
+    covered = xi[np.isfinite(mean_profile(moving[["mass_depth"]], COVERED)["mass_depth"].values)]
+    width = xi[1] - xi[0]
     first, last = covered[0], covered[-1]
     before_end = max(toe - width, first)
     before = (max(first, before_end - max(UPSTREAM_ZONE * depth_1, 4 * width)), before_end)
@@ -176,7 +177,7 @@ def zones(
 
 @dataclass(frozen=True)
 class Balance:
-    """Momentum across the jump in its own frame, m^3/s^2 (times the density: N/m).
+    """Momentum across the jump in its own frame; all but the first two over the downstream momentum function.
 
     The classical balance takes uniform velocities and hydrostatic pressure of the mass depth (Bélanger); what it
     leaves is the sum of the other terms, each measured on its own, and of what remains unexplained.
@@ -184,7 +185,7 @@ class Balance:
     Attributes
     ----------
     upstream, downstream : float
-        s (u - c)^2 + g s^2/2.
+        Momentum function over the density, s (u - c)^2 + g s^2/2, m^3/s^2.
     classical : float
         upstream - downstream.
     profile : float
@@ -203,65 +204,60 @@ class Balance:
         Standard error of `pressure` from the scatter between frames.
     """
 
-    upstream: float
-    downstream: float
-    classical: float
-    profile: float
-    packing: float
-    pressure: float
-    bed: float
-    slope: float
-    unsteady: float
-    unexplained: float
-    pressure_error: float
+    upstream: float = field(metadata={"summary": False})
+    downstream: float = field(metadata={"summary": False})
+    classical: float = field(metadata={"summary": False})
+    profile: float = number("", "uneven velocities and their fluctuations")
+    packing: float = number("", "surface depth in place of mass depth")
+    pressure: float = number("", "contact pressure beyond hydrostatic")
+    bed: float = number("", "force of the bed")
+    slope: float = number("", "gravity along the bed")
+    unsteady: float = number("", "momentum stored between the stations")
+    unexplained: float = number("", "left unexplained")
+    pressure_error: float = number("", "standard error of the pressure's part")
 
 
-def balance(moving: MovingProfile, one: State, two: State, speed: float, gravity: float, along: float) -> Balance:
+def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance:
     """Momentum balance between the middles of the two states' zones.
 
     Parameters
     ----------
-    moving : MovingProfile
+    moving : xarray.Dataset
         With ``mass_depth``, ``discharge`` and, where contacts are known, ``thrust`` and ``bed`` (force of the walls on
         the discs over the bin width and density, m^2/s^2).
     one, two : State
-    speed : float
-        c, m/s.
-    gravity, along : float
-        Across and along the bed, m/s^2.
+    along : float
+        Gravity along the bed, m/s^2.
     """
 
-    def still(state: State, depth: float) -> float:
-        return 0.5 * gravity * state.mass_depth.value * depth
+    def change(part: Callable[[State], float]) -> float:
+        return part(one) - part(two)
 
-    start, stop = np.mean(one.zone), np.mean(two.zone)
-    upstream = one.uniform_flux(speed) + still(one, one.mass_depth.value)
-    downstream = two.uniform_flux(speed) + still(two, two.mass_depth.value)
-    uneven = [state.relative_flux(speed) - state.uniform_flux(speed) for state in (one, two)]
-    profile = uneven[0] - uneven[1]
-    high_1, high_2 = still(one, one.surface_depth.value), still(two, two.surface_depth.value)
-    packing = (high_1 - still(one, one.mass_depth.value)) - (high_2 - still(two, two.mass_depth.value))
-    pressure = (one.thrust.value - high_1) - (two.thrust.value - high_2)
-    momentum = integral(moving, moving.fields["discharge"] - speed * moving.fields["mass_depth"], start, stop)
-    unsteady = -growth_rate(moving.time, momentum)
-    weight = np.nanmean(integral(moving, moving.fields["mass_depth"], start, stop))
-    slope = along * float(weight)
-    bed = float(np.nanmean(integral(moving, moving.fields["bed"], start, stop))) if "bed" in moving.fields else 0.0
-    classical = upstream - downstream
-    known = [classical, profile, packing, pressure, bed, slope, unsteady]
-    error = float(np.hypot(one.thrust.error, two.thrust.error))
-    unexplained = float(np.nansum(known))
-    return Balance(
-        upstream, downstream, classical, profile, packing, pressure, bed, slope, unsteady, unexplained, error
-    )
+    def between(values: xr.DataArray) -> float:
+        return float(np.nanmean(integral(values, one, two)))
+
+    upstream, downstream = (state.uniform_flux + state.still(state.mass_depth) for state in (one, two))
+    momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one, two)
+    terms = {
+        "classical": upstream - downstream,
+        "profile": change(lambda state: state.relative_flux - state.uniform_flux),
+        "packing": change(lambda state: state.still(state.surface_depth) - state.still(state.mass_depth)),
+        "pressure": change(lambda state: state.thrust.value - state.still(state.surface_depth)),
+        "bed": between(moving["bed"]) if "bed" in moving else 0.0,
+        "slope": along * between(moving["mass_depth"]),
+        "unsteady": -growth_rate(moving.time.values, momentum),
+    }
+    terms["unexplained"] = float(np.nansum(list(terms.values())))
+    terms["pressure_error"] = float(np.hypot(one.thrust.error, two.thrust.error))
+    return Balance(upstream, downstream, **{name: value / downstream for name, value in terms.items()})
 
 
-def integral(moving: MovingProfile, values: np.ndarray, start: float, stop: float) -> np.ndarray:
-    """Integral over the moving frame from start to stop, frame by frame, shape (frames,); NaN where not covered."""
-    width = moving.xi[1] - moving.xi[0]
-    share = np.clip((np.minimum(moving.xi + width / 2, stop) - np.maximum(moving.xi - width / 2, start)), 0.0, None)
-    used = share > 0
-    return (values[:, used] * share[used]).sum(axis=1)
+def integral(values: xr.DataArray, one: State, two: State) -> np.ndarray:
+    """Integral between the middles of two zones, frame by frame, shape (frames,); NaN where not covered."""
+    xi = values.xi.values
+    half, start, stop = 0.5 * (xi[1] - xi[0]), np.mean(one.zone), np.mean(two.zone)
+    share = np.clip(np.minimum(xi + half, stop) - np.maximum(xi - half, start), 0.0, None)
+    return (values.values[:, share > 0] * share[share > 0]).sum(axis=1)
 
 
 def growth_rate(time: np.ndarray, amount: np.ndarray) -> float:
@@ -284,12 +280,10 @@ class Mass:
     speed_from_mass: float = number("m/s", "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁)")
 
 
-def mass_balance(moving: MovingProfile, one: State, two: State, speed: float) -> Mass:
+def mass_balance(moving: xr.Dataset, one: State, two: State) -> Mass:
     """Mass fluxes through the moving front, their relative difference, storage in between."""
-    flux_1 = one.discharge.value - speed * one.mass_depth.value
-    flux_2 = two.discharge.value - speed * two.mass_depth.value
-    start, stop = np.mean(one.zone), np.mean(two.zone)
-    growth = growth_rate(moving.time, integral(moving, moving.fields["mass_depth"], start, stop))
+    flux_1, flux_2 = one.mass_flux, two.mass_flux
+    growth = growth_rate(moving.time.values, integral(moving["mass_depth"], one, two))
     speed_from_mass = theory.shock_speed_from_mass(
         one.mass_depth.value, one.velocity.value, two.mass_depth.value, two.velocity.value
     )
@@ -309,25 +303,24 @@ class Roller:
     reversed_share: float = number("", "share of frames and bins with a reversed surface", default=nan)
 
 
-def roller(moving: MovingProfile, speed: float, toe: float, end: float) -> Roller:
+def roller(moving: xr.Dataset, speed: float, toe: float, end: float) -> Roller:
     """Extent of the reversed surface.
 
     The longest run of such bins from a jump's length before the toe to two behind the end.
     """
-    surface = moving.mean("surface_velocity")
-    width = moving.xi[1] - moving.xi[0]
+    xi, velocity = moving.xi.values, moving["surface_velocity"]
+    surface = mean_profile(velocity).values
+    width = xi[1] - xi[0]
     length = max(end - toe, width)
-    near = (moving.xi > toe - length) & (moving.xi < end + 2 * length)
+    near = (xi > toe - length) & (xi < end + 2 * length)
     found: dict[str, float] = {}
     for name, level in (("", 0.0), ("_in_jump_frame", speed)):
-        with np.errstate(invalid="ignore"):
-            run = _longest_run(near & (surface < level))
+        run = _longest_run(near & (surface < level))
         if len(run):
-            found |= {f"length{name}": float(width * len(run))}
-            found |= {f"start{name}": float(moving.xi[run[0]] - width / 2 - toe)}
-    shifted = moving.fields["surface_velocity"][:, near]
-    good = np.isfinite(shifted)
-    return Roller(**found, reversed_share=float((shifted[good] < 0).mean()) if good.any() else nan)
+            found |= {f"length{name}": float(width * len(run)), f"start{name}": float(xi[run[0]] - width / 2 - toe)}
+    known = velocity.values[:, near]
+    known = known[np.isfinite(known)]
+    return Roller(**found, reversed_share=float((known < 0).mean()) if known.size else nan)
 
 
 def _longest_run(flags: np.ndarray) -> np.ndarray:

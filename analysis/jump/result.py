@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from math import isfinite, nan, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.units import number
@@ -22,12 +23,12 @@ from .frame import (
     TOE_SHARE,
     Balance,
     Mass,
-    MovingProfile,
     Roller,
     State,
     balance,
     crossing,
     mass_balance,
+    mean_profile,
     measure_state,
     move_along,
     roller,
@@ -37,11 +38,11 @@ from .tail import Tail, measure_tail
 from .track import JumpTrack, Motion, straight_motion, track_jump
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from lammps_jump.analysis.contacts import ContactSeries
 
-FIELDS = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity")
+FIELDS = ["mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity"]
+ALONG = ["discharge", "energy_flux", "surface_velocity"]
+"""Those that change their sign with the direction of x."""
 STILL = 0.02
 """Below this share of sqrt(g s) the discs of a bin count as standing."""
 HEAP_SLOPE = 0.02
@@ -75,11 +76,13 @@ class JumpResult:
     direction : int
         +1 for a stream towards larger x, -1 towards smaller; positions below are along the stream from `origin`, and
         ``x = direction * position``.
-    track : JumpTrack or None
+    window : (float, float)
+        s.
     in_window : ndarray of bool, shape (frames,)
+    track : JumpTrack or None
     toe_motion, end_motion, motion : Motion or None
         Of the toe, the end and the front of equal mass.
-    moving : MovingProfile or None
+    moving : xarray.Dataset or None
     toe, end : float
         In the moving frame, from the mean mass depth, m from the front; `surface_toe`, `surface_end` from the surface.
     upstream, downstream : State or None
@@ -96,12 +99,13 @@ class JumpResult:
     reason: str
     flow: Flow
     direction: int
+    window: tuple[float, float]
+    in_window: np.ndarray
     track: JumpTrack | None = None
-    in_window: np.ndarray | None = None
     toe_motion: Motion | None = None
     end_motion: Motion | None = None
     motion: Motion | None = None
-    moving: MovingProfile | None = None
+    moving: xr.Dataset | None = None
     toe: float = nan
     end: float = nan
     surface_toe: float = nan
@@ -114,8 +118,6 @@ class JumpResult:
     roller: Roller | None = None
     heap: Heap | None = None
     tail: Tail | None = None
-    window: tuple[float, float] = (nan, nan)
-    bin_width: float = nan
 
     @property
     def speed(self) -> float:
@@ -126,21 +128,13 @@ class JumpResult:
         """CSV tables: the track, and the mean profile in the moving frame."""
         result = {}
         if self.track is not None:
-            track, sign = self.track, self.direction
-            result["jump_track.csv"] = {
-                "time": track.time,
-                "toe": sign * track.toe,
-                "end": sign * track.end,
-                "position": sign * track.position,
-                "mass_depth_1": track.depth_1,
-                "mass_depth_2": track.depth_2,
-                "velocity_1": sign * track.velocity_1,
-                "velocity_2": sign * track.velocity_2,
-                "found": track.found.astype(int),
-            }
+            names = [field.name for field in fields(self.track) if field.name not in ("reach_end", "why")]
+            signs = {name: 1 if name == "time" or "depth" in name else self.direction for name in names}
+            columns = {name: sign * getattr(self.track, name) for name, sign in signs.items()}
+            result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
         if self.moving is not None:
-            means = {name: self.moving.mean(name) for name in self.moving.fields}
-            result["jump_frame.csv"] = {"distance": self.moving.xi, **means}
+            means = {name: values.values for name, values in mean_profile(self.moving).items()}
+            result["jump_frame.csv"] = {"distance": self.moving.xi.values, **means}
         return result
 
 
@@ -171,66 +165,65 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     JumpResult
         With verdict 'no jump found' and the reason where there is none.
     """
-    time = profiles["time"].values
     window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
-    width = profiles.attrs["bin_width"]
+    time, width = profiles["time"].values, profiles.attrs["bin_width"]
     in_window = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
-    total = float(np.nansum(profiles["discharge"].values[in_window]))
-    direction = -1 if total < 0 else 1
-    common = {"flow": flow, "direction": direction, "window": window, "bin_width": width, "in_window": in_window}
+    direction = -1 if np.nansum(profiles["discharge"].values[in_window]) < 0 else 1
+    nothing = JumpResult("no jump found", "", flow, direction, window, in_window)
     gravity = -flow.scene.gravity[1]
     if gravity <= 0:
-        return JumpResult("no jump found", "there is no gravity towards the bed", **common)
+        return replace(nothing, reason="there is no gravity towards the bed")
     reach = level_reach(profiles, flow, direction)
     if reach.stop - reach.start < 8:
-        return JumpResult("no jump found", "fewer than eight bins of level bed to look at", **common)
-    x = direction * profiles["x"].values[::direction][reach]
-    data = {name: profiles[name].values[:, ::direction][:, reach] for name in FIELDS}
-    for name in ("discharge", "energy_flux", "surface_velocity"):
-        data[name] = direction * data[name]
+        return replace(nothing, reason="fewer than eight bins of level bed to look at")
+    stream = profiles[FIELDS].isel(x=slice(None, None, direction)).isel(x=reach)
+    stream = stream.assign_coords(x=direction * stream.x)
+    stream = stream.assign(direction * stream[ALONG])
     if contacts is not None:
         scale = 1.0 / flow.scene.density
-        data["thrust"] = scale * contacts.thrust[:, ::direction][:, reach]
-        data["bed"] = direction * scale / width * contacts.wall_fx[:, ::direction][:, reach]
-    edges = np.concatenate([x - 0.5 * width, [x[-1] + 0.5 * width]])
-    track = track_jump(edges, time, data["mass_depth"], data["discharge"], gravity, flow.scene.diameter, in_window)
+        thrust, wall = (force[:, ::direction][:, reach] for force in (contacts.thrust, contacts.wall_fx))
+        stream["thrust"] = ("time", "x"), scale * thrust
+        stream["bed"] = ("time", "x"), direction * scale / width * wall
+    edges = np.append(stream.x.values - 0.5 * width, stream.x.values[-1] + 0.5 * width)
+    track = track_jump(stream, edges, gravity, flow.scene.diameter, in_window)
     used = track.found & in_window
     if used.sum() < max(2, 0.5 * in_window.sum()):
-        heap = _heap(edges, data, in_window, edges[0], gravity)
-        why = _why_none(track, in_window, data, heap, gravity, flow.inflow_depth)
-        return JumpResult(*why, track=track, heap=heap, **common)
-    motions = {
-        "toe_motion": straight_motion(time[used], track.toe[used]),
-        "end_motion": straight_motion(time[used], track.end[used]),
-        "motion": straight_motion(time[used], track.position[used]),
-    }
-    heap = _heap(edges, data, used, float(np.mean(track.end[used])), gravity)
-    result = JumpResult("jump", "", track=track, heap=heap, **motions, **common)
-    result = _measure(result, x, data, used, gravity)
-    verdict, reason = _judge(result, edges[0], used, gravity)
+        inside = stream.isel(time=in_window)
+        heap = _heap(inside, edges[0], gravity)
+        verdict, reason = _why_none(track, in_window, inside, heap, gravity, flow.inflow_depth)
+        return replace(nothing, verdict=verdict, reason=reason, track=track, heap=heap)
+    result = replace(
+        nothing,
+        track=track,
+        heap=_heap(stream.isel(time=used), float(np.mean(track.end[used])), gravity),
+        toe_motion=straight_motion(time[used], track.toe[used]),
+        end_motion=straight_motion(time[used], track.end[used]),
+        motion=straight_motion(time[used], track.position[used]),
+    )
+    result = _measure(result, stream, used, gravity)
+    late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
+    to_inlet = float(np.median(track.toe[late])) - edges[0]
+    drowned = to_inlet < INLET_REACH * max(flow.inflow_depth or 0.0, width)
+    verdict, reason = _judge(result, used, gravity, to_inlet, drowned)
     return replace(result, verdict=verdict, reason=reason)
 
 
-def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gravity: float) -> JumpResult:
+def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray, gravity: float) -> JumpResult:
     """Average in the moving frame; toe, end, states, balances."""
     track, speed = result.track, result.motion.speed
-    shifted = {name: values[used] for name, values in data.items()}
     # the frame moves with the fitted straight motion: a control volume at a steady speed has an exact balance
     front = result.motion.start + speed * track.time[used]
-    moving = move_along(x, track.time[used], shifted, front, track.reach_end[used])
+    moving = move_along(stream.isel(time=used), front, track.reach_end[used])
     toe = float(np.median(track.toe[used] - front))
     end = float(np.median(track.end[used] - front))
-    levels = float(np.median(track.depth_1[used])), float(np.median(track.depth_2[used]))
-    depth, surface = moving.mean("mass_depth"), moving.mean("surface_depth")
+    levels = float(np.median(track.mass_depth_1[used])), float(np.median(track.mass_depth_2[used]))
+    mean = mean_profile(moving[["mass_depth", "surface_depth"]])
     # twice: the states need the ends, the ends need the levels
     for _ in range(2):
         before, behind, enough = zones(moving, toe, end, *levels)
-        one = measure_state(moving, before, speed, gravity)
-        two = measure_state(moving, behind, speed, gravity)
-        toe, end = _ends(moving.xi, depth, one.mass_depth.value, two.mass_depth.value, toe, end)
-    ends = _ends(moving.xi, surface, one.surface_depth.value, two.surface_depth.value, toe, end)
-    flow = result.flow
-    along = result.direction * flow.scene.gravity[0]
+        one, two = (measure_state(moving, zone, speed, gravity) for zone in (before, behind))
+        toe, end = _ends(mean["mass_depth"], one.mass_depth.value, two.mass_depth.value, toe, end)
+    ends = _ends(mean["surface_depth"], one.surface_depth.value, two.surface_depth.value, toe, end)
     return replace(
         result,
         moving=moving,
@@ -241,52 +234,38 @@ def _measure(result: JumpResult, x: np.ndarray, data: dict, used: np.ndarray, gr
         upstream=one,
         downstream=two,
         developed=enough,
-        balance=balance(moving, one, two, speed, gravity, along),
-        mass=mass_balance(moving, one, two, speed),
+        balance=balance(moving, one, two, result.direction * result.flow.scene.gravity[0]),
+        mass=mass_balance(moving, one, two),
         roller=roller(moving, speed, toe, end),
-        tail=measure_tail(
-            x,
-            track.time[used],
-            data["mass_depth"][used],
-            data["surface_depth"][used],
-            front,
-            two.mass_depth.value,
-        ),
+        tail=measure_tail(stream.isel(time=used), front, two.mass_depth.value),
     )
 
 
-def _ends(xi, values, level_1, level_2, toe, end) -> tuple[float, float]:
-    """Where the mean profile has made 5 % and 95 % of its rise; the given places where it does not cross."""
+def _ends(profile: xr.DataArray, level_1, level_2, toe, end) -> tuple[float, float]:
+    """Where a mean profile has made 5 % and 95 % of its rise; the given places where it does not cross."""
     rise = level_2 - level_1
-    new_toe = crossing(xi, values, level_1 + TOE_SHARE * rise, toe)
-    new_end = crossing(xi, values, level_1 + END_SHARE * rise, end)
+    new_toe = crossing(profile.xi.values, profile.values, level_1 + TOE_SHARE * rise, toe)
+    new_end = crossing(profile.xi.values, profile.values, level_1 + END_SHARE * rise, end)
     new_toe = new_toe if isfinite(new_toe) else toe
     return new_toe, max(new_end if isfinite(new_end) else end, new_toe)
 
 
-def _heap(edges: np.ndarray, data: dict, chosen: np.ndarray, start: float, gravity: float) -> Heap:
+def _heap(stream: xr.Dataset, start: float, gravity: float) -> Heap:
     """How much of the discs behind the jump stands still, and how steep their surface is."""
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    depth, discharge = data["mass_depth"][chosen].mean(axis=0), data["discharge"][chosen].mean(axis=0)
-    behind = (middle > start) & (depth > 0)
-    if behind.sum() < 3:
+    x, depth, discharge = stream.x.values, *(stream[name].values.mean(axis=0) for name in ("mass_depth", "discharge"))
+    behind = (x > start) & (depth > 0)
+    x, s, q = x[behind], depth[behind], discharge[behind]
+    if len(x) < 3:
         return Heap()
-    s, q = depth[behind], discharge[behind]
     standing = np.abs(q / s) < STILL * np.sqrt(gravity * s)
-    share = float(s[standing].sum() / s.sum())
     crest = int(np.argmax(s))
-    slope = nan
-    if len(s) - crest >= 3:
-        slope = float(np.polyfit(middle[behind][crest:], s[crest:], 1)[0])
-    return Heap(share, slope)
+    slope = float(np.polyfit(x[crest:], s[crest:], 1)[0]) if len(s) - crest >= 3 else nan
+    return Heap(float(s[standing].sum() / s.sum()), slope)
 
 
-def _judge(result: JumpResult, inlet: float, used: np.ndarray, gravity: float) -> tuple[str, str]:
+def _judge(result: JumpResult, used: np.ndarray, gravity: float, to_inlet: float, drowned: bool) -> tuple[str, str]:
     """Jump, locked heap or drowned inlet, and the reason."""
-    track, heap = result.track, result.heap
-    late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
-    distance = float(np.median(track.toe[late])) - inlet
-    drowned = distance < INLET_REACH * max(result.flow.inflow_depth or 0.0, result.bin_width)
+    heap, motion = result.heap, result.motion
     if heap.locked:
         return "locked heap", (
             f"behind the toe {100 * heap.standing_share:.0f} % of the discs stand still under a surface that "
@@ -294,16 +273,16 @@ def _judge(result: JumpResult, inlet: float, used: np.ndarray, gravity: float) -
             f"{' It has reached the inlet.' if drowned else ''}"
         )
     if drowned:
-        return "drowned inlet", f"the toe stands {distance:.2f} m from the inlet: the inflow is no longer free."
-    words = "moves upstream" if result.motion.speed < 0 else "moves downstream"
-    uncertain = 2 * result.motion.error if isfinite(result.motion.error) else 0.0
-    if abs(result.motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * track.depth_2[used].mean())):
+        return "drowned inlet", f"the toe stands {to_inlet:.2f} m from the inlet: the inflow is no longer free."
+    words = "moves upstream" if motion.speed < 0 else "moves downstream"
+    uncertain = 2 * motion.error if isfinite(motion.error) else 0.0
+    if abs(motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * result.track.mass_depth_2[used].mean())):
         words = "stands still within the error"
     tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
     return "jump", f"the front {words} at {result.speed:+.2f} m/s.{tail}"
 
 
-def _why_none(track, in_window, data, heap, gravity, inflow) -> tuple[str, str]:
+def _why_none(track, in_window, stream, heap, gravity, inflow) -> tuple[str, str]:
     """Verdict and reason: the commonest reason of the window, and whether the inlet is drowned or the flow locked."""
     reasons = Counter(reason.split(" (")[0] for reason, inside in zip(track.why, in_window, strict=True) if inside)
     reasons.pop("", None)
@@ -312,7 +291,7 @@ def _why_none(track, in_window, data, heap, gravity, inflow) -> tuple[str, str]:
         share, slope = heap.standing_share, heap.surface_slope
         reason = f"{100 * share:.0f} % of the discs stand still under a surface that slopes by {slope:+.3f}; {counted}"
         return "locked heap", reason
-    depth, discharge = (data[name][in_window].mean(axis=0)[:3] for name in ("mass_depth", "discharge"))
+    depth, discharge = (stream[name].values.mean(axis=0)[:3] for name in ("mass_depth", "discharge"))
     if inflow and depth.mean() > 0:
         froude = discharge.sum() / depth.sum() / sqrt(gravity * depth.mean())
         if depth.mean() > 1.5 * inflow and froude < 1:

@@ -17,8 +17,9 @@ from lammps_jump.analysis.report.page import Section, Table, Text, described, he
 from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .figures import balance_figure, frame_figure, head_figure, track_figure
+from .frame import Balance
 from .result import analyse_jump
-from .summary import Jump, MomentumTerms, summarise_jump
+from .summary import Jump, summarise_jump
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
@@ -146,7 +147,7 @@ def _deviation(measured: float | None, expected: float | None) -> str:
 
 
 def _momentum(jump: Mapping) -> Text:
-    terms, names = jump["momentum_terms"], numbers_of(MomentumTerms)
+    terms, names = jump["momentum_terms"], numbers_of(Balance)
     known = [key for key in names if key != "pressure_error" and terms[key] is not None]
     explained = "; ".join(f"{names[key].meaning} {100 * terms[key]:+.1f} %" for key in known)
     return Text(

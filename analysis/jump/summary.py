@@ -22,20 +22,6 @@ DEVELOPED_SHARE = 0.7
 
 
 @dataclass(frozen=True)
-class MomentumTerms:
-    """Terms of the momentum balance over the downstream momentum function."""
-
-    profile: float = number("", "uneven velocities and their fluctuations")
-    packing: float = number("", "surface depth in place of mass depth")
-    pressure: float = number("", "contact pressure beyond hydrostatic")
-    bed: float = number("", "force of the bed")
-    slope: float = number("", "gravity along the bed")
-    unsteady: float = number("", "momentum stored between the stations")
-    unexplained: float = number("", "left unexplained")
-    pressure_error: float = number("", "standard error of the pressure's part")
-
-
-@dataclass(frozen=True)
 class Jump:
     """Hydraulic jump in numbers; 1 is upstream, 2 downstream; NaN where it was not measured.
 
@@ -111,7 +97,7 @@ class Jump:
     momentum_upstream: float = number("N/m", "momentum function upstream", default=nan)
     momentum_downstream: float = number("N/m", "momentum function downstream", default=nan)
     momentum_residual: float = number("", "momentum function 1 − 2 over 2", default=nan)
-    momentum_terms: MomentumTerms | None = None
+    momentum_terms: Balance | None = None
     mass: Mass | None = None
     roller: Roller | None = None
     tail: Tail | None = None
@@ -131,36 +117,42 @@ def summarise_jump(result: JumpResult) -> Jump:
     """Numbers of a measured jump."""
     jump = Jump(result.verdict, result.reason, inflow_theory(result.flow), result.window, heap=result.heap,
                 measured=result)  # fmt: skip
-    if result.track is not None:
-        found = result.track.found & result.in_window
-        jump = replace(jump, frames_found=int(found.sum()), frames_in_window=int(result.in_window.sum()))
+    if result.track is None:
+        return jump
+    used = result.track.found & result.in_window
+    jump = replace(jump, frames_found=int(used.sum()), frames_in_window=int(result.in_window.sum()))
     if result.upstream is None:
         return jump
-    one, two = result.upstream, result.downstream
-    froude, ratio = one.froude_relative, two.mass_depth.value / one.mass_depth.value
-    belanger = theory.belanger(froude)
-    if jump.verdict == "jump" and ratio < DEVELOPED_SHARE * belanger:
-        also = f" The depth ratio is {100 * ratio / belanger:.0f} % of Bélanger's: the flow behind is still filling up."
+    jump = _against_theory(_states(_places(jump, used)))
+    if jump.verdict == "jump" and jump.sequent_ratio < DEVELOPED_SHARE * jump.belanger_ratio:
+        share = 100 * jump.sequent_ratio / jump.belanger_ratio
+        also = f" The depth ratio is {share:.0f} % of Bélanger's: the flow behind is still filling up."
         jump = replace(jump, verdict="jump not developed", reason=jump.reason + also)
+    return jump
+
+
+def _places(jump: Jump, used: np.ndarray) -> Jump:
+    """Places along x at the last frame used, velocities, and lengths."""
+    result, track = jump.measured, jump.measured.track
+    sign, motion = result.direction, result.motion
+    time = float(track.time[np.flatnonzero(used)[-1]])
+    front = float(motion.start + motion.speed * time)
     return replace(
         jump,
-        **_motion(result),
-        **_states(result),
-        **_relations(result, ratio),
-        **_lengths(result),
-        **_heads(result),
-        **_momentum(result),
+        time=time,
+        position=sign * front,
+        toe=sign * (front + result.toe),
+        end=sign * (front + result.end),
+        speed=result.speed,
+        speed_error=motion.error,
+        toe_speed=sign * result.toe_motion.speed,
+        toe_speed_error=result.toe_motion.error,
+        end_speed=sign * result.end_motion.speed,
+        end_speed_error=result.end_motion.error,
+        length=result.surface_end - result.surface_toe,
+        length_mass=result.end - result.toe,
+        length_ramp=float(np.median(track.end[used] - track.toe[used])),
         developed=result.developed,
-        froude=froude,
-        froude_lab=one.froude,
-        froude_downstream=two.froude_relative,
-        jump_class=theory.jump_class(froude),
-        sequent_ratio=ratio,
-        sequent_ratio_error=ratio * sqrt(sum((x.error / x.value) ** 2 for x in (one.mass_depth, two.mass_depth))),
-        belanger_ratio=belanger,
-        belanger_y2=one.mass_depth.value * belanger,
-        belanger_deviation=ratio / belanger - 1,
-        mass=result.mass,
         roller=result.roller,
         tail=_tail(result, jump.inflow),
     )
@@ -174,63 +166,73 @@ def _tail(result: JumpResult, inflow: theory.Inflow | None) -> Tail:
     return replace(result.tail, belanger_y2=found[0], belanger_deviation=found[1])
 
 
-def _motion(result: JumpResult) -> dict[str, float]:
-    """Places at the last frame used, and velocities, along x."""
-    sign, motion = result.direction, result.motion
-    time = float(result.track.time[np.flatnonzero(result.track.found & result.in_window)[-1]])
-    front = float(motion.start + motion.speed * time)
-    return {
-        "time": time,
-        "position": sign * front,
-        "toe": sign * (front + result.toe),
-        "end": sign * (front + result.end),
-        "speed": result.speed,
-        "speed_error": motion.error,
-        "toe_speed": sign * result.toe_motion.speed,
-        "toe_speed_error": result.toe_motion.error,
-        "end_speed": sign * result.end_motion.speed,
-        "end_speed_error": result.end_motion.error,
-    }
-
-
-def _states(result: JumpResult) -> dict[str, float]:
-    """Depths, velocities, packing and momentum coefficients on both sides."""
+def _states(jump: Jump) -> Jump:
+    """Depths, velocities, packing, Froude numbers, momentum and head on both sides."""
+    result, one, two = jump.measured, jump.measured.upstream, jump.measured.downstream
     found = {}
-    for k, state in ((1, result.upstream), (2, result.downstream)):
-        found |= {f"y{k}": state.mass_depth.value, f"y{k}_error": state.mass_depth.error}
-        found |= {f"h{k}": state.surface_depth.value, f"h{k}_error": state.surface_depth.error}
-        found |= {f"u{k}": result.direction * state.velocity.value, f"u{k}_error": state.velocity.error}
-        found |= {f"packing_{k}": state.packing.value, f"beta_{k}": state.beta(result.motion.speed)}
-    return found
+    for k, state in ((1, one), (2, two)):
+        for name, mean in ((f"y{k}", state.mass_depth), (f"h{k}", state.surface_depth), (f"u{k}", state.velocity)):
+            found |= {name: mean.value, f"{name}_error": mean.error}
+        found |= {f"packing_{k}": state.packing.value, f"beta_{k}": state.beta}
+        found[f"u{k}"] *= result.direction
+    return replace(
+        jump,
+        **found,
+        froude=one.froude_relative,
+        froude_lab=one.froude,
+        froude_downstream=two.froude_relative,
+        density_ratio=two.bulk_density / one.bulk_density,
+        head_upstream=one.head,
+        head_downstream=two.head,
+        energy_loss=one.head - two.head,
+        momentum_upstream=result.flow.scene.density * result.balance.upstream,
+        momentum_downstream=result.flow.scene.density * result.balance.downstream,
+        momentum_residual=result.balance.classical,
+        momentum_terms=result.balance,
+        mass=result.mass,
+    )
 
 
-def _relations(result: JumpResult, ratio: float) -> dict[str, float]:
-    """Sequent ratios by momentum, one measured ingredient after the other.
+def _against_theory(jump: Jump) -> Jump:
+    """Sequent ratio, length and loss beside theory, which takes in one measured ingredient after the other.
 
     `density_relation_ratio`: the change of density (`theory.sequent_ratio`); `full_relation_ratio`: bed force and
     slope, and the momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure,
     and what the control volume stores.
     """
-    one, two, terms, gravity = result.upstream, result.downstream, result.balance, -result.flow.scene.gravity[1]
-    froude, s1 = one.froude_relative, one.mass_depth.value
-    beta_1, beta_2 = one.beta(result.motion.speed), two.beta(result.motion.speed)
-    density_ratio = two.bulk_density / one.bulk_density
-    # K (1 + S) = -2 F / (g s1^2) with F the force of bed and slope along the stream
-    resistance = -2.0 * (terms.bed + terms.slope) / (gravity * s1**2) / (1.0 + ratio)
-    expected = _sequent_ratio(froude, density_ratio)
-    values = {
-        "density_ratio": density_ratio,
-        "density_relation_ratio": expected,
-        "density_relation_deviation": ratio / expected - 1,
-        "full_relation_ratio": _sequent_ratio(froude, density_ratio, resistance, beta_1, beta_2),
-    }
+    one, two, terms = jump.measured.upstream, jump.measured.downstream, jump.measured.balance
+    froude, s1, s2 = jump.froude, jump.y1, jump.y2
+    ratio, belanger = s2 / s1, theory.belanger(froude)
+    # forces over g s1^2/2, the unit of the relations
+    unit = one.still(one.mass_depth) / terms.downstream
+    push = (terms.bed + terms.slope) / unit
+    expected = _sequent_ratio(froude, jump.density_ratio)
+    full = _sequent_ratio(froude, jump.density_ratio, -push / (1.0 + ratio), jump.beta_1, jump.beta_2)
+    found = {}
     if isfinite(terms.pressure):
-        thrust = [2.0 * state.thrust.value / (gravity * state.mass_depth.value**2) for state in (one, two)]
-        other = 2.0 * (terms.bed + terms.slope + terms.unsteady) / (gravity * s1**2)
-        values["pressure_relation_ratio"] = _largest_ratio(froude, beta_1, beta_2, *thrust, other)
-        values["pressure_coefficient_1"] = thrust[0] * s1 / one.surface_depth.value
-        values["pressure_coefficient_2"] = thrust[1] * two.mass_depth.value / two.surface_depth.value
-    return values
+        p1, p2 = (state.thrust.value / state.still(state.mass_depth) for state in (one, two))
+        largest = _largest_ratio(froude, jump.beta_1, jump.beta_2, p1, p2, push + terms.unsteady / unit)
+        found["pressure_relation_ratio"] = largest
+        for k, state in ((1, one), (2, two)):
+            found[f"pressure_coefficient_{k}"] = state.thrust.value / state.still(state.surface_depth)
+    return replace(
+        jump,
+        **found,
+        jump_class=theory.jump_class(froude),
+        sequent_ratio=ratio,
+        sequent_ratio_error=ratio * sqrt((jump.y1_error / s1) ** 2 + (jump.y2_error / s2) ** 2),
+        belanger_ratio=belanger,
+        belanger_y2=s1 * belanger,
+        belanger_deviation=ratio / belanger - 1,
+        density_relation_ratio=expected,
+        density_relation_deviation=ratio / expected - 1,
+        full_relation_ratio=full,
+        length_over_y2=jump.length / s2,
+        length_theory=theory.silvester_jump_length(froude, s1),
+        length_usbr=theory.usbr_jump_length(froude, s1),
+        energy_loss_theory=theory.energy_loss(s1, s1 * belanger),
+        energy_loss_depths=theory.energy_loss(s1, s2),
+    )
 
 
 def _sequent_ratio(*arguments: float) -> float:
@@ -246,43 +248,3 @@ def _largest_ratio(froude, beta_1, beta_2, thrust_1, thrust_2, other) -> float:
     roots = np.roots([-thrust_2, 0.0, 2 * froude**2 * beta_1 + thrust_1 + other, -2 * froude**2 * beta_2])
     real = roots[np.abs(roots.imag) < 1e-9].real
     return float(real.max()) if real.size and real.max() > 0 else nan
-
-
-def _lengths(result: JumpResult) -> dict[str, float]:
-    track, one, two = result.track, result.upstream, result.downstream
-    used = track.found & result.in_window
-    length = result.surface_end - result.surface_toe
-    return {
-        "length": length,
-        "length_mass": result.end - result.toe,
-        "length_ramp": float(np.median(track.end[used] - track.toe[used])),
-        "length_over_y2": length / two.mass_depth.value,
-        "length_theory": theory.silvester_jump_length(one.froude_relative, one.mass_depth.value),
-        "length_usbr": theory.usbr_jump_length(one.froude_relative, one.mass_depth.value),
-    }
-
-
-def _heads(result: JumpResult) -> dict[str, float]:
-    """Head up- and downstream in the front's frame, s + (u - c)^2/(2 g), and what is lost, m."""
-    one, two, c, gravity = result.upstream, result.downstream, result.motion.speed, -result.flow.scene.gravity[1]
-    s1, s2 = one.mass_depth.value, two.mass_depth.value
-    head_1 = theory.specific_energy(s1, one.velocity.value - c, gravity)
-    head_2 = theory.specific_energy(s2, two.velocity.value - c, gravity)
-    return {
-        "head_upstream": head_1,
-        "head_downstream": head_2,
-        "energy_loss": head_1 - head_2,
-        "energy_loss_theory": theory.energy_loss(s1, s1 * theory.belanger(one.froude_relative)),
-        "energy_loss_depths": theory.energy_loss(s1, s2),
-    }
-
-
-def _momentum(result: JumpResult) -> dict[str, float | MomentumTerms]:
-    terms: Balance = result.balance
-    shares = {name: getattr(terms, name) / terms.downstream for name in MomentumTerms.__dataclass_fields__}
-    return {
-        "momentum_upstream": result.flow.scene.density * terms.upstream,
-        "momentum_downstream": result.flow.scene.density * terms.downstream,
-        "momentum_residual": terms.classical / terms.downstream,
-        "momentum_terms": MomentumTerms(**shares),
-    }

@@ -5,12 +5,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import nan
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lammps_jump.analysis.statistics import mean_of
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 BEHIND_FRONT = 1.2
 """Distance from the front at which a jump of discs has ended, in depths of the tail water (measured)."""
@@ -32,29 +36,26 @@ class Tail:
     belanger_deviation: float = number("", "its mass depth over Bélanger's, less one", default=nan)
 
 
-def measure_tail(
-    x: np.ndarray, time: np.ndarray, mass_depth: np.ndarray, surface_depth: np.ndarray, front: np.ndarray, depth: float
-) -> Tail:
+def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
     """Depth and slope of the tail water, frame by frame, between the jump and the end of the channel.
 
     Parameters
     ----------
-    x : ndarray, shape (bins,), m
-        Along the stream; its last bin ends at the sill or fall.
-    time : ndarray, shape (frames,), s
-    mass_depth, surface_depth : ndarray, shape (frames, bins), m
+    stream : xarray.Dataset
+        ``mass_depth`` and ``surface_depth`` (m) over (time, x), along the stream; the last bin ends at the sill or fall.
     front : ndarray, shape (frames,), m
     depth : float
         Depth behind the jump, m: sets the zone, `BEHIND_FRONT` behind the front to `SILL_REACH` before the end.
     """
-    width = x[1] - x[0]
-    end = x[-1] + 0.5 * width - SILL_REACH * depth
+    x, mass, surface = (stream[name].values for name in ("x", "mass_depth", "surface_depth"))
+    half = 0.5 * (x[1] - x[0])
+    end = x[-1] + half - SILL_REACH * depth
     rows = []
-    for s, h, start in zip(mass_depth, surface_depth, front + BEHIND_FRONT * depth, strict=True):
-        inside = (x - 0.5 * width >= start) & (x + 0.5 * width <= end) & np.isfinite(s) & np.isfinite(h)
+    for s, h, start in zip(mass, surface, front + BEHIND_FRONT * depth, strict=True):
+        inside = (x - half >= start) & (x + half <= end) & np.isfinite(s) & np.isfinite(h)
         if inside.sum() >= LEAST_BINS:
-            rows.append((np.polyfit(x[inside], h[inside], 1)[0], s[inside].mean(), width * inside.sum()))
-    if len(rows) < max(2, 0.5 * len(time)):
+            rows.append((np.polyfit(x[inside], h[inside], 1)[0], s[inside].mean(), 2 * half * inside.sum()))
+    if len(rows) < max(2, 0.5 * len(front)):
         return Tail()
     slope, level, length = (np.array(column) for column in zip(*rows, strict=True))
     slopes, depths = mean_of(slope), mean_of(level)

@@ -9,8 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from math import nan, sqrt
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 LEAST_RATIO = 1.5
 """A rise below this ratio of mass depths is taken for waves of the stream, not for a jump (Fr1 = 1.37)."""
@@ -22,8 +24,7 @@ COARSE = 64
 """Most places tried for each end of the ramp in the first search; the second is eight times finer."""
 
 
-@dataclass(frozen=True)
-class Ramp:
+class Ramp(NamedTuple):
     """Two levels with a straight ramp from `toe` to `end` between them; `share` is the variance explained."""
 
     toe: float
@@ -33,17 +34,12 @@ class Ramp:
     share: float
 
 
-def _ramp_integral(x: np.ndarray, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Integral from -infinity to x of the unit ramp from toe to end (a step where they coincide)."""
+def _shapes(bins: int, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Mean over each bin of unit ramps (a step where toe and end, in bins, coincide), shape (ramps, bins)."""
+    edges, toe, end = np.arange(bins + 1.0), toe[:, None], end[:, None]
     length = np.maximum(end - toe, 1e-12)
-    inside = np.clip(x - toe, 0.0, length)
-    return 0.5 * inside**2 / length + np.maximum(x - end, 0.0)
-
-
-def _shapes(edges: np.ndarray, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Mean of unit ramps over bins, shape (ramps, bins)."""
-    integral = _ramp_integral(edges[None, :], toe[:, None], end[:, None])
-    return np.diff(integral, axis=1) / np.diff(edges)
+    integral = 0.5 * np.clip(edges - toe, 0.0, length) ** 2 / length + np.maximum(edges - end, 0.0)
+    return np.diff(integral, axis=1)
 
 
 @lru_cache(maxsize=64)
@@ -51,23 +47,21 @@ def _coarse(bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Toe and end (in bins) of all ramps between a coarse set of edges, and their shapes."""
     places = np.unique(np.round(np.linspace(0, bins, min(bins, COARSE) + 1)).astype(int))[1:-1].astype(float)
     i, j = np.triu_indices(len(places))
-    toe, end = places[i], places[j]
-    return toe, end, _shapes(np.arange(bins + 1.0), toe, end)
+    return places[i], places[j], _shapes(bins, places[i], places[j])
 
 
-def _best(depth: np.ndarray, toe: np.ndarray, end: np.ndarray, shapes: np.ndarray) -> tuple[int, Ramp] | None:
+def _best(depth: np.ndarray, toe: np.ndarray, end: np.ndarray, shapes: np.ndarray) -> Ramp | None:
     """The ramp among `shapes` that leaves the least squares, rising ones only."""
     mean = shapes.mean(axis=1)
     spread = (shapes**2).mean(axis=1) - mean**2
     covariance = shapes @ depth / len(depth) - mean * depth.mean()
     rise = np.where(spread > 1e-12, covariance / np.maximum(spread, 1e-12), 0.0)
     gain = np.where(rise > 0, rise * covariance, -1.0)
-    if not len(gain) or gain.max() <= 0:
-        return None
     best = int(np.argmax(gain))
-    low = float(depth.mean() - rise[best] * mean[best])
-    share = float(gain[best] / max(depth.var(), 1e-300))
-    return best, Ramp(float(toe[best]), float(end[best]), low, low + float(rise[best]), share)
+    if gain[best] <= 0:
+        return None
+    low, share = depth.mean() - rise[best] * mean[best], gain[best] / max(depth.var(), 1e-300)
+    return Ramp(*(float(value) for value in (toe[best], end[best], low, low + rise[best], share)))
 
 
 def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
@@ -79,23 +73,19 @@ def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
         Equally spaced.
     depth : ndarray, shape (bins,), m
     """
-    bins = len(depth)
+    bins, width = len(depth), edges[1] - edges[0]
     if bins < 4 or not np.isfinite(depth).all() or np.ptp(depth) <= 1e-9 * np.abs(depth).max():
         return None
-    toe, end, shapes = _coarse(bins)
-    found = _best(depth, toe, end, shapes)
-    if found is None:
+    ramp = _best(depth, *_coarse(bins))
+    if ramp is None:
         return None
-    ramp = found[1]
     reach = max(1.0, bins / COARSE)
     offsets = np.linspace(-reach, reach, 17)
     i, j = np.meshgrid(ramp.toe + offsets, ramp.end + offsets, indexing="ij")
     # the coarse edges themselves are among the candidates, so the second fit is never worse
     keep = (i <= j) & (i > 0) & (j < bins)
-    toe, end = i[keep], j[keep]
-    ramp = _best(depth, toe, end, _shapes(np.arange(bins + 1.0), toe, end))[1]
-    width = edges[1] - edges[0]
-    return Ramp(edges[0] + ramp.toe * width, edges[0] + ramp.end * width, ramp.depth_1, ramp.depth_2, ramp.share)
+    ramp = _best(depth, i[keep], j[keep], _shapes(bins, i[keep], j[keep]))
+    return ramp._replace(toe=edges[0] + ramp.toe * width, end=edges[0] + ramp.end * width)
 
 
 @dataclass(frozen=True)
@@ -109,7 +99,7 @@ class JumpTrack:
         Of the fitted ramp.
     position : ndarray, m
         Where a sharp front between the mean levels of the window would hold the same mass.
-    depth_1, depth_2, velocity_1, velocity_2 : ndarray
+    mass_depth_1, mass_depth_2, velocity_1, velocity_2 : ndarray
         Mass depth (m) and velocity (m/s) of the fitted levels' stretches.
     reach_end : ndarray, m
         Where the part of the profile that was looked at ends.
@@ -121,8 +111,8 @@ class JumpTrack:
     toe: np.ndarray
     end: np.ndarray
     position: np.ndarray
-    depth_1: np.ndarray
-    depth_2: np.ndarray
+    mass_depth_1: np.ndarray
+    mass_depth_2: np.ndarray
     velocity_1: np.ndarray
     velocity_2: np.ndarray
     reach_end: np.ndarray
@@ -143,14 +133,20 @@ def _crest_reach(depth: np.ndarray) -> int:
     return crest + int(below[0]) if below.size else len(depth)
 
 
+class Look(NamedTuple):
+    """What one frame tells of the jump, as in `JumpTrack`; `why` is empty where it was found."""
+
+    why: str
+    toe: float = nan
+    end: float = nan
+    depth_1: float = nan
+    depth_2: float = nan
+    velocity_1: float = nan
+    velocity_2: float = nan
+
+
 def track_jump(
-    edges: np.ndarray,
-    time: np.ndarray,
-    depth: np.ndarray,
-    discharge: np.ndarray,
-    gravity: float,
-    diameter: float,
-    in_window: np.ndarray,
+    stream: xr.Dataset, edges: np.ndarray, gravity: float, diameter: float, in_window: np.ndarray
 ) -> JumpTrack:
     """Follow the jump through the frames.
 
@@ -159,11 +155,9 @@ def track_jump(
 
     Parameters
     ----------
+    stream : xarray.Dataset
+        Mass depth (m) and discharge (m^2/s) of the reach, dims (time, x): level floor, nothing in the way.
     edges : ndarray, shape (bins + 1,), m
-        Of the reach: level floor, nothing in the way.
-    time : ndarray, shape (frames,), s
-    depth, discharge : ndarray, shape (frames, bins)
-        Mass depth, m, and discharge, m^2/s.
     gravity : float
         m/s^2 across the bed.
     diameter : float
@@ -171,48 +165,43 @@ def track_jump(
     in_window : ndarray of bool, shape (frames,)
         Frames whose levels define `position`.
     """
-    frames = len(time)
-    values = np.full((7, frames), nan)
-    why: list[str] = []
-    for k in range(frames):
-        bins = _crest_reach(depth[k])
-        reason, row = _look(edges[: bins + 1], depth[k, :bins], discharge[k, :bins], gravity, diameter)
-        values[:, k] = (*row, edges[bins])
-        why.append(reason)
+    depth, discharge = stream["mass_depth"].values, stream["discharge"].values
+    bins = [_crest_reach(row) for row in depth]
+    looks = [_look(edges[: n + 1], depth[k, :n], discharge[k, :n], gravity, diameter) for k, n in enumerate(bins)]
+    why = tuple(look.why for look in looks)
+    toe, end, *levels = np.array([look[1:] for look in looks]).T
     found = np.array([not reason for reason in why], bool)
-    values[:6, ~found] = nan
-    position = np.full(frames, nan)
+    position = np.full(len(looks), nan)
     chosen = found & in_window if (found & in_window).any() else found
     if chosen.any():
-        level_1, level_2 = np.median(values[2, chosen]), np.median(values[3, chosen])
+        level_1, level_2 = (np.median(level[chosen]) for level in levels[:2])
         for k in np.flatnonzero(found):
-            position[k] = equivalent_position(edges, depth[k], values[0, k], values[1, k], level_1, level_2)
-    return JumpTrack(time, *values[:2], position, *values[2:], tuple(why))
+            position[k] = equivalent_position(edges, depth[k], toe[k], end[k], level_1, level_2)
+    return JumpTrack(stream.time.values, toe, end, position, *levels, edges[bins], why)
 
 
-def _look(edges, depth, discharge, gravity, diameter) -> tuple[str, tuple[float, ...]]:
-    nothing = (nan,) * 6
+def _look(edges, depth, discharge, gravity, diameter) -> Look:
     if depth.max(initial=0.0) < 0.5 * diameter:
-        return "the channel is dry", nothing
+        return Look("the channel is dry")
     ramp = fit_ramp(edges, depth)
     if ramp is None or ramp.depth_2 < LEAST_RATIO * max(ramp.depth_1, 0.0):
-        return f"the depth nowhere rises {LEAST_RATIO}-fold", nothing
+        return Look(f"the depth nowhere rises {LEAST_RATIO}-fold")
     middle = 0.5 * (edges[1:] + edges[:-1])
     before, behind = middle < ramp.toe, middle > ramp.end
     if not before.any() or not behind.any():
-        return "the rise has no level stretch on both sides", nothing
+        return Look("the rise has no level stretch on both sides")
     depth_1, depth_2 = depth[before].mean(), depth[behind].mean()
     if depth_1 < 0.5 * diameter:
-        return "no stream in front of the rise: a wave runs on a dry bed", nothing
+        return Look("no stream in front of the rise: a wave runs on a dry bed")
     if ramp.share < LEAST_SHARE:
-        return f"no ramp between two levels fits (it explains {100 * ramp.share:.0f} % of the variance)", nothing
+        return Look(f"no ramp between two levels fits (it explains {100 * ramp.share:.0f} % of the variance)")
     velocity_1, velocity_2 = (discharge[side].sum() / depth[side].sum() for side in (before, behind))
     froude_1, froude_2 = velocity_1 / sqrt(gravity * depth_1), velocity_2 / sqrt(gravity * depth_2)
     if froude_1 <= 1:
-        return f"the stream in front of the rise is subcritical (Fr = {froude_1:.2f})", nothing
+        return Look(f"the stream in front of the rise is subcritical (Fr = {froude_1:.2f})")
     if froude_2 >= 1:
-        return f"the stream behind the rise is still supercritical (Fr = {froude_2:.2f})", nothing
-    return "", (ramp.toe, ramp.end, depth_1, depth_2, velocity_1, velocity_2)
+        return Look(f"the stream behind the rise is still supercritical (Fr = {froude_2:.2f})")
+    return Look("", ramp.toe, ramp.end, depth_1, depth_2, velocity_1, velocity_2)
 
 
 def equivalent_position(
@@ -240,15 +229,12 @@ class Motion:
     start : float
         Position at t = 0 of the fit, m.
     points : int
-    wander : float
-        Standard deviation of the residuals, m.
     """
 
     speed: float
     error: float
     start: float
     points: int
-    wander: float
 
 
 def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
@@ -262,18 +248,14 @@ def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
     t, x = time[good], position[good]
     n = len(t)
     if n < 2 or np.ptp(t) == 0:
-        return Motion(nan, nan, nan, n, nan)
+        return Motion(nan, nan, nan, n)
     centred = t - t.mean()
-    speed = float(np.dot(centred, x) / np.dot(centred, centred))
-    start = float(x.mean() - speed * t.mean())
-    residual = x - start - speed * t
-    wander = float(residual.std())
-    if n < 4:
-        return Motion(speed, nan, start, n, wander)
-    square = float(np.dot(residual, residual))
-    if square <= 1e-24 * max(float(np.dot(x, x)), 1e-300):
-        return Motion(speed, 0.0, start, n, wander)
-    r = float(np.dot(residual[1:], residual[:-1])) / square
-    r = min(max(r + (1.0 + 4.0 * r) / n, 0.0), 0.95)
-    error = sqrt(square / (n - 2) / float(np.dot(centred, centred)) * (1 + r) / (1 - r))
-    return Motion(speed, error, start, n, wander)
+    spread = float(centred @ centred)
+    speed = float(centred @ x) / spread
+    residual = x - x.mean() - speed * centred
+    square, error = float(residual @ residual), nan
+    if n >= 4:
+        r = float(residual[1:] @ residual[:-1]) / square if square > 0 else 0.0
+        r = min(max(r + (1.0 + 4.0 * r) / n, 0.0), 0.95)
+        error = sqrt(square / (n - 2) / spread * (1 + r) / (1 - r))
+    return Motion(speed, error, float(x.mean() - speed * t.mean()), n)

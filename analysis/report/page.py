@@ -26,7 +26,6 @@ class Text(NamedTuple):
     text: str
     kind: str = ""
     bold: str = ""
-    block = "text"
 
 
 class Mark(NamedTuple):
@@ -41,7 +40,6 @@ class Table(NamedTuple):
 
     rows: Sequence[Sequence[Value | Mark]]
     header: Sequence[str] = ()
-    block = "table"
 
     @property
     def numeric(self) -> list[bool]:
@@ -54,7 +52,6 @@ class Boxes(NamedTuple):
     """Numbers in boxes: (label, value, unit) of each."""
 
     numbers: Sequence[tuple[str, Value, str]]
-    block = "boxes"
 
 
 class Items(NamedTuple):
@@ -62,7 +59,6 @@ class Items(NamedTuple):
 
     texts: Sequence[str]
     title: str = ""
-    block = "items"
 
 
 class Code(NamedTuple):
@@ -70,7 +66,6 @@ class Code(NamedTuple):
 
     text: str
     summary: str = ""
-    block = "code"
 
 
 class Picture(NamedTuple):
@@ -78,7 +73,6 @@ class Picture(NamedTuple):
 
     caption: str
     source: str
-    block = "picture"
 
 
 class Section(NamedTuple):
@@ -89,10 +83,15 @@ class Section(NamedTuple):
 
 
 def render(title: str, sections: Sequence[Section | None], *, tab: str = "") -> str:
-    """One self-contained HTML page; None among the sections is left out; `tab` is the browser's title."""
-    return _template().render(
-        title=title, tab=tab or title, sections=[section for section in sections if section is not None]
-    )
+    """One self-contained HTML page; `tab` is the browser's title.
+
+    None among the sections, blocks that hold nothing, and sections of such blocks only are left out.
+    """
+    full = [
+        Section(name, [block for block in blocks if block[0] or isinstance(block, Picture)])
+        for name, blocks in filter(None, sections)
+    ]
+    return _template().render(title=title, tab=tab or title, sections=[section for section in full if section.blocks])
 
 
 @lru_cache(maxsize=1)
@@ -100,6 +99,7 @@ def _template():
     loader = FileSystemLoader(Path(__file__).parent)
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     environment.filters["shown"] = text
+    environment.tests["a"] = lambda block, kind: type(block).__name__ == kind
     return environment.get_template("page.html.j2")
 
 

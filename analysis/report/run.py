@@ -43,9 +43,18 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     """
     name_of_run = str(summary.get("name", "run"))
     title, tab = name_of_run.replace("_", " "), f"{name_of_run}: report"
-    before = [Section("", [*_lead(summary), *_key_numbers(summary), *_notes(summary)])]
+    lead = [*_lead(summary), Boxes(_key_numbers(summary)), Items(summary.get("warnings") or (), "Notes")]
+    before = [Section("", lead)]
     before += [quantity.section(summary[key]) for key, quantity in QUANTITIES.items() if summary.get(key)]
-    after = [_coefficients(summary), _skipped(summary), _case(case_yaml), _how(summary)]
+    numbers = numbers_of(Coefficients)
+    values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
+    coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
+    after = [
+        Section("Coefficients", [Table(coefficients, ("", "value", "unit"))]),
+        Section("What this case did not need", [Items(summary.get("skipped") or ())]),
+        Section("The case", [Code(case_yaml, "case.yaml, every default filled in")]),
+        _how(summary),
+    ]
     room = LARGEST - len(render(title, [*before, *after], tab=tab).encode())
     path = Path(folder) / name
     try:
@@ -56,14 +65,12 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
 
 
 def _lead(summary: Mapping) -> list[Text]:
-    blocks = [Text(summary["description"], "lead")] if summary.get("description") else []
-    status = summary.get("status")
-    if status not in (None, "complete"):
-        blocks.append(Text(f"The run is {status}. {summary.get('message') or ''}", "bad"))
-    return blocks
+    status = summary.get("status", "complete")
+    said = "" if status == "complete" else f"The run is {status}. {summary.get('message') or ''}"
+    return [Text(summary.get("description", ""), "lead"), Text(said, "bad")]
 
 
-def _key_numbers(summary: Mapping) -> list[Boxes]:
+def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
     """The few numbers that readers look for first."""
     jump, front, energy, force = (summary.get(key) or {} for key in ("jump", "front", "energy", "force"))
     boxes: list[tuple[str, float | str, str]] = [("verdict", jump["verdict"], "")] if jump else []
@@ -79,14 +86,10 @@ def _key_numbers(summary: Mapping) -> list[Boxes]:
         boxes.append(("largest energy deviation", 100 * energy["max_deviation"], "%"))
     discs = summary.get("discs") or {}
     boxes += [("discs in all", discs["inserted"], "")] if discs.get("inserted") is not None else []
-    return [Boxes(boxes)] if boxes else []
+    return boxes
 
 
-def _notes(summary: Mapping) -> list[Items]:
-    return [Items(summary["warnings"], "Notes")] if summary.get("warnings") else []
-
-
-def _figures(folder: Path, room: int) -> Section | None:
+def _figures(folder: Path, room: int) -> Section:
     """The film, then figures in a fixed order, as long as there is room; the film gives way to the figures."""
     found = {path.name: path for path in sorted((folder / "figures").glob("*.png"))}
     order = [name for name in FIGURES if name in found] + [name for name in found if name not in FIGURES]
@@ -101,45 +104,27 @@ def _figures(folder: Path, room: int) -> Section | None:
             continue
         room -= len(block.source) + 200
         shown.insert(0 if path in films else len(shown), block)
-    tail = [Text(f"Too large for this page, beside it in the run folder: {', '.join(left_out)}.")] if left_out else []
-    return Section("Figures", [*shown, *tail]) if shown or tail else None
-
-
-def _coefficients(summary: Mapping) -> Section | None:
-    values, numbers = summary.get("coefficients"), numbers_of(Coefficients)
-    if not values:
-        return None
-    rows = [
-        (heading(numbers[key].meaning, ""), value, numbers[key].unit) for key, value in values.items() if key in numbers
-    ]
-    return Section("Coefficients", [Table(rows, ("", "value", "unit"))])
-
-
-def _skipped(summary: Mapping) -> Section | None:
-    skipped = summary.get("skipped")
-    return Section("What this case did not need", [Items(skipped)]) if skipped else None
-
-
-def _case(case_yaml: str) -> Section | None:
-    folded = Code(case_yaml, "case.yaml, every default filled in")
-    return Section("The case", [folded]) if case_yaml else None
+    tail = f"Too large for this page, beside it in the run folder: {', '.join(left_out)}." if left_out else ""
+    return Section("Figures", [*shown, Text(tail)])
 
 
 def _how(summary: Mapping) -> Section:
     seconds, discs = summary.get("wall_seconds") or {}, summary.get("discs") or {}
     speed, versions = summary.get("disc_steps_per_second"), summary.get("versions") or {}
-    rows = [("Engine", f"{summary.get('engine') or ABSENT}, kernel {summary.get('kernel') or ABSENT}")]
-    rows += [(f"Wall time, {name}", f"{value:.2f} s") for name, value in seconds.items() if value is not None]
-    rows += [("Steps", summary["steps"])] if summary.get("steps") is not None else []
-    rows += [("Disc-steps per second", f"{speed / 1e6:.1f} million")] if speed else []
-    rows += [("Discs", ", ".join(f"{value} {name}" for name, value in discs.items()))] if discs else []
-    rows += [(f"Version of {name}", value) for name, value in versions.items()]
+    rows = [
+        ("Engine", f"{summary.get('engine') or ABSENT}, kernel {summary.get('kernel') or ABSENT}"),
+        *((f"Wall time, {name}", f"{value:.2f} s") for name, value in seconds.items() if value is not None),
+        ("Steps", summary.get("steps")),
+        ("Disc-steps per second", f"{speed / 1e6:.1f} million" if speed else None),
+        ("Discs", ", ".join(f"{value} {name}" for name, value in discs.items()) or None),
+        *((f"Version of {name}", value) for name, value in versions.items()),
+    ]
     return Section(
         "How to repeat it",
         [
             Text("In this run folder, with the versions below:"),
             Code("lammps-jump build-and-run case.yaml"),
-            Table(rows),
+            Table([row for row in rows if row[1] is not None]),
             Code(json.dumps(summary, indent=1), "summary.json"),
         ],
     )

@@ -13,7 +13,7 @@ import lammps_jump.dump as dump
 import lammps_jump.runs as runs
 from lammps_jump.errors import CaseError
 
-from .options import Quiet, Sets, place, sayer, told
+from .options import Quiet, Sets, place, told
 from .run import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
@@ -31,7 +31,10 @@ def analyze(
     quiet: Quiet = False,
 ) -> None:
     """Depth profiles, jump, front, forces and figures of a run folder or of any dump."""
-    _positive("--bin-width", bin_width, "m")
+    numbers = (("--bin-width", bin_width, "m"), ("--diameter", diameter, "m"), ("--density", density, "kg/m^3"))
+    for option, number, unit in numbers:
+        if number is not None and not 0 < number < float("inf"):
+            raise CaseError(f"{option} {number}: allowed is > 0 {unit}")
     of_a_dump = {"--out": out, "--case": case, "--diameter": diameter, "--density": density}
     if target.is_dir() and (target / "case.yaml").exists():
         for option, value in of_a_dump.items():
@@ -45,35 +48,23 @@ def analyze(
         if not quiet:
             print_summary(lj.open_run(target).summary, target)
         return
-    _positive("--diameter", diameter, "m")
-    _positive("--density", density, "kg/m^3")
     if case is None and set_:
         raise CaseError(f"--set {set_[0]}: changes a case, but a bare dump has no case; name one with --case")
-    for option, value in {"--diameter": diameter, "--density": density}.items():
-        if case is not None and value is not None:
-            raise CaseError(f"{option} {value}: is also given by {case}; use either --case or {option}")
+    for option, number, _ in numbers[1:]:
+        if case is not None and number is not None:
+            raise CaseError(f"{option} {number}: is also given by {case}; use either --case or {option}")
     loaded = None if case is None else lj.load_case(case, set_ or [])
-    say = sayer(quiet)
-    folder, warnings = runs.results.analyse_dump(target, loaded, diameter, density, bin_width, out)
-    for note in warnings:  # what was guessed is among them
-        say(f"note: {note}")
-    say(f"results are in {folder}")
-
-
-def _positive(option: str, value: float | None, unit: str) -> None:
-    if value is not None and not 0 < value < float("inf"):
-        raise CaseError(f"{option} {value}: allowed is > 0 {unit}")
+    with told(quiet):
+        runs.results.analyse_dump(target, loaded, diameter, density, bin_width, out)
 
 
 @app.command()
 def animate(
     folder: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
     out: Annotated[Path | None, place("File (.mp4 or .gif); default animation.mp4 in the folder.")] = None,
-    fps: Annotated[int, typer.Option(help="Frames a second.")] = 20,
+    fps: Annotated[int, typer.Option(help="Frames a second.", min=1, max=120)] = 20,
 ) -> None:
     """Write a film of a run: discs coloured by speed, forces on structures, time."""
-    if not 1 <= fps <= 120:
-        raise CaseError(f"--fps {fps}: allowed is 1 to 120")
     with told(quiet=False):
         print(runs.results.animate(folder, out, fps))
 

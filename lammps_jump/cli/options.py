@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -57,16 +58,13 @@ Force = Annotated[bool, typer.Option("--force", help="Run again, even if the fol
 Fresh = Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")]
 
 
-def assignments(
-    sets: list[str] | None,
-    engine: str | None = None,
-    kernel: str | None = None,
-    ranks: str | None = None,
-    accuracy: str | None = None,
-) -> list[str]:
-    """Texts ``path=value`` of ``--set`` and of the options that stand for one."""
-    given = {"engine.name": engine, "engine.kernel": kernel, "engine.ranks": ranks, "run.accuracy": accuracy}
-    return [*(sets or []), *(f"{path}={value}" for path, value in given.items() if value is not None)]
+PATHS = {"engine": "engine.name", "kernel": "engine.kernel", "ranks": "engine.ranks", "accuracy": "run.accuracy"}
+"""Fields of a case that have an option."""
+
+
+def assignments(sets: list[str] | None, **given: str | None) -> list[str]:
+    """Texts ``path=value`` of ``--set`` and of the options of `PATHS`."""
+    return [*(sets or []), *(f"{PATHS[name]}={value}" for name, value in given.items() if value is not None)]
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:
@@ -74,17 +72,10 @@ def sayer(quiet: bool) -> Callable[[str], None]:
     return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
 
 
-class _Printer(logging.Handler):
-    """Prints what the program says about its work."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        print(record.getMessage(), flush=True)
-
-
 @contextmanager
 def told(quiet: bool) -> Iterator[None]:
     """Print what the program says while the block runs, unless `quiet`."""
-    logger, printer = logging.getLogger("lammps_jump"), _Printer()
+    logger, printer = logging.getLogger("lammps_jump"), logging.StreamHandler(sys.stdout)
     before = logger.level
     if not quiet:
         logger.addHandler(printer)

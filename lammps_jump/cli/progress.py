@@ -50,64 +50,48 @@ class ProgressLine:
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
         self.begin = self.shown = clock()
-        self.first_step = first_step
-        self.previous = (self.begin, first_step or 0)
-        self.rate = 0.0
+        self.first_step = self.step = first_step
         self._bar: rich.progress.Progress | None = None
 
     def __call__(self, report: Progress) -> None:
         """Show one report."""
         now = self.clock()
-        if self.first_step is None:
-            self.first_step, self.previous = report.step, (now, report.step)
+        if self.first_step is None or self.step is None:
+            self.first_step = self.step = report.step
         if self.quiet or now - self.shown < (LIVE_INTERVAL if self.live else PLAIN_INTERVAL):
             return
-        if now > self.previous[0]:
-            self.rate = (report.step - self.previous[1]) * report.discs / (now - self.previous[0])
-        self.previous, self.shown = (now, report.step), now
+        rate = (report.step - self.step) * report.discs / (now - self.shown)
+        self.step, self.shown = report.step, now
         here = report.step - self.first_step
         left = (now - self.begin) * (report.steps - report.step) / here if here > 0 else float("nan")
         share = report.step / max(report.steps, 1)
         text = (
             f"t = {report.time:.3f} of {self.end_time:g} s  {100 * share:3.0f} %  {report.discs} discs  "
-            f"{self.rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left"
+            f"{rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left"
         )
         if self.live:
             self._draw(share, text)
         else:
-            self.stream.write(text + "\n")
-            self.stream.flush()
+            print(text, file=self.stream, flush=True)
 
     def _draw(self, share: float, text: str) -> None:
         if self._bar is None:
-            self._bar = _new_bar(self.stream)
-        (task,) = self._bar.task_ids
-        self._bar.update(task, completed=share, description=text)
-        self._bar.refresh()
+            from rich.console import Console  # 40 ms, for terminals only
+            from rich.progress import BarColumn, TextColumn
+            from rich.progress import Progress as Bar
+
+            columns = BarColumn(bar_width=20), TextColumn("{task.description}", markup=False)
+            console = Console(file=self.stream)
+            self._bar = Bar(*columns, console=console, auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
+            self._bar.add_task("", total=1.0)
+            self._bar.start()
+        self._bar.update(self._bar.task_ids[0], completed=share, description=text, refresh=True)
 
     def finish(self) -> None:
         """Leave the bar."""
         if self._bar is not None:
             self._bar.stop()
             self._bar = None
-
-
-def _new_bar(stream: TextIO) -> rich.progress.Progress:
-    from rich.console import Console  # 40 ms, for terminals only
-    from rich.progress import BarColumn, TextColumn
-    from rich.progress import Progress as Bar
-
-    bar = Bar(
-        BarColumn(bar_width=20),
-        TextColumn("{task.description}", markup=False),
-        console=Console(file=stream),
-        auto_refresh=False,
-        redirect_stdout=False,
-        redirect_stderr=False,
-    )
-    bar.add_task("", total=1.0)
-    bar.start()
-    return bar
 
 
 def _duration(seconds: float) -> str:

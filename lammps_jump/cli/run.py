@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,7 +13,6 @@ import lammps_jump as lj
 import lammps_jump.analysis as analysis
 import lammps_jump.cli as cli
 import lammps_jump.runs as runs
-from lammps_jump.engines.result import ProgressCallback
 from lammps_jump.errors import CaseError, RunError
 
 from .options import Accuracy, CaseFile, EngineName, Force, Kernel, Out, Quiet, Ranks, Resume, Sets, assignments, told
@@ -40,11 +38,8 @@ def build_and_run(
     quiet: Quiet = False,
 ) -> None:
     """Check a case, write its script, run it, analyse it and write the report."""
-    loaded = lj.load_case(case, assignments(set_, engine, kernel, ranks, accuracy))
-    with told(quiet), _shown(loaded, out, quiet, live, resume) as progress:
-        done = lj.run(loaded, out, force=force, resume=resume, progress=progress)
-    if not quiet:
-        print_summary(done.summary, done.folder)
+    loaded = lj.load_case(case, assignments(set_, engine=engine, kernel=kernel, ranks=ranks, accuracy=accuracy))
+    _run(loaded, out or runs.folder.default_folder(loaded), quiet=quiet, live=live, force=force, resume=resume)
 
 
 @app.command()
@@ -57,7 +52,7 @@ def build(
     slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a SLURM cluster.")] = False,
 ) -> None:
     """Write the run folder (case and LAMMPS script) without running it."""
-    loaded = lj.load_case(case, assignments(set_, None, kernel, ranks))
+    loaded = lj.load_case(case, assignments(set_, kernel=kernel, ranks=ranks))
     folder = out or runs.folder.default_folder(loaded)
     runs.start.build(loaded, folder, job=slurm)
     if slurm:
@@ -74,38 +69,29 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Run a built folder and analyse it."""
-    case = lj.open_run(folder).case
-    with told(quiet), _shown(case, folder, quiet, False, resume) as progress:
-        runs.start.run_folder(folder, resume=resume, progress=progress)
-    if not quiet:
-        print_summary(lj.open_run(folder).summary, folder)
+    _run(lj.open_run(folder).case, folder, quiet=quiet, force=not resume, resume=resume)
 
 
-@contextmanager
-def _shown(case: lj.Case, folder: Path | None, quiet: bool, live: bool, resume: bool) -> Iterator[ProgressCallback]:
-    """What shows the progress of a run while the block runs: a line, with `live` also pictures."""
-    line = ProgressLine(case.fields.run.duration, quiet=quiet, first_step=None if resume else 0)
-    if not live:
-        try:
-            yield line
-        finally:
-            line.finish()
-        return
-    if case.fields.run.dump_format != "text":
+def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force: bool, resume: bool) -> None:
+    """Run a case, show its progress by a line, with `live` also by pictures, and print what it found."""
+    if live and case.fields.run.dump_format != "text":
         raise CaseError(
             f"--live needs text dumps, but run.dump_format is {case.fields.run.dump_format}; set it to text, or leave "
             "--live out"
         )
-    view = cli.live.LiveView(case.scene(), folder or runs.folder.default_folder(case), line)
-    try:
-        yield view
-    except RunError:
-        view.finish()
-        raise
-    else:
-        view.finish()
-    finally:
-        line.finish()
+    line = ProgressLine(case.fields.run.duration, quiet=quiet, first_step=None if resume else 0)
+    view = cli.live.LiveView(case.scene(), folder, line) if live else line
+    with told(quiet):
+        try:
+            done = lj.run(case, folder, force=force, resume=resume, progress=view)
+        except RunError:  # others leave the folder as it was
+            view.finish()
+            raise
+        finally:
+            line.finish()
+    view.finish()
+    if not quiet:
+        print_summary(done.summary, folder)
 
 
 def print_summary(summary: Mapping[str, Any], folder: Path) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
@@ -26,25 +26,21 @@ class PatientStream:
 
     def write(self, text: str) -> int:
         """Write; nothing after an error."""
-        try:
-            return self.stream.write(text)
-        except OSError as error:
-            self._give_up(error)
-            return len(text)
+        self._try(lambda: self.stream.write(text))
+        return len(text)
 
     def flush(self) -> None:
         """Flush; nothing after an error."""
-        try:
-            self.stream.flush()
-        except OSError as error:
-            self._give_up(error)
+        self._try(self.stream.flush)
 
-    def _give_up(self, error: OSError) -> None:
-        if error.errno != errno.EPIPE and self.trouble is None:
-            self.trouble = error
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, self.stream.fileno())  # takes what is still in the buffer
-        os.close(nowhere)
+    def _try(self, act: Callable[[], object]) -> None:
+        try:
+            act()
+        except OSError as error:
+            if error.errno != errno.EPIPE and self.trouble is None:
+                self.trouble = error
+            with open(os.devnull, "w") as nowhere:
+                os.dup2(nowhere.fileno(), self.stream.fileno())  # takes what is still in the buffer
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)

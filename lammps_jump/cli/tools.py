@@ -30,7 +30,7 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Check a case and print all numbers that follow from it. Runs and writes nothing."""
-    loaded = cases.load_case(case, assignments(set_, engine, kernel, None, accuracy))
+    loaded = cases.load_case(case, assignments(set_, engine=engine, kernel=kernel, accuracy=accuracy))
     resolved, chosen = engines.accuracy.with_accuracy(loaded)
     found = resolved.check()
     found = replace(found, scene=replace(found.scene, warnings=(*found.warnings, *chosen)))

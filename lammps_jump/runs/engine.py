@@ -6,24 +6,26 @@ from __future__ import annotations
 from dataclasses import replace
 
 from lammps_jump.case.case import ReadCase
+from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.setting import Setting
 from lammps_jump.provenance import __version__
 
 
-def choose_setting(case: ReadCase) -> tuple[Setting, tuple[str, ...]]:
-    """The setting for a case, and what to tell the user about it.
+def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
+    """A case with the values that its accuracy asks for, the setting for it, and what to tell the user about both.
 
     Raises
     ------
     CaseError, SetupError
-        Ranks that the engine does not take; an engine or kernel that cannot be used here.
+        No setting is that accurate; ranks that the engine does not take; an engine or kernel that cannot be used here.
     """
+    case, chosen = with_accuracy(case)
     engine = case.fields.engine
     if engine.name == "native" and engine.ranks not in (1, "auto"):
         raise case.source.error("engine.ranks", f"{engine.ranks} ranks; the native engine runs on one core")
     setting, notes = choose(engine.name, engine.kernel, engine.ranks, case.scene())
-    return replace(setting, dump_format=case.fields.run.dump_format), tuple(notes)
+    return case, replace(setting, dump_format=case.fields.run.dump_format), (*chosen, *notes)
 
 
 def with_header(case: ReadCase, setting: Setting) -> Setting:

@@ -1,24 +1,29 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a run folder holds: made for a run, read again afterwards."""
+"""What a run folder holds: made for a run, read again afterwards, gone on with after an interruption."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.find import read_dump
+from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, Checkpoint, read_checkpoint
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
-from lammps_jump.errors import CaseError, DumpError, SetupError
+from lammps_jump.errors import CaseError, DumpError, ResumeError, SetupError
 from lammps_jump.files import OWN_FILES, clear
+from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
 from .engine import run_key
 from .summary import read_summary
+
+ANEW = "the same command without --resume starts a new run"
 
 
 def default_folder(case: ReadCase) -> Path:
@@ -53,55 +58,32 @@ def require_case(folder: Path) -> Path:
     return path
 
 
-def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping[str, Any] | None:
-    """The summary of a finished run of the same resolved case in the folder, else None."""
+def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping[str, Any]:
+    """The summary of a finished run of the same resolved case in the folder, else nothing."""
     try:
-        stored = read_summary(folder)
-    except DumpError:
-        return None
-    if stored is None or stored.get("status") != "complete" or stored.get("case_hash") != run_key(case, setting):
-        return None
-    try:
-        same = (folder / "case.yaml").read_text() == case.to_yaml()
-    except OSError:
-        return None
-    finished = all((folder / name).exists() for name in ("profiles.nc", "report.html"))
-    return stored if same and finished and any(folder.glob("dump.lammps*")) else None
+        stored, case_file = read_summary(folder), (folder / "case.yaml").read_text()
+    except (DumpError, OSError):
+        return {}
+    known = stored.get("status") == "complete" and stored["case_hash"] == run_key(case, setting)
+    whole = all(any(folder.glob(name)) for name in ("profiles.nc", "report.html", "dump.lammps*"))
+    return stored if known and whole and case_file == case.to_yaml() else {}
 
 
 def result_of(
-    case: ReadCase, folder: Path, stored: Mapping[str, Any] | None, setting: Setting, *, write: bool = True
+    case: ReadCase, folder: Path, stored: Mapping[str, Any], setting: Setting, *, write: bool = True
 ) -> RunResult:
     """The result of a run as its summary holds it, else from what it wrote; see `result_of_files`."""
-    if stored is None:
+    if not stored:
         return result_of_files(case.scene(), folder, setting, write=write)
-    discs = stored.get("discs") or {}
+    same = ("engine", "kernel", "status", "steps", "disc_steps", "versions", "ledger")
     return RunResult(
-        engine=stored.get("engine", setting.engine),
-        kernel=stored.get("kernel", setting.kernel),
-        status=stored.get("status", "unknown"),
-        message=stored.get("message") or "",
-        steps=stored.get("steps", 0),
-        disc_steps=stored.get("disc_steps", 0.0),
-        inserted=discs.get("inserted", 0),
-        present=discs.get("present", 0),
-        removed=discs.get("removed", 0),
-        lost=discs.get("lost", 0),
-        seconds=(stored.get("wall_seconds") or {}).get("run", 0.0),
-        versions=stored.get("versions", {}),
-        ledger=stored.get("ledger"),
-        breakdown=stored.get("breakdown_seconds") or {},
-        resumed=tuple(stored.get("resumed_at") or ()),
+        **{name: stored[name] for name in same},
+        **stored["discs"],
+        message=stored["message"] or "",
+        seconds=stored["wall_seconds"].get("run", 0.0),
+        breakdown=stored["breakdown_seconds"] or {},
+        resumed=tuple(stored.get("resumed_at", ())),
     )
-
-
-def reached_end(scene: Scene, folder: Path) -> bool:
-    """Whether the log, else the dump of a run folder tells of the run's last step."""
-    step = read_log(folder / "log.lammps").step
-    try:
-        return (step or max((frame.step for frame in read_dump(folder)), default=0)) >= scene.steps
-    except DumpError:
-        return False
 
 
 def result_of_files(scene: Scene, folder: Path, setting: Setting, *, write: bool = True) -> RunResult:
@@ -144,3 +126,57 @@ def result_of_files(scene: Scene, folder: Path, setting: Setting, *, write: bool
         lost=inserted - present - removed,
         seconds=0.0,
     )
+
+
+def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
+    """The checkpoint of the interrupted run of this very case in a folder.
+
+    Raises
+    ------
+    ResumeError
+        No run there, another case, a run that is finished or failed, no checkpoint, one of another program or kernel.
+    """
+    try:
+        stored_case = (folder / "case.yaml").read_text()
+    except OSError:
+        raise ResumeError(f"{folder}: holds no run that could go on; {ANEW}") from None
+    if stored_case != case.to_yaml():
+        raise ResumeError(
+            f"{folder / 'case.yaml'}: differs from the case that was asked for, so its run cannot go on as that case; "
+            f"`lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
+        )
+    _require_interrupted(case, folder, setting)
+    checkpoint = read_checkpoint(folder)
+    if checkpoint is None:
+        raise ResumeError(f"{folder}: the run has no checkpoint; {ANEW}")
+    if checkpoint.scene != fingerprint(case.scene()):
+        raise ResumeError(
+            f"{folder}: this version of lammps-jump makes other numbers of the same case than the one that began the "
+            f"run; go on with that version, or start a new run"
+        )
+    if checkpoint.result.kernel == "compiled" and setting.plugin is None:
+        raise ResumeError(
+            f"{folder}: began with the compiled kernel, which cannot be used now: see `lammps-jump doctor`"
+        )
+    if checkpoint.result.engine != setting.engine:
+        raise ResumeError(f"{folder}: began on the {checkpoint.result.engine} engine; {ANEW}")
+    return checkpoint
+
+
+def _require_interrupted(case: ReadCase, folder: Path, setting: Setting) -> None:
+    status = read_summary(folder).get("status")
+    if status == "complete":
+        raise ResumeError(f"{folder}: the run is finished, nothing is left to do; {ANEW}")
+    if status is None and not (folder / CHECKPOINT_FILE).exists():
+        with suppress(DumpError):  # without a dump the checkpoint is asked for
+            status = result_of_files(case.scene(), folder, setting, write=False).status
+    if status == "complete":
+        raise ResumeError(
+            f"{folder}: the run reached its end, nothing of it is left to do; only its analysis is missing: "
+            f"`lammps-jump analyze {folder}` makes it"
+        )
+    if status == "failed":
+        raise ResumeError(
+            f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
+            "new run"
+        )

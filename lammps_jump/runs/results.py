@@ -88,8 +88,8 @@ def analyse_dump(
     density: float | None,
     bin_width: float | None,
     out: Path | None,
-) -> tuple[Path, list[str]]:
-    """Analyse a dump that is no run's; the folder of the results, and notes on what was guessed.
+) -> None:
+    """Analyse a dump that is no run's.
 
     Parameters
     ----------
@@ -101,13 +101,15 @@ def analyse_dump(
         m.
     density : float, optional
         kg/m^3; default 1000.
+    out : Path, optional
+        Folder of the results; default beside the dump.
 
     Raises
     ------
     CaseError, DumpError
     """
     path = find_dump(target)
-    flow = _flow(path, case, diameter, 1000.0 if density is None else density)
+    flow = _flow(path, case, diameter, density)
     low, high = flow.x_range
     if bin_width is not None and not (high - low) / MOST_BINS <= bin_width <= high - low:
         raise CaseError(
@@ -118,13 +120,15 @@ def analyse_dump(
     flow = replace(flow, bin_width=bin_width or flow.bin_width)
     parts: dict[str, Any] = quantities.analyse(flow, path, folder, ("jump", "front"))
     write_summary(folder, {"name": path.name, **parts})
-    return folder, parts["warnings"]
+    for note in parts["warnings"]:  # what was guessed is among them
+        log.info(f"note: {note}")
+    log.info(f"results are in {folder}")
 
 
-def _flow(path: Path, case: ReadCase | None, diameter: float | None = None, density: float = 1000.0) -> Flow:
+def _flow(path: Path, case: ReadCase | None, diameter: float | None = None, density: float | None = None) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is None:
-        return from_dump(open_dump(path), diameter=diameter, density=density)
+        return from_dump(open_dump(path), diameter=diameter, density=density or 1000.0)
     return from_scene(case.scene())
 
 

@@ -173,7 +173,7 @@ class Run:
 
     @cached_property
     def _stored(self) -> Mapping[str, Any]:
-        return MappingProxyType(read_summary(self.folder) or {})
+        return MappingProxyType(read_summary(self.folder))
 
     @cached_property
     def _found(self) -> Found:
@@ -193,7 +193,7 @@ class Run:
     @cached_property
     def result(self) -> RunResult:
         """What the engine did: steps, seconds (s), discs, energy ledger (J/m), versions."""
-        return result_of(self.case, self.folder, self._stored or None, self._setting, write=False)
+        return result_of(self.case, self.folder, self._stored, self._setting, write=False)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -9,21 +9,22 @@ the interval: residuals with lag-1 correlation r > 0 inflate the standard error 
 discharge and toe must all be steady at two looks in a row, half a window apart.
 
 False-stop rate, measured (tests/runs/test_steady.py; 1,500 records of three windows whose depth drifts by the tolerance
-a window, 100 samples a window): below 0.1 % with independent noise, 0.5 % with AR(1) noise of 0.8 from sample to
-sample, 2.7 % with 0.95.
+a window, 100 samples a window): below 0.1 % with independent noise, 0.3 % with AR(1) noise of 0.8 from sample to
+sample, 3.1 % with 0.95.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 from pathlib import Path
 
 import numpy as np
 from scipy.special import stdtrit
 
 from lammps_jump.analysis.flow import Flow, from_scene
+from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp, straight_motion
 from lammps_jump.dump.tail import Tail
 from lammps_jump.scene.scene import Scene
 
@@ -32,24 +33,10 @@ PASSAGES = 1.5
 FEWEST_FRAMES = 48
 """The detector wants sixteen batches of several frames each."""
 BATCHES = 16
-QUANTITIES = ("depth", "discharge", "toe")
-
-
-@dataclass(frozen=True)
-class Tolerances:
-    """Drift over one window that still counts as none.
-
-    Attributes
-    ----------
-    depth, discharge : float
-        Shares of the window's mean.
-    toe : float
-        m.
-    """
-
-    depth: float = 0.02
-    discharge: float = 0.02
-    toe: float = 0.5
+TOLERANCES = {"depth": 0.02, "discharge": 0.02, "toe": 0.5}
+"""Drift over one window that still counts as none: shares of the window's mean, and m."""
+CONFIDENCE = 0.95
+"""Of each one-sided test; the two make an interval of confidence 2 `CONFIDENCE` - 1."""
 
 
 @dataclass(frozen=True)
@@ -69,19 +56,15 @@ class Drift:
     drift: float
     margin: float
 
-    def within(self, tolerance: float) -> bool:
-        """Whether the whole interval lies inside ±`tolerance`."""
-        return abs(self.drift) + self.margin <= tolerance
 
-
-def drift_of(values: np.ndarray, confidence: float = 0.95, batches: int = BATCHES) -> Drift:
+def drift_of(values: np.ndarray, confidence: float = CONFIDENCE, batches: int = BATCHES) -> Drift:
     """Drift of an equally spaced series over its length.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
     confidence : float
-        Of each one-sided test; the two make an interval of confidence 2 confidence - 1.
+        Of each one-sided test.
     batches : int
         Number of batch means that the line is fitted to.
 
@@ -95,18 +78,9 @@ def drift_of(values: np.ndarray, confidence: float = 0.95, batches: int = BATCHE
     if size < 2 or not np.isfinite(values).all():
         return Drift(float("nan"), float("nan"), inf)
     means = values[len(values) - size * batches :].reshape(batches, size).mean(axis=1)
-    place = (np.arange(batches) + 0.5) / batches - 0.5
-    spread = float(place @ place)
-    slope = float(place @ means) / spread
-    residual = means - means.mean() - slope * place
-    variance = float(residual @ residual) / (batches - 2)
-    total = float(residual @ residual)
-    # the fit of a line pulls the correlation of independent residuals down by about 2/n: put it back
-    correlation = float(residual[1:] @ residual[:-1]) / total + 2.0 / batches if total > 0 else 0.0
-    correlation = min(max(correlation, 0.0), 0.9)
-    error = sqrt(variance / spread * (1 + correlation) / (1 - correlation))
+    fit = straight_motion(np.arange(batches) / batches, means)
     whole = len(values) / (batches * size)  # the batches leave out the few samples that do not fill one
-    return Drift(float(means.mean()), whole * slope, whole * float(stdtrit(batches - 2, confidence)) * error)
+    return Drift(float(means.mean()), whole * fit.speed, whole * float(stdtrit(batches - 2, confidence)) * fit.error)
 
 
 class SteadyDetector:
@@ -116,36 +90,27 @@ class SteadyDetector:
     ----------
     window : float
         Length of record that is tested, s: several times what the flow needs to pass through the studied reach.
-    tolerances : Tolerances
-    confidence : float
-    start : float
-        Records before this time (s) do not count.
 
     Attributes
     ----------
-    steady : bool
-        Stays True once it is.
     reason : str
         Empty until steady; then one sentence for the summary.
     looks : int
         Tests made.
     """
 
-    def __init__(
-        self, window: float, tolerances: Tolerances | None = None, *, confidence: float = 0.95, start: float = 0.0
-    ):
+    def __init__(self, window: float):
         if not 0 < window < inf:
             raise ValueError(f"window {window!r} s: expected a length of time above 0")
-        self.window, self.confidence, self.start = window, confidence, start
-        self.tolerances = tolerances or Tolerances()
-        self.steady, self.reason, self.looks = False, "", 0
+        self.window = window
+        self.reason, self.looks = "", 0
         self.drifts: dict[str, Drift] = {}
         self._rows: deque[tuple[float, float, float, float]] = deque()
-        self._next_look: float | None = None
+        self._next_look = 0.0
         self._passed = 0
 
     def feed(self, time: float, depth: float, discharge: float, toe: float) -> bool:
-        """Add one sample (equally spaced in time); returns `steady`.
+        """Add one sample (equally spaced in time); True once all is steady.
 
         Parameters
         ----------
@@ -158,40 +123,34 @@ class SteadyDetector:
         toe : float
             Position of the toe, m; NaN where there is none, which is never steady.
         """
-        if self.steady or time < self.start:
-            return self.steady
+        if self.reason:
+            return True
         self._rows.append((time, depth, discharge, toe))
         while self._rows[0][0] < time - self.window:
             self._rows.popleft()
-        if self._next_look is None:
-            self._next_look = time + self.window
+        self._next_look = self._next_look or time + self.window
         if time >= self._next_look - 1e-9 * self.window:
             self._look(time)
-        return self.steady
+        return bool(self.reason)
 
     def _look(self, time: float) -> None:
         self.looks += 1
         self._next_look = time + 0.5 * self.window
         columns = np.array(self._rows)[:, 1:].T
-        self.drifts = {
-            name: drift_of(values, self.confidence) for name, values in zip(QUANTITIES, columns, strict=True)
-        }
-        good = all(self.drifts[name].within(self._allowed(name)) for name in QUANTITIES)
+        self.drifts = {name: drift_of(values) for name, values in zip(TOLERANCES, columns, strict=True)}
+        allowed = {name: TOLERANCES[name] * abs(found.mean) for name, found in self.drifts.items()}
+        allowed["toe"] = TOLERANCES["toe"]
+        good = all(abs(found.drift) + found.margin <= allowed[name] for name, found in self.drifts.items())
         self._passed = self._passed + 1 if good else 0
         if self._passed >= 2:
-            self.steady = True
             found = ", ".join(
-                f"{name} {drift.drift:+.2g} ± {drift.margin:.1g} (allowed {self._allowed(name):.2g})"
+                f"{name} {drift.drift:+.2g} ± {drift.margin:.1g} (allowed {allowed[name]:.2g})"
                 for name, drift in self.drifts.items()
             )
             self.reason = (
                 f"statistically steady at t = {time:.4g} s: drift over the last {self.window:g} s of {found}; "
-                f"two one-sided t tests, {100 * self.confidence:g} %, twice in a row"
+                f"two one-sided t tests, {100 * CONFIDENCE:g} %, twice in a row"
             )
-
-    def _allowed(self, name: str) -> float:
-        tolerance = getattr(self.tolerances, name)
-        return tolerance if name == "toe" else tolerance * abs(self.drifts[name].mean)
 
 
 def flow_state(
@@ -205,9 +164,8 @@ def flow_state(
 ) -> tuple[float, float, float]:
     """Depth (m), discharge (m^2/s) and toe (m) of one frame, for `SteadyDetector.feed`.
 
-    Depth and discharge are means over the reach; the toe is the first place from upstream where the mass depth,
-    smoothed over three bins, has risen half way from the median of the first quarter to its highest value;
-    NaN where it rises by less than half.
+    Depth and discharge are means over the reach; the toe is the middle of the ramp that `fit_ramp` finds in the mass
+    depth, NaN where that is no jump: too low a rise, or a ramp that explains too little.
 
     Parameters
     ----------
@@ -224,22 +182,13 @@ def flow_state(
     """
     low, high = reach
     inside = (x >= low) & (x < high)
-    width = (high - low) / bins
     relative = np.broadcast_to(relative, x.shape)[inside]
-    discs = np.bincount(((x[inside] - low) / width).astype(int), weights=relative, minlength=bins)[:bins]
-    depth = discs * (mass / (density * width))
-    length = high - low
-    mean_depth = float(relative.sum()) * mass / (density * length)
-    discharge = float((relative * vx[inside]).sum()) * mass / (density * length)
-    smooth = np.convolve(depth, np.ones(3) / 3, mode="valid")
-    base, top = float(np.median(smooth[: max(1, bins // 4)])), float(smooth.max())
-    if not top > 1.5 * base:
-        return mean_depth, discharge, float("nan")
-    level = 0.5 * (base + top)
-    first = int(np.argmax(smooth > level))
-    before = smooth[first - 1] if first else smooth[0]
-    share = (level - before) / (smooth[first] - before) if smooth[first] > before else 0.0
-    return mean_depth, discharge, low + width * (first + 0.5 + share)
+    depth, edges = np.histogram(x[inside], bins, reach, weights=relative)
+    ramp = fit_ramp(edges, depth * mass / (density * (edges[1] - edges[0])))
+    jump = ramp is not None and ramp.depth_2 >= LEAST_RATIO * ramp.depth_1 and ramp.share >= LEAST_SHARE
+    scale = mass / (density * (high - low))
+    toe = 0.5 * (ramp.toe + ramp.end) if jump else float("nan")
+    return scale * relative.sum(), scale * (relative * vx[inside]).sum(), toe
 
 
 def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
@@ -297,4 +246,4 @@ class SteadyWatch:
                 discs = frame.x, frame.vx, self.scene.mass, self.scene.density
                 state = flow_state(*discs, self.reach, relative=self.flow.relative_masses(frame))
                 self.detector.feed(self.scene.time(frame.step) if frame.time is None else frame.time, *state)
-        return self.detector.steady
+        return bool(self.reason)

@@ -9,6 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel, ValidationError
+
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
@@ -19,17 +21,27 @@ from lammps_jump.provenance import versions
 from .engine import run_key
 
 SUMMARY_FILE = "summary.json"
-FIELD_TYPES = {
-    **dict.fromkeys(("status", "message", "engine", "kernel", "case_hash"), str),
-    **dict.fromkeys(("discs", "wall_seconds", "versions", "ledger", "breakdown_seconds"), dict),
-    "steps": int,
-    "disc_steps": int | float,
-    "resumed_at": list,
-}
-"""What is read back of a summary; each may be null or missing."""
 NO_SUMMARY = (
     "the file is no summary of a run: delete it, and `lammps-jump analyze` makes it again from what the run wrote"
 )
+
+
+class Stored(BaseModel, strict=True):
+    """What is read back of a summary."""
+
+    status: str
+    message: str | None
+    engine: str
+    kernel: str
+    case_hash: str
+    versions: dict[str, str]
+    steps: int
+    disc_steps: float
+    discs: dict[str, int]
+    wall_seconds: dict[str, float]
+    breakdown_seconds: dict[str, float | None] | None
+    ledger: dict[str, float | None] | None
+    resumed_at: list[float] = []
 
 
 def compose(
@@ -93,8 +105,8 @@ def write_summary(folder: Path, summary: Mapping[str, object]) -> Path:
     return write_json(folder / SUMMARY_FILE, summary, indent=2)
 
 
-def read_summary(folder: Path) -> dict[str, Any] | None:
-    """The summary of a run folder, None where there is none that can be read.
+def read_summary(folder: Path) -> dict[str, Any]:
+    """The summary of a run folder, empty where there is none that can be read.
 
     Raises
     ------
@@ -105,14 +117,11 @@ def read_summary(folder: Path) -> dict[str, Any] | None:
     try:
         found = json.loads(path.read_text())
     except (OSError, ValueError):
-        return None
-    if not isinstance(found, dict):
-        raise DumpError(f"{path}: a {type(found).__name__} where a mapping was expected; {NO_SUMMARY}")
-    for name, kind in FIELD_TYPES.items():
-        if found.get(name) is not None and not isinstance(found[name], kind):
-            raise DumpError(f"{path}: {name} is {str(found[name])[:40]!r}; {NO_SUMMARY}")
-    for name in ("discs", "wall_seconds", "breakdown_seconds"):
-        for key, value in (found.get(name) or {}).items():
-            if value is not None and not isinstance(value, int | float):
-                raise DumpError(f"{path}: {name}.{key} is {str(value)[:40]!r}; {NO_SUMMARY}")
+        return {}
+    try:
+        Stored.model_validate(found)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = "".join(f" {name}:" for name in first["loc"])
+        raise DumpError(f"{path}:{place} {first['msg']}, got {str(first['input'])[:40]!r}; {NO_SUMMARY}") from None
     return found

@@ -40,7 +40,7 @@ def texts(figure):
 
 def test_depth_profile(profiles, tmp_path):
     before = dict(mpl.rcParams)
-    figure = figures.depth_profile(profiles, CONTEXT, y1=1.0, y2=4.2, lines={"critical": 2.0}, marks={"toe": 5.0})
+    figure = figures.depth_profile(profiles, CONTEXT, lines={"Bélanger": 4.2, "critical": 2.0}, marks={"toe": 5.0})
     labels = " ".join(texts(figure))
     for word in ("[m]", "[m/s]", "Distance x", "made-up", "frames"):
         assert word in labels
@@ -108,12 +108,14 @@ def test_a_figure_that_cannot_be_written(profiles, tmp_path):
 )
 def test_pictures_do_not_overlap(pictures, wide, columns):
     """Places lie inside the figure, apart from each other, above the colour bar, and in the true proportion."""
-    grid = snapshots._Grid.fitted(pictures, wide)
-    assert grid.columns == columns and grid.width / grid.height == pytest.approx(wide)
-    places = [grid.place(i) for i in range(pictures)]
-    for left, bottom, width, height in places:
-        assert left > 0 and left + width < 1 and bottom + height < 1
-        assert bottom > grid.bar[1] + grid.bar[3]
+    figure, found, width = snapshots.layout(pictures, wide)
+    places = [place.get_position(figure).bounds for place in found]
+    across, high = figure.get_size_inches()
+    assert found[0].get_gridspec().ncols == columns and across <= 9.6 + 1e-9
+    for left, bottom, share, height in places:
+        assert left > 0 and left + share < 1 and bottom + height < 1
+        assert share * across == pytest.approx(width) and width / (height * high) == pytest.approx(wide)
+        assert bottom * high > sum(snapshots.BAR)
     for i, one in enumerate(places):
         for two in places[:i]:
             apart = [one[k] >= two[k] + two[k + 2] or two[k] >= one[k] + one[k + 2] for k in (0, 1)]

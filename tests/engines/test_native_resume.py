@@ -30,7 +30,7 @@ from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.engines.result import Progress, interruption
 from lammps_jump.errors import CaseError, ResumeError, RunInterrupted
 from lammps_jump.provenance import fingerprint
-from lammps_jump.runs import engine, results, start
+from lammps_jump.runs import engine, results
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Box
@@ -224,7 +224,7 @@ def test_folder_afterwards_is_that_of_an_uninterrupted_run(tmp_path, interrupted
 
 
 def test_the_folder_alone_is_enough(interrupted):
-    start.run_folder(interrupted, resume=True)
+    cli.run(interrupted, resume=True)
     summary = lj.open_run(interrupted).summary
     assert summary["status"] == "complete" and summary["steps"] == case_scene("quick_jump", *CHANGES).steps
 

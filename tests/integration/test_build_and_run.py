@@ -18,11 +18,13 @@ import lammps_jump as lj
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.cli.run import run as run_built
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.launch import Setting, run
 from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.runs import results, start
+from lammps_jump.runs.engine import choose_setting
 
 pytestmark = pytest.mark.lammps
 
@@ -253,8 +255,8 @@ def test_build_then_run(tmp_path):
     case = load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.5", "engine.kernel=stock"])
     setting = start.build(case, tmp_path)
     assert not (tmp_path / "dump.lammpstrj").exists()
-    assert start.reopen(tmp_path) == (case, setting, ())
-    start.run_folder(tmp_path)
+    assert choose_setting(load_case(tmp_path)) == (case, setting, ())
+    run_built(tmp_path)
     summary = lj.open_run(tmp_path).summary
     assert summary["discs"]["lost"] == 0
 

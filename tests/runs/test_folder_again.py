@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from made_up import INPUTS, analysed_again, run_case
 
+from lammps_jump.case import load_case
 from lammps_jump.cli.app import main
 from lammps_jump.errors import RunInterrupted
 from lammps_jump.runs import start
@@ -109,8 +110,7 @@ def test_another_run_leaves_files_of_the_user(folder):
     assert {"force_sill.csv", "figures/depth_profile.png"} <= {
         str(path.relative_to(folder)) for path in map(Path, files(folder))
     }
-    case, _, _ = start.reopen(folder)
-    write_folder(case, folder)
+    write_folder(load_case(folder), folder)
     left = {str(Path(path).relative_to(folder)) for path in files(folder)}
     assert left == {"case.yaml", *mine}
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from lammps_jump.runs.steady import SteadyDetector, Tolerances, drift_of, flow_state
+from lammps_jump.runs.steady import SteadyDetector, drift_of, flow_state
 
 STEP, WINDOW = 0.1, 10.0
 
@@ -23,7 +23,7 @@ def stops(random, *, drift, correlation, size, windows=3.0):
     samples = int(windows * WINDOW / STEP)
     time = STEP * np.arange(samples)
     depth = 1.0 + drift * time / WINDOW + noise(random, samples, correlation, size)
-    detector = SteadyDetector(WINDOW, Tolerances(depth=0.02, discharge=0.02, toe=0.5))
+    detector = SteadyDetector(WINDOW)
     return any(detector.feed(t, value, 1.0, 5.0) for t, value in zip(time, depth, strict=True))
 
 
@@ -68,11 +68,9 @@ def test_no_toe_is_never_steady():
 
 
 def test_constant_series_stop_with_a_reason():
-    detector = SteadyDetector(WINDOW, start=5.0)
+    detector = SteadyDetector(WINDOW)
     times = [STEP * i for i in range(400) if detector.feed(STEP * i, 2.0, 3.0, 4.0)]
-    assert times[0] == pytest.approx(
-        5.0 + 1.5 * WINDOW, abs=2 * STEP
-    )  # first look after a window, second half one later
+    assert times[0] == pytest.approx(1.5 * WINDOW, abs=2 * STEP)  # first look after a window, second half one later
     assert "depth" in detector.reason and "t tests" in detector.reason
 
 
