@@ -42,7 +42,7 @@ def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
     Parameters
     ----------
     stream : xarray.Dataset
-        ``mass_depth`` and ``surface_depth`` (m) over (time, x), along the stream; the last bin ends at the sill or fall.
+        ``mass_depth`` and ``surface_depth`` (m) over (time, x), along the stream, up to a sill or fall.
     front : ndarray, shape (frames,), m
     depth : float
         Depth behind the jump, m: sets the zone, `BEHIND_FRONT` behind the front to `SILL_REACH` before the end.

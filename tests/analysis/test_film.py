@@ -197,9 +197,8 @@ def test_a_still_shows_the_radii_of_the_dump(tmp_path):
     for radius in (0.1, 0.4):
         columns = {"id": [1], "x": [5.0], "y": [1.0], "vx": [9.0], "vy": [0.0], "radius": [radius]}
         frame = make_frame(0, 0.0, [[0, 10], [0, 5]], columns)
-        view = {"x": (3.0, 7.0), "y": (0.2, 2.0), "top_speed": 1.0}
-        with Image.open(still(frame, flow, tmp_path / "a.png", width=900, **view)) as image:
+        with Image.open(still(frame, flow, tmp_path / "a.png", width=1280)) as image:
             picture = np.asarray(image).astype(int)
-        # the top of the scale is yellow: red, no blue
-        shown[radius] = ((picture[:, :700, 0] > 200) & (picture[:, :700, 2] < 120)).sum()
+        # the fastest disc has the top of the scale, which is yellow: red, no blue; the scale itself is on the right
+        shown[radius] = ((picture[:, :1000, 0] > 200) & (picture[:, :1000, 2] < 120)).sum()
     assert shown[0.4] / shown[0.1] == pytest.approx(16, rel=0.1)
