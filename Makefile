@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV   ?= .venv
 BIN     = $(VENV)/bin
-CASE   ?= inputs/hydraulic_jump.yaml
+CASE   ?= inputs/hydraulic_jump_graded.yaml
 
 .PHONY: run test check bench stress cross-validation sensitivity calibrate lint doctor test-repeat clean
 

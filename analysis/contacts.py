@@ -59,14 +59,31 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True)
 
     As in the engines a disc behind a plane is pushed back, and one with its centre inside a block feels nothing.
     """
-    radius, stiffness = flow.scene.radius, flow.scene.coefficients.stiffness_wall
+    radius, relative_mass = flow.radii(frame), flow.relative_masses(frame)
     for distance, nx, ny in wall.contacts(frame.x, frame.y):
         index = np.flatnonzero((distance < radius) & ((nx != 0) | (ny != 0)))
         if index.size:
-            overlap, nx, ny = radius - distance[index], nx[index], ny[index]
+            overlap, nx, ny = radius[index] - distance[index], nx[index], ny[index]
             leaving = frame.vx[index] * nx + frame.vy[index] * ny if damping else np.zeros_like(overlap)
-            force = normal_forces(overlap, leaving, stiffness, flow.dashpots[1], flow.touch_width)
+            dashpot = flow.dashpots[1] * np.sqrt(relative_mass[index])
+            force = normal_forces(overlap, leaving, flow.scene.coefficients.stiffness_wall, dashpot, flow.touch_width)
             yield WallContacts(index, overlap, nx, ny, force)
+
+
+def touching_pairs(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Indices of both discs of each pair in contact, the sum of their radii (m) and their dashpot (N s/m)."""
+    x, y = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y))
+    first, second = close_pairs(x, y, 2 * flow.largest_radius(frame))
+    if not flow.sized:
+        diameter, dashpot = (np.broadcast_to(value, len(first)) for value in (flow.scene.diameter, flow.dashpots[0]))
+        return first, second, diameter, dashpot
+    radii, mass = flow.radii(frame), flow.relative_masses(frame)
+    dx, dy = x[second] - x[first], y[second] - y[first]
+    touch = np.sqrt(dx * dx + dy * dy) < radii[first] + radii[second]
+    first, second = first[touch], second[touch]
+    # a nominal pair has the effective mass 1/2
+    ratio = 2.0 * mass[first] * mass[second] / (mass[first] + mass[second])
+    return first, second, radii[first] + radii[second], flow.dashpots[0] * np.sqrt(ratio)
 
 
 def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts:
@@ -92,38 +109,38 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
         raise DumpError("contact forces need the stiffness of the discs (N/m): give stiffness=… with the dump.")
     points = np.column_stack([frame.x, frame.y])
     damping = damping and "vx" in frame.columns and "vy" in frame.columns
-    i, j = close_pairs(*(np.ascontiguousarray(values, float) for values in (frame.x, frame.y)), flow.scene.diameter)
+    i, j, apart, dashpot = touching_pairs(frame, flow)
     branch = points[i] - points[j]
     distance = np.hypot(*branch.T)
     normal = branch / distance[:, None]
-    overlap = flow.scene.diameter - distance
+    overlap = apart - distance
     opening = np.zeros_like(overlap)
     if damping:
         velocity = np.column_stack([frame.vx, frame.vy])
         opening = np.einsum("ij,ij->i", velocity[i] - velocity[j], normal)
-    force = normal_forces(overlap, opening, flow.scene.coefficients.stiffness, flow.dashpots[0], flow.touch_width)
+    force = normal_forces(overlap, opening, flow.scene.coefficients.stiffness, dashpot, flow.touch_width)
     parts = [(points[i], points[j], normal, overlap, force, np.zeros(len(force), bool))]
     for wall in flow.walls_at(flow.time(frame)):
         for face in wall_contacts(frame, wall, flow, damping=damping):
             here, normal = points[face.index], np.column_stack([face.nx, face.ny])
-            end = here - (flow.scene.radius - face.overlap)[:, None] * normal
+            end = here - (flow.radii(frame)[face.index] - face.overlap)[:, None] * normal
             parts.append((here, end, normal, face.overlap, face.force, np.ones(len(face.force), bool)))
     return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def _normal_forces_py(overlap, opening, stiffness, damping, touch):
-    """Normal force of each contact, N/m, shape (n,); parameters as of `law.normal_force`, the first two as arrays."""
+    """Normal force of each contact, N/m; parameters of `law.normal_force`, overlap, opening, damping of shape (n,)."""
     force = np.empty_like(overlap)
     for k in range(overlap.size):
-        force[k] = normal_force(overlap[k], opening[k], stiffness, damping, touch)[0]
+        force[k] = normal_force(overlap[k], opening[k], stiffness, damping[k], touch)[0]
     return force
 
 
 def _friction_forces_py(normal, slip, friction, damping, slope):
-    """Friction of each contact, N/m, shape (n,); parameters as of `law.friction_force`, the first two as arrays."""
+    """Friction of each contact, N/m; parameters of `law.friction_force`, normal, slip, damping of shape (n,)."""
     force = np.empty_like(normal)
     for k in range(normal.size):
-        force[k] = friction_force(normal[k], slip[k], friction, damping, slope)
+        force[k] = friction_force(normal[k], slip[k], friction, damping[k], slope)
     return force
 
 
@@ -135,8 +152,8 @@ def _stored_energies_py(overlap, touch):
     return energy
 
 
-def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, touch, low, bin_width, pressure):
-    """Elastic energy of overlapping pairs (first[p], second[p]); their thrust along x is added to `pressure`.
+def _pair_sums_py(x, y, vx, vy, first, second, apart, dashpot, stiffness, touch, low, bin_width, pressure):
+    """Elastic energy of overlapping pairs, of `touching_pairs`; their thrust along x is added to `pressure`.
 
     pressure[b] gains the mean over the planes x = const of bin b of the force that the discs left of the plane exert on
     those right of it: each contact acts along the line of centres, so it counts with the share of its x-extent that
@@ -148,12 +165,12 @@ def _pair_sums_py(x, y, vx, vy, first, second, diameter, stiffness, dashpot, tou
         i, j = first[p], second[p]
         dx, dy = x[j] - x[i], y[j] - y[i]
         distance = np.sqrt(dx * dx + dy * dy)
-        overlap = diameter - distance
+        overlap = apart[p] - distance
         energy += stiffness * stored_energy(overlap, touch)
         if bins == 0:
             continue
         opening = ((vx[j] - vx[i]) * dx + (vy[j] - vy[i]) * dy) / distance
-        force = normal_force(overlap, opening, stiffness, dashpot, touch)[0]
+        force = normal_force(overlap, opening, stiffness, dashpot[p], touch)[0]
         push = force * abs(dx) / distance
         left = min(x[i], x[j])
         right = max(x[i], x[j])
@@ -205,10 +222,9 @@ def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> Pair
     thrust = np.zeros(0 if edges is None else len(edges) - 1)
     vx, vy = (x, y) if edges is None else (np.ascontiguousarray(v, float) for v in (frame.vx, frame.vy))
     low, step = (0.0, 1.0) if edges is None else (float(edges[0]), float(edges[-1] - edges[0]) / len(thrust))
-    first, second = close_pairs(x, y, flow.scene.diameter)
-    law = (flow.scene.diameter, flow.scene.coefficients.stiffness, flow.dashpots[0], flow.touch_width)
-    energy = _pair_sums(x, y, vx, vy, first, second, *law, low, step, thrust)
-    return PairSums(float(energy), len(first), thrust)
+    pairs, stiffness = touching_pairs(frame, flow), flow.scene.coefficients.stiffness
+    energy = _pair_sums(x, y, vx, vy, *pairs, stiffness, flow.touch_width, low, step, thrust)
+    return PairSums(float(energy), len(pairs[0]), thrust)
 
 
 @dataclass(frozen=True)
@@ -266,12 +282,13 @@ def _wall_friction(frame: Frame, flow: Flow, face: WallContacts) -> np.ndarray:
     scene, c = flow.scene, flow.scene.coefficients
     slip = -frame.vx[face.index] * face.ny + frame.vy[face.index] * face.nx
     if scene.rotation and "omegaz" in frame.columns:
-        slip = slip - frame.column("omegaz")[face.index] * scene.radius
+        slip = slip - frame.column("omegaz")[face.index] * flow.radii(frame)[face.index]
     slope = None
     if scene.friction_law == "sign":
         top_speed = float(np.sqrt(np.max(frame.vx**2 + frame.vy**2)))
         slope = 1.0 / max(SIGN_RAMP * top_speed, 1e-300)
-    return friction_forces(face.force, slip, c.friction, c.mass * c.gamma_tangential_wall, slope)
+    damping = c.mass * c.gamma_tangential_wall * np.sqrt(flow.relative_masses(frame)[face.index])
+    return friction_forces(face.force, slip, c.friction, damping, slope)
 
 
 @dataclass(frozen=True)

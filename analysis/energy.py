@@ -67,12 +67,13 @@ class EnergyLedger:
         """Add a frame."""
         flow = self.flow
         mass, (gx, gy) = flow.scene.mass, flow.scene.gravity
-        x, y = frame.x, frame.y
-        kinetic = 0.5 * mass * float(np.dot(frame.vx, frame.vx) + np.dot(frame.vy, frame.vy))
+        x, y, vx, vy = (flow.by_mass(values, frame) for values in (frame.x, frame.y, frame.vx, frame.vy))
+        kinetic = 0.5 * mass * float(np.dot(frame.vx, vx) + np.dot(frame.vy, vy))
         rotational = 0.0
         if "omegaz" in frame.columns:
             spin = frame.column("omegaz")
-            rotational = 0.25 * mass * flow.scene.radius**2 * float(np.dot(spin, spin))
+            moment = flow.by_mass(flow.by_mass(spin, frame), frame)  # m R^2 goes with the square of the mass
+            rotational = 0.25 * mass * flow.scene.radius**2 * float(np.dot(spin, moment))
         potential = -mass * float(gx * x.sum() + gy * y.sum())
         elastic = np.nan
         if self.contacts is not None:

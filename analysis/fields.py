@@ -120,10 +120,10 @@ def compute_fields(
     cell_weight = _cell_weight(open_.tobytes(), open_.shape, spacing, reach, KERNELS[kernel])
     geometry = (low_x, low_y, spacing, reach, KERNELS[kernel])
 
-    m = flow.scene.mass
+    mass = flow.scene.mass * flow.relative_masses(frame)
     moving = "vx" in frame.columns and "vy" in frame.columns
     u, v = (frame.vx, frame.vy) if moving else (np.zeros(frame.n), np.zeros(frame.n))
-    weights = m * np.column_stack([np.ones(frame.n), u, v, u * u, u * v, v * v])
+    weights = mass[:, None] * np.column_stack([np.ones(frame.n), u, v, u * u, u * v, v * v])
     sums = np.zeros((6, *open_.shape))
     spread(np.column_stack([frame.x, frame.y]), weights, cell_weight, *geometry, sums)
     density = sums[0]

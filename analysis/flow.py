@@ -31,6 +31,8 @@ class Flow:
         y1 (m) and Va (m/s) where discs flow in by rows.
     notes : tuple of str
         What was guessed, in sentences.
+    sized : bool
+        Discs differ in size, and the frames tell each one's radius.
     """
 
     scene: Scene
@@ -40,6 +42,26 @@ class Flow:
     inflow_depth: float | None = None
     inflow_speed: float | None = None
     notes: tuple[str, ...] = ()
+    sized: bool = False
+
+    def radii(self, frame: Frame) -> np.ndarray:
+        """Radius of each disc, m, shape (n,), read-only; one number seen n times where discs are equal."""
+        radii = frame.radii if self.sized else self.scene.radius
+        if radii is None:
+            radii = 0.5 * self.scene.diameters(frame.ids)
+        return np.broadcast_to(radii, frame.n)
+
+    def relative_masses(self, frame: Frame) -> np.ndarray:
+        """Mass of each disc over the nominal mass, shape (n,), read-only; 1 seen n times where discs are equal."""
+        return np.broadcast_to((self.radii(frame) / self.scene.radius) ** 2 if self.sized else 1.0, frame.n)
+
+    def by_mass(self, values: np.ndarray, frame: Frame) -> np.ndarray:
+        """Values of the discs times their relative masses; the values themselves where discs are equal."""
+        return values * self.relative_masses(frame) if self.sized else values
+
+    def largest_radius(self, frame: Frame) -> float:
+        """Largest radius of a frame or, where all are smaller, the nominal one, m."""
+        return float(self.radii(frame).max(initial=self.scene.radius)) if self.sized else self.scene.radius
 
     @property
     def g(self) -> float:
@@ -63,7 +85,10 @@ class Flow:
 
     @property
     def dashpots(self) -> tuple[float, float]:
-        """Dashpots of a pair and of a disc at a wall, as the engine used them, N s/m."""
+        """Dashpots of a nominal pair and of a nominal disc at a wall, as the engine used them, N s/m.
+
+        With unequal discs they go with the root of the effective mass: one damping ratio holds for every contact.
+        """
         c = self.scene.coefficients
         return c.gamma_normal * 0.5 * c.mass, c.gamma_normal_wall * c.mass
 
@@ -104,7 +129,7 @@ class Flow:
         x = np.asarray(x, float)
         bed = np.full(x.shape, -np.inf)
         for floor in sorted(self._floors(), key=lambda floor: floor.underside):
-            carried = np.isinf(bed) | (floor.underside <= bed + self.scene.diameter)
+            carried = np.isinf(bed) | (floor.underside <= bed + self.scene.smallest)
             here = (x >= floor.x[0]) & (x <= floor.x[1]) & carried
             bed = np.where(here, np.maximum(bed, floor.top), bed)
         return np.where(np.isinf(bed), np.nan, bed)
@@ -155,10 +180,12 @@ def from_scene(
     x_range : (float, float), optional
         m; default from the inlet (else the left wall, else the domain) to the outlet (else the right wall …).
     inflow_depth, inflow_speed : float, optional
-        y1, m, and Va, m/s; default from the inlet rows: rows times spacing, and the mean of the rows' speeds.
+        y1, m, and Va, m/s; default from the inlet rows: the depth by mass that their discs carry, and the mean of their
+        speeds.
     """
     if scene.inlets and inflow_depth is None:
-        inflow_depth = len(scene.inlets) * scene.diameter
+        intervals = (scene.density * row.every_steps * scene.time_step * abs(row.vx) for row in scene.inlets)
+        inflow_depth = sum(scene.mean_mass / interval for interval in intervals)
     if scene.inlets and inflow_speed is None:
         inflow_speed = float(np.mean([row.vx for row in scene.inlets]))
     duration = scene.time(scene.steps)
@@ -169,6 +196,7 @@ def from_scene(
         window or (0.75 * duration, duration),
         inflow_depth,
         inflow_speed,
+        sized=scene.sizes is not None,
     )
 
 

@@ -148,16 +148,19 @@ class FrontTracker:
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        d, x, y = self.flow.scene.diameter, frame.x, frame.y
+        d = self.flow.scene.diameter
         if not frame.n:
             self._rows.append((time, nan, nan, nan, nan, nan))
             return
+        # where nominal discs with the same right and top edges would stand
+        larger = self.flow.radii(frame) - self.flow.scene.radius
+        x, y, left = frame.x + larger, frame.y + larger, frame.x - larger
         if self.back is None:  # no wall: the column's own left edge at the start
-            self.back = float(x.min()) - 0.5 * d
+            self.back = float(left.min()) - 0.5 * d
         bed = float(self.flow.bed_height(np.array([self.back + 0.5 * d]))[0])
         if not np.isfinite(bed):
-            bed = float(y.min()) - 0.5 * d
-        near = x - self.back < 1.5 * d
+            bed = float((frame.y - larger).min()) - 0.5 * d
+        near = left - self.back < 1.5 * d
         front = bulk_front(x, d)
         top, tip = nan, nan
         bulk = np.flatnonzero(x + 0.5 * d <= front + 1e-12)

@@ -18,9 +18,6 @@ from lammps_jump.scene.walls import Interval, Plane, Wall
 
 from .flow import Flow
 
-DIAMETER_COLUMNS = (("diameter", 1.0), ("radius", 2.0))
-"""Columns that tell the diameter, and the factor."""
-
 
 def from_dump(
     dump: Dump,
@@ -46,10 +43,12 @@ def from_dump(
     ----------
     dump : Dump
     diameter : float, optional
-        m; default from a ``diameter`` or ``radius`` column, else the 1 % quantile of the nearest-neighbour
+        m, of all discs; default from a ``radius`` or ``diameter`` column, else the 1 % quantile of nearest-neighbour
         distances of the frame with the most discs (a lower bound where discs overlap, too large in a dilute gas).
+        Where the column's values differ each disc has its own; the nominal diameter is then that of the mean mass.
     density, mass : float, optional
         kg/m^3 (default 1000) and kg per metre of width (default a ``mass`` column, else density diameter^2).
+        With unequal discs, of the nominal one: masses go with the square of the diameter.
     gravity : float or (float, float), optional
         Default 9.81 m/s^2 downwards, tilted by `slope` degrees (the flow runs down towards larger x).
     floor : float, optional
@@ -78,14 +77,15 @@ def from_dump(
     for looked_at in frames:
         require_finite(looked_at, dump.path)
     frame = max(frames, key=lambda f: f.n)
+    sized = diameter is None and _differ(frame)
     if diameter is None:
         diameter = _guess_diameter(frame, notes)
     if density is None:
         density = 1000.0
         notes.append("Density taken as 1000 kg/m3.")
     if mass is None and "mass" in frame.columns:
-        mass = float(np.median(frame.columns["mass"]))
-        notes.append(f"Mass {mass:.6g} kg from the dump's mass column (median).")
+        mass = float(np.mean(frame.columns["mass"]) if sized else np.median(frame.columns["mass"]))
+        notes.append(f"Mass {mass:.6g} kg from the dump's mass column ({'mean' if sized else 'median'}).")
     elif mass is None:
         mass = density * diameter**2
         notes.append(f"Mass taken as density x diameter^2 = {mass:.6g} kg per metre of width.")
@@ -94,15 +94,15 @@ def from_dump(
         notes.append("Gravity taken as 9.81 m/s2.")
     if np.isscalar(gravity):
         gravity = (gravity * sin(radians(slope)), -gravity * cos(radians(slope)))
-    occupied = [f for f in frames if f.n]
+    occupied = [(f, f.radii if sized else 0.5 * diameter) for f in frames if f.n]
     if walls is None:
         if floor is None:
-            floor = float(min(f.y.min() for f in occupied)) - 0.5 * diameter
+            floor = float(min((f.y - radius).min() for f, radius in occupied))
             notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
         walls = (Plane("floor", "y", floor, "above"),)
     if x_range is None:
-        low, high = min(f.x.min() for f in occupied), max(f.x.max() for f in occupied)
-        x_range = (float(low - 0.5 * diameter), float(high + 0.5 * diameter))
+        low, high = min((f.x - r).min() for f, r in occupied), max((f.x + r).max() for f, r in occupied)
+        x_range = (float(low), float(high))
         notes.append(f"Profiles from x = {x_range[0]:.6g} to {x_range[1]:.6g} m: as far as discs were seen.")
     if all(header.time is None for header in headers) and time_step is None:
         notes.append("The dump carries no times and no time step was given: times are step numbers.")
@@ -123,7 +123,7 @@ def from_dump(
         velocities=np.empty((0, 2)),
         walls=tuple(walls),
     )
-    return Flow(scene, x_range, bin_width or 5 * scene.diameter, window, notes=tuple(notes))
+    return Flow(scene, x_range, bin_width or 5 * scene.diameter, window, notes=tuple(notes), sized=sized)
 
 
 def known_coefficients(**known: float | None) -> Coefficients:
@@ -133,14 +133,22 @@ def known_coefficients(**known: float | None) -> Coefficients:
     return Coefficients(**values | {name: float(value) for name, value in known.items() if value is not None})
 
 
+def _differ(frame: Frame) -> bool:
+    """Whether the file tells radii that differ."""
+    return frame.radii is not None and bool(np.ptp(frame.radii) > 1e-6 * np.max(frame.radii))
+
+
 def _guess_diameter(frame: Frame, notes: list[str]) -> float:
-    for column, factor in DIAMETER_COLUMNS:
-        if column in frame.columns:
-            sizes = factor * frame.columns[column]
-            if np.ptp(sizes) > 1e-6 * np.max(sizes):
-                notes.append(f"Discs differ in size ({sizes.min():.6g} to {sizes.max():.6g} m): the mean is used.")
-            notes.append(f"Diameter from the dump's {column} column.")
+    if frame.radii is not None:
+        sizes = 2 * frame.radii
+        notes.append(f"Diameter from the dump's {'radius' if 'radius' in frame.columns else 'diameter'} column.")
+        if not _differ(frame):
             return float(np.mean(sizes))
+        notes.append(
+            f"Discs differ in size ({sizes.min():.6g} to {sizes.max():.6g} m): each has its own; the nominal diameter "
+            "is that of the mean mass."
+        )
+        return float(np.sqrt(np.mean(sizes**2)))
     if frame.n < 2:
         raise DumpError("one disc and no diameter or radius column: give the diameter.")
     from scipy.spatial import cKDTree

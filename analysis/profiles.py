@@ -73,9 +73,10 @@ def compute_profiles(
     """Profiles of every frame, and their means and standard errors over a window.
 
     The free surface is the mean, over eight vertical lines a diameter, of the top edge of the highest disc that the
-    line cuts among the discs *connected* to the bed: a chain of centres no further than two diameters apart, whose
-    first has no more than a diameter of air under it. A line that cuts none counts as dry. A disc that is splashed
-    up has no such chain and does not count. ``packing`` uses all discs of the bin over the area below that surface.
+    line cuts among the discs *connected* to the bed: a chain of centres no further than two diameters apart (of the
+    largest disc where sizes differ), whose first has no more than a diameter of air under it. A line that cuts none
+    counts as dry. A disc that is splashed up has no such chain and does not count. ``packing`` uses all discs of the
+    bin over the area below that surface.
 
     Parameters
     ----------
@@ -105,7 +106,7 @@ def compute_profiles(
     """
     width = flow.bin_width if bin_width is None else bin_width
     edges = bin_edges(flow.x_range if x_range is None else x_range, width)
-    bins, radius = len(edges) - 1, flow.scene.radius
+    bins = len(edges) - 1
     bed = flow.mean_bed(edges)
     lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
     bed_lines = flow.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
@@ -120,49 +121,53 @@ def compute_profiles(
             )
         sums = np.zeros((6, bins))
         beyond = np.zeros(2)
-        bin_frame(x, y, vx, vy, edges[0], width, radius, sums, beyond)
-        surface = surface_frame(x, y, vx, flow.bed_height(x), bed_lines, edges[0], width, bins, radius)
-        kept.append((flow.time(frame), frame.step, frame.n, beyond, sums[:5], *surface))
+        radius, mass = flow.radii(frame), flow.relative_masses(frame)
+        bin_frame(x, y, vx, vy, radius, mass, edges[0], width, sums, beyond)
+        reach = REACH * 2.0 * flow.largest_radius(frame)
+        surface = surface_frame(x, y, vx, radius, reach, flow.bed_height(x), bed_lines, edges[0], width, bins)
+        kept.append((flow.time(frame), frame.step, frame.n, mass.sum(), beyond, sums, *surface))
     if not kept:
         raise DumpError("there is no frame to make profiles of.")
-    times, steps, discs, beyond, sums, surface, top_speed = (np.array(part) for part in zip(*kept, strict=True))
+    times, steps, discs, total, beyond, sums, surface, top_speed = (np.array(part) for part in zip(*kept, strict=True))
     values = _values(sums, surface, top_speed, bed, width, flow)
-    dataset = _dataset(values, times, steps, discs, beyond * flow.scene.mass, edges, bed, flow)
+    masses = (flow.scene.mass * part for part in (total, *beyond.T))
+    dataset = _dataset(values, times, steps, discs, masses, edges, bed, flow)
     return add_means(dataset, window or flow.window)
 
 
 def _values(sums, surface, top_speed, bed, width, flow) -> dict[str, np.ndarray]:
-    """The `VARIABLES` of all frames, shape (frames, bins), of their sums over the bins, shape (frames, 5, bins)."""
-    count, speed, momentum, energy, height = sums.transpose(1, 0, 2)
-    some, wet = count > 1e-12, surface > 0
-    safe, disc_area = np.where(some, count, 1.0), np.pi * flow.scene.radius**2
+    """The `VARIABLES` of all frames, shape (frames, bins), of their sums over the bins, shape (frames, 6, bins)."""
+    mass, speed, momentum, energy, height, count = sums.transpose(1, 0, 2)
+    some, wet = mass > 1e-12, surface > 0
+    safe, disc_area = np.where(some, mass, 1.0), np.pi * flow.scene.radius**2
     depth_unit = flow.scene.mass / (flow.scene.density * width)
     return {
         "surface_depth": surface,
-        "mass_depth": count * depth_unit,
+        "mass_depth": mass * depth_unit,
         "velocity": np.where(some, speed / safe, np.nan),
         "discharge": speed * depth_unit,
         "momentum_flux": momentum * depth_unit,
         "energy_flux": energy * depth_unit,
-        "packing": np.where(wet, count * disc_area / (width * np.where(wet, surface, 1.0)), np.nan),
+        "packing": np.where(wet, mass * disc_area / (width * np.where(wet, surface, 1.0)), np.nan),
         "surface_velocity": top_speed,
         "centroid_height": np.where(some, height / safe, np.nan) - bed,
         "count": count.copy(),  # no view, which would keep all sums
     }
 
 
-def _dataset(values, times, steps, discs, beyond, edges, bed, flow) -> xr.Dataset:
+def _dataset(values, times, steps, discs, masses, edges, bed, flow) -> xr.Dataset:
     def described(array, units, long_name, dims=("time",)):
         return dims, array, {"units": units, "long_name": long_name}
 
+    total, left, right = masses
     variables = {name: described(values[name], *VARIABLES[name], ("time", "x")) for name in VARIABLES}
     variables |= {
         "bed": described(bed, "m", "height of the bed (mean over the bin)", ("x",)),
         "step": described(steps, "1", "time step of the frame"),
         "discs": described(discs, "1", "discs in the frame"),
-        "mass_total": described(discs * flow.scene.mass, "kg m-1", "mass of all discs per unit width"),
-        "mass_left": described(beyond[:, 0], "kg m-1", "mass left of the first bin"),
-        "mass_right": described(beyond[:, 1], "kg m-1", "mass right of the last bin"),
+        "mass_total": described(total, "kg m-1", "mass of all discs per unit width"),
+        "mass_left": described(left, "kg m-1", "mass left of the first bin"),
+        "mass_right": described(right, "kg m-1", "mass right of the last bin"),
     }
     return xr.Dataset(
         variables,
@@ -182,7 +187,8 @@ def _dataset(values, times, steps, discs, beyond, edges, bed, flow) -> xr.Datase
             "gravity_x": flow.scene.gravity[0],
             "gravity_y": flow.scene.gravity[1],
             "surface_definition": "mean over vertical lines of the top edge of the highest disc connected to the bed; "
-            f"{LINES_PER_DIAMETER} lines a diameter; connected: a chain of centres at most 2 diameters apart",
+            f"{LINES_PER_DIAMETER} lines a diameter; connected: a chain of centres at most 2 diameters apart"
+            + (" (of the largest disc)" if flow.sized else ""),
             "notes": " ".join(flow.notes),
         },
     )
@@ -262,19 +268,20 @@ def _left_share_py(a):
     return 0.5 + (a * sqrt(1.0 - a * a) + asin(a)) / pi
 
 
-def _bin_frame_py(x, y, vx, vy, low, width, radius, sums, beyond):
-    """Add discs to ``sums[quantity, bin]`` and ``beyond`` (left, right), in shares of area.
+def _bin_frame_py(x, y, vx, vy, radius, mass, low, width, sums, beyond):
+    """Add discs to ``sums[quantity, bin]`` and the mass of ``beyond`` (left, right), in shares of area.
 
-    Quantities: number, sum of u, of u^2, of u |v|^2 / 2, of y, of v.
+    Quantities: mass; sum of u, of u^2, of u |v|^2 / 2 and of y, each times the mass; number.
     """
     bins = sums.shape[1]
     for i in range(len(x)):
-        left = (x[i] - radius - low) / width
+        r, m = radius[i], mass[i]
+        left = (x[i] - r - low) / width
         if left >= bins:
-            beyond[1] += 1.0
+            beyond[1] += m
             continue
-        if (x[i] + radius - low) / width <= 0.0:
-            beyond[0] += 1.0
+        if (x[i] + r - low) / width <= 0.0:
+            beyond[0] += m
             continue
         u = vx[i]
         kinetic = 0.5 * (u * u + vy[i] * vy[i])
@@ -283,24 +290,25 @@ def _bin_frame_py(x, y, vx, vy, low, width, radius, sums, beyond):
         k = first
         while done < 1.0:
             # everything outside the range is one bin on either side
-            upto = 1.0 if k >= bins else _left_share((low + (k + 1) * width - x[i]) / radius)
+            upto = 1.0 if k >= bins else _left_share((low + (k + 1) * width - x[i]) / r)
             share = upto - done
+            part = share * m
             done = upto
             if k < 0:
-                beyond[0] += share
+                beyond[0] += part
             elif k >= bins:
-                beyond[1] += share
+                beyond[1] += part
             else:
-                sums[0, k] += share
-                sums[1, k] += share * u
-                sums[2, k] += share * u * u
-                sums[3, k] += share * u * kinetic
-                sums[4, k] += share * y[i]
-                sums[5, k] += share * vy[i]
+                sums[0, k] += part
+                sums[1, k] += part * u
+                sums[2, k] += part * u * u
+                sums[3, k] += part * u * kinetic
+                sums[4, k] += part * y[i]
+                sums[5, k] += share
             k += 1
 
 
-def _connected_py(x, y, bed, reach, radius):
+def _connected_py(x, y, radius, reach, bed):
     """Whether each disc is connected to the bed (breadth-first search over a cell grid of side `reach`)."""
     n = len(x)
     joined = np.zeros(n, np.bool_)
@@ -309,9 +317,10 @@ def _connected_py(x, y, bed, reach, radius):
     cell, start, members, nx, ny = sort_into_cells(x, y, reach)
     queue = np.empty(n, np.int64)
     tail = 0
+    air = reach / REACH
     for i in range(n):
         # at most a diameter of air below the disc; false where the bed is NaN
-        if -2.0 * radius <= y[i] - bed[i] <= 3.0 * radius:
+        if -2.0 * radius[i] <= y[i] - bed[i] <= radius[i] + air:
             joined[i] = True
             queue[tail] = i
             tail += 1
@@ -335,24 +344,27 @@ def _connected_py(x, y, bed, reach, radius):
     return joined
 
 
-def _surface_frame_py(x, y, vx, bed, bed_lines, low, width, bins, radius):
+def _surface_frame_py(x, y, vx, radius, reach, bed, bed_lines, low, width, bins):
     """Depth of the free surface (m) and mean u of the discs that form it (m/s, NaN where dry), a value a bin.
 
     `bed` is the floor's height under each disc, `bed_lines` at each line, m; line k of the range stands at
     ``low + (k + 1/2) spacing``. A line without a floor makes its bin NaN.
     """
-    joined = _connected(x, y, bed, REACH * 2.0 * radius, radius)
+    joined = _connected(x, y, radius, reach, bed)
     lines = len(bed_lines)
     per_bin = lines // bins
     spacing = width / per_bin
     top = np.full(lines, -1, np.int64)
+    top_y, top_radius = np.full(lines, -np.inf), np.zeros(lines)
     for i in range(len(x)):
         if joined[i]:
-            first = max(ceil((x[i] - radius - low) / spacing - 0.5), 0)
-            last = min(floor((x[i] + radius - low) / spacing - 0.5), lines - 1)
+            r, height = radius[i], y[i]
+            first = max(ceil((x[i] - r - low) / spacing - 0.5), 0)
+            last = min(floor((x[i] + r - low) / spacing - 0.5), lines - 1)
             for k in range(first, last + 1):
-                if top[k] < 0 or y[i] > y[top[k]]:
-                    top[k] = i
+                # the higher top edge, without rounding where discs are equal
+                if height - top_y[k] > top_radius[k] - r:
+                    top[k], top_y[k], top_radius[k] = i, height, r
     depth = np.zeros(bins)
     speed = np.zeros(bins)
     for b in range(bins):
@@ -360,8 +372,8 @@ def _surface_frame_py(x, y, vx, bed, bed_lines, low, width, bins, radius):
         for k in range(b * per_bin, (b + 1) * per_bin):
             if np.isnan(bed_lines[k]):
                 depth[b] = np.nan
-            elif top[k] >= 0 and y[top[k]] + radius > bed_lines[k]:
-                depth[b] += y[top[k]] + radius - bed_lines[k]
+            elif top_y[k] + top_radius[k] > bed_lines[k]:
+                depth[b] += top_y[k] + top_radius[k] - bed_lines[k]
                 speed[b] += vx[top[k]]
                 wet += 1
         depth[b] /= per_bin

@@ -146,7 +146,7 @@ class _Painter:
             paint_walls(self.grounds[gates][self.inside], view, self.flow.scene.walls, gates)
         picture = self.grounds[gates].copy()
         colours = coloured(disc_speeds(frame), self.top_speed, self.table)
-        paint_discs(picture[self.inside], view, frame.x, frame.y, self.flow.scene.radius, colours)
+        paint_discs(picture[self.inside], view, frame.x, frame.y, self.flow.radii(frame), colours)
         for (x, y), history in self.forces:
             fx, fy = (self.pixels_per_newton * np.interp(time, history.time, part) for part in (history.fx, history.fy))
             start = float(view.column(x)), float(view.row(y))

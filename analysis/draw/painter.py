@@ -85,7 +85,7 @@ def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates:
     picture[solid & beside] = EDGE
 
 
-def paint_discs(picture: np.ndarray, view: View, x, y, radius: float, colours: np.ndarray) -> None:
+def paint_discs(picture: np.ndarray, view: View, x, y, radius, colours: np.ndarray) -> None:
     """Discs as anti-aliased circles.
 
     Parameters
@@ -93,10 +93,12 @@ def paint_discs(picture: np.ndarray, view: View, x, y, radius: float, colours: n
     picture : ndarray, shape (height, width, 3), uint8
         Painted in place.
     x, y : ndarray, shape (n,), m
-    radius : float, m
+    radius : float or ndarray of shape (n,), m
     colours : ndarray, shape (n, 3), uint8
     """
-    _paint_discs(picture, view.column(x), view.row(y), radius * view.scale, np.ascontiguousarray(colours, np.uint8))
+    column, row = view.column(x), view.row(y)
+    pixels = np.broadcast_to(np.asarray(radius, float), column.shape)
+    _paint_discs(picture, column, row, pixels, view.scale, np.ascontiguousarray(colours, np.uint8))
 
 
 def paint_arrow(picture: np.ndarray, start, end, thickness: float, colour) -> None:
@@ -131,13 +133,13 @@ def coloured(values: np.ndarray, top: float, table: np.ndarray) -> np.ndarray:
     return table[np.clip((scaled * len(table)).astype(int), 0, len(table) - 1)]
 
 
-def _paint_discs_py(picture, column, row, radius, colours):
+def _paint_discs_py(picture, column, row, radius, scale, colours):
     height, width = picture.shape[0], picture.shape[1]
-    # a disc below a pixel keeps its share of the pixel's ink
-    rim = max(radius, 0.5)
-    ink = min(1.0, (radius / rim) ** 2)
     for i in range(len(column)):
         c, r = column[i], row[i]
+        rim, ink = radius[i] * scale, 1.0
+        if rim < 0.5:  # a disc below a pixel keeps its share of the pixel's ink
+            rim, ink = 0.5, (rim / 0.5) ** 2
         if not (-rim - 1.0 <= c <= width + rim + 1.0 and -rim - 1.0 <= r <= height + rim + 1.0):
             continue
         for py in range(max(floor(r - rim - 0.5), 0), min(ceil(r + rim + 0.5), height)):

@@ -53,7 +53,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
         for frame, speed, place in zip(chosen, speeds, places, strict=True):
             picture = blank(view)
             paint_walls(picture, view, flow.scene.walls, flow.shut_gates(flow.time(frame)))
-            paint_discs(picture, view, frame.x, frame.y, flow.scene.radius, coloured(speed, top_speed, table))
+            paint_discs(picture, view, frame.x, frame.y, flow.radii(frame), coloured(speed, top_speed, table))
             axes = figure.add_subplot(place, sharex=first, sharey=first)
             first = first or axes
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")

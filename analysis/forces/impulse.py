@@ -23,9 +23,10 @@ class MomentumHistory:
     ----------
     time : ndarray, shape (frames,), s
     momentum : ndarray, shape (frames, 2), N s
-    discs : ndarray of int, shape (frames,)
+    discs : ndarray, shape (frames,)
+        Mass of all discs over the nominal mass: their number where they are equal.
     same : ndarray of bool, shape (frames,)
-        The discs are those of the frame before.
+        The discs are those of the frame before, and have their masses.
     forces : dict of ndarray, shape (frames, 2), N
         Force on the discs by each probed wall at the frame itself, from positions and velocities.
     unprobed : dict of ndarray of bool, shape (frames, 2)
@@ -54,10 +55,13 @@ class MomentumLedger:
         """Add a frame."""
         flow = self.flow
         ids = np.sort(frame.ids)
+        discs = float(flow.relative_masses(frame).sum())
         same = self._ids is not None and np.array_equal(ids, self._ids)
+        # a disc that was poured may have got its own size since
+        same = same and abs(discs - self._rows[-1][3]) < 1e-7 * discs
         self._ids = ids
-        mass = flow.scene.mass
-        self._rows.append((time, mass * float(frame.vx.sum()), mass * float(frame.vy.sum()), frame.n, same))
+        momentum = (flow.scene.mass * float(flow.by_mass(v, frame).sum()) for v in (frame.vx, frame.vy))
+        self._rows.append((time, *momentum, discs, same))
         self._forces.append({})
         self._unprobed.append({})
         # the last frame before a gate opens counts as with the gate, the first one after as without
@@ -73,7 +77,7 @@ class MomentumLedger:
         """The history of all frames added."""
         time, *momentum, discs, same = np.array(self._rows, float).reshape(-1, 5).T
         forces, unprobed = _by_wall(self._forces, float), _by_wall(self._unprobed, bool)
-        return MomentumHistory(time, np.transpose(momentum), discs.astype(int), same.astype(bool), forces, unprobed)
+        return MomentumHistory(time, np.transpose(momentum), discs, same.astype(bool), forces, unprobed)
 
 
 def _by_wall(frames: list[dict[str, tuple]], kind: type) -> dict[str, np.ndarray]:

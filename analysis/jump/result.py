@@ -34,6 +34,7 @@ from .frame import (
     roller,
     zones,
 )
+from .tail import Tail, measure_tail
 from .track import JumpTrack, Motion, straight_motion, track_jump
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ class JumpResult:
     mass : Mass or None
     roller : Roller or None
     heap : Heap or None
+    tail : Tail or None
     """
 
     verdict: str
@@ -115,6 +117,7 @@ class JumpResult:
     mass: Mass | None = None
     roller: Roller | None = None
     heap: Heap | None = None
+    tail: Tail | None = None
 
     @property
     def speed(self) -> float:
@@ -234,6 +237,7 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray, gravity: 
         balance=balance(moving, one, two, result.direction * result.flow.scene.gravity[0]),
         mass=mass_balance(moving, one, two),
         roller=roller(moving, speed, toe, end),
+        tail=measure_tail(stream.isel(time=used), front, two.mass_depth.value),
     )
 
 

@@ -89,7 +89,13 @@ def section(jump: Mapping) -> Section:
             )
         )
     if jump.get("y1") is not None:
-        blocks += [_states(jump), _comparisons(jump), _momentum(jump), _roller(jump["roller"])]
+        blocks += [
+            _states(jump),
+            _comparisons(jump),
+            _momentum(jump),
+            _roller(jump["roller"]),
+            *_tail(jump.get("tail")),
+        ]
     return Section("Hydraulic jump", blocks)
 
 
@@ -150,6 +156,21 @@ def _momentum(jump: Mapping) -> Text:
         f"upstream minus downstream: {100 * jump['momentum_residual']:+.1f} % of the downstream one; measured parts: "
         f"{explained}."
     )
+
+
+def _tail(tail: Mapping | None) -> list[Text]:
+    if not tail or tail["depth"] is None:
+        return []
+    text = (
+        f"Tail water over {tail['length']:.1f} m: mass depth {_with_error(tail['depth'], tail['depth_error'])} m, "
+        f"slope of its surface {_with_error(tail['slope'], tail['slope_error'])}."
+    )
+    if tail["belanger_y2"] is not None:
+        text += (
+            f" Bélanger gives {tail['belanger_y2']:.3f} m for the inflow in the front's frame: "
+            f"{_deviation(tail['depth'], tail['belanger_y2'])}."
+        )
+    return [Text(text)]
 
 
 def _roller(roller: Mapping) -> Text:

@@ -15,6 +15,7 @@ from lammps_jump.units import number
 
 from .frame import Balance, Mass, Roller
 from .result import Heap, JumpResult
+from .tail import Tail, against_inflow
 
 DEVELOPED_SHARE = 0.7
 """A front whose depth ratio stays below this share of Bélanger's is still on its way to be a jump."""
@@ -99,6 +100,7 @@ class Jump:
     momentum_terms: Balance | None = None
     mass: Mass | None = None
     roller: Roller | None = None
+    tail: Tail | None = None
     measured: JumpResult | None = field(default=None, metadata={"summary": False})
 
 
@@ -152,7 +154,16 @@ def _places(jump: Jump, used: np.ndarray) -> Jump:
         length_ramp=float(np.median(track.end[used] - track.toe[used])),
         developed=result.developed,
         roller=result.roller,
+        tail=_tail(result, jump.inflow),
     )
+
+
+def _tail(result: JumpResult, inflow: theory.Inflow | None) -> Tail:
+    """Tail water, held against the inflow where there is one."""
+    if inflow is None:
+        return result.tail
+    found = against_inflow(result.tail.depth, inflow, result.motion.speed, -result.flow.scene.gravity[1])
+    return replace(result.tail, belanger_y2=found[0], belanger_deviation=found[1])
 
 
 def _states(jump: Jump) -> Jump:

@@ -6,17 +6,19 @@ Each raises `CaseError` with the place in the file and the remedy.
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, radians, tan
 
 import numpy as np
 
 from lammps_jump.physics import contact
+from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene.scene import Gate, InletRow
+from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval, Wall
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
-from .packing import closest_pair, disc_count
+from .packing import deepest_overlap, disc_count
 from .text import CaseSource
 
 MOST_STEPS = 2_000_000_000
@@ -26,9 +28,13 @@ MOST_FRAMES = 1_000_000
 MOST_CELLS = 500_000_000
 """LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
 MOST_BINS = 100_000
+LEVEL_FRICTION = 0.02
+"""Largest friction, less the slope of the bed, at which the tail water of a jump became nearly level (measured)."""
 
 
-def check_size(case: CaseFields, source: CaseSource, settle_steps: int, steps: int, output_steps: int) -> None:
+def check_size(
+    case: CaseFields, source: CaseSource, settle_steps: int, steps: int, output_steps: int, sizes: Sizes | None
+) -> None:
     """Refuse more steps, frames or discs than a run can hold, before arrays are made."""
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
         index, settle = max(
@@ -52,7 +58,7 @@ def check_size(case: CaseFields, source: CaseSource, settle_steps: int, steps: i
             "run.output_interval",
             f"{case.run.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
         )
-    discs = sum(disc_count(item, case.discs.diameter) for item in case.initial)
+    discs = sum(disc_count(item, case.discs.diameter, sizes) for item in case.initial)
     if discs > MOST_DISCS:
         raise source.error(
             "initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer"
@@ -97,8 +103,8 @@ def check_names(case: CaseFields, source: CaseSource, walls: tuple[Wall, ...], g
             )
 
 
-def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Interval]) -> None:
-    """Refuse a pour that cannot fall, or whose region holds no disc or reaches out of the domain."""
+def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Interval], largest: float) -> None:
+    """Refuse a pour that cannot fall, or whose region does not hold the largest disc or reaches out of the domain."""
     pour = case.inflow
     if not isinstance(pour, PourInflow):
         return
@@ -108,7 +114,7 @@ def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Int
         raise source.error(
             "slope", f"is {case.slope:g} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
         )
-    d = case.discs.diameter
+    d = largest
     for axis, (low, high), limits in zip("xy", (pour.x, pour.y), domain, strict=True):
         if high - low < d * (1 - 1e-9):
             raise source.error(
@@ -148,6 +154,41 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
             )
 
 
+def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> list[str]:
+    """Refuse a law that discs of several sizes do not have; return notes on what sizes mean for the scene."""
+    friction = case.contact.friction
+    if sizes and friction and case.contact.restitution == 1:
+        raise source.error(
+            "contact.friction",
+            f"is {friction:g} with restitution 1; with discs.sizes the tangential dashpot is a multiple of the normal "
+            "one, which is 0 then: allowed is friction 0, restitution below 1, or equal discs",
+        )
+    notes = []
+    if isinstance(case.inflow, RowsInflow) and case.inflow.spacing < REFUSAL_GAP:
+        notes.append(
+            f"inflow.spacing {case.inflow.spacing:g}: discs so close slow each other down and find their places "
+            f"occupied, so that some per cent do not enter; take {LEAST_GAP:g}"
+        )
+    if isinstance(case.inflow, RowsInflow) and case.analysis.jump:
+        if not sizes:
+            notes.append(
+                "equal discs pack into a crystal behind the front: the tail water becomes a block with steps; for a "
+                "level surface spread the sizes, discs.sizes: {kind: uniform, spread: 0.2}"
+            )
+        if friction - tan(radians(case.slope)) > LEVEL_FRICTION:
+            notes.append(
+                f"friction {friction:g} on this bed makes a heap that runs upstream, not a level jump: the bed holds a "
+                f"sloping surface; for a hydraulic jump take contact.friction up to {LEVEL_FRICTION:g}"
+            )
+    for index, item in enumerate(case.initial):
+        if sizes and isinstance(item, Column) and item.hydrostatic and not item.settle and case.gravity:
+            notes.append(
+                f"initial[{index}]: discs of several sizes start touching, without the overlaps of hydrostatic: true, "
+                "and sink by 2 to 4 % at first; settle gives them time behind the gate (settle: 2)"
+            )
+    return notes
+
+
 def check_stop(case: CaseFields, source: CaseSource) -> list[str]:
     """Refuse `stop_when_steady` with a dump that it cannot read; return a warning if it has no effect."""
     if case.run.stop_when_steady and case.run.dump_format != "text":
@@ -161,7 +202,7 @@ def check_stop(case: CaseFields, source: CaseSource) -> list[str]:
 
 
 def check_stability(
-    case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, integrator: str
+    case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, integrator: str, sizes: Sizes | None
 ) -> list[str]:
     """Refuse an unstable step, unless ``run.allow_unstable``; return warnings about a step that is stable but long."""
     fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
@@ -175,7 +216,8 @@ def check_stability(
             "run.allow_unstable: true",
         )
     given = case.contact
-    found = slip_warnings(coefficients, given.friction_law, given.rotation)
+    smallest = sizes.smallest / case.discs.diameter if sizes else 1.0
+    found = slip_warnings(coefficients, given.friction_law, given.rotation, smallest)
     if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
         found.append(
             f"time_step_fraction {fraction:g} is stable, but at restitution {coefficients.restitution:g} the kink at "
@@ -194,6 +236,7 @@ def check_places(
     case: CaseFields,
     source: CaseSource,
     positions: np.ndarray,
+    sizes: Sizes | None,
     walls: tuple[Wall, ...],
     gates: tuple[Gate, ...],
     inlets: tuple[InletRow, ...],
@@ -205,24 +248,28 @@ def check_places(
     Parameters
     ----------
     positions : ndarray, shape (n, 2), m
+    sizes : Sizes or None
+        Where discs are not equal.
     allowed : float
         Largest overlap at the start, with discs, walls and gates, m.
     """
-    d = case.discs.diameter
     _check_in_domain(case, source, positions, inlets, domain)
-    close = closest_pair(positions, d)
-    if close is not None and d - close[0] > allowed * (1 + 1e-9):
-        distance, i, j = close
+    ids = np.arange(1, len(positions) + 1)
+    diameters = sizes.diameters(ids) if sizes else np.full(len(positions), case.discs.diameter)
+    found = deepest_overlap(positions, diameters)
+    if found is not None and found[0] > allowed * (1 + 1e-9):
+        overlap, i, j = found
         raise source.error(
             "initial",
             f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
-            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {d - distance:.3g} m at the start; "
+            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; "
             f"allowed is d/n = {allowed:.3g} m; move them apart",
         )
     for index, wall in enumerate(walls):
-        _check_free_of(wall, ("walls", index), case, source, positions, inlets, allowed)
+        _check_discs_free_of(wall, ("walls", index), source, positions, diameters, allowed)
+        _check_inlets_free_of(wall, source, inlets, sizes.largest if sizes else case.discs.diameter)
     for gate in gates:
-        _check_free_of(gate.wall, "initial", case, source, positions, (), allowed)
+        _check_discs_free_of(gate.wall, "initial", source, positions, diameters, allowed)
 
 
 def _check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
@@ -244,25 +291,27 @@ def _check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, do
                 )
 
 
-def _check_free_of(
-    wall: Wall, field: str | tuple[str, int], case: CaseFields, source: CaseSource, positions, inlets, allowed: float
+def _check_discs_free_of(
+    wall: Wall, field: str | tuple[str, int], source: CaseSource, positions, diameters, allowed: float
 ) -> None:
-    radius = case.discs.diameter / 2
-    if len(positions):
-        distance = wall.distance(positions[:, 0], positions[:, 1])
-        worst = int(np.argmin(distance))
-        if radius - distance[worst] > allowed * (1 + 1e-9):
-            raise source.error(
-                field,
-                f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
-                f"{radius - distance[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; "
-                "move the wall or the discs",
-            )
+    if not len(positions):
+        return
+    depth = diameters / 2 - wall.distance(positions[:, 0], positions[:, 1])
+    worst = int(np.argmax(depth))
+    if depth[worst] > allowed * (1 + 1e-9):
+        raise source.error(
+            field,
+            f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts {depth[worst]:.3g} m deep "
+            f"in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the discs",
+        )
+
+
+def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:
     for number, row in enumerate(inlets):
         distance = float(wall.distance(np.array([row.x]), np.array([row.y]))[0])
-        if distance < radius * (1 - 1e-6):
+        if distance < largest / 2 * (1 - 1e-6):
             raise source.error(
                 "inflow",
-                f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {radius - distance:.3g} m deep in wall "
+                f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in wall "
                 f"'{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall",
             )

@@ -9,6 +9,7 @@ from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval, Wall
 from lammps_jump.units import numbers_of
 
@@ -113,10 +114,33 @@ def _described(result: object, keys: str) -> list[Row]:
     return [(key, numbers[key].label, getattr(result, key), numbers[key].unit) for key in keys.split()]
 
 
+def _size_rows(scene: Scene) -> list[Row]:
+    """Discs of several sizes: their range, and the contacts of the smallest and of the largest pairs."""
+    if scene.sizes is None:
+        return []
+    c = scene.coefficients
+    rows: list[Row] = [
+        ("smallest_diameter", "smallest disc", scene.smallest, "m"),
+        ("largest_diameter", "largest disc", scene.largest, "m"),
+        ("mean_mass", "mean mass of a disc", scene.mean_mass, "kg/m"),
+    ]
+    for name, diameter in (("smallest", scene.smallest), ("largest", scene.largest)):
+        ratio = diameter / scene.diameter
+        rows += [
+            (f"contact_duration_{name}", f"contact duration, {name} pair", ratio * c.contact_duration, "s"),
+            (f"contact_steps_{name}", f"the same in steps, {name} pair", ratio * c.contact_steps, ""),
+        ]
+        if scene.touch == "sharp":
+            e = c.restitution_of_pair(ratio, scene.integrator)
+            rows.append((f"restitution_{name}", f"restitution in steps, {name} pair", e, ""))
+    return rows
+
+
 def _contact_rows(scene: Scene) -> list[Row]:
     c = scene.coefficients
     rows: list[Row] = [
         ("discs_at_start", "discs at the start", len(scene.positions), ""),
+        *_size_rows(scene),
         *_described(c, "mass stiffness stiffness_wall restitution damping_ratio damping damping_wall"),
         *_described(c, "correction correction_wall gamma_normal gamma_normal_wall friction"),
     ]
@@ -154,12 +178,14 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     found = theory.inflow_theory(inflow.depth, inflow.mean_speed, case.gravity)
     number, y1 = found.froude, found.depth
     low, high = theory.velocity_range(y1, case.gravity)
-    carried = sum(scene.diameter**2 / (row.every_steps * inflow.turns * scene.time_step) for row in scene.inlets)
+    mean_square = scene.mean_mass / scene.density
+    carried = sum(mean_square / (row.every_steps * scene.time_step) for row in scene.inlets)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
         ("jump_class", "class of jump", found.jump_class if number > 1 else "none: the inflow is subcritical", ""),
         ("discharge", "discharge asked for, Va y1", found.velocity * y1, "m^2/s"),
-        ("discharge_rows", "discharge of the rows as spaced", carried, "m^2/s"),
+        ("discharge_rows", "discharge of the rows, in whole steps", carried, "m^2/s"),
+        ("mass_flow_rows", "mass flow of the rows", scene.density * carried, "kg/(m s)"),
         ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),
         ("thesis_speed_high", "thesis' range of Va to", high, "m/s"),
     ]
@@ -184,7 +210,7 @@ def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:
 
 
 def skipped(
-    case: CaseFields, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...]
+    case: CaseFields, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...], sizes: Sizes | None
 ) -> tuple[str, ...]:
     """Sentences: what the engines leave out because the scene does not need it."""
     texts = []
@@ -207,9 +233,9 @@ def skipped(
         texts.append("outlet: no outflow")
     texts.append("z constraint: nothing pushes out of the plane")
     texts.append("tangential springs: the laws here have no history")
-    columns = "z, vz, radius, mass, type, forces" + (
-        "" if case.contact.rotation and case.contact.friction else ", spin"
-    )
+    columns = "z, vz, " + ("" if sizes else "radius, ") + "mass, type, forces"
+    if not (case.contact.rotation and case.contact.friction):
+        columns += ", spin"
     texts.append(f"dump columns {columns}: no analysis reads them")
     if not probes:
         texts.append("wall forces: no probe asks for them")

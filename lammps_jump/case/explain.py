@@ -11,14 +11,14 @@ from pydantic.fields import FieldInfo
 
 from lammps_jump.errors import CaseError
 
-from .fields import CaseFields, InflowField, InitialField, WallField
+from .fields import CaseFields, InflowField, InitialField, SizesField, WallField
 from .text import CaseSource, PathKey, nearest
 
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 """What pydantic calls a key that a model or a dataclass does not have."""
 
 
-UNIONS = {"walls": WallField, "initial": InitialField, "inflow": InflowField}
+UNIONS = {"walls": WallField, "initial": InitialField, "inflow": InflowField, "sizes": SizesField}
 """Fields whose ``kind`` tells which other fields they have."""
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Bounds as pydantic calls them."""
@@ -71,13 +71,18 @@ def _sentence(problem: dict, path: PathKey) -> str:
         return f"{value!r} is not a usable name; {letters} are allowed"
     if kind in ("tuple_type", "list_type", "too_long", "too_short", "missing_argument"):
         return f"{value!r} does not fit: {problem['msg'].lower()}; a pair is written [low, high], a list with dashes"
-    if kind in ("model_type", "dataclass_type", "dict_type"):
+    if kind in ("model_type", "model_attributes_type", "dataclass_type", "dict_type"):
         return f"{value!r} is a single value; this field is a group of fields (`lammps-jump new` shows one)"
     return f"{value!r} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
 
 
 def _tags(path: PathKey) -> str:
-    return ", ".join(f"'{_tag(member)}'" for member in get_args(get_args(UNIONS[str(path[0])])[0]))
+    union = next(UNIONS[part] for part in path if part in UNIONS)
+    return ", ".join(f"'{_tag(member)}'" for member in _members(union))
+
+
+def _members(union: object) -> tuple[type, ...]:
+    return get_args(get_args(union)[0])
 
 
 def fields_of(model: type) -> dict[str, FieldInfo]:
@@ -94,17 +99,17 @@ def _tag(model: type) -> str:
 
 def _model_at(location: tuple) -> type:
     """The model that owns the last part of pydantic's location."""
-    model: type = CaseFields
+    model, union = CaseFields, None
     for part in location[:-1]:
+        union = UNIONS.get(part, union)
         if isinstance(part, str):
             field = fields_of(model).get(part)
-            model = (_submodel(field) if field else _tagged(part)) or model
+            model = (_submodel(field) if field else _tagged(part, union)) or model
     return model
 
 
-def _tagged(tag: str) -> type | None:
-    members = (member for union in UNIONS.values() for member in get_args(get_args(union)[0]))
-    return next((member for member in members if _tag(member) == tag), None)
+def _tagged(tag: str, union: object) -> type | None:
+    return next((member for member in _members(union) if _tag(member) == tag), None) if union else None
 
 
 def _submodel(field: FieldInfo) -> type[BaseModel] | None:

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
+from lammps_jump.physics.inlet import LEAST_GAP
 from lammps_jump.scene.walls import KINDS, Coordinate, Extent, ordered
 from lammps_jump.units import (
     Degree,
@@ -52,11 +53,63 @@ class Strict(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
 
-class Discs(Strict):
-    """Equal discs; mass per metre of width = density * diameter^2."""
+Spread = Annotated[Plain, Field(ge=0, le=0.5, description="half the range of diameters, in nominal diameters")]
 
-    diameter: Metre = Field(**LENGTH)
+
+class UniformSizes(Strict):
+    """Diameters d(1 - s) to d(1 + s), all equally frequent by number."""
+
+    kind: Literal["uniform"]
+    spread: Spread
+
+
+class BidisperseSizes(Strict):
+    """Diameters d(1 - s) and d(1 + s)."""
+
+    kind: Literal["bidisperse"]
+    spread: Spread
+    share: Plain = Field(default=0.5, gt=0, lt=1, description="share of the large discs, by number")
+
+
+class ListSizes(Strict):
+    """Diameters one by one, with their shares by number."""
+
+    kind: Literal["list"]
+    diameters: tuple[Annotated[Metre, Field(**LENGTH)], ...] = Field(min_length=1, max_length=100)
+    shares: tuple[Annotated[Plain, Field(gt=0, le=1)], ...]
+
+    @model_validator(mode="after")
+    def _shares(self) -> ListSizes:
+        if len(self.shares) != len(self.diameters):
+            raise ValueError(
+                f"shares has {len(self.shares)} values, diameters {len(self.diameters)}; give one for each"
+            )
+        if abs(sum(self.shares) - 1.0) > 1e-6:
+            raise ValueError(f"shares add up to {sum(self.shares):g}; their sum must be 1")
+        return self
+
+
+SizesField = Annotated[UniformSizes | BidisperseSizes | ListSizes, Field(discriminator="kind")]
+WIDEST_SIZES = 4.0
+"""Largest ratio of a listed diameter and the nominal one."""
+
+
+class Discs(Strict):
+    """Discs; mass per metre of width = density * diameter^2."""
+
+    diameter: Metre = Field(**LENGTH, description="nominal diameter; of all discs without sizes")
     density: Density = Field(default=1000.0, ge=1e-3, le=1e6)
+    sizes: SizesField | None = Field(default=None, description="distribution of diameters; null: all equal")
+
+    @model_validator(mode="after")
+    def _near_nominal(self) -> Discs:
+        for value in self.sizes.diameters if isinstance(self.sizes, ListSizes) else ():
+            if not 1 / WIDEST_SIZES <= value / self.diameter <= WIDEST_SIZES:
+                raise ValueError(
+                    f"sizes.diameters holds {value:g} m; allowed are {self.diameter / WIDEST_SIZES:g} to "
+                    f"{self.diameter * WIDEST_SIZES:g} m, a quarter to four times the nominal diameter"
+                )
+        return self
 
 
 class Contact(Strict):
@@ -143,7 +196,7 @@ InitialField = Annotated[Column | Lattice | DiscList, Field(discriminator="kind"
 
 
 class RowsInflow(Strict):
-    """A jet of discs in rows (thesis 4.1-4.2): row i at height (i + 1/2) d above `y`."""
+    """A jet of discs in rows (thesis 4.1-4.2); row i at (i + 1/2) d_max above `y`."""
 
     kind: Literal["rows"]
     x: Coordinate = 0.0
@@ -151,12 +204,21 @@ class RowsInflow(Strict):
     depth: Metre = Field(**LENGTH)
     mean_speed: MetrePerSecond = Field(**SPEED)
     profile: Literal["power_law", "uniform"] = "power_law"
-    spacing: Plain = Field(default=1.02, ge=1, le=5, description="distance between discs of a row, in diameters")
-    back: Literal["wall", "open"] = Field(default="wall", description="wall: discs cannot flow back through the inlet")
-    turns: Whole = Field(
-        default=1, ge=1, le=48, description="attempts per spacing; more lets a drowned inlet refill sooner"
+    schedule: Literal["exact", "thesis"] = Field(
+        default="exact", description="exact: rows carry mean_speed * depth; thesis: touching rows fill the depth"
     )
-    exact_discharge: bool = Field(default=False, description="scale the rows so that they carry mean_speed * depth")
+    spacing: Plain = Field(
+        default=LEAST_GAP, ge=1, le=5, description="least distance between discs of a row, in largest diameters"
+    )
+    back: Literal["wall", "open"] = Field(default="wall", description="wall: discs cannot flow back through the inlet")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fields_of_0_1_0(cls, data: Any) -> Any:
+        """Leave out fields that earlier cases name: the default schedule carries the exact discharge."""
+        if isinstance(data, dict):
+            return {key: value for key, value in data.items() if key not in ("turns", "exact_discharge")}
+        return data
 
 
 class PourInflow(Strict):

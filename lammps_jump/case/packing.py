@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Discs at the start: columns with hydrostatic overlaps, lattices, lists; and the closest pair."""
+"""Discs at the start: columns with hydrostatic overlaps, lattices, lists; and the deepest overlap."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from lammps_jump.physics.contact import Coefficients
+from lammps_jump.scene.sizes import Sizes
 
 from .fields import Column, DiscList, Discs, Lattice
+from .piling import piled
 
 
 def column_counts(column: Column, diameter: float) -> tuple[int, int]:
@@ -21,9 +23,11 @@ def column_counts(column: Column, diameter: float) -> tuple[int, int]:
     return int(width + slack), int(height + slack)
 
 
-def disc_count(item: Column | Lattice | DiscList, diameter: float) -> int:
-    """Discs of one item of ``initial``, before any array of them is made."""
+def disc_count(item: Column | Lattice | DiscList, diameter: float, sizes: Sizes | None = None) -> int:
+    """Discs of one item of ``initial``, before any array of them is made; an estimate for columns with sizes."""
     if isinstance(item, Column):
+        if sizes:
+            return int((item.x[1] - item.x[0]) * (item.y[1] - item.y[0]) / sizes.mean_square)
         nx, ny = column_counts(item, diameter)
         return nx * ny
     return item.nx * item.ny if isinstance(item, Lattice) else len(item.positions)
@@ -64,14 +68,31 @@ def column_positions(column: Column, discs: Discs, gravity: float, contact: Coef
     return np.column_stack([np.concatenate(x_rows), np.repeat(y_rows, nx)])
 
 
+def pile(column: Column, sizes: Sizes, first: int) -> np.ndarray:
+    """Centres of a column of discs of several sizes, shape (n, 2): `piled`, from the id `first` on.
+
+    The discs touch. They do not overlap as far as their weight would press them; that needs time behind the gate.
+    """
+    if column.packing == "hexagonal":
+        raise ValueError(
+            "packing: hexagonal is for equal discs; discs of several sizes are packed one by one: drop packing, or "
+            "discs.sizes"
+        )
+    most = 2 * disc_count(column, 0.0, sizes) + 1
+    diameters = sizes.diameters(np.arange(first, first + most)).tolist()
+    return piled(diameters, column.x, column.y, sizes.largest)
+
+
 def arrange(
     item: Column | Lattice | DiscList,
     discs: Discs,
     gravity: float,
     contact: Coefficients,
     random: np.random.Generator,
+    sizes: Sizes | None = None,
+    first: int = 1,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and velocities, each of shape (n, 2), of one item of ``initial``.
+    """Positions and velocities, each of shape (n, 2), of one item of ``initial``, whose ids begin at `first`.
 
     Raises
     ------
@@ -79,7 +100,7 @@ def arrange(
         Where nothing fits or the velocities do not belong to the discs (the caller adds the place).
     """
     if isinstance(item, Column):
-        positions = column_positions(item, discs, gravity, contact)
+        positions = pile(item, sizes, first) if sizes else column_positions(item, discs, gravity, contact)
         if not len(positions):
             raise ValueError(
                 f"not one disc of {discs.diameter:g} m fits into x [{item.x[0]:g}, {item.x[1]:g}], "
@@ -106,19 +127,20 @@ def arrange(
     return positions, velocities
 
 
-def closest_pair(positions: np.ndarray, reach: float) -> tuple[float, int, int] | None:
-    """The closest two of `positions` (n, 2) that are nearer than `reach`: (distance, i, j), or None.
+def deepest_overlap(positions: np.ndarray, diameters: np.ndarray) -> tuple[float, int, int] | None:
+    """The two of `positions` (n, 2) that overlap most: (overlap, i, j), or None where none do.
 
-    Discs are sorted by cells of side `reach`. Each is compared with its own cell and four of the eight around it. The
-    search ends at a pair nearer than a tenth of `reach`: thousands of discs in one cell would take too long.
+    Discs are sorted by cells of the largest diameter. Each is compared with its own cell and four of the eight around.
+    The search ends at an overlap of nine tenths of the smallest: thousands of discs in one cell would take too long.
     """
     if len(positions) < 2:
         return None
+    reach, enough = diameters.max(), 0.9 * diameters.min()
     cells = np.floor((positions - positions.min(axis=0)) / reach).astype(np.int64)
     stride = cells[:, 1].max() + 3
     keys = (cells[:, 0] + 1) * stride + cells[:, 1] + 1
     order = np.argsort(keys, kind="stable")
-    keys, points = keys[order], positions[order]
+    keys, points, radii = keys[order], positions[order], 0.5 * diameters[order]
     best: tuple[float, int, int] | None = None
     for shift in (0, 1, stride - 1, stride, stride + 1):
         start = np.searchsorted(keys, keys + shift, "left")
@@ -128,10 +150,10 @@ def closest_pair(positions: np.ndarray, reach: float) -> tuple[float, int, int] 
         for offset in range(int(np.max(stop - start, initial=0))):
             mine = np.flatnonzero(start + offset < stop)
             other = start[mine] + offset
-            distance = np.hypot(*(points[mine] - points[other]).T)
-            least = int(np.argmin(distance))
-            if distance[least] < reach and (best is None or distance[least] < best[0]):
-                best = (float(distance[least]), int(order[mine[least]]), int(order[other[least]]))
-                if best[0] < 0.1 * reach:
+            overlap = radii[mine] + radii[other] - np.hypot(*(points[mine] - points[other]).T)
+            worst = int(np.argmax(overlap))
+            if overlap[worst] > (best[0] if best else 0.0):
+                best = (float(overlap[worst]), int(order[mine[worst]]), int(order[other[worst]]))
+                if best[0] > enough:
                     return best
     return best

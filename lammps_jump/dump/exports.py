@@ -146,9 +146,13 @@ def write_vti(fields: xr.Dataset, path: str | Path) -> Path:
 
 
 def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
-    """Discs of a frame as VTK points (``.vtp``) with id, velocity and diameter: glyphs in ParaView."""
+    """Discs of a frame as VTK points (``.vtp``) with id, velocity and diameter: glyphs in ParaView.
+
+    `diameter` (m) is that of all discs where the frame does not tell theirs.
+    """
     points = np.column_stack([frame.x, frame.y, np.zeros(frame.n)])
-    arrays = {"id": frame.ids.astype(float), "diameter": np.full(frame.n, float(diameter))}
+    diameters = np.full(frame.n, float(diameter)) if frame.radii is None else 2 * frame.radii
+    arrays = {"id": frame.ids.astype(float), "diameter": diameters}
     if "vx" in frame.columns and "vy" in frame.columns:
         arrays["velocity"] = np.column_stack([frame.vx, frame.vy, np.zeros(frame.n)])
     data = "".join(_data_array(name, values) for name, values in arrays.items())
@@ -171,14 +175,15 @@ def write_pvd(files: Iterable[tuple[float, str | Path]], path: str | Path) -> Pa
 def write_pictures(dump: Dump, folder: str | Path) -> list[Path]:
     """The thesis' ``picture0.dat … picture9.dat``: a line ``id x y`` a disc, at ten equal times of the dump.
 
-    A dump of fewer than ten frames gives as many files as it has frames.
+    The radius follows where the dump has it. A dump of fewer than ten frames gives as many files as it has frames.
     """
     written = []
     for number, frame in enumerate(dump.select(ten_indices(dump.count(), PICTURES))):
         frame = frame.sorted()
         written.append(Path(folder) / f"picture{number}.dat")
         with _writing(written[-1]) as file:
-            np.savetxt(file, np.column_stack([frame.ids, frame.x, frame.y]), "%d %.10g %.10g")
+            columns = [frame.ids, frame.x, frame.y, *([] if frame.radii is None else [frame.radii])]
+            np.savetxt(file, np.column_stack(columns), " ".join(["%d", *["%.10g"] * (len(columns) - 1)]))
     return written
 
 

@@ -96,6 +96,13 @@ class Frame:
         """Vertical velocity, m/s."""
         return self.column("vy")
 
+    @property
+    def radii(self) -> np.ndarray | None:
+        """Radius of each disc, m, from ``radius`` or ``diameter``; None where the file has neither."""
+        if "radius" in self.columns:
+            return self.columns["radius"]
+        return 0.5 * self.columns["diameter"] if "diameter" in self.columns else None
+
     def sorted(self) -> Frame:
         """The same frame with its discs in the order of their ids."""
         if "id" not in self.columns or np.all(np.diff(self.columns["id"]) > 0):

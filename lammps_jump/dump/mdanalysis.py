@@ -11,8 +11,9 @@ for its position and velocity, so that nothing is computed with it by accident: 
 MDAnalysis keeps positions and velocities as float32; the float64 originals are in ``ts.data``:
 ``positions`` and ``velocities`` (n_atoms, 3), ``present`` (n_atoms, bool), ``box_low`` (3: the box corner, which
 ``ts.dimensions`` cannot hold; positions are not shifted by it), ``step``, ``time``. Lengths are metres and times
-seconds (MDAnalysis converts nothing). ``ts.dimensions`` makes MDAnalysis treat the box as periodic, which it is not
-along x and y: give ``dimensions=False`` to leave it out, or keep distances below the free room around the discs.
+seconds (MDAnalysis converts nothing). Radii are those of the last frame that holds a disc, where the dump has any.
+``ts.dimensions`` makes MDAnalysis treat the box as periodic, which it is not along x and y: give ``dimensions=False``
+to leave it out, or keep distances below the free room around the discs.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ FORMAT = "JUMPDUMP"
 PRESENT = "prop x > -1e30"
 """Selection of the discs that are there: true for every number, false for NaN."""
 
-_scanned: dict[tuple, np.ndarray] = {}
+_scanned: dict[tuple, tuple[np.ndarray, np.ndarray]] = {}
 
 
 def universe(path: str | Path, *, diameter: float = 0.0, mass: float = 1.0, dimensions: bool = True):
@@ -44,9 +45,9 @@ def universe(path: str | Path, *, diameter: float = 0.0, mass: float = 1.0, dime
     ----------
     path : str or Path
     diameter : float
-        m; half of it becomes the atoms' radius.
+        m; half of it becomes the atoms' radius where the dump has no radii.
     mass : float
-        kg per metre of width.
+        kg per metre of width; where the dump has radii, of a disc of `diameter` or, without that, the mean.
     dimensions : bool
         Whether frames carry the box (MDAnalysis then takes it for periodic).
 
@@ -65,14 +66,23 @@ def present(universe, updating: bool = False):
 
 
 def all_ids(dump: Dump) -> np.ndarray:
-    """Every disc id of a dump, ascending, int64 (one pass, remembered while the file stays as it is)."""
+    """Every disc id of a dump, ascending, int64."""
+    return _all_discs(dump)[0]
+
+
+def _all_discs(dump: Dump) -> tuple[np.ndarray, np.ndarray]:
+    """Ids and last radii (m; NaN where the file has none) of all discs: one pass, remembered until the file changes."""
     status = dump.path.stat()
     key = (str(dump.path.resolve()), status.st_size, status.st_mtime_ns)
     if key not in _scanned:
-        ids = np.empty(0, np.int64)
+        ids, radii = np.empty(0, np.int64), np.empty(0)
         for frame in dump:
-            ids = np.union1d(ids, frame.ids)
-        _scanned[key] = ids
+            known, before, ids = ids, radii, np.union1d(ids, frame.ids)
+            radii = np.full(len(ids), np.nan)
+            radii[np.searchsorted(ids, known)] = before
+            if frame.radii is not None:
+                radii[np.searchsorted(ids, frame.ids)] = frame.radii
+        _scanned[key] = ids, radii
     return _scanned[key]
 
 
@@ -83,13 +93,16 @@ class JumpDumpParser(TopologyReaderBase):
 
     def parse(self, diameter: float = 0.0, mass: float = 1.0, **kwargs):
         """Topology with ids, radii and masses; every atom is of type 'disc'."""
-        ids = all_ids(open_dump(self.filename))
+        ids, radii = _all_discs(open_dump(self.filename))
         n = len(ids)
+        radii = np.where(np.isfinite(radii), radii, 0.5 * diameter)
+        nominal = 0.5 * diameter or float(np.sqrt(np.sum(radii**2) / max(n, 1)))
+        masses = mass * (radii / nominal) ** 2 if nominal else np.full(n, float(mass))
         attributes = [
             Atomids(ids),
             Atomtypes(np.full(n, "disc", dtype=object)),
-            Masses(np.full(n, float(mass))),
-            Radii(np.full(n, 0.5 * diameter, np.float32)),
+            Masses(masses),
+            Radii(radii.astype(np.float32)),
             Resids(np.array([1])),
             Resnums(np.array([1])),
             Segids(np.array(["DISCS"], dtype=object)),

@@ -146,7 +146,7 @@ class DumpWriter:
 
 
 def run_writer(folder: Path, scene: Scene, dump_format: str = "text", *, append: bool = False) -> DumpWriter:
-    """Writer of the dump of a run: id x y vx vy, and omegaz where discs spin.
+    """Writer of the dump of a run: id x y vx vy, omegaz where discs spin, radius where they are not equal.
 
     Parameters
     ----------
@@ -165,5 +165,6 @@ def run_writer(folder: Path, scene: Scene, dump_format: str = "text", *, append:
     """
     if dump_format not in DUMP_NAMES:
         raise CaseError(f"dump format {dump_format!r} is not known: use one of {', '.join(DUMP_NAMES)}")
-    columns = ("id", "x", "y", "vx", "vy", *(("omegaz",) if scene.rotation else ()))
+    own = (*(("omegaz",) if scene.rotation else ()), *(("radius",) if scene.sizes else ()))
+    columns = ("id", "x", "y", "vx", "vy", *own)
     return DumpWriter(folder / DUMP_NAMES[dump_format], columns, dump_format, append=append)

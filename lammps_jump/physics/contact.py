@@ -10,7 +10,7 @@ sqrt(k/m_eff), xi damping ratio, h = omega dt, f = dt / (2/omega of a pair).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, asin, atan2, exp, log, pi, sqrt
+from math import acos, asin, atan2, exp, log, nan, pi, sqrt
 
 from lammps_jump.units import number
 
@@ -29,6 +29,11 @@ def damping_ratio(restitution: float) -> float:
     """Share of critical damping xi = ln(1/e) / sqrt(pi^2 + ln^2(1/e)) (thesis 3.21)."""
     loss = log(1.0 / restitution)
     return loss / sqrt(pi**2 + loss**2)
+
+
+def restitution_of(ratio: float) -> float:
+    """Restitution coefficient of a damping ratio xi < 1: e = exp(-pi xi / sqrt(1 - xi^2)) (thesis 3.21, inverted)."""
+    return exp(-pi * ratio / sqrt(1.0 - ratio**2))
 
 
 def damping(restitution: float, stiffness: float, effective_mass: float) -> float:
@@ -260,6 +265,34 @@ class Coefficients:
     largest_overlap: float = number("m", "largest overlap at the reference speed", label="largest overlap at v0, pair")
 
     @property
+    def damping_by_root_mass(self) -> float:
+        """Dashpot of any pair over the root of its effective mass: c = this sqrt(m_eff), this = 2 xi' sqrt(k)."""
+        return self.gamma_normal * sqrt(self.mass / 2)
+
+    @property
+    def damping_by_root_mass_wall(self) -> float:
+        """The same at walls, whose effective mass is the disc's."""
+        return self.gamma_normal_wall * sqrt(self.mass)
+
+    @property
+    def tangential_ratio(self) -> float:
+        """Tangential dashpot over the normal one, gamma_t/gamma_n of a pair; NaN without a normal one."""
+        return self.gamma_tangential / self.gamma_normal if self.gamma_normal else nan
+
+    @property
+    def tangential_ratio_wall(self) -> float:
+        """The same at walls."""
+        return self.gamma_tangential_wall / self.gamma_normal_wall if self.gamma_normal_wall else nan
+
+    def restitution_of_pair(self, ratio: float, integrator: str) -> float:
+        """Mean restitution, in steps, of two discs whose diameter is `ratio` times the nominal one (sharp touch).
+
+        All pairs have the same damping ratio. Small discs have fewer steps in a contact, so a larger bias of the step.
+        """
+        mean = lagged_restitution if integrator == "velocity_verlet" else extrapolated_restitution
+        return mean(self.damping_ratio * self.correction, self.omega / ratio * self.time_step)
+
+    @property
     def inertia(self) -> float:
         """Moment of inertia of a uniform disc over R^2, kg: I / R^2 = m/2."""
         return 0.5 * self.mass
@@ -291,8 +324,9 @@ def derive(
     rotation: bool,
     tangential_damping: float | None = None,
     touch: str = "sharp",
+    smallest: float | None = None,
 ) -> Coefficients:
-    """All contact coefficients of a case.
+    """All contact coefficients of a case, of nominal discs.
 
     Parameters
     ----------
@@ -314,9 +348,13 @@ def derive(
         gamma_t in 1/s; default `TANGENTIAL_RATE` omega.
     touch : {'sharp', 'smooth'}
         A smooth touch gets `SMOOTH_SHARE` of the correction.
+    smallest : float, optional
+        Smallest diameter, m, where discs are not equal: its pairs set the time step and the limits of stability. The
+        correction of the dashpot is that of nominal pairs for all, so that one damping ratio holds for every contact.
     """
     mass = disc_mass(density, diameter)
-    critical = critical_time_step(stiffness, mass)
+    least = disc_mass(density, smallest or diameter)
+    critical = critical_time_step(stiffness, least)
     time_step = time_step_fraction * critical
     omega = angular_frequency(stiffness, mass / 2)
     omega_wall = angular_frequency(stiffness_wall, mass)
@@ -359,7 +397,14 @@ def derive(
         time_step_fraction=time_step_fraction,
         stable_fraction=min(
             stable_fraction(xi * factor, integrator),
-            wall_stable_fraction(stiffness, stiffness_wall, mass, factor * c_pair, factor_wall * c_wall, integrator),
+            wall_stable_fraction(
+                stiffness,
+                stiffness_wall,
+                least,
+                factor * damping(restitution, stiffness, least / 2),
+                factor_wall * damping(restitution, stiffness_wall, least),
+                integrator,
+            ),
         ),
         contact_duration=contact_duration(restitution, omega),
         contact_steps=contact_duration(restitution, omega) / time_step,

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import floor, inf, nan, sqrt
+from math import inf, nan, sqrt
 
 from lammps_jump.units import number
 
@@ -207,61 +207,6 @@ def velocity_range(depth_1: float, gravity: float = GRAVITY) -> tuple[float, flo
     """Mean inflow velocities the thesis admits, m/s: 5 and 9 sqrt(g y1), the range of the steady jump."""
     celerity = sqrt(gravity * depth_1)
     return 5.0 * celerity, 9.0 * celerity
-
-
-def power_law_velocity(height: float, depth: float, mean_velocity: float) -> float:
-    """Velocity at a height above the bed, m/s: (8/7) Va (y/y1)^(1/7) (thesis 4.1-4.2)."""
-    return 8.0 / 7.0 * mean_velocity * (height / depth) ** (1.0 / 7.0)
-
-
-def row_count(depth: float, diameter: float) -> int:
-    """Rows of discs in the inflow: as many whole diameters as the depth holds (thesis 4.1)."""
-    return floor(depth / diameter + 1e-9)  # 0.6 / 0.2 is 2.9999999999999996
-
-
-def row_heights(depth: float, diameter: float) -> tuple[float, ...]:
-    """Heights of the row centres above the bed, m: y_i = (i + 1/2) d, i = 0, 1, … (thesis 4.1)."""
-    return tuple((i + 0.5) * diameter for i in range(row_count(depth, diameter)))
-
-
-def row_velocities(
-    depth: float, diameter: float, mean_velocity: float, *, profile: str = "power_law", exact_discharge: bool = False
-) -> tuple[float, ...]:
-    """Velocity of each inflow row, m/s, from the bed upward.
-
-    Parameters
-    ----------
-    depth, diameter, mean_velocity : float
-        y1 (m), d (m), Va (m/s).
-    profile : {'power_law', 'uniform'}
-        `power_law_velocity` at the row centres, or Va in every row.
-    exact_discharge : bool
-        Scale the rows so that their discharge is Va y1: midpoints of the power law carry 0.6 % too much with five
-        rows, and rows fill the depth only where it is a whole number of diameters.
-
-    Raises
-    ------
-    ValueError
-        Unknown profile.
-    """
-    heights = row_heights(depth, diameter)
-    if profile == "power_law":
-        speeds = tuple(power_law_velocity(y, depth, mean_velocity) for y in heights)
-    elif profile == "uniform":
-        speeds = tuple(mean_velocity for _ in heights)
-    else:
-        raise ValueError(f"row_velocities: unknown profile {profile!r}; use 'power_law' or 'uniform'")
-    total = inflow_discharge(speeds, diameter)
-    factor = mean_velocity * depth / total if exact_discharge and total else 1.0
-    return tuple(factor * u for u in speeds)
-
-
-def inflow_discharge(velocities: tuple[float, ...], diameter: float, spacing: float = 1.0) -> float:
-    """Discharge of touching rows of discs, m^2/s of mass depth: sum of u_i d / spacing (m = rho d^2).
-
-    `spacing` is the distance of followers in a row in diameters; discs a second are the discharge over d^2.
-    """
-    return sum(velocities) * diameter / spacing
 
 
 # --- sill -------------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ SIGN_RAMP = 0.01
 """eps / v_max of the sign law (thesis 4.20)."""
 
 
-def slip_warnings(c: Coefficients, law: str, spin: bool) -> list[str]:
+def slip_warnings(c: Coefficients, law: str, spin: bool, smallest: float = 1.0) -> list[str]:
     """A warning where friction turns the slip round every step: rate x step > 2, explicit in time.
 
     `sign`: rate = ks F / (m_eff eps), with F the peak force of a collision at v_max and eps = v_max/100, three times
@@ -23,6 +23,8 @@ def slip_warnings(c: Coefficients, law: str, spin: bool) -> list[str]:
     c : Coefficients
     law : {'sign', 'hooke'}
     spin : bool
+    smallest : float
+        Smallest diameter over the nominal one: dashpots grow as sqrt(m), so rates as 1/sqrt(m), that is 1/d.
     """
     if not c.friction:
         return []
@@ -31,7 +33,7 @@ def slip_warnings(c: Coefficients, law: str, spin: bool) -> list[str]:
         rate, where = c.friction * load / SIGN_RAMP * (3.0 if spin else 1.0), "the hardest collisions"
     else:
         rate, where = max(c.gamma_tangential, c.gamma_tangential_wall) * SLIP_MODES[spin], "dense packings"
-    size = rate * c.time_step
+    size = rate / smallest * c.time_step
     if size <= 2.0:
         return []
     fraction = f"{c.time_step_fraction * 2.0 / size:.2g}"

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 from scipy.special import stdtrit
 
-from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp, straight_motion
 from lammps_jump.dump.tail import Tail
 from lammps_jump.scene.scene import Scene
@@ -154,7 +154,13 @@ class SteadyDetector:
 
 
 def flow_state(
-    x: np.ndarray, vx: np.ndarray, mass: float, density: float, reach: tuple[float, float], bins: int = 64
+    x: np.ndarray,
+    vx: np.ndarray,
+    mass: float,
+    density: float,
+    reach: tuple[float, float],
+    bins: int = 64,
+    relative: np.ndarray | float = 1.0,
 ) -> tuple[float, float, float]:
     """Depth (m), discharge (m^2/s) and toe (m) of one frame, for `SteadyDetector.feed`.
 
@@ -166,19 +172,23 @@ def flow_state(
     x, vx : ndarray, shape (n,)
         m, m/s; discs outside the reach are left out.
     mass : float
-        Of a disc, kg per metre of width.
+        Of a nominal disc, kg per metre of width.
     density : float
         kg/m^3.
     reach : (float, float)
         m.
+    relative : float or ndarray, shape (n,)
+        Mass of each disc over the nominal one.
     """
     low, high = reach
     inside = (x >= low) & (x < high)
-    depth, edges = np.histogram(x[inside], bins, reach)
+    relative = np.broadcast_to(relative, x.shape)[inside]
+    depth, edges = np.histogram(x[inside], bins, reach, weights=relative)
     ramp = fit_ramp(edges, depth * mass / (density * (edges[1] - edges[0])))
     jump = ramp is not None and ramp.depth_2 >= LEAST_RATIO * ramp.depth_1 and ramp.share >= LEAST_SHARE
     scale = mass / (density * (high - low))
-    return scale * inside.sum(), scale * vx[inside].sum(), 0.5 * (ramp.toe + ramp.end) if jump else float("nan")
+    toe = 0.5 * (ramp.toe + ramp.end) if jump else float("nan")
+    return scale * relative.sum(), scale * (relative * vx[inside]).sum(), toe
 
 
 def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
@@ -217,7 +227,7 @@ class SteadyWatch:
     """
 
     def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float]):
-        self.scene, self.reach = scene, reach
+        self.scene, self.flow, self.reach = scene, from_scene(scene), reach
         self.tail = Tail(folder / "dump.lammpstrj")
         window = steady_window(scene, reach)
         self.detector = SteadyDetector(window) if window else None
@@ -233,6 +243,7 @@ class SteadyWatch:
             return False
         for frame in self.tail.new_frames():
             if frame.n:
-                state = flow_state(frame.x, frame.vx, self.scene.mass, self.scene.density, self.reach)
+                discs = frame.x, frame.vx, self.scene.mass, self.scene.density
+                state = flow_state(*discs, self.reach, relative=self.flow.relative_masses(frame))
                 self.detector.feed(self.scene.time(frame.step) if frame.time is None else frame.time, *state)
         return bool(self.reason)

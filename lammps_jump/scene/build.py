@@ -55,8 +55,8 @@ def handmade_scene(
     domain : ((float, float), (float, float))
         m.
     others
-        Parameters of the contact law (see `CONTACT`) and fields of `Scene` (steps, inlets, outlets, probes …); the
-        overlap limit is twice the design overlap d/n unless given.
+        Parameters of the contact law (see `CONTACT`) and fields of `Scene` (sizes, steps, inlets, outlets, probes …);
+        the overlap limit is twice the design overlap d/n unless given.
     """
     k = stiffness(density, penetration_fraction, impact_speed)
     law = {name: others.get(name, value) for name, value in CONTACT.items()}
@@ -66,6 +66,7 @@ def handmade_scene(
         stiffness=k,
         stiffness_wall=stiffness_wall or k,
         impact_speed=impact_speed,
+        smallest=sizes.smallest if (sizes := others.get("sizes")) else None,
         **law,
     )
     fields = {

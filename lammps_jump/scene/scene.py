@@ -6,15 +6,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import Coefficients
 
+from .sizes import Sizes
 from .walls import Interval, Wall
 
 
 @dataclass(frozen=True, slots=True)
 class InletRow:
     """One row of inflow: a disc enters at (x, y) with velocity (vx, vy).
+
+    It enters with the largest diameter of the scene (see `Scene.size_steps`).
 
     Attempts are made at the steps ``first_step + i every_steps`` (i = 0, 1, …). An attempt succeeds unless a
     centre lies closer than `clearance` to (x, y) or `limit` discs have entered; a refused one waits for the
@@ -72,6 +76,10 @@ class Scene:
 
     Attributes
     ----------
+    diameter : float
+        Nominal diameter, m; of every disc where there are no `sizes`.
+    coefficients : Coefficients
+        Of a contact of two nominal discs, and of one with a wall. Its time step suits the smallest discs.
     gravity : (float, float)
         Acceleration (gx, gy), m/s^2; (0, 0) means that no engine spends time on it.
     positions, velocities : ndarray, shape (n, 2)
@@ -80,6 +88,11 @@ class Scene:
         Permanent walls; walls that are taken away.
     probes : tuple of str
         Names of walls whose force is recorded every step and averaged over `probe_steps`.
+    sizes : Sizes, optional
+        Diameters where discs are not equal.
+    size_steps : int
+        A disc that an inlet or a pour inserts has the largest diameter. At the end of the next step that is a multiple
+        of this number it gets its own.
     steps : int
         All steps of the run, `settle_steps` included; output every `output_steps`.
     """
@@ -111,18 +124,43 @@ class Scene:
     overlap_limit: float = 0.0
     touch: str = "sharp"
     touch_width: float = 0.0
+    sizes: Sizes | None = None
+    size_steps: int = 1
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
 
     @property
     def radius(self) -> float:
-        """Disc radius, m."""
+        """Nominal radius, m."""
         return 0.5 * self.diameter
 
     @property
     def mass(self) -> float:
-        """Disc mass per metre of width, kg."""
+        """Nominal mass per metre of width, kg."""
         return self.coefficients.mass
+
+    @property
+    def largest(self) -> float:
+        """Largest diameter, m."""
+        return self.sizes.largest if self.sizes else self.diameter
+
+    @property
+    def smallest(self) -> float:
+        """Smallest diameter, m."""
+        return self.sizes.smallest if self.sizes else self.diameter
+
+    @property
+    def mean_mass(self) -> float:
+        """Mean mass of a disc by number, kg/m."""
+        return self.density * self.sizes.mean_square if self.sizes else self.mass
+
+    def diameters(self, ids: ArrayLike) -> np.ndarray:
+        """Diameter of each id, m; shape of `ids`."""
+        return self.sizes.diameters(ids) if self.sizes else np.full(np.shape(ids), self.diameter)
+
+    def masses(self, diameters: ArrayLike) -> np.ndarray:
+        """Mass of discs of these diameters (m), kg/m; shape of `diameters`."""
+        return self.density * np.square(np.asarray(diameters, float))
 
     @property
     def time_step(self) -> float:

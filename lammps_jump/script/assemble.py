@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
+
 from lammps_jump.scene.scene import Scene
 
 from . import plugin as compiled
@@ -61,12 +63,12 @@ def script_text(scene: Scene, **options) -> str:
         ("simulated time before the gate opens", [f"reset_timestep  0 time {number(begin)}"] if begin else []),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
-        ("pour", stock.pours(scene)),
+        ("pour", stock.pours(scene, how.style.own_sizes(scene))),
         *control(scene, how),
         ("output", stock.output(scene, how.dump_format)),
         ("log", stock.thermo(scene)),
-        ("run", stock.schedule(scene, how.style.gates(scene))),
-        ("state, where the end was asked for", save_at_end(scene, how.kernel, how.ranks, first_step(scene))),
+        ("run", stock.schedule(scene, how.style.gates(scene), how.style.own_sizes(scene), how.kernel)),
+        ("state, where the end was asked for", save_at_end(scene, how.kernel, how.ranks, stock.first_step(scene))),
     ]
     return joined(f"{scene.name}: {scene.description}".rstrip(": "), how, sections)
 
@@ -95,11 +97,6 @@ def balance(scene: Scene, ranks: int) -> list[str]:
     if ranks == 1:
         return []
     return [f"fix             balance all balance {max(1, scene.output_steps)} 1.01 shift x 10 1.005"]
-
-
-def first_step(scene: Scene) -> int:
-    """Last step without checkpoints: a script with two ``run`` commands is in its first one up to here."""
-    return scene.settle_steps if scene.inlets else 0
 
 
 def stop_on_request(scene: Scene, ranks: int) -> list[str]:
@@ -144,7 +141,7 @@ def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
 def data_text(scene: Scene) -> str:
     """Data file with the discs at the start (full precision)."""
     (xlo, xhi), (ylo, yhi) = scene.domain
-    half, d = number(scene.radius), number(scene.diameter)
+    half = number(0.5 * scene.largest)
     lines = [
         f"{len(scene.positions)} discs of {scene.name}; the density column is of spheres, the script sets the mass",
         "",
@@ -159,7 +156,9 @@ def data_text(scene: Scene) -> str:
         "",
     ]
     density = number(scene.density)
-    lines += [f"{i} 1 {d} {density} {number(x)} {number(y)} 0" for i, (x, y) in enumerate(scene.positions, 1)]
+    diameters = scene.diameters(np.arange(1, len(scene.positions) + 1))
+    discs = enumerate(zip(diameters, scene.positions, strict=True), 1)
+    lines += [f"{i} 1 {number(d)} {density} {number(x)} {number(y)} 0" for i, (d, (x, y)) in discs]
     if scene.velocities.any():
         lines += ["", "Velocities", ""]
         lines += [f"{i} {number(vx)} {number(vy)} 0 0 0 0" for i, (vx, vy) in enumerate(scene.velocities, 1)]
@@ -167,8 +166,8 @@ def data_text(scene: Scene) -> str:
 
 
 def molecule_text(scene: Scene) -> str:
-    """One disc as a molecule: fix deposit in single-atom mode would insert a sphere of radius 0.5."""
-    d, m = number(scene.diameter), number(scene.mass)
+    """One disc, the largest, as a molecule: fix deposit in single-atom mode would insert a sphere of radius 0.5."""
+    d, m = number(scene.largest), number(scene.masses(scene.largest))
     return (
         f"# one disc of {scene.name}\n\n1 atoms\n\nCoords\n\n1 0 0 0\n\nTypes\n\n1 1\n\n"
         f"Diameters\n\n1 {d}\n\nMasses\n\n1 {m}\n"

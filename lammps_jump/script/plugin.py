@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.sizes import ID_STEP
 
 from . import stock
 from .probes import plugin_probes, probed_parts
@@ -42,8 +43,13 @@ def gates(scene: Scene) -> list[str]:
     return []
 
 
+def own_sizes(scene: Scene) -> list[str]:
+    """Nothing: the plugin's fix gives inserted discs their own size (`sizes`)."""
+    return []
+
+
 def contact_law(scene: Scene) -> list[str]:
-    """Pair style for equal discs; what the scene lacks (friction, spin, soft touch) is not named and not computed."""
+    """The plugin's pair style; what the scene lacks (friction, spin, sizes, soft touch) is left out, not computed."""
     c = scene.coefficients
     words = [
         f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
@@ -54,6 +60,8 @@ def contact_law(scene: Scene) -> list[str]:
         words.append(f"touch smooth {number(scene.touch_width)} dashpot even")
     if scene.rotation:
         words.append("spin yes")
+    if scene.sizes:
+        words.append(f"sizes {numbers(scene.smallest, scene.largest)}")
     return [" ".join(words), "pair_coeff      * *"]
 
 
@@ -87,10 +95,19 @@ def motion_and_walls(scene: Scene) -> list[str]:
         f"k_wall {number(c.stiffness_wall)} gamma_wall {number(c.gamma_normal_wall)} "
         f"gammat_wall {number(c.gamma_tangential_wall)} mu_wall {number(c.friction)}"
     )
-    words += plugin_walls(scene)
+    words += [*plugin_walls(scene), *sizes(scene)]
     if scene.probes:
         words.append(f"probe {scene.probe_steps} {' '.join(probed_parts(scene))}")
     return [*lines, " &\n                ".join(words)]
+
+
+def sizes(scene: Scene) -> list[str]:
+    """Words of the fix that give inserted discs their own size: raster of steps, density, size by id (`Sizes`)."""
+    if not scene.sizes or not (scene.inlets or scene.pours):
+        return []
+    pieces = scene.sizes.pieces
+    law = numbers(scene.density, scene.sizes.shift, ID_STEP)
+    return [f"sizes {scene.size_steps} {law} {len(pieces)} {numbers(*pieces.ravel())}"]
 
 
 def guards(scene: Scene) -> list[str]:

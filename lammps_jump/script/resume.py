@@ -34,7 +34,7 @@ def continuation_text(scene: Scene, *, state: str, step: int, removed: tuple[int
     state : str
         Restart file, written after `lammps_jump.script.stock.half_step_back`.
     step : int
-        Its step, behind `lammps_jump.script.assemble.first_step`, and the end of a window of the probes.
+        Its step, behind `lammps_jump.script.stock.first_step`, and the end of a window of the probes.
     removed : tuple of int
         Discs that each outlet has taken so far: ``fix evaporate`` keeps no count over a restart.
     """
@@ -44,13 +44,13 @@ def continuation_text(scene: Scene, *, state: str, step: int, removed: tuple[int
     half_step = stock.half_step(scene, how.kernel)
     sections = [
         ("settings", how.style.settings(scene, how.ranks, how.plugin)),
-        ("state", [f"read_restart    {state}", *stock.molecule(scene)]),
+        ("state", [f"read_restart    {state}", *stock.size_variables(scene), *stock.molecule(scene)]),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
         *control(scene, how),
         ("output", _output(scene, how.dump_format)),
         ("log", stock.thermo(scene, removed)),
-        ("gates and inlets", [*gates, *stock.inlets(scene)]),
+        ("gates and inlets", [*gates, *stock.inlets(scene, how.style.own_sizes(scene))]),
         ("forces of the half step, then the velocities of the step", ["run             0 post no", *half_step]),
         ("run", [f"run             {scene.steps} upto pre no", *save_at_end(scene, how.kernel, how.ranks, step)]),
     ]

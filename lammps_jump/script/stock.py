@@ -10,9 +10,10 @@ from pathlib import Path
 
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.sizes import ID_STEP
 
 from .probes import stock_probes
-from .walls import fix_names, number, numbers, stock_gates, stock_walls
+from .walls import fix_names, granular_law, number, numbers, stock_gates, stock_walls
 
 DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
@@ -37,11 +38,34 @@ def settings(scene: Scene, ranks: int, plugin: Path | None = None) -> list[str]:
 def box_and_discs(scene: Scene) -> list[str]:
     """The simulation box and the discs at the start; masses are set, because a data file means spheres."""
     if len(scene.positions):
-        lines = [f"read_data       {DATA_FILE}", f"set             group all mass {number(scene.mass)}"]
+        what = SIZE if scene.sizes else f"mass {number(scene.mass)}"
+        lines = [f"read_data       {DATA_FILE}", *size_variables(scene), f"set             group all {what}"]
     else:
-        extent = numbers(*scene.domain[0], *scene.domain[1], -scene.radius, scene.radius)
-        lines = [f"region          domain block {extent}", "create_box      1 domain"]
+        half = 0.5 * scene.largest
+        extent = numbers(*scene.domain[0], *scene.domain[1], -half, half)
+        lines = [f"region          domain block {extent}", "create_box      1 domain", *size_variables(scene)]
     return lines + molecule(scene)
+
+
+SIZE = "diameter v_diameter mass v_mass"
+"""What a disc gets from `size_variables`."""
+
+
+def size_variables(scene: Scene) -> list[str]:
+    """Diameter and mass of a disc as functions of its id, where discs are not equal (see `Sizes`)."""
+    if scene.sizes is None:
+        return []
+    pieces = scene.sizes.pieces.tolist()
+    terms = [f"{number(low)}+{number(slope)}*(v_quantile-{number(begin)})" for begin, _, low, slope in pieces]
+    if len(pieces) > 1:
+        within = [f"(v_quantile>={number(begin)})*(v_quantile<{number(end)})" for begin, end, _, _ in pieces]
+        terms = [f"{where}*({term})" for where, term in zip(within, terms, strict=True)]
+    return [
+        f"variable        turned atom (id+{number(scene.sizes.shift)})*{number(ID_STEP)}",
+        "variable        quantile atom v_turned-floor(v_turned)",
+        f"variable        diameter atom {'+'.join(terms)}",
+        f"variable        mass atom {number(scene.density)}*v_diameter*v_diameter",
+    ]
 
 
 def molecule(scene: Scene) -> list[str]:
@@ -60,8 +84,15 @@ def law(scene: Scene) -> list[tuple[str, list[str]]]:
 
 
 def contact_law(scene: Scene) -> list[str]:
-    """gran/hooke with gamma = c/m_eff; friction only where there is some."""
+    """gran/hooke with gamma = c/m_eff; friction only where there is some.
+
+    Discs that are not equal need the dashpot c = 2 xi sqrt(k m_eff) of each pair. gran/hooke has c = gamma m_eff, which
+    gives heavy pairs another restitution than light ones (measured: 0.198 at equal masses, 0.536 at 1 : 10).
+    """
     c = scene.coefficients
+    if scene.sizes:
+        law = granular_law(scene, c.stiffness, c.damping_ratio * c.correction, c.tangential_ratio)
+        return ["pair_style      granular", f"pair_coeff      * * {law}"]
     rub = f"{numbers(c.gamma_tangential, c.friction)} 1" if c.friction else "0 0 0"
     return [
         f"pair_style      gran/hooke {number(c.stiffness)} NULL {number(c.gamma_normal)} {rub}",
@@ -104,8 +135,11 @@ def outlets(scene: Scene) -> list[str]:
     return lines
 
 
-def inlets(scene: Scene) -> list[str]:
-    """One ``fix deposit`` for each row: a point as region (flat in z too), a disc as molecule, ids in turn."""
+def inlets(scene: Scene, sizes: list[str]) -> list[str]:
+    """One ``fix deposit`` for each row: a point as region (flat in z too), a disc as molecule, ids in turn.
+
+    A molecule has one diameter, the largest. Where discs are not equal, the commands `sizes` give them their own.
+    """
     lines = []
     for index, row in enumerate(scene.inlets, 1):
         count = row.limit or (scene.steps - row.first_step) // row.every_steps + 2
@@ -116,24 +150,32 @@ def inlets(scene: Scene) -> list[str]:
             f"region inlet_{index} mol disk id max near {number(row.clearance)} attempt 1 "
             f"vx {numbers(row.vx, row.vx)}{fall}",
         ]
-    return lines
+    return [*lines, *sizes] if lines else []
 
 
-def pours(scene: Scene) -> list[str]:
-    """fix pour for filling; a mol template keeps mass and diameter exact."""
-    lines = []
+def own_sizes(scene: Scene) -> list[str]:
+    """``fix set`` gives inserted discs their own diameter and mass, where discs are not equal."""
+    return [f"fix             size all set {scene.size_steps} 0 group all {SIZE}"] if scene.sizes else []
+
+
+def pours(scene: Scene, sizes: list[str]) -> list[str]:
+    """fix pour for filling; a mol template keeps mass and diameter exact.
+
+    ``diam poly`` of fix pour would give masses of spheres, which grow as d^3.
+    """
+    lines, half = [], 0.5 * scene.largest
     for index, item in enumerate(scene.pours, 1):
         lines += [
-            f"region          pour_{index} block {numbers(*item.x, *item.y, -scene.radius, scene.radius)}",
+            f"region          pour_{index} block {numbers(*item.x, *item.y, -half, half)}",
             f"fix             pour_{index} all pour {item.count} 0 {scene.seed + 100 + index} region pour_{index} "
             f"mol disk vol {number(item.volume_fraction)} 200 vel 0 0 {number(-item.speed_down)}",
         ]
-    return lines
+    return [*lines, *sizes] if lines else []
 
 
 def output(scene: Scene, dump_format: str) -> list[str]:
     """Dump with ten digits (six are the default), simulated time in each frame, discs in order of their id."""
-    columns = "id x y vx vy" + (" omegaz" if scene.rotation else "")
+    columns = "id x y vx vy" + (" omegaz" if scene.rotation else "") + (" radius" if scene.sizes else "")
     style = "custom/gz" if dump_format == "gz" else "custom"
     digits = "" if dump_format == "binary" else " format float %.10g"
     return [
@@ -143,11 +185,15 @@ def output(scene: Scene, dump_format: str) -> list[str]:
 
 
 def guards(scene: Scene) -> list[str]:
-    """What ends a run that has gone wrong: discs too deep in each other, lost to NaN, or out of the plane."""
+    """What ends a run that has gone wrong: discs too deep in each other, lost to NaN, or out of the plane.
+
+    No compute of LAMMPS gives the overlap of discs that are not equal: that of the smallest stands for all, so that
+    larger ones overlap deeper before the run ends.
+    """
     return [
         "compute         gaps all pair/local dist cutoff radius",
         "compute         gap all reduce min c_gaps inputs local",
-        *guards_of(scene, f"{number(scene.diameter)}-c_gap"),
+        *guards_of(scene, f"{number(scene.smallest)}-c_gap"),
         "variable        height atom abs(z)",
         "compute         height all reduce max v_height",
         "variable        height_max equal c_height",
@@ -195,17 +241,28 @@ def thermo(scene: Scene, removed: tuple[int, ...] = ()) -> list[str]:
     ]
 
 
-def schedule(scene: Scene, gates: list[str]) -> list[str]:
-    """Gates and the run; only inlets that wait for a gate need a second run, which begins without the gates' fixes."""
-    if not (scene.settle_steps and scene.inlets):
-        return [*gates, *inlets(scene), f"run             {scene.steps}"]
-    return [
-        *gates,
-        f"run             {scene.settle_steps}",
-        *(f"unfix           {name}" for name in fix_names(gates)),
-        *inlets(scene),
-        f"run             {scene.steps - scene.settle_steps}",
-    ]
+def schedule(scene: Scene, gates: list[str], sizes: list[str], kernel: str) -> list[str]:
+    """Gates and the run; inlets that begin later need a second run, which begins without the gates' fixes.
+
+    Inlets wait for gates. Where discs are not equal they also wait for a step of the raster on which ``fix set`` acts.
+    The second run goes on with the forces of the half step, as `lammps_jump.script.resume` explains.
+    """
+    first = first_step(scene)
+    if not first:
+        return [*gates, *inlets(scene, sizes), f"run             {scene.steps}"]
+    change = [*(f"unfix           {name}" for name in fix_names(gates)), *inlets(scene, sizes)]
+    rest = f"run             {scene.steps - first}"
+    if len(scene.positions):
+        change = [*half_step_back(scene, kernel), *change, "run             0 post no", *half_step(scene, kernel)]
+        return [*gates, f"run             {first}", *change, f"{rest} pre no"]
+    # without a disc LAMMPS knows no cutoff and makes too many bins
+    bins = f"neigh_modify    binsize {number(0.5 * (scene.largest + scene.skin))}"
+    return [bins, *gates, f"run             {first}", *change, rest]
+
+
+def first_step(scene: Scene) -> int:
+    """Step behind which inlets begin; 0 where they do at once. No checkpoint is written up to it."""
+    return max(0, min((row.first_step - 1 for row in scene.inlets), default=0))
 
 
 def half_step(scene: Scene, kernel: str, sign: str = "+") -> list[str]:
@@ -222,10 +279,12 @@ def half_step(scene: Scene, kernel: str, sign: str = "+") -> list[str]:
         "set             group all vx v_half_x vy v_half_y",
     ]
     if scene.rotation:
-        turn = number(0.5 * scene.time_step / (scene.coefficients.inertia * scene.radius**2))
+        turn = f"{number(0.5 * scene.time_step / (scene.coefficients.inertia * scene.radius**2))}*f_turning[2]"
+        if scene.sizes:  # I = m R^2/2 of each disc
+            turn = f"{number(scene.time_step)}*f_turning[2]/(mass*radius*radius)"
         lines += [
             "fix             turning all store/state 0 omegaz tqz",
-            f"variable        half_w atom f_turning[1]{sign}{turn}*f_turning[2]",
+            f"variable        half_w atom f_turning[1]{sign}{turn}",
             "set             group all omega 0 0 v_half_w",
             "unfix           turning",
         ]

@@ -11,6 +11,7 @@ from functools import singledispatch
 
 import numpy as np
 
+from lammps_jump.physics.contact import restitution_of
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Block, Box, Plane, Wall
 
@@ -34,9 +35,35 @@ def fix_names(lines: list[str]) -> list[str]:
     return [line.split()[1] for line in lines if line.startswith("fix ")]
 
 
+def granular_law(scene: Scene, stiffness: float, ratio: float, tangential: float) -> str:
+    """Words of LAMMPS' granular styles for discs that are not equal.
+
+    ``coeff_restitution`` makes the dashpot 2 xi sqrt(k m_eff) of each contact, xi from a restitution coefficient. The
+    tangential dashpot is a multiple of it.
+
+    Parameters
+    ----------
+    scene : Scene
+    stiffness : float
+        N/m.
+    ratio : float
+        Damping ratio xi.
+    tangential : float
+        Tangential dashpot over the normal one.
+    """
+    friction = scene.coefficients.friction
+    rub = numbers(tangential, friction) if friction else "0 0"
+    return (
+        f"hooke {numbers(stiffness, restitution_of(ratio))} tangential linear_nohistory {rub} damping coeff_restitution"
+    )
+
+
 def wall_law(scene: Scene) -> str:
     """Contact law of stock wall fixes."""
     c = scene.coefficients
+    if scene.sizes:
+        ratio = c.damping_ratio * c.correction_wall
+        return f"granular {granular_law(scene, c.stiffness_wall, ratio, c.tangential_ratio_wall)}"
     # the wall fixes divide by gamma_n: zero would give NaN forces
     normal = number(c.gamma_normal_wall) if c.gamma_normal_wall > 0 else "1e-12"
     rub = f"{numbers(c.gamma_tangential_wall, c.friction)} 1" if c.friction else "0 0 0"

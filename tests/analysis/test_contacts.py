@@ -13,7 +13,9 @@ from lammps_jump.analysis.contacts import find_contacts, pair_sums, wall_contact
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Plane
+from lammps_jump.script import write_script
 
 D, K = 0.2, 1.0e6
 BOX = [[-10, 10], [-10, 10]]
@@ -69,6 +71,16 @@ def test_sums_are_those_over_the_contacts_found():
     assert push == pytest.approx((found.force[:, None] * found.normal)[found.is_wall].sum(axis=0), rel=1e-12)
 
 
+def sum_of_forces(found, x, y):
+    """Force of contacts on each disc, shape (n, 2), N/m."""
+    push = found.force[:, None] * found.normal
+    total = np.zeros((len(x), 2))
+    at = {place: index for index, place in enumerate(zip(x, y, strict=True))}
+    np.add.at(total, [at[tuple(place)] for place in found.start], push)
+    np.subtract.at(total, [at[tuple(place)] for place in found.end[~found.is_wall]], push[~found.is_wall])
+    return total
+
+
 @pytest.mark.parametrize("width", [0.0, 0.004, 0.05], ids=["sharp", "mostly beyond", "mostly within"])
 def test_forces_are_those_of_the_engine(width):
     """Springs and dashpots of a touch, disc by disc, as the native engine has them at the start of a run."""
@@ -82,12 +94,7 @@ def test_forces_are_those_of_the_engine(width):
     order = np.argsort(engine.discs.ids[:60])
     expected = np.column_stack([engine.discs.fx[:60], engine.discs.fy[:60]])[order]
     flow, frame = from_scene(scene), disc_frame(x, y, vx, vy, box=BOX)
-    found = find_contacts(frame, flow)
-    push = found.force[:, None] * found.normal
-    total = np.zeros((60, 2))
-    at = {place: index for index, place in enumerate(zip(x, y, strict=True))}
-    np.add.at(total, [at[tuple(place)] for place in found.start], push)
-    np.subtract.at(total, [at[tuple(place)] for place in found.end[~found.is_wall]], push[~found.is_wall])
+    total = sum_of_forces(find_contacts(frame, flow), x, y)
     np.testing.assert_allclose(total, expected, atol=1e-10 * np.abs(expected).max())  # sums in another order
 
 
@@ -122,3 +129,43 @@ def test_discs_at_one_place_are_no_contact():
     frame = disc_frame([1.0, 1.0], [1.0, 1.0], box=BOX)
     flow = flow_context(domain=((0, 4), (0, 4)), x_range=(0, 4), stiffness=K)
     assert find_contacts(frame, flow).force.size == 0
+
+
+@pytest.mark.lammps
+@pytest.mark.parametrize("rotation", [False, True])
+def test_forces_of_unequal_discs_are_those_of_lammps(rotation, tmp_path, monkeypatch):
+    """Disc by disc at the start of a run, where LAMMPS takes the velocities of the full step."""
+    from lammps_jump.engines.lammps.loader import load_lammps
+
+    rng = np.random.default_rng(8)
+    if rotation:  # apart from each other on a rough floor
+        x, y = 0.4 * np.arange(1, 41), rng.uniform(0.05, 0.1, 40)
+    else:
+        x, y = rng.uniform(0.08, 1.5, (2, 40))
+    vx, vy = rng.normal(0, 2, (2, 40))
+    law = {"rotation": True, "friction": 0.3, "impact_speed": 160.0} if rotation else {}
+    scene = handmade_scene(
+        np.column_stack([x, y]), np.column_stack([vx, vy]), (FLOOR, Plane("back", "x", 0.0, "above")),
+        gravity=(0.0, 0.0), overlap_limit=10 * D, skin=0.06, domain=((-5, 20), (-5, 5)),
+        sizes=Sizes((0.5, 0.5), (0.1, 0.2), (0.2, 0.4)), **law,
+    )  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    lammps = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none"])
+    try:
+        lammps.commands_string(write_script(scene, tmp_path, kernel="stock").read_text())
+        order = np.argsort(lammps.numpy.extract_atom("id")[:40])
+        expected, radius = (lammps.numpy.extract_atom(name)[:40][order] for name in ("f", "radius"))
+        expected, radius = expected[:, :2].copy(), radius.copy()
+    finally:
+        lammps.close()
+    flow = from_scene(scene)
+    # radii from the column, or from the ids
+    for frame in (disc_frame(x, y, vx, vy, box=BOX, radius=radius), disc_frame(x, y, vx, vy, box=BOX)):
+        np.testing.assert_allclose(flow.radii(frame), radius, rtol=1e-13)
+        if rotation:
+            sums = wall_sums(frame, FLOOR, flow)
+            total = np.zeros((40, 2))
+            np.add.at(total, sums.index, np.column_stack([sums.fx, sums.fy]))
+        else:
+            total = sum_of_forces(find_contacts(frame, flow), x, y)
+        np.testing.assert_allclose(total, expected, atol=1e-9 * np.abs(expected).max())

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from made_up import collected, disc_frame, flow_context, numbers
 
 from lammps_jump.analysis import contacts
-from lammps_jump.analysis.contacts import ContactCollector, pair_sums, wall_sums
+from lammps_jump.analysis.contacts import ContactCollector, find_contacts, pair_sums, wall_sums
 from lammps_jump.analysis.energy import EnergyLedger, analyse_energy, drift
 from lammps_jump.scene.walls import Block, Box, Plane
 
@@ -196,3 +196,32 @@ def test_ledger_shares_the_collectors_pairs():
     series = collector.result()
     assert series.wall_fy.sum() == pytest.approx(K * (0.01 + 0.005))
     assert series.wall_fx.sum() == 0.0
+
+
+def test_energy_of_two_unequal_discs():
+    """Discs of 0.2 and 0.3 m (40 and 90 kg/m) that overlap by 10 mm, and touch the floor by 20 and 0 mm."""
+    columns = {"vx": [1.0, -2.0], "vy": [0.0, 3.0], "omegaz": np.array([4.0, -2.0]), "radius": np.array([0.1, 0.15])}
+    two = frame([0.0, np.sqrt(0.24**2 - 0.07**2)], [0.08, 0.15], **columns)
+    flow = context(walls=(Plane("floor", "y", 0.0, "above"),), sized=True)
+    ledger = EnergyLedger(flow)
+    ledger.add(two, 0.0)
+    found = ledger.result()
+    assert found.kinetic[0] == pytest.approx(0.5 * 40 * 1 + 0.5 * 90 * 13)
+    assert found.rotational[0] == pytest.approx(0.25 * 40 * 0.1**2 * 16 + 0.25 * 90 * 0.15**2 * 4)
+    assert found.potential[0] == pytest.approx(9.81 * (40 * 0.08 + 90 * 0.15))
+    assert found.elastic[0] == pytest.approx(0.5 * K * 0.01**2 + 0.5 * K * 0.02**2)
+
+
+def test_dashpots_of_unequal_pairs_go_with_the_root_of_the_effective_mass():
+    flow = context(dashpot=100.0, dashpot_wall=50.0, walls=(Plane("floor", "y", 0.0, "above"),), sized=True)
+    radius = np.array([0.1, 0.2])
+    meeting = frame([0.0, 0.29], [1.0, 1.0], vx=np.array([1.0, -1.0]), vy=[0.0, 0.0], radius=radius)
+    # 40 and 160 kg: 32 kg, a nominal pair has 20
+    expected = K * 0.01 + 100.0 * np.sqrt(32 / 20) * 2.0
+    assert find_contacts(meeting, flow).force == pytest.approx([expected])
+    # one bin between the centres: the force itself
+    assert pair_sums(meeting, flow, np.array([0.0, 0.29])).thrust == pytest.approx([expected])
+    falling = frame([0.0], [0.19], vx=[0.0], vy=[-1.0], radius=np.array([0.2]))
+    assert wall_sums(falling, flow.scene.walls[0], flow).force[1] == pytest.approx(K * 0.01 + 50.0 * 2.0)
+    apart = frame([0.0, 0.21], [1.0, 1.0], radius=np.array([0.1, 0.1]))
+    assert not find_contacts(apart, flow).force.size and pair_sums(apart, flow).contacts == 0

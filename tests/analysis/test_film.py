@@ -3,6 +3,7 @@
 
 import re
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from lammps_jump.analysis.draw import film, painter
 from lammps_jump.analysis.draw.film import animate, still
 from lammps_jump.analysis.draw.painter import View, blank, coloured, paint_arrow, paint_discs, paint_walls
 from lammps_jump.dump.find import ForceHistory
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
@@ -89,8 +91,9 @@ def test_painter_without_compilation():
     two = one.copy()
     columns, rows = rng.uniform(-3, 43, 12), rng.uniform(-3, 33, 12)
     colours = rng.integers(0, 255, (12, 3)).astype(np.uint8)
-    painter._paint_discs(one, columns, rows, 4.3, colours)
-    painter._paint_discs_py(two, columns, rows, 4.3, colours)
+    radii = rng.uniform(0.01, 0.3, 12)
+    painter._paint_discs(one, columns, rows, radii, 20.0, colours)
+    painter._paint_discs_py(two, columns, rows, radii, 20.0, colours)
     np.testing.assert_array_equal(one, two)
 
 
@@ -172,3 +175,30 @@ def test_what_cannot_be_filmed_is_an_error(dump, tmp_path):
         animate(dump, CONTEXT, tmp_path / "no" / "a.mp4")
     with pytest.raises(DumpError, match="cannot be written"):
         animate(dump, CONTEXT, tmp_path / "no" / "a.gif")
+
+
+def test_discs_have_their_own_size():
+    view = View((0.0, 10.0), (0.0, 5.0), 500, 250)
+    picture = blank(view)
+    radii = np.array([0.5, 1.0, 2.0])
+    paint_discs(picture, view, np.array([1.0, 3.0, 7.0]), np.full(3, 2.5), radii, np.zeros((3, 3)))
+    ink = 1.0 - picture[..., 0] / 255.0
+    for left, right, radius in ((0, 90, 25), (91, 220, 50), (230, 480, 100)):
+        # the ink is the area, the rim a pixel wide
+        assert ink[:, left:right].sum() == pytest.approx(np.pi * radius**2, rel=5e-3)
+        assert np.flatnonzero(ink[:, left:right].max(axis=0) > 0.5).size == 2 * radius
+
+
+def test_a_still_shows_the_radii_of_the_dump(tmp_path):
+    from PIL import Image
+
+    flow = replace(CONTEXT, sized=True)
+    shown = {}
+    for radius in (0.1, 0.4):
+        columns = {"id": [1], "x": [5.0], "y": [1.0], "vx": [9.0], "vy": [0.0], "radius": [radius]}
+        frame = make_frame(0, 0.0, [[0, 10], [0, 5]], columns)
+        with Image.open(still(frame, flow, tmp_path / "a.png", width=1280)) as image:
+            picture = np.asarray(image).astype(int)
+        # the fastest disc has the top of the scale, which is yellow: red, no blue; the scale itself is on the right
+        shown[radius] = ((picture[:, :1000, 0] > 200) & (picture[:, :1000, 2] < 120)).any(axis=0).sum()
+    assert shown[0.4] / shown[0.1] == pytest.approx(4, rel=0.05)  # columns of pixels: the rim is one of a hundred

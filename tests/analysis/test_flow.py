@@ -3,15 +3,19 @@
 
 import numpy as np
 import pytest
+from made_up import INPUTS
 
+import lammps_jump as lj
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
+from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Gate, InletRow, Outlet
+from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Box, Plane
 
 
@@ -31,7 +35,9 @@ def scene(**changes):
 def test_context_of_a_channel():
     c = from_scene(scene())
     assert c.x_range == (0.0, 90.0)
-    assert (c.inflow_depth, c.inflow_speed) == (pytest.approx(1.0), pytest.approx(16.0))
+    # a disc of d^2 every 140 steps in rows of 14 … 18 m/s
+    depth = sum(0.2**2 / (140 * c.time_step * speed) for speed in (14, 15, 16, 17, 18))
+    assert (c.inflow_depth, c.inflow_speed) == (pytest.approx(depth), pytest.approx(16.0))
     # thesis 3.21-3.23 at n = 10: 2 xi sqrt(k m_eff) at e = 0.2, five digits
     assert c.dashpots == pytest.approx((20634, 29181), rel=1e-4)
     assert c.window == pytest.approx((600 * c.time_step, 800 * c.time_step))
@@ -42,6 +48,31 @@ def test_context_of_a_channel():
     # half of the bin [60, 62] has no floor
     np.testing.assert_allclose(c.mean_bed(np.array([58.0, 60.0, 61.0, 62.0])), [0, 2, np.nan])
     np.testing.assert_allclose(c.mean_bed(np.array([59.0, 61.0])), [1.0])
+
+
+def test_the_inflow_of_a_case_has_the_depth_asked_for():
+    for sizes in (None, {"kind": "uniform", "spread": 0.2}):
+        case = lj.load_case(INPUTS / "quick_jump.yaml").replace({"discs.sizes": sizes})
+        c = from_scene(case.scene())
+        # intervals are whole steps
+        assert c.inflow_depth == pytest.approx(case.fields.inflow.depth, rel=5e-3)
+        assert c.sized == (sizes is not None)
+
+
+def test_radii_and_masses_of_discs():
+    sizes = Sizes((0.5, 0.5), (0.1, 0.2), (0.1, 0.3), seed=3)
+    equal, graded = from_scene(scene()), from_scene(scene(sizes=sizes))
+    columns = {"id": [4, 2, 9], "x": [1, 2, 3], "y": [1, 1, 1]}
+    box = [[0, 1], [0, 1]]
+    bare, told = make_frame(0, 0.0, box, columns), make_frame(0, 0.0, box, {**columns, "radius": [0.15, 0.05, 0.1]})
+    for one in (bare, told):
+        assert equal.radii(one).tolist() == [0.1, 0.1, 0.1] and equal.relative_masses(one).tolist() == [1, 1, 1]
+        assert equal.radii(one).strides == (0,) == equal.relative_masses(one).strides  # one number, no array
+    assert graded.radii(told).tolist() == [0.15, 0.05, 0.1] and graded.largest_radius(told) == 0.15
+    np.testing.assert_allclose(graded.relative_masses(told), [2.25, 0.25, 1.0])
+    np.testing.assert_array_equal(graded.radii(bare), 0.5 * sizes.diameters([4, 2, 9]))
+    empty = make_frame(0, 0.0, box, {"id": [], "x": [], "y": [], "radius": []})
+    assert graded.radii(empty).size == 0 and graded.largest_radius(empty) == 0.1
 
 
 def test_walls_and_gates_bound_the_stretch():
@@ -100,8 +131,25 @@ def test_what_is_given_is_not_guessed(tmp_path):
     assert c.scene.gravity == pytest.approx((9.81 / 2, -9.81 * np.sqrt(3) / 2))
     assert not any(word in note for note in c.notes for word in ("Density", "Gravity", "Floor", "Profiles"))
     mixed = from_dump(write(tmp_path / "mixed", x, 0 * x + 1, diameter=np.array([0.1, 0.3]), mass=np.array([2.0, 4.0])))
-    assert mixed.scene.diameter == pytest.approx(0.2) and mixed.scene.mass == 3.0
+    # the nominal disc is that of mean mass
+    assert mixed.scene.diameter == pytest.approx(np.sqrt(0.05)) and mixed.scene.mass == 3.0 and mixed.sized
     assert any("differ in size" in note for note in mixed.notes)
+    same = from_dump(write(tmp_path / "same", x, 0 * x + 1, diameter=np.array([0.1, 0.3])), diameter=0.2)
+    assert not same.sized and same.scene.diameter == 0.2
+
+
+def test_a_bare_dump_with_radii(tmp_path):
+    """Floor and stretch end at the edges of the discs; the depth by mass holds their mass."""
+    x, radius = np.array([0.1, 0.5, 1.2]), np.array([0.1, 0.05, 0.3])
+    dump = write(tmp_path / "dump", x, 1.0 + radius, radius=radius)
+    c = from_dump(dump, density=900, bin_width=0.5)
+    assert c.sized and c.scene.mass == pytest.approx(900 * c.scene.diameter**2)
+    assert c.bed_height(0.5) == pytest.approx(1.0) and c.x_range == pytest.approx((0.0, 1.5))
+    np.testing.assert_allclose(c.radii(dump[0]), radius)
+    profiles = compute_profiles(dump, c)
+    assert float(profiles.mass_total[0]) == pytest.approx(900 * np.sum((2 * radius) ** 2))
+    assert float(profiles.mass_depth.sum()) * 0.5 == pytest.approx(np.sum((2 * radius) ** 2))
+    assert float(profiles.surface_depth.max()) <= 0.6 + 1e-9
 
 
 def test_what_cannot_be_guessed_is_an_error(tmp_path):

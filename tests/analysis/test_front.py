@@ -165,6 +165,19 @@ def test_no_wall_takes_the_columns_own_edge():
     assert history.bulk[0] == pytest.approx(4.0)
 
 
+def test_unequal_discs_end_at_their_own_edges():
+    """Three in a row and one on the first; nominal discs have a radius of 0.1 m."""
+    x, y, radius = (np.array(v) for v in ([2.15, 2.4, 2.6, 2.15], [0.15, 0.1, 0.05, 0.35], [0.15, 0.1, 0.08, 0.05]))
+    row = disc_frame(x, y, 1.0, box=[[-1, 100], [-1, 40]], radius=radius)
+    walls = context(sized=True), context((Plane("floor", "y", 0.0, "above"),), sized=True), context((), sized=True)
+    for flow, back in zip(walls, (0.0, 2.0, 2.0), strict=True):
+        history = tracked([row], flow)
+        assert history.back == pytest.approx(back)
+        assert history.bulk[0] == pytest.approx(2.68 - back)
+    assert history.height[0] == pytest.approx(0.4 + 0.03)  # no floor: above the lowest edge, at -0.03 m
+    assert history.quantile[0] == pytest.approx(0.68, abs=0.01)
+
+
 def test_no_common_range_gives_no_number():
     comparison = against_curve(np.array([0.0, 0.1]), np.array([1.0, 1.0]), [2.0, 3.0], [1.0, 1.0])
     assert np.isnan(comparison.rms)

@@ -130,6 +130,60 @@ def test_mass_over_bins_and_outside_is_the_mass_of_the_discs(points, width, diam
 
 
 @settings(max_examples=60)
+@given(points=points, width=st.floats(0.03, 5.0), seed=st.integers(0, 2**31))
+def test_discs_of_several_sizes_keep_their_mass_and_momentum(points, width, seed):
+    x, y, u, v = np.array(points, float).reshape(-1, 4).T
+    radius = np.random.default_rng(seed).uniform(0.02, 0.8, len(x))
+    c = context(bin_width=width, sized=True)
+    columns = {"id": np.arange(len(x)), "x": x, "y": y, "vx": u, "vy": v, "radius": radius}
+    ds = compute_profiles([make_frame(0, 0.0, BOX, columns)], c)
+    mass = 1000 * (2 * radius) ** 2
+    assert float(ds.mass_total[0]) == pytest.approx(mass.sum(), rel=1e-13, abs=1e-12)
+    binned = float((ds.mass_depth * 1000 * width).sum() + ds.mass_left[0] + ds.mass_right[0])
+    assert binned == pytest.approx(mass.sum(), rel=1e-12, abs=1e-12)
+    edges = ds.attrs["x_low"], ds.attrs["x_high"]
+    within = (x - radius >= edges[0]) & (x + radius <= edges[1])
+    if within.all():
+        assert float(ds.discharge.sum()) * 1000 * width == pytest.approx((mass * u).sum(), rel=1e-12, abs=1e-9)
+        assert float(ds["count"].sum()) == pytest.approx(len(x), rel=1e-12)
+        assert float((ds.packing * ds.surface_depth).sum()) * width <= np.pi * np.sum(radius**2) * (1 + 1e-12)
+
+
+@settings(max_examples=60)
+@given(seed=st.integers(0, 2**31), count=st.integers(1, 60))
+def test_the_surface_is_the_highest_top_over_each_line(seed, count):
+    """Against trying every disc; all lie so low that they hang together with the bed; one line a bin."""
+    rng = np.random.default_rng(seed)
+    radius = rng.uniform(0.05, 0.3, count)
+    radius[0] = 0.3
+    x, y = rng.uniform(0.5, 9.5, count), rng.uniform(-0.05, 0.6, count) + radius
+    columns = {"id": np.arange(count), "x": x, "y": y, "vx": np.arange(count), "vy": 0 * x, "radius": radius}
+    ds = compute_profiles([make_frame(0, 0.0, BOX, columns)], context(x_range=(0.0, 10.0), bin_width=0.025, sized=True))
+    cut = np.abs(ds.x.values[:, None] - x) <= radius
+    top = np.where(cut, y + radius, 0.0)
+    np.testing.assert_allclose(ds.surface_depth.values[0], top.max(axis=1), atol=1e-12)
+    np.testing.assert_array_equal(ds.surface_velocity.values[0], np.where(cut.any(axis=1), top.argmax(axis=1), np.nan))
+
+
+def test_the_surface_is_the_highest_top_edge():
+    """A small disc beside the upper half of a large one: its centre is higher, its top is lower."""
+    columns = {"id": [1, 2], "x": [0.5, 0.8], "y": [0.3, 0.42], "vx": [1.0, 2.0], "vy": [0, 0], "radius": [0.3, 0.02]}
+    ds = compute_profiles([make_frame(0, 0.0, BOX, columns)], context(bin_width=0.1, sized=True))
+    # lines every 25 mm: that at 0.7875 m cuts both discs, that at 0.8125 m the small one
+    expected = [0, 0, 0.6, 0.6, 0.6, 0.6, 0.6, 0.6, 0.44 / 4, 0]
+    assert ds.surface_depth.values[0, :10] == pytest.approx(expected, abs=1e-12)
+    np.testing.assert_array_equal(ds.surface_velocity.values[0, 2:9], [1, 1, 1, 1, 1, 1, 2])
+
+
+def test_discs_two_of_the_largest_diameters_apart_are_connected():
+    y = np.array([0.3, 1.4, 2.7, 4.2])
+    columns = {"id": [1, 2, 3, 4], "x": 0 * y + 5.0, "y": y, "vx": 0 * y, "vy": 0 * y, "radius": [0.3, 0.05, 0.05, 0.3]}
+    ds = compute_profiles([make_frame(0, 0.0, BOX, columns)], context(bin_width=0.01, sized=True))
+    # 1.1 m lie between the first two, 1.3 m between the second and the third
+    assert float(ds.surface_depth.max()) == pytest.approx(1.45)
+
+
+@settings(max_examples=60)
 @given(points=points, width=st.sampled_from([0.25, 0.5, 1.0, 2.5]))
 def test_mirror_symmetry(points, width):
     x, y, u, v = np.array(points, float).reshape(-1, 4).T
@@ -155,16 +209,17 @@ def test_kernels_give_the_same_without_compilation():
     u, v = rng.normal(size=(2, 80))
     compiled, plain = np.zeros((6, 5)), np.zeros((6, 5))
     beyond, beyond_plain = np.zeros(2), np.zeros(2)
-    profile_kernels.bin_frame(x, y, u, v, 0.0, 1.0, 0.1, compiled, beyond)
-    profile_kernels._bin_frame_py(x, y, u, v, 0.0, 1.0, 0.1, plain, beyond_plain)
+    radius = rng.uniform(0.05, 0.2, 80)
+    profile_kernels.bin_frame(x, y, u, v, radius, radius**2, 0.0, 1.0, compiled, beyond)
+    profile_kernels._bin_frame_py(x, y, u, v, radius, radius**2, 0.0, 1.0, plain, beyond_plain)
     np.testing.assert_allclose(compiled, plain, rtol=1e-12, atol=1e-14)
     np.testing.assert_allclose(beyond, beyond_plain, rtol=1e-14)
     bed = np.zeros(80)
     np.testing.assert_array_equal(
-        profile_kernels._connected(x, y, bed, 0.4, 0.1), profile_kernels._connected_py(x, y, bed, 0.4, 0.1)
+        profile_kernels._connected(x, y, radius, 0.4, bed), profile_kernels._connected_py(x, y, radius, 0.4, bed)
     )
-    a = profile_kernels.surface_frame(x, y, u, bed, np.zeros(200), 0.0, 1.0, 5, 0.1)
-    b = profile_kernels._surface_frame_py(x, y, u, bed, np.zeros(200), 0.0, 1.0, 5, 0.1)
+    a = profile_kernels.surface_frame(x, y, u, radius, 0.4, bed, np.zeros(200), 0.0, 1.0, 5)
+    b = profile_kernels._surface_frame_py(x, y, u, radius, 0.4, bed, np.zeros(200), 0.0, 1.0, 5)
     np.testing.assert_allclose(a, b, rtol=1e-13)
 
 
@@ -177,7 +232,7 @@ def test_connection_is_the_transitive_closure_of_nearness():
     rng = np.random.default_rng(6)
     x = np.append(rng.uniform(0, 8, 150), [1e4, -1e4])
     y = np.append(rng.uniform(0.1, 4, 150), [5e3, 1.0])
-    joined = profile_kernels._connected(x, y, np.zeros(152), 0.4, 0.1)
+    joined = profile_kernels._connected(x, y, np.full(152, 0.1), 0.4, np.zeros(152))
     pairs = cKDTree(np.column_stack([x, y])).query_pairs(0.4, output_type="ndarray")
     _, label = connected_components(coo_matrix((np.ones(len(pairs)), pairs.T), shape=(152, 152)), directed=False)
     grounded = set(label[y <= 0.3])

@@ -153,6 +153,9 @@ def test_thesis_numbers_of_the_hydraulic_jump():
     assert c.correction == pytest.approx(0.9775, abs=5e-5)
     speeds = [row.vx for row in scene.inlets]
     assert speeds == pytest.approx([13.160, 15.396, 16.562, 17.377, 18.013], abs=5e-4)
+    exact = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", {"inflow.schedule": "exact"})).inlets
+    assert [row.every_steps for row in exact] == [213, 182, 169, 161, 156, 151]
+    assert sum(row.vx for row in exact) / 6 == pytest.approx(16, rel=1e-14)
 
 
 def test_column_carries_its_weight_from_the_start():

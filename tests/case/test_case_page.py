@@ -39,16 +39,27 @@ def test_field_and_default(name, field):
         assert yaml.safe_load(said) == field.default
 
 
+KINDS = {
+    "of wall": models.WallField,
+    "of `initial`": models.InitialField,
+    "of `inflow`": models.InflowField,
+    "of `discs.sizes`": models.SizesField,
+}
+"""Fields with a `kind`, by what the first column of their table says."""
+
+
 def kinds():
-    for union in (models.WallField, models.InitialField, models.InflowField):
-        yield from get_args(get_args(union)[0])
+    for heading, union in KINDS.items():
+        for model in get_args(get_args(union)[0]):
+            yield heading, model
 
 
-@pytest.mark.parametrize("model", list(kinds()), ids=lambda model: model.__name__)
-def test_fields_of_a_kind(model: type):
+@pytest.mark.parametrize(("heading", "model"), list(kinds()), ids=lambda part: getattr(part, "__name__", ""))
+def test_fields_of_a_kind(heading: str, model: type):
     names = dict(fields_of(model))
     (kind,) = get_args(names.pop("kind").annotation)
-    (row,) = re.findall(rf"^\| `{kind}` \|(.*)$", PAGE, re.MULTILINE)
+    table, _, _ = PAGE.partition(f"| `kind` {heading} |")[2].partition("\n\n")
+    (row,) = re.findall(rf"^\| `{kind}` \|(.*)$", table, re.MULTILINE)
     names.pop("name", None)  # of every wall, said above the table
     said = re.findall(r"`(\w+)`", row)
     assert set(names) == set(said)
@@ -60,5 +71,5 @@ def test_fields_of_a_kind(model: type):
 
 
 def test_no_row_is_left_of_a_field_that_is_gone():
-    known = {name for name, _ in fields()} | {get_args(fields_of(model)["kind"].annotation)[0] for model in kinds()}
+    known = {name for name, _ in fields()} | {get_args(fields_of(model)["kind"].annotation)[0] for _, model in kinds()}
     assert set(re.findall(r"^\| `([\w.]+)` \|", PAGE, re.MULTILINE)) == known

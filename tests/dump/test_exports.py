@@ -151,3 +151,19 @@ def test_forces(tmp_path):
         read_forces(path)
     with pytest.raises(DumpError, match="cannot be read"):
         read_forces(tmp_path / "none.csv")
+
+
+def test_discs_of_several_sizes(tmp_path):
+    columns = {"id": [2, 1], "x": [0.0, 1.0], "y": [0.5, 0.5], "vx": [0, 0], "vy": [0, 0], "radius": [0.1, 0.125]}
+    graded = make_frame(0, 0.0, [[0, 2], [0, 1]], columns)
+    root = ET.parse(write_vtp(graded, tmp_path / "d.vtp", 0.2)).getroot()
+    arrays = {a.get("Name"): vtk_array(a) for a in root.iter("DataArray")}
+    assert arrays["diameter"].ravel().tolist() == [0.2, 0.25]
+    equal = ET.parse(write_vtp(frame(), tmp_path / "e.vtp", 0.2)).getroot()
+    (diameters,) = (vtk_array(a) for a in equal.iter("DataArray") if a.get("Name") == "diameter")
+    assert (diameters == 0.2).all()
+    path = tmp_path / "graded.lammpstrj"
+    with DumpWriter(path, tuple(columns)) as writer:
+        writer.write(0, 0.0, graded.box, graded.columns)
+    (picture,) = write_pictures(open_dump(path), tmp_path)
+    assert picture.read_text() == "1 1 0.5 0.125\n2 0 0.5 0.1\n"

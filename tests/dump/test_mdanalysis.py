@@ -146,3 +146,17 @@ def test_the_example_of_the_page_runs(tmp_path, capsys):
             writer.write(k, 0.5 * k, [[0, 20], [0, 5]], columns)
     exec(compile(example.replace("runs/quick_jump/dump.lammpstrj", str(path)), "docs/mdanalysis.md", "exec"), {})
     assert capsys.readouterr().out == "t = 0.00 s: 2 discs, 5.00 m/s\nt = 0.50 s: 2 discs, 5.00 m/s\n"
+
+
+def test_radii_are_those_of_the_dump(tmp_path):
+    """A disc that gets its own size after it has entered has that; masses go with the square."""
+    path = tmp_path / "graded"
+    frames = ([1, 2], [0.1, 0.12]), ([2, 1, 3], [0.08, 0.1, 0.12]), ([3, 2], [0.11, 0.08])
+    with DumpWriter(path, ("id", "x", "y", "radius"), "binary") as writer:
+        for step, (ids, radii) in enumerate(frames):
+            columns = {"id": np.array(ids), "x": np.arange(len(ids)), "y": np.ones(len(ids)), "radius": np.array(radii)}
+            writer.write(step, 0.1 * step, BOX, columns)
+    u = mda_reader.universe(path, diameter=0.2, mass=40.0)
+    np.testing.assert_allclose(u.atoms.radii, [0.1, 0.08, 0.11], rtol=1e-6)
+    np.testing.assert_allclose(u.atoms.masses, 1000 * (2 * np.array([0.1, 0.08, 0.11])) ** 2)
+    assert mda_reader.universe(path, mass=40.0).atoms.masses.mean() == pytest.approx(40.0)

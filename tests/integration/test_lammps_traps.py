@@ -365,3 +365,125 @@ def test_mdanalysis_own_reader_refuses_a_varying_number_of_discs(here):
     with pytest.raises(ValueError, match="Number of atoms in trajectory changed"):
         for _ in universe.trajectory:
             pass
+
+
+# --- discs of several sizes -------------------------------------------------------------------------------------
+
+
+def rebound(style: str, ratio: float) -> float:
+    """Restitution of a head-on pair of this mass ratio, with the dashpot that gives equal discs 0.2; f = 0.01."""
+    e, speed, size = 0.2, 3.0, DIAMETER / ratio**0.5
+    dt = 0.02 * (MASS / 2 / ratio / STIFFNESS) ** 0.5
+    couple = (
+        f"create_atoms 1 single 0 0 0\ncreate_atoms 1 single {(DIAMETER + size) / 2 + 1e-9!r} 0 0\n{DISC}"
+        f"set atom 2 diameter {size!r} mass {MASS / ratio!r}\nvelocity all set 0 0 0\nset atom 1 vx {speed}\n"
+    )
+    if style == "gran/hooke":
+        gamma = contact.damping(e, STIFFNESS, MASS / 2) / (MASS / 2)
+        law = f"pair_style gran/hooke {STIFFNESS} NULL {gamma!r} 0 0 0\npair_coeff * *\n"
+    else:
+        normal = {
+            "coeff_restitution": e,
+            "mass_velocity": contact.damping(e, STIFFNESS, MASS / 2) / (MASS / 2),
+            "velocity": contact.damping(e, STIFFNESS, MASS / 2),
+        }[style]
+        law = (
+            f"pair_style granular\npair_coeff * * hooke {STIFFNESS} {normal!r} tangential linear_nohistory 0 0 "
+            f"damping {style}\n"
+        )
+    commands = f"{couple}{law}{NEIGHBOURS}timestep {dt!r}\nfix move all nve\nrun 2000\n"
+    with engine(HEAD, commands) as lmp:
+        v = lmp.numpy.extract_atom("v")[:2, 0]
+        return float(v[1] - v[0]) / speed
+
+
+@pytest.mark.parametrize(
+    ("style", "expected"),
+    [
+        ("coeff_restitution", (0.198, 0.198, 0.198)),
+        ("gran/hooke", (0.198, 0.282, 0.536)),
+        ("mass_velocity", (0.198, 0.282, 0.536)),
+        ("velocity", (0.198, 0.118, 0.0001)),
+    ],
+)
+def test_one_number_of_damping_gives_unequal_pairs_another_restitution(style, expected):
+    """Mended: nothing changes. coeff_restitution is the law of unequal discs; it alone keeps e at every ratio."""
+    found = [rebound(style, ratio) for ratio in (1.0, 2.0, 10.0)]
+    assert found == pytest.approx(expected, abs=0.004)  # one phase of entry
+
+
+def test_pour_of_several_sizes_makes_spheres(here):
+    """Mended: pours could give their own sizes (`diam poly`) instead of `fix set`."""
+    commands = (
+        "region in block -1 1 0.5 1.5 -0.1 0.1\nfix g all gravity 9.81 vector 0 -1 0\nfix move all nve\n"
+        "fix p all pour 12 1 4711 region in vol 0.3 100 diam poly 2 0.16 0.5 0.24 0.5 dens 1000 1000\nrun 20\n"
+    )
+    with engine(HEAD, pair(), commands) as lmp:
+        n = lmp.get_natoms()
+        d, m = 2 * lmp.numpy.extract_atom("radius")[:n], lmp.numpy.extract_atom("rmass")[:n]
+        assert n > 4 and set(np.round(d, 6)) == {0.16, 0.24}
+        assert m == pytest.approx(np.pi / 6 * 1000 * d**3, rel=1e-12)
+
+
+SET = "variable m atom 40.0*0.64\nvariable d atom 0.16\nfix size all set {} 0 group all diameter v_d mass v_m\n"
+
+
+@pytest.mark.parametrize("steps", [1, 4])
+def test_fix_set_acts_at_the_end_of_a_step(here, steps):
+    """Plugin and native copy it: the next half kick has the force of the larger disc on the mass of the own one.
+
+    Mended (gravity g from the first half kick on): their extra velocity g dt/2 ((d_max/d)^2 - 1) can go.
+    """
+    dt, g = 8.8388e-5, 9.81
+    drop = (
+        f"molecule disk disk.mol\nreset_timestep {steps - 1} time 0\n{pair()}region in block 0 0 0 0 0 0\n"
+        f"fix d all deposit 1 0 {steps} 4711 region in mol disk id max near 0.1998 attempt 1\n"
+        f"fix g all gravity {g} vector 0 -1 0\nfix move all nve\n"
+    )
+    # the disc enters in the first step, whose end is the first multiple of the raster
+    with engine(HEAD, drop, SET.format(steps), "run 1") as lmp:
+        assert lmp.numpy.extract_atom("radius")[0] == 0.08
+        assert lmp.numpy.extract_atom("rmass")[0] == 25.6
+        half = 0.5 * g * dt
+        assert lmp.numpy.extract_atom("v")[0, 1] == pytest.approx(-half, rel=1e-12)
+        assert lmp.numpy.extract_atom("f")[0, 1] == pytest.approx(-MASS * g, rel=1e-12)
+        lmp.command("run 1 pre no")
+        kicked = half + half * MASS / 25.6 + half
+        assert lmp.numpy.extract_atom("v")[0, 1] == pytest.approx(-kicked, rel=1e-12)
+        lmp.command("run 1 pre no")
+        assert lmp.numpy.extract_atom("v")[0, 1] == pytest.approx(-kicked - 2 * half, rel=1e-12)
+
+
+def test_fix_set_acts_at_multiples_of_its_raster_only(here):
+    """What the schedule of the inlets rests on: rows begin at, and are spaced by, multiples of one raster."""
+    drop = (
+        f"molecule disk disk.mol\n{pair()}region in block 0 0 0 0 0 0\n"
+        "fix d all deposit 1 0 1 4711 region in mol disk id max near 0.1998 attempt 1\nfix move all nve\n"
+    )
+    with engine(HEAD, drop, SET.format(5)) as lmp:
+        radii = []
+        for _ in range(6):
+            lmp.command("run 1")
+            radii.append(lmp.numpy.extract_atom("radius")[0])
+        assert radii == [0.1] * 4 + [0.08] * 2
+
+
+def test_the_step_cannot_be_set_behind_fix_deposit(here):
+    """Mended: a run that waits for a step of the raster could be replaced by `reset_timestep` there."""
+    late = (
+        f"molecule disk disk.mol\n{pair()}region in block 0 0 0 0 0 0\n"
+        "fix d all deposit 1 0 4 4711 region in mol disk id max near 0.1998 attempt 1\nfix move all nve\n"
+    )
+    with pytest.raises(Exception, match="Cannot reset timestep"), engine(HEAD, late, "reset_timestep 3"):
+        pass
+
+
+def test_an_empty_box_needs_a_bin_size_before_it_runs():
+    """Mended: the scripts' `neigh_modify binsize` could go. Without a disc LAMMPS knows no cutoff of granular pairs."""
+    law = f"pair_style granular\npair_coeff * * hooke {STIFFNESS} 0.2 tangential linear_nohistory 0 0 damping "
+    commands = f"{law}coeff_restitution\n{NEIGHBOURS}fix move all nve\n"
+    wide = HEAD.replace("block -2 2 -2 2", "block -100 100 -100 100")
+    with engine(wide, commands, "neigh_modify binsize 0.15", "run 3"):
+        pass
+    with pytest.raises(Exception, match="neighbor bins"), engine(wide, commands, "run 3"):
+        pass

@@ -10,7 +10,8 @@ import pytest
 
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import InletRow
+from lammps_jump.scene.scene import InletRow, Outlet
+from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Box, Plane
 
 pytestmark = pytest.mark.lammps
@@ -31,7 +32,7 @@ def lammps():
 def start(lammps, scene, folder):
     """A LAMMPS instance that holds the scene, written by hand: nothing of the script generator."""
     engine = lammps(cmdargs=["-log", "none", "-screen", "none"])
-    c, d, command = scene.coefficients, scene.diameter, engine.command
+    d, command = scene.diameter, engine.command
     (x_low, x_high), (y_low, y_high) = scene.domain
     command("units si\n")
     for line in ("dimension 2", "boundary f f p", "atom_style sphere", "comm_modify vel yes", "newton off"):
@@ -42,26 +43,36 @@ def start(lammps, scene, folder):
     if n:
         flat = [np.column_stack([a, np.zeros(n)]).ravel().tolist() for a in (scene.positions, scene.velocities)]
         engine.create_atoms(n, list(range(1, n + 1)), [1] * n, *flat)
-        command(f"set group all diameter {d!r} mass {scene.mass!r}")
-    on = int(c.friction > 0)
-    command(f"pair_style gran/hooke {c.stiffness!r} NULL {c.gamma_normal!r} {c.gamma_tangential!r} {c.friction!r} {on}")
-    command("pair_coeff * *")
+        for identity, own in enumerate(scene.diameters(np.arange(1, n + 1)).tolist(), 1):
+            command(f"set atom {identity} diameter {own!r} mass {scene.density * own**2!r}")
+    law, law_wall = laws(scene)
+    command("pair_style granular" if scene.sizes else f"pair_style gran/hooke {law}")
+    command(f"pair_coeff * * {law if scene.sizes else ''}")
     command(f"neighbor {0.3 * d!r} bin")
     command("neigh_modify delay 0 every 1 check yes")
     command("fix move all nve/sphere disc" if scene.rotation else "fix move all nve")
     command(f"fix weight all gravity {-scene.gravity[1]!r} vector 0 -1 0")
-    law = f"hooke {c.stiffness_wall!r} NULL {c.gamma_normal_wall!r} {c.gamma_tangential_wall!r} {c.friction!r} {on}"
     for wall in scene.walls:
         if isinstance(wall, Block):
             command(f"region {wall.name} block {wall.x[0]} {wall.x[1]} {wall.y[0]} {wall.y[1]} INF INF side out")
-            command(f"fix {wall.name} all wall/gran/region {law} region {wall.name}")
+            command(f"fix {wall.name} all wall/gran/region {law_wall} region {wall.name}")
         for plane in wall.faces() if isinstance(wall, Box) else (wall,) if isinstance(wall, Plane) else ():
             low, high = (plane.at, "NULL") if plane.side == "above" else ("NULL", plane.at)
-            command(f"fix {plane.name} all wall/gran {law} {plane.axis}plane {low} {high}")
+            command(f"fix {plane.name} all wall/gran {law_wall} {plane.axis}plane {low} {high}")
+    for outlet in scene.outlets:
+        assert (outlet.axis, outlet.side) == ("x", "above")
+        command(f"region out block {outlet.at!r} INF INF INF INF INF")
+        command(f"fix out all evaporate {outlet.every_steps} 1000 out 7")
+    command(f"timestep {scene.time_step!r}")
+    command("thermo 1000000")
     if scene.inlets:
+        # fix deposit tries for the first time in the step after it was given
+        command(f"neigh_modify binsize {0.65 * scene.largest!r}")
+        command(f"run {scene.inlets[0].first_step - 1}")
         mol = folder / "disc.mol"
         mol.write_text(
-            f"disc\n\n1 atoms\n\nCoords\n\n1 0 0 0\n\nTypes\n\n1 1\n\nDiameters\n\n1 {d}\n\nMasses\n\n1 {c.mass}\n"
+            f"disc\n\n1 atoms\n\nCoords\n\n1 0 0 0\n\nTypes\n\n1 1\n\nDiameters\n\n1 {scene.largest!r}\n\n"
+            f"Masses\n\n1 {scene.density * scene.largest**2!r}\n"
         )
         command(f"molecule disc {mol}")
     for k, row in enumerate(scene.inlets):
@@ -70,10 +81,35 @@ def start(lammps, scene, folder):
             f"fix row{k} all deposit 100000 0 {row.every_steps} {11 + k} mol disc region row{k} id max "
             f"near {row.clearance!r} vx {row.vx!r} {row.vx!r} vy 0 0 attempt 1"
         )
-    command(f"timestep {scene.time_step!r}")
-    command("thermo 1000000")
+    if scene.sizes and scene.inlets:
+        command(f"variable turned atom (id+{scene.sizes.seed * 0.7548776662466927!r})*0.6180339887498949")
+        low, high = scene.smallest, scene.largest
+        command(f"variable d atom {low!r}+{high - low!r}*(v_turned-floor(v_turned))")
+        command(f"variable m atom {scene.density!r}*v_d*v_d")
+        command(f"fix sizes all set {scene.size_steps} 0 group all diameter v_d mass v_m")
     command("run 0")
     return engine
+
+
+def laws(scene):
+    """Words of the styles of pairs and of walls."""
+    c, on = scene.coefficients, int(scene.coefficients.friction > 0)
+    pair = c.stiffness, c.correction, c.gamma_normal, c.gamma_tangential
+    wall = c.stiffness_wall, c.correction_wall, c.gamma_normal_wall, c.gamma_tangential_wall
+    if scene.sizes:
+        return law_of_sizes(c, *pair), f"granular {law_of_sizes(c, *wall)}"
+    pair, wall = (
+        f"{k!r} NULL {normal!r} {tangential!r} {c.friction!r} {on}" for k, _, normal, tangential in (pair, wall)
+    )
+    return pair, f"hooke {wall}"
+
+
+def law_of_sizes(c, stiffness, correction, normal, tangential):
+    """Granular style with one damping ratio for every contact."""
+    xi = c.damping_ratio * correction
+    e = float(np.exp(-np.pi * xi / np.sqrt(1 - xi**2)))
+    rub = f"tangential linear_nohistory {tangential / normal!r} {c.friction!r}"
+    return f"hooke {stiffness!r} {e!r} {rub} damping coeff_restitution"
 
 
 def state(engine):
@@ -87,6 +123,7 @@ def state(engine):
 def worst_distance(lammps, scene, steps, folder, parts=4):
     """Largest difference of any coordinate over the diameter in `steps` steps; ids must agree."""
     engine, simulation = start(lammps, scene, folder), NativeSimulation(scene)
+    simulation.run(scene.inlets[0].first_step - 1 if scene.inlets else 0)
     contacts, worst = 0.0, 0.0
     try:
         for _ in range(parts):
@@ -101,6 +138,7 @@ def worst_distance(lammps, scene, steps, folder, parts=4):
     finally:
         engine.close()
     assert contacts > 0
+    assert simulation.boundaries.removed or not scene.outlets
     return worst
 
 
@@ -142,6 +180,40 @@ def test_column_under_its_weight_agrees(lammps, tmp_path):
     walls = (Plane("floor", "y", 0.0, "above"), Plane("back", "x", 0.0, "above"))
     scene = handmade_scene(grid, np.zeros_like(grid), walls, domain=((-1, 20), (-1, 10)))
     assert worst_distance(lammps, scene, 1000, tmp_path) < 1e-9
+
+
+FRICTION = {"frictionless": dict(), "friction": dict(friction=0.3), "spin": dict(friction=0.3, rotation=True)}
+SIZES = Sizes((1.0,), (0.14,), (0.26,), seed=3)
+
+
+@pytest.mark.parametrize("law", FRICTION)
+def test_graded_column_agrees(lammps, tmp_path, law):
+    """A loose column of 60 discs of 0.14 to 0.26 m falls together between walls, over a corner."""
+    grid = np.array([(0.14 + 0.27 * i, 0.6 + 0.27 * j) for j in range(10) for i in range(6)])
+    velocities = np.random.default_rng(5).normal(0, 1.0, grid.shape) - (0.0, 6.0)
+    walls = (
+        Plane("floor", "y", 0.0, "above"),
+        Plane("left", "x", 0.0, "above"),
+        Plane("right", "x", 1.62, "below"),
+        Block("sill", (0.7, 1.0), (-0.5, 0.3)),
+    )
+    scene = handmade_scene(
+        grid, velocities, walls, sizes=SIZES, correct_restitution=True, domain=((-1, 3), (-1, 6)), **FRICTION[law]
+    )
+    assert worst_distance(lammps, scene, 1000, tmp_path) < 1e-9
+
+
+@pytest.mark.parametrize("law", FRICTION)
+def test_graded_jet_agrees(lammps, tmp_path, law):
+    """Rows enter, meet a sill and leave: ids, sizes at the same steps, positions."""
+    rows = tuple(InletRow(0.0, (i + 0.5) * 0.26, 13.0 + i, 0.0, 8, 240 - 16 * i, 0.999 * 0.26) for i in range(3))
+    walls = (Block("floor", (-2.0, 2.5), (-2.0, 0.0)), Block("sill", (1.0, 1.5), (-2.0, 0.3)))
+    empty = np.zeros((0, 2))
+    scene = handmade_scene(
+        empty, empty, walls, sizes=SIZES, size_steps=8, inlets=rows, outlets=(Outlet("x", 2.0, "above", 8),),
+        domain=((-1.0, 6.0), (-3.0, 20.0)), **FRICTION[law],
+    )  # fmt: skip
+    assert worst_distance(lammps, scene, 3000, tmp_path) < 1e-9
 
 
 def test_inlet_rows_enter_at_the_same_steps_with_the_same_ids(lammps, tmp_path):

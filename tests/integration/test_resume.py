@@ -34,7 +34,13 @@ pytestmark = pytest.mark.lammps
 GATE = ("run.duration=0.25", "initial.0.settle=0.2", "run.output_interval=0.01", "contact.rotation=true")
 FRICTION = (*GATE, "contact.friction=0.1")
 COLLAPSE = ("run.duration=0.4", "run.output_interval=0.01")
-JUMP = ("run.duration=2", 'outflow=[{"x_beyond": 7}]', "walls.sill.x=[6.5, 6.9]", "run.output_interval=0.05")
+JUMP = (
+    "run.duration=2",
+    'outflow=[{"x_beyond": 7}]',
+    "walls.sill.x=[6.5, 6.9]",
+    "walls.sill.y=[-5, 0.4]",
+    "run.output_interval=0.05",
+)
 
 
 def scene_of(name: str, *changes: str):
@@ -74,6 +80,7 @@ def apart(one, two) -> float:
         ("compiled", "text", "dam_break", (*COLLAPSE, "contact.friction=0.1", "contact.friction_law=sign")),
         ("stock", "binary", "quick_jump", JUMP),
         ("compiled", "binary", "quick_jump", JUMP),
+        ("compiled", "text", "quick_jump", (*JUMP, "discs.sizes=null", "contact.friction=0.1")),
     ],
 )
 def test_continued_run_is_the_uninterrupted_one(kernel, dump_format, name, changes, tmp_path):

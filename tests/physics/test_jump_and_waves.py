@@ -155,7 +155,7 @@ def test_usbr_points_are_met_and_nothing_outside():
 
 def test_power_law_facts():
     y = (np.arange(200_000) + 0.5) / 200_000
-    u = np.array([theory.power_law_velocity(v, 1.0, 1.0) for v in y])
+    u = 8 / 7 * y ** (1 / 7)
     # midpoint rule on y^(1/7): its error is that of the first cells, (1/N)^(8/7)
     assert u.mean() == pytest.approx(1.0, abs=1e-6)
     assert (u**2).mean() == pytest.approx(theory.PROFILE_MOMENTUM_COEFFICIENT, abs=1e-6)
@@ -163,46 +163,7 @@ def test_power_law_facts():
     assert pytest.approx(1.01587, abs=0.51e-5) == theory.PROFILE_MOMENTUM_COEFFICIENT
     assert pytest.approx(1.04490, abs=0.51e-5) == theory.PROFILE_ENERGY_COEFFICIENT
     assert pytest.approx(0.3927, abs=0.51e-4) == theory.PROFILE_MEAN_HEIGHT
-    assert theory.power_law_velocity(theory.PROFILE_MEAN_HEIGHT, 1.0, 3.0) == pytest.approx(3.0, rel=1e-14)
-
-
-@pytest.mark.parametrize(("rows", "excess"), [(5, 1.00635), (7, 1.00437), (10, 1.00293), (20, 1.00134)])
-def test_discharge_excess_of_row_midpoints(rows, excess):
-    speeds = theory.row_velocities(1.0, 1.0 / rows, 1.0)
-    assert len(speeds) == rows
-    assert theory.inflow_discharge(speeds, 1.0 / rows) == pytest.approx(excess, abs=0.51e-5)
-
-
-def test_five_rows_of_the_thesis():
-    speeds = theory.row_velocities(1.0, 0.2, 16.0)
-    assert speeds == pytest.approx((13.160, 15.396, 16.562, 17.377, 18.013), abs=0.51e-3)
-    assert theory.row_heights(1.0, 0.2) == pytest.approx((0.1, 0.3, 0.5, 0.7, 0.9), rel=1e-14)
-    mean = sum(speeds) / 5
-    assert sum(u**2 for u in speeds) / 5 / mean**2 == pytest.approx(1.01129, abs=0.51e-5)
-    assert sum(u**3 for u in speeds) / 5 / mean**3 == pytest.approx(1.03309, abs=0.51e-5)
-    # discs a second: discharge over d^2
-    assert theory.inflow_discharge(speeds, 0.2) / 0.04 == pytest.approx(402.5, abs=0.051)
-    assert theory.inflow_discharge(speeds, 0.2, spacing=1.02) / 0.04 == pytest.approx(402.54 / 1.02, abs=0.01)
-
-
-@given(depth=st.floats(0.3, 5.0), diameter=st.floats(0.05, 0.3), mean=st.floats(0.1, 40.0))
-def test_exact_discharge(depth, diameter, mean):
-    for profile in ("power_law", "uniform"):
-        speeds = theory.row_velocities(depth, diameter, mean, profile=profile, exact_discharge=True)
-        assert theory.inflow_discharge(speeds, diameter) == pytest.approx(mean * depth, rel=1e-12)
-        assert all(b >= a for a, b in pairwise(speeds))
-
-
-def test_rows_fill_whole_diameters_only():
-    assert theory.row_count(0.6, 0.2) == 3  # 0.6 / 0.2 rounds below 3
-    assert theory.row_count(0.59, 0.2) == 2
-    assert theory.row_count(0.1, 0.2) == 0
-    assert theory.row_velocities(0.1, 0.2, 16.0, exact_discharge=True) == ()
-
-
-def test_unknown_profile_is_refused():
-    with pytest.raises(ValueError, match="parabola"):
-        theory.row_velocities(1.0, 0.2, 16.0, profile="parabola")
+    assert 8 / 7 * theory.PROFILE_MEAN_HEIGHT ** (1 / 7) == pytest.approx(1.0, rel=1e-14)
 
 
 # --- sill -------------------------------------------------------------------------------------------------------

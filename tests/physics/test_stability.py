@@ -6,7 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from lammps_jump.case.piling import piled
 from lammps_jump.physics import contact
+from lammps_jump.scene import Sizes
 
 K, M = 1.0, 1.0
 CRITICAL = contact.critical_time_step(K, M)
@@ -103,3 +105,65 @@ def test_stiff_walls_lower_the_limit():
     assert contact.wall_stable_fraction(K, 30 * K, M, pair, wall, "velocity_verlet") < 0.5 * bed
     same = contact.damping(0.2, K, M)
     assert contact.wall_stable_fraction(K, K, M, pair, same, "velocity_verlet") > bed
+
+
+PILES = {
+    "uniform": Sizes((1.0,), (0.8,), (1.2,)),
+    "wide": Sizes((1.0,), (0.5,), (1.5,)),
+    "two": Sizes((0.8, 0.2), (0.6, 1.4), (0.6, 1.4)),
+    "few small": Sizes((0.1, 0.9), (0.7, 1.0), (0.7, 1.0)),
+}
+
+
+def pile(sizes: Sizes, e: float, wall: float, squeezed: float) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and damping matrices over the masses of a pile; discs nearer than `squeezed` to touching touch."""
+    box = ((0.0, 5.0), (0.0, 5.0))
+    d = sizes.diameters(np.arange(1, 201))
+    places = piled(d.tolist(), *box, sizes.largest)
+    d = d[: len(places)]
+    m = M * d**2
+    xi = contact.damping_ratio(e)
+    springs, dashpots = np.zeros((2, 2 * len(d), 2 * len(d)))
+    for i in range(len(d)):
+        for j in range(i):
+            apart = places[i] - places[j]
+            distance = np.hypot(*apart)
+            if distance < (d[i] + d[j]) / 2 + squeezed:
+                normal = np.outer(apart, apart) / distance**2
+                c = 2 * xi * np.sqrt(K * m[i] * m[j] / (m[i] + m[j]))
+                for a, b, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
+                    springs[2 * a : 2 * a + 2, 2 * b : 2 * b + 2] += sign * K * normal
+                    dashpots[2 * a : 2 * a + 2, 2 * b : 2 * b + 2] += sign * c * normal
+        for axis, (low, high) in enumerate(box):
+            reach = d[i] / 2 + squeezed
+            touches = (places[i, axis] - low < reach) + (high - places[i, axis] < reach)
+            springs[2 * i + axis, 2 * i + axis] += touches * wall
+            dashpots[2 * i + axis, 2 * i + axis] += touches * 2 * xi * np.sqrt(wall * m[i])
+    masses = np.repeat(m, 2)[:, None]
+    return springs / masses, dashpots / masses
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("e", [1.0, 0.2])
+@pytest.mark.parametrize("wall", [1.0, 10.0])
+@pytest.mark.parametrize("sizes", PILES.values(), ids=PILES)
+def test_limit_of_the_smallest_discs_is_safe_in_piles_of_several_sizes(scheme, e, wall, sizes):
+    coefficients = contact.derive(
+        density=M,
+        diameter=1.0,
+        restitution=e,
+        friction=0.0,
+        stiffness=K,
+        stiffness_wall=wall,
+        impact_speed=1.0,
+        time_step_fraction=0.05,
+        integrator=scheme,
+        correct_restitution=False,
+        rotation=False,
+        smallest=sizes.smallest,
+    )
+    assert coefficients.critical_time_step == pytest.approx(sizes.smallest * CRITICAL, rel=1e-12)
+    limit = coefficients.stable_fraction * coefficients.critical_time_step
+    # touching as packed, and pressed together until many more touch
+    for squeezed in (1e-6, 0.05):
+        assert growth(*pile(sizes, e, wall, squeezed), limit, scheme) < 1 + 1e-6

@@ -103,4 +103,10 @@ def test_flow_state_of_a_step():
     assert depth == pytest.approx(0.6 * 1 + 0.4 * 3, rel=1e-12)
     assert discharge == pytest.approx(2 * depth, rel=1e-12)
     assert toe == pytest.approx(6.0, abs=0.15)  # bins of 0.1 m, smoothed over three
+    # half of the discs, each of twice the mass
+    assert flow_state(x[::2], np.full(len(x) // 2, 2.0), 10.0, 1000.0, (0.0, 10.0), 100, np.full(len(x) // 2, 2.0)) == (
+        pytest.approx(depth),
+        pytest.approx(discharge),
+        pytest.approx(toe),
+    )
     assert np.isnan(flow_state(shallow, np.ones(len(shallow)), 10.0, 1000.0, (0.0, 6.0), bins=60)[2])

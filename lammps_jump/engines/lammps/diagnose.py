@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.case.packing import closest_pair
+from lammps_jump.case.packing import deepest_overlap
 from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
@@ -62,13 +62,13 @@ def _closest(scene: Scene, state: tuple | None) -> str:
         return ""
     ids, places = state
     finite = np.isfinite(places).all(axis=1)
-    pair = closest_pair(places[finite, :2], scene.diameter) if finite.sum() > 1 else None
-    if pair is None:
+    found = deepest_overlap(places[finite, :2], scene.diameters(ids[finite]))
+    if found is None:
         return ""
-    distance, i, j = pair
+    depth, i, j = found
     x, y = places[finite][i, :2]
     names = ids[finite]
-    depth, allowed = scene.diameter - distance, scene.overlap_limit
+    allowed = scene.overlap_limit
     return (
         f": discs {names[i]} and {names[j]} near ({x:.4g}, {y:.4g}) by {depth:.3g} m, "
         f"allowed is 2 d/n = {allowed:.3g} m"

@@ -16,7 +16,8 @@ from lammps_jump.engines.interrupts import stop_request
 from lammps_jump.engines.result import Progress, RunResult
 from lammps_jump.engines.setting import Job
 from lammps_jump.script import resume as continuation
-from lammps_jump.script.assemble import STOP_FILE, first_step, stop_at_step
+from lammps_jump.script.assemble import STOP_FILE, stop_at_step
+from lammps_jump.script.stock import first_step
 
 from .finish import STOPPED_SCRIPT, Outcome, conclude
 from .loader import load_lammps

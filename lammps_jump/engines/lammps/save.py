@@ -11,8 +11,8 @@ from lammps_jump.engines.result import RunResult
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import resume as continuation
-from lammps_jump.script.assemble import STATE, first_step
-from lammps_jump.script.stock import half_step_back
+from lammps_jump.script.assemble import STATE
+from lammps_jump.script.stock import first_step, half_step_back
 
 from .log import LogSummary
 

@@ -42,7 +42,7 @@ class CellSimulation(NativeSimulation):
         rows = int((y_high - y_low) * inverse) + 1
         first = np.zeros(columns * rows + 2, np.int64)
         self._grid = kernels.Grid(x_low, y_low, inverse, columns, rows, first, np.zeros(1, np.int64))
-        self._slots = (ceil(scene.diameter * inverse) + 1) ** 2
+        self._slots = (ceil(scene.largest * inverse) + 1) ** 2
         self._owner = np.empty(0, np.int32)
         self._pairs = np.empty(256, np.int32)
         super().__init__(scene, ledger=ledger)
@@ -65,7 +65,9 @@ class CellSimulation(NativeSimulation):
             self._owner = np.empty(self._slots * d.room, np.int32)
             self._start = np.zeros(self._slots * d.room + 1, np.int64)
         while (
-            kernels.cell_pairs(d.n, d.x, d.y, self.scene.diameter, self._grid, self._owner, self._start, self._pairs)
+            kernels.cell_pairs(
+                d.n, d.x, d.y, d.radius, self.scene.diameter, self._grid, self._owner, self._start, self._pairs
+            )
             < 0
         ):
             self._pairs = np.empty(2 * self._pairs.size, np.int32)

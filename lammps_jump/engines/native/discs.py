@@ -28,12 +28,15 @@ class Discs:
         Spin (rad/s) and torque where discs spin.
     dash_x … slide_y : ndarray or None
         Dashpot and friction force on each disc, for the energy ledger.
+    radius : ndarray or None
+        m, where discs are not equal.
     """
 
     ALWAYS = ("x", "y", "vx", "vy", "fx", "fy", "x0", "y0")
     CARRIED = ("x", "y", "vx", "vy", "ux", "uy", "omega", "uomega")  # what must survive a sort
+    CARRIED_WITH_SIZES = ("radius", "fx", "fy")  # forces hold the weight when discs are sorted
 
-    def __init__(self, n: int, *, extrapolated: bool, spin: bool, ledger: bool, friction: bool):
+    def __init__(self, n: int, *, extrapolated: bool, spin: bool, ledger: bool, friction: bool, sizes: bool = False):
         self.n = n
         self.room = max(64, int(1.25 * n))
         names = list(self.ALWAYS)
@@ -42,8 +45,9 @@ class Discs:
         names += ["uomega"] if spin and extrapolated else []
         names += ["dash_x", "dash_y"] if ledger else []
         names += ["slide_x", "slide_y"] if ledger and friction else []
+        names += ["radius"] if sizes else []
         self.names = tuple(names)
-        for name in ("ux", "uy", "omega", "torque", "uomega", "dash_x", "dash_y", "slide_x", "slide_y"):
+        for name in ("ux", "uy", "omega", "torque", "uomega", "dash_x", "dash_y", "slide_x", "slide_y", "radius"):
             setattr(self, name, None)
         for name in self.names:
             setattr(self, name, np.zeros(self.room))
@@ -74,11 +78,13 @@ class Discs:
             setattr(self, name, new)
         self._make_work_arrays()
 
-    def sort_and_list(self, reach: float, domain) -> int:
-        """Sort by cell and list all pairs closer than `reach` (m); index of a disc outside the domain, or -1.
+    def sort_and_list(self, skin: float, diameter: float, domain) -> int:
+        """Sort by cell and list all pairs closer than a skin (m); index of a disc outside the domain, or -1.
 
-        Where a disc is outside (or its position is NaN), nothing else is done.
+        `diameter` (m) is that of equal discs, or the largest. Where a disc is outside (or its position is NaN), nothing
+        else is done.
         """
+        reach = diameter + skin
         n = self.n
         (x_low, x_high), (y_low, y_high) = domain
         a, b, c, d, lost = neighbours.extent(n, self.x, self.y, x_low, x_high, y_low, y_high)
@@ -99,7 +105,7 @@ class Discs:
             self.cell_start = np.zeros(cells + cells // 4 + 2, np.int64)
         cell_start = self.cell_start[: cells + 2]
         neighbours.sort(n, self.x, self.y, a, c, inverse, columns, rows, transpose, cell_start, self.cell, self.order)
-        for name in self.CARRIED:
+        for name in self.CARRIED if self.radius is None else self.CARRIED + self.CARRIED_WITH_SIZES:
             if name in self.names:
                 neighbours.permute(n, getattr(self, name), self.order, self.scratch)
         neighbours.permute(n, self.ids, self.order, self.scratch_ids)
@@ -107,14 +113,17 @@ class Discs:
         self.y0[:n] = self.y[:n]
         while True:
             count = neighbours.pair_list(
-                n, self.x, self.y, reach * reach, rows, cell_start, self.cell, self.start, self.neighbours
-            )
+                n, self.x, self.y, self.radius, reach if self.radius is None else skin, rows, cell_start, self.cell,
+                self.start, self.neighbours,
+            )  # fmt: skip
             if count >= 0:
                 return -1
             self.neighbours = np.empty(2 * self.neighbours.size, np.int32)
 
-    def append(self, identity: int, x: float, y: float, vx: float, vy: float, weight, reach: float) -> None:
-        """Add one disc behind the others, with its own row of the list; `weight` (N) starts its force."""
+    def append(
+        self, identity: int, x: float, y: float, vx: float, vy: float, weight, skin: float, diameter: float
+    ) -> None:
+        """Add one disc behind the others, with its row of the list up to a skin (m); `weight` (N) starts its force."""
         if self.n == self.room:
             self.grow()
         i = self.n
@@ -127,7 +136,10 @@ class Discs:
         self.fx[i], self.fy[i] = weight
         if self.ux is not None:
             self.ux[i], self.uy[i] = vx, vy
-        while not neighbours.append_row(i, self.x, self.y, reach * reach, self.start, self.neighbours):
+        reach = diameter + skin
+        if self.radius is not None:
+            self.radius[i], reach = 0.5 * diameter, skin
+        while not neighbours.append_row(i, self.x, self.y, self.radius, reach, self.start, self.neighbours):
             longer = np.empty(2 * self.neighbours.size, np.int32)
             longer[: self.neighbours.size] = self.neighbours
             self.neighbours = longer

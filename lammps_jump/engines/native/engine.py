@@ -29,7 +29,8 @@ def take_frame(simulation) -> Frame:
     """The discs of a simulation now, sorted by id."""
     scene, (x, y), (vx, vy) = simulation.scene, simulation.positions.T, simulation.velocities.T
     spin = {"omegaz": simulation.spin} if scene.rotation else {}
-    columns = {"id": simulation.ids, "x": x, "y": y, "vx": vx, "vy": vy, **spin}
+    radius = {"radius": simulation.radii} if scene.sizes else {}
+    columns = {"id": simulation.ids, "x": x, "y": y, "vx": vx, "vy": vy, **spin, **radius}
     box = (*scene.domain, (-scene.radius, scene.radius))
     return make_frame(simulation.step, scene.time(simulation.step), box, columns)
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import inf, pi, sqrt
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class PourState(Turns):
     Follows LAMMPS' ``fix pour``: at step 1 and then every time the region has emptied itself, t = (sqrt(v^2 + 2 g H) -
     v) / g for its height H; a disc at height y of the region enters as if it had fallen from its top at `speed_down`,
     v_y = -sqrt(v^2 + 2 g (y_top - y)). Places are drawn uniformly; one that another disc (closer than d) or a wall
-    (closer than R) occupies is drawn again, 50 times the batch at most.
+    (closer than R) occupies is drawn again, 50 times the batch at most. Discs come with the largest diameter d.
     """
 
     def __init__(self, pour: Pour, scene: Scene, rng: np.random.Generator):
@@ -55,7 +55,7 @@ class PourState(Turns):
         self.gravity = max(0.0, -scene.gravity[1])
         height = pour.y[1] - pour.y[0]
         area = height * (pour.x[1] - pour.x[0])
-        self.batch = max(1, int(pour.volume_fraction * area / (pi * scene.radius**2)))
+        self.batch = max(1, int(pour.volume_fraction * area / (pi * (0.5 * scene.largest) ** 2)))
         v, g = pour.speed_down, self.gravity
         clear = (sqrt(v * v + 2 * g * height) - v) / g if g > 0 else height / v
         super().__init__(1, max(1, round(clear / scene.time_step)), pour.count)
@@ -70,7 +70,10 @@ class PourState(Turns):
 
 
 class OpenBoundaries:
-    """Inlets, pours and outlets of a scene, and the discs that came and went through them."""
+    """Inlets, pours and outlets of a scene, and the discs that came and went through them.
+
+    Discs with ids above `sized` still have the largest diameter, with which they came.
+    """
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -80,7 +83,7 @@ class OpenBoundaries:
         self.outlets: tuple[Outlet, ...] = scene.outlets
         self.removed = 0
         self.inserted = len(scene.positions)
-        self.last_id = len(scene.positions)
+        self.last_id = self.sized = len(scene.positions)
 
     def next_after(self, step: int) -> int | None:
         """Next step at which something may come or go; None for never."""
@@ -88,6 +91,12 @@ class OpenBoundaries:
         steps += [(step // outlet.every_steps + 1) * outlet.every_steps for outlet in self.outlets]
         steps = [s for s in steps if s is not None]
         return min(steps) if steps else None
+
+    def next_sizes(self, step: int) -> float:
+        """Next step at whose end discs get their own diameters; infinite where all have them."""
+        if self.scene.sizes is None or self.sized == self.last_id:
+            return inf
+        return (step // self.scene.size_steps + 1) * self.scene.size_steps
 
     def leaving(self, step: int, discs) -> np.ndarray | None:
         """Mask, shape (n,), of discs that an outlet takes at this step; None where none leaves."""
@@ -112,7 +121,7 @@ class OpenBoundaries:
                 continue
             wanted = min(state.batch, state.pour.count - state.entered)
             for x, y, vy in state.places():
-                if not self._free(discs, x, y, self.scene.diameter) or self._in_wall(step, x, y):
+                if not self._free(discs, x, y, self.scene.largest) or self._in_wall(step, x, y):
                     continue
                 state.entered += 1
                 wanted -= 1
@@ -125,7 +134,7 @@ class OpenBoundaries:
 
     def _in_wall(self, step: int, x: float, y: float) -> bool:
         gates = (gate.wall for gate in self.scene.gates if step < gate.release_step)
-        radius = self.scene.radius
+        radius = 0.5 * self.scene.largest
         return any(float(wall.distance(x, y)) < radius for wall in (*self.scene.walls, *gates))
 
     def _new_id(self) -> int:

@@ -25,55 +25,83 @@ class Energy:
 
 
 def inertia(scene: Scene) -> float:
-    """Moment of inertia of a disc, kg m^2 per m of width: m R^2 / 2."""
+    """Moment of inertia of a nominal disc, kg m^2 per m of width: m R^2 / 2."""
     return scene.coefficients.inertia * scene.radius**2
+
+
+def shares(scene: Scene, radius: np.ndarray | None) -> float | np.ndarray:
+    """Mass over the nominal mass: 1 of equal discs, else of discs of these radii (m); its square is that of inertia."""
+    return 1.0 if radius is None else (radius / scene.radius) ** 2
+
+
+def shares_of(scene: Scene, discs) -> float | np.ndarray:
+    """`shares` of the discs in play, shape (n,)."""
+    return shares(scene, None if discs.radius is None else discs.radius[: discs.n])
+
+
+def half_kicks(scene: Scene, discs) -> tuple[float | np.ndarray, float | np.ndarray]:
+    """dt / (2 m) and dt / (2 I) of the discs in play: what force and torque add to velocity and spin in half a step."""
+    share, half = shares_of(scene, discs), 0.5 * scene.time_step
+    return half / scene.mass / share, half / inertia(scene) / share**2
 
 
 def velocities(scene: Scene, discs) -> tuple[np.ndarray, np.ndarray]:
     """Velocities at the step, v_n = v_(n-1/2) + dt F_n / (2 m): two arrays of shape (n,), m/s."""
-    n, half = discs.n, 0.5 * scene.time_step / scene.mass
+    n, (half, _) = discs.n, half_kicks(scene, discs)
     return discs.vx[:n] + half * discs.fx[:n], discs.vy[:n] + half * discs.fy[:n]
 
 
 def spin(scene: Scene, discs) -> np.ndarray:
     """Angular velocities at the step, shape (n,), rad/s."""
-    return discs.omega[: discs.n] + 0.5 * scene.time_step / inertia(scene) * discs.torque[: discs.n]
+    return discs.omega[: discs.n] + half_kicks(scene, discs)[1] * discs.torque[: discs.n]
 
 
 def energy_of(scene: Scene, discs, elastic: float) -> Energy:
     """Kinetic and gravitational (-m g . x) energy of the discs at the step, with the elastic energy given (J per m)."""
-    n = discs.n
+    n, share = discs.n, shares_of(scene, discs)
     vx, vy = velocities(scene, discs)
-    kinetic = 0.5 * scene.mass * float(vx @ vx + vy @ vy)
+    kinetic = 0.5 * scene.mass * float((share * vx) @ vx + (share * vy) @ vy)
     if discs.omega is not None:
         turn = spin(scene, discs)
-        kinetic += 0.5 * inertia(scene) * float(turn @ turn)
+        kinetic += 0.5 * inertia(scene) * float((share**2 * turn) @ turn)
     gx, gy = scene.gravity
-    gravitational = -scene.mass * float(gx * discs.x[:n].sum() + gy * discs.y[:n].sum())
+    gravitational = -scene.mass * float(gx * (share * discs.x[:n]).sum() + gy * (share * discs.y[:n]).sum())
     return Energy(kinetic, gravitational, elastic)
 
 
-def free_energy(scene: Scene, x, y, vx, vy) -> float:
-    """Kinetic and gravitational energy at the step (J per m) of free discs with half-step velocity (vx, vy)."""
+def free_energy(scene: Scene, x, y, vx, vy, share=1.0) -> float:
+    """Kinetic and gravitational energy at the step (J per m) of free discs with half-step velocity (vx, vy).
+
+    `share` is their mass over the nominal mass (see `shares`).
+    """
     gx, gy = scene.gravity
     half = 0.5 * scene.time_step
     wx, wy = vx + half * gx, vy + half * gy
-    return scene.mass * float(np.sum(0.5 * (wx * wx + wy * wy) - gx * x - gy * y))
+    return scene.mass * float(np.sum(share * (0.5 * (wx * wx + wy * wy) - gx * x - gy * y)))
+
+
+def energy_of_leaving(scene: Scene, discs, leaving: np.ndarray) -> tuple[float, float]:
+    """`free_energy` and energy of rotation (J per m) that discs take with them; `leaving` is a mask of shape (n,)."""
+    chosen = np.flatnonzero(leaving)
+    share = shares(scene, None if discs.radius is None else discs.radius[chosen])
+    free = free_energy(scene, discs.x[chosen], discs.y[chosen], discs.vx[chosen], discs.vy[chosen], share)
+    if discs.omega is None:
+        return free, 0.0
+    return free, 0.5 * inertia(scene) * float((share**2 * discs.omega[chosen] ** 2).sum())
 
 
 def half_work(scene: Scene, discs) -> np.ndarray:
     """Energy that (dashpots, friction) take in the first half of this step's kick, J per m, shape (2,)."""
-    n, dt = discs.n, scene.time_step
-    quarter = 0.25 * dt / scene.mass
-    wx, wy = discs.vx[:n] + quarter * discs.fx[:n], discs.vy[:n] + quarter * discs.fy[:n]
+    n, (half, half_turn) = discs.n, half_kicks(scene, discs)
+    wx, wy = discs.vx[:n] + 0.5 * half * discs.fx[:n], discs.vy[:n] + 0.5 * half * discs.fy[:n]
     lost = float(discs.dash_x[:n] @ wx + discs.dash_y[:n] @ wy)
     slid = 0.0
     if discs.slide_x is not None:
         slid = float(discs.slide_x[:n] @ wx + discs.slide_y[:n] @ wy)
         if discs.omega is not None:
-            turn = discs.omega[:n] + 0.25 * dt / inertia(scene) * discs.torque[:n]
+            turn = discs.omega[:n] + 0.5 * half_turn * discs.torque[:n]
             slid += float(discs.torque[:n] @ turn)
-    return -0.5 * dt * np.array([lost, slid])
+    return -0.5 * scene.time_step * np.array([lost, slid])
 
 
 def close(start: Energy, now: Energy, exchanged: dict[str, float], work: np.ndarray) -> dict[str, float]:

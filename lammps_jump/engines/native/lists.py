@@ -67,8 +67,11 @@ def _permute_py(n, source, place, scratch):
         source[i] = scratch[i]
 
 
-def _pair_list_py(n, x, y, reach2, rows, cell_start, cell, start, neighbours):
-    """Half neighbour list of all pairs closer than the reach; returns its length, or -1 where `neighbours` is short."""
+def _pair_list_py(n, x, y, radius, reach, rows, cell_start, cell, start, neighbours):
+    """Half neighbour list of all pairs closer than the reach; returns its length, or -1 where `neighbours` is short.
+
+    The reach is of centres, and of surfaces where discs have radii of their own (`radius` not None).
+    """
     height = rows + 2
     count = 0
     room = neighbours.size
@@ -76,6 +79,7 @@ def _pair_list_py(n, x, y, reach2, rows, cell_start, cell, start, neighbours):
     for i in range(n):
         c = cell[i]
         xi, yi = x[i], y[i]
+        far = reach if radius is None else reach + radius[i]
         low = cell_start[c + height - 1]
         high = cell_start[c + height + 2]
         last = cell_start[c + 2]
@@ -84,13 +88,15 @@ def _pair_list_py(n, x, y, reach2, rows, cell_start, cell, start, neighbours):
         for j in range(i + 1, last):
             dx = xi - x[j]
             dy = yi - y[j]
+            apart = far if radius is None else far + radius[j]
             neighbours[count] = j
-            count += dx * dx + dy * dy < reach2
+            count += dx * dx + dy * dy < apart * apart
         for j in range(low, high):
             dx = xi - x[j]
             dy = yi - y[j]
+            apart = far if radius is None else far + radius[j]
             neighbours[count] = j
-            count += dx * dx + dy * dy < reach2
+            count += dx * dx + dy * dy < apart * apart
         start[i + 1] = count
     return count
 
@@ -127,13 +133,14 @@ def _closest_py(n, x, y, px, py):
     return least
 
 
-def _append_row_py(i, x, y, reach2, start, neighbours):
+def _append_row_py(i, x, y, radius, reach, start, neighbours):
     """List row of disc i, the newest: every older disc within the reach; False where `neighbours` is short."""
     count = start[i]
     for j in range(i):
         dx = x[i] - x[j]
         dy = y[i] - y[j]
-        if dx * dx + dy * dy < reach2:
+        apart = reach if radius is None else reach + radius[i] + radius[j]
+        if dx * dx + dy * dy < apart * apart:
             if count == neighbours.size:
                 return False
             neighbours[count] = j

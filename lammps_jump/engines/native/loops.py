@@ -8,7 +8,11 @@ because the compiler's cache watches a function's own file only; for the contact
 What a scene lacks is passed as None, and the compiler drops the branch: ``omega`` (no spin), ``friction`` (ks = 0),
 ``sign`` (LAMMPS' viscous ramp rather than the thesis' sign law), ``touch`` (sharp contact), ``dash_x`` (no energy
 ledger), ``ux`` (damping with the half-step velocity rather than the extrapolated one), ``grid`` and ``owner``
-(neighbour list rather than the thesis' cells).
+(neighbour list rather than the thesis' cells), ``radius`` (equal discs).
+
+Where discs have radii of their own, the constants of `Law` and `Motion` are those of a radius of 1 m: mass and weight
+grow as R^2, the moment of inertia as R^4, the dashpot of a wall as R and that of a pair as `_pair_size`. Factors of 1
+stand for all of them where discs are equal, and the compiler drops those.
 
 Time levels. Between steps the arrays hold x_n, v_(n-1/2) and F_n, so that velocity Verlet and the thesis'
 leap-frog are the same loop: they differ in the velocity that dashpot and friction see, v_(n-1/2) in LAMMPS' order
@@ -31,7 +35,10 @@ DONE, HELD, OLD = 0, 1, 2
 
 
 class Law(NamedTuple):
-    """Contact law in the engines' units: force = stiffness overlap + damping (m_eff gamma) velocity."""
+    """Contact law in the engines' units: force = stiffness overlap + damping (m_eff gamma) velocity.
+
+    `diameter` is that of equal discs. `damping` and `tangential` are of a contact, or of a size of 1 m.
+    """
 
     diameter: float
     stiffness: float
@@ -43,7 +50,7 @@ class Law(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Constants of the kick and the drift; `reach2` is the square of half the skin."""
+    """Constants of the kick and the drift, of a disc or of a radius of 1 m; `reach2`: the square of half the skin."""
 
     time_step: float
     mass: float
@@ -79,27 +86,30 @@ def _fastest_py(n, ux, uy):
     return sqrt(max(a, b))
 
 
-def _power_py(n, px, py, vx, vy, fx, fy, half):
-    """Sum of p . (v + half f) over the discs; takes p to zero for the next step."""
+def _power_py(n, px, py, vx, vy, fx, fy, radius, half):
+    """Sum of p . (v + half f / R^2) over the discs; takes p to zero for the next step."""
     power = 0.0
     for i in range(n):
-        power += px[i] * (vx[i] + half * fx[i]) + py[i] * (vy[i] + half * fy[i])
+        kick = half if radius is None else half / (radius[i] * radius[i])
+        power += px[i] * (vx[i] + kick * fx[i]) + py[i] * (vy[i] + kick * fy[i])
         px[i] = 0.0
         py[i] = 0.0
     return power
 
 
-def _power_of_torque_py(n, torque, omega, half):
-    """Sum of torque (omega + half torque) over the discs."""
+def _power_of_torque_py(n, torque, omega, radius, half):
+    """Sum of torque (omega + half torque / R^4) over the discs."""
     power = 0.0
     for i in range(n):
-        power += torque[i] * (omega[i] + half * torque[i])
+        kick = half if radius is None else half / radius[i] ** 4
+        power += torque[i] * (omega[i] + kick * torque[i])
     return power
 
 
 def _kick_drift_py(
-    n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega, dash_x, dash_y, slide_x, slide_y, work
-):
+    n, x, y, radius, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
+    dash_x, dash_y, slide_x, slide_y, work,
+):  # fmt: skip
     """v += dt F/m, x += dt v, F = weight; the number of discs further than half the skin from their place in the list.
 
     A NaN counts as moved. With a ledger the work of dashpots and friction over the whole kick, dt F . v_n, is taken
@@ -109,16 +119,16 @@ def _kick_drift_py(
     kick = dt / motion.mass
     weight_x, weight_y, reach2 = motion.weight_x, motion.weight_y, motion.reach2
     if dash_x is not None:
-        work[0] -= dt * _power(n, dash_x, dash_y, vx, vy, fx, fy, 0.5 * kick)
+        work[0] -= dt * _power(n, dash_x, dash_y, vx, vy, fx, fy, radius, 0.5 * kick)
         if slide_x is not None:
-            work[1] -= dt * _power(n, slide_x, slide_y, vx, vy, fx, fy, 0.5 * kick)
+            work[1] -= dt * _power(n, slide_x, slide_y, vx, vy, fx, fy, radius, 0.5 * kick)
             if omega is not None:
-                work[1] -= dt * _power_of_torque(n, torque, omega, 0.5 * dt / motion.inertia)
+                work[1] -= dt * _power_of_torque(n, torque, omega, radius, 0.5 * dt / motion.inertia)
     if omega is not None:
         turn = dt / motion.inertia
         for i in range(n):
             old = omega[i]
-            new = old + turn * torque[i]
+            new = old + (turn if radius is None else turn / radius[i] ** 4) * torque[i]
             omega[i] = new
             torque[i] = 0.0
             if uomega is not None:
@@ -127,8 +137,9 @@ def _kick_drift_py(
     for i in range(n):
         old_x = vx[i]
         old_y = vy[i]
-        new_x = old_x + kick * fx[i]
-        new_y = old_y + kick * fy[i]
+        square = 1.0 if radius is None else radius[i] * radius[i]
+        new_x = old_x + kick / square * fx[i]
+        new_y = old_y + kick / square * fy[i]
         vx[i] = new_x
         vy[i] = new_y
         if ux is not None:
@@ -138,48 +149,35 @@ def _kick_drift_py(
         py = y[i] + dt * new_y
         x[i] = px
         y[i] = py
-        fx[i] = weight_x
-        fy[i] = weight_y
+        fx[i] = weight_x * square
+        fy[i] = weight_y * square
         dx = px - x0[i]
         dy = py - y0[i]
         moved += not (dx * dx + dy * dy <= reach2)
     return moved
 
 
+def _pair_size_py(a, b):
+    """Root of the effective mass of two discs of radii a, b over the root of the mass of a radius of 1 m (m)."""
+    return a * b / sqrt(a * a + b * b)
+
+
 def _pair_forces_py(
-    rows,
-    owner,
-    x,
-    y,
-    ux,
-    uy,
-    omega,
-    fx,
-    fy,
-    torque,
-    start,
-    neighbours,
-    law,
-    friction,
-    sign,
-    touch,
-    dash_x,
-    dash_y,
-    slide_x,
-    slide_y,
-):
+    rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, sign, touch,
+    dash_x, dash_y, slide_x, slide_y,
+):  # fmt: skip
     """Add the forces of all touching pairs of the half list to fx, fy, torque.
 
     Row r of the list belongs to disc r, or to disc ``owner[r]`` where the cells made it.
 
-    The forces are those of `lammps_jump.physics.law`, with the torque arm R; `sign` is 1 / eps of the thesis' friction.
+    The forces are those of `lammps_jump.physics.law`; `sign` is 1 / eps of the thesis' friction. The arm of friction is
+    R of equal discs, and R less half the overlap of others, as in LAMMPS' styles for each.
     """
-    diameter, k, c, ct = law.diameter, law.stiffness, law.damping, law.tangential
-    d2 = diameter * diameter
-    radius = 0.5 * diameter
+    k, c, ct = law.stiffness, law.damping, law.tangential
     for row in range(rows):
         i = row if owner is None else owner[row]
         xi, yi, uxi, uyi = x[i], y[i], ux[i], uy[i]
+        a = 0.5 * law.diameter if radius is None else radius[i]
         sum_x = sum_y = lost_x = lost_y = slid_x = slid_y = turn = 0.0
         first = start[row]
         last = start[row + 1]
@@ -188,28 +186,32 @@ def _pair_forces_py(
             dx = xi - x[j]
             dy = yi - y[j]
             r2 = dx * dx + dy * dy
-            if r2 < d2:
+            b = a if radius is None else radius[j]
+            reach = a + b
+            if r2 < reach * reach:
                 r = sqrt(r2)
                 inverse = 1.0 / r
                 nx = dx * inverse
                 ny = dy * inverse
-                overlap = diameter - r
+                overlap = reach - r
+                size = 1.0 if radius is None else _pair_size(a, b)
                 sx = uxi - ux[j]
                 sy = uyi - uy[j]
                 vn = sx * nx + sy * ny
-                normal, dashpot = normal_force(overlap, vn, k, c, touch)
+                normal, dashpot = normal_force(overlap, vn, k, c * size, touch)
                 px = normal * nx
                 py = normal * ny
                 if friction is not None:
                     vt = sy * nx - sx * ny
                     if omega is not None:
-                        vt -= radius * (omega[i] + omega[j])
-                    ft = friction_force(normal, vt, friction, ct, sign)
+                        vt -= a * (omega[i] + omega[j]) if radius is None else a * omega[i] + b * omega[j]
+                    ft = friction_force(normal, vt, friction, ct * size, sign)
                     px -= ft * ny
                     py += ft * nx
                     if omega is not None:
-                        turn -= radius * ft
-                        torque[j] -= radius * ft
+                        dent = 0.0 if radius is None else 0.5 * overlap
+                        turn -= (a - dent) * ft
+                        torque[j] -= (b - dent) * ft
                     if slide_x is not None:
                         slid_x -= ft * ny
                         slid_y += ft * nx
@@ -257,7 +259,7 @@ def _wall_gap_py(kind, a, b, c, d, px, py):
 
 
 def _wall_forces_py(
-    x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, sign, touch,
+    x, y, radius, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, sign, touch,
     dash_x, dash_y, slide_x, slide_y, wall_sum,
 ):  # fmt: skip
     """Add the forces of walls to the discs that `near` lists a face at a time; the opposite to ``wall_sum``.
@@ -265,7 +267,6 @@ def _wall_forces_py(
     ``face_data[face] = (a, b, c, d, x_ref, y_ref)``, the last two the point for moments; ``wall_sum[face]`` collects
     the force on the wall and its moment (fx, fy, moment), counter-clockwise positive, acting at the contact point.
     """
-    radius = 0.5 * law.diameter
     k, damping, ct = law.stiffness_wall, law.damping_wall, law.tangential_wall
     for face in range(face_kind.size):
         kind = face_kind[face]
@@ -275,23 +276,25 @@ def _wall_forces_py(
         for p in range(face_start[face], face_start[face + 1]):
             i = near[p]
             gap, nx, ny = _wall_gap(kind, a, b, c, d, x[i], y[i])
-            if gap < radius:
-                overlap = radius - gap
+            own = 0.5 * law.diameter if radius is None else radius[i]
+            if gap < own:
+                overlap = own - gap
+                size = 1.0 if radius is None else own
                 sx = ux[i]
                 sy = uy[i]
                 vn = sx * nx + sy * ny
-                normal, dashpot = normal_force(overlap, vn, k, damping, touch)
+                normal, dashpot = normal_force(overlap, vn, k, damping * size, touch)
                 px = normal * nx
                 py = normal * ny
                 if friction is not None:
                     vt = sy * nx - sx * ny
                     if omega is not None:
-                        vt -= radius * omega[i]
-                    ft = friction_force(normal, vt, friction, ct, sign)
+                        vt -= own * omega[i]
+                    ft = friction_force(normal, vt, friction, ct * size, sign)
                     px -= ft * ny
                     py += ft * nx
                     if omega is not None:
-                        torque[i] -= radius * ft
+                        torque[i] -= own * ft
                     if slide_x is not None:
                         slide_x[i] -= ft * ny
                         slide_y[i] += ft * nx
@@ -309,34 +312,34 @@ def _wall_forces_py(
 
 
 def _forces_py(
-    n, rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start, near, law,
-    friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+    n, rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start,
+    near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
 ):  # fmt: skip
     """All forces of one step; `sign` not None asks for the thesis' law with eps = 0.01 v_max (4.20), v_max now."""
     if sign is None:
         _pair_forces(
-            rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, None, touch,
+            rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, None, touch,
             dash_x, dash_y, slide_x, slide_y,
         )  # fmt: skip
         _wall_forces(
-            x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, None, touch,
-            dash_x, dash_y, slide_x, slide_y, wall_sum,
+            x, y, radius, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, None,
+            touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
         )  # fmt: skip
     else:
         eps = sign * _fastest(n, ux, uy)
         slope = 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
         _pair_forces(
-            rows, owner, x, y, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, slope, touch,
+            rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, slope, touch,
             dash_x, dash_y, slide_x, slide_y,
         )  # fmt: skip
         _wall_forces(
-            x, y, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, slope, touch,
-            dash_x, dash_y, slide_x, slide_y, wall_sum,
+            x, y, radius, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, slope,
+            touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
         )  # fmt: skip
 
 
 def _advance_py(
-    steps, pending, hold, n, x, y, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
+    steps, pending, hold, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
     start, neighbours, owner, grid, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
     dash_x, dash_y, slide_x, slide_y, work, wall_sum,
 ):  # fmt: skip
@@ -353,7 +356,7 @@ def _advance_py(
             if done == steps:
                 return done, DONE
             moved = _kick_drift(
-                n, x, y, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
+                n, x, y, radius, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
                 dash_x, dash_y, slide_x, slide_y, work,
             )  # fmt: skip
             done += 1
@@ -364,32 +367,31 @@ def _advance_py(
         pending = False
         rows = n
         if grid is not None:
-            rows = _cell_pairs(n, x, y, law.diameter, grid, owner, start, neighbours)
+            rows = _cell_pairs(n, x, y, radius, law.diameter, grid, owner, start, neighbours)
             if rows < 0:
                 return done, OLD
         if ux is None:
             _forces(
-                n, rows, owner, x, y, vx, vy, omega, fx, fy, torque, start, neighbours, face_kind, face_data,
+                n, rows, owner, x, y, radius, vx, vy, omega, fx, fy, torque, start, neighbours, face_kind, face_data,
                 face_start, near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
             )  # fmt: skip
         else:
             _forces(
-                n, rows, owner, x, y, ux, uy, uomega, fx, fy, torque, start, neighbours, face_kind, face_data,
+                n, rows, owner, x, y, radius, ux, uy, uomega, fx, fy, torque, start, neighbours, face_kind, face_data,
                 face_start, near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
             )  # fmt: skip
 
 
-def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
+def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
     """Touching pairs by the thesis' contact search (its chapter 3); the number of rows, or -1.
 
     Every disc is entered in each cell that its square overlaps; within a cell every two discs are tried, and a
-    touching pair counts only in the cell that holds its contact point, the middle between the centres. Row r of the
-    list belongs to disc ``owner[r]``. Only the window of cells that discs occupy is looked at. -1: a disc is outside
-    the grid, or `neighbours` is short.
+    touching pair counts only in the cell that holds its contact point, which divides the line of centres as the radii.
+    Row r of the list belongs to disc ``owner[r]``. Only the window of cells that discs occupy is looked at. -1: a disc
+    is outside the grid, or `neighbours` is short.
     """
-    d2 = diameter * diameter
     inverse = grid.inverse
-    reach = 0.5 * diameter * inverse
+    half = 0.5 * diameter
     first = grid.first
     left, right, low, high = grid.columns, -1, grid.rows, -1
     for i in range(n):
@@ -397,6 +399,7 @@ def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
         py = (y[i] - grid.y_low) * inverse
         if not (px >= 0.0 and px < grid.columns and py >= 0.0 and py < grid.rows):
             return -1
+        reach = (half if radius is None else radius[i]) * inverse
         left = min(left, int(max(px - reach, 0.0)))
         right = max(right, min(int(px + reach), grid.columns - 1))
         low = min(low, int(max(py - reach, 0.0)))
@@ -408,6 +411,7 @@ def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
     for i in range(n):
         px = (x[i] - grid.x_low) * inverse
         py = (y[i] - grid.y_low) * inverse
+        reach = (half if radius is None else radius[i]) * inverse
         for cx in range(int(max(px - reach, 0.0)) - left, min(int(px + reach), right) - left + 1):
             for cy in range(int(max(py - reach, 0.0)) - low, min(int(py + reach), high) - low + 1):
                 first[cx * rows + cy + 2] += 1
@@ -416,6 +420,7 @@ def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
     for i in range(n):
         px = (x[i] - grid.x_low) * inverse
         py = (y[i] - grid.y_low) * inverse
+        reach = (half if radius is None else radius[i]) * inverse
         for cx in range(int(max(px - reach, 0.0)) - left, min(int(px + reach), right) - left + 1):
             for cy in range(int(max(py - reach, 0.0)) - low, min(int(py + reach), high) - low + 1):
                 place = first[cx * rows + cy + 1]
@@ -428,15 +433,18 @@ def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
         for a in range(first[c], last):
             i = owner[a]
             xi, yi = x[i], y[i]
+            ri = half if radius is None else radius[i]
             if count + last - a > neighbours.size:
                 return -1
             for b in range(a + 1, last):
                 j = owner[b]
                 dx = xi - x[j]
                 dy = yi - y[j]
-                if dx * dx + dy * dy < d2:
-                    cx = int((0.5 * (xi + x[j]) - grid.x_low) * inverse) - left
-                    cy = int((0.5 * (yi + y[j]) - grid.y_low) * inverse) - low
+                rj = half if radius is None else radius[j]
+                if dx * dx + dy * dy < (ri + rj) * (ri + rj):
+                    share = 0.5 if radius is None else rj / (ri + rj)
+                    cx = int((share * xi + (1.0 - share) * x[j] - grid.x_low) * inverse) - left
+                    cy = int((share * yi + (1.0 - share) * y[j] - grid.y_low) * inverse) - low
                     if cx * rows + cy == c:
                         neighbours[count] = j
                         count += 1
@@ -445,7 +453,7 @@ def _cell_pairs_py(n, x, y, diameter, grid, owner, start, neighbours):
     return first[cells]
 
 
-def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face_start, near, law, touch):
+def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_data, face_start, near, law, touch):
     """Elastic energy of pairs and of walls (J per m of width) and the largest overlap with its disc.
 
     Each contact stores stiffness times `lammps_jump.physics.law.stored_energy`.
@@ -453,12 +461,13 @@ def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face
     pairs = walls = 0.0
     worst = 0.0
     where = -1
-    diameter = law.diameter
+    half = 0.5 * law.diameter
     for row in range(rows):
         i = row if owner is None else owner[row]
         for p in range(start[row], start[row + 1]):
             j = neighbours[p]
-            overlap = diameter - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
+            reach = law.diameter if radius is None else radius[i] + radius[j]
+            overlap = reach - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
             if overlap > 0.0:
                 pairs += law.stiffness * stored_energy(overlap, touch)
                 if overlap > worst:
@@ -470,7 +479,7 @@ def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face
                 face_kind[face], face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3],
                 x[i], y[i],
             )[0]  # fmt: skip
-            overlap = 0.5 * diameter - gap
+            overlap = (half if radius is None else radius[i]) - gap
             if overlap > 0.0:
                 walls += law.stiffness_wall * stored_energy(overlap, touch)
                 if overlap > worst:
@@ -478,28 +487,76 @@ def _elastic_py(rows, owner, x, y, start, neighbours, face_kind, face_data, face
     return pairs, walls, worst, where
 
 
-def _newcomers_py(first, n, x, y, face_kind, face_data, law, touch):
-    """Elastic energy (J per m of width) of the contacts of discs `first` … n - 1, the newest, found without a list."""
+def _newcomers_py(known, n, ids, x, y, radius, face_kind, face_data, law, touch):
+    """Elastic energy (J per m of width) of the contacts of discs with ids above `known`, found without a list."""
     energy = 0.0
-    for i in range(first, n):
-        for j in range(i):
-            overlap = law.diameter - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
-            if overlap > 0.0:
-                energy += law.stiffness * stored_energy(overlap, touch)
+    half = 0.5 * law.diameter
+    for i in range(n):
+        if ids[i] <= known:
+            continue
+        for j in range(n):
+            if j == i or (j > i and ids[j] > known):
+                continue
+            reach = law.diameter if radius is None else radius[i] + radius[j]
+            r2 = (x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2
+            if r2 < reach * reach:
+                energy += law.stiffness * stored_energy(reach - sqrt(r2), touch)
         for face in range(face_kind.size):
             a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
-            overlap = 0.5 * law.diameter - _wall_gap(face_kind[face], a, b, c, d, x[i], y[i])[0]
+            gap = _wall_gap(face_kind[face], a, b, c, d, x[i], y[i])[0]
+            overlap = (half if radius is None else radius[i]) - gap
             if overlap > 0.0:
                 energy += law.stiffness_wall * stored_energy(overlap, touch)
     return energy
 
 
+def _give_sizes_py(
+    known, new, n, ids, x, y, radius, vx, vy, fx, fy, omega, torque, motion, dash_x, dash_y, slide_x, slide_y,
+):  # fmt: skip
+    """Radii ``new[id - known - 1]`` (m) for the discs with ids above `known`, behind a step and with its forces.
+
+    The velocities of the step stay: the first half of the step's kick is that of the old mass, the second half that of
+    the new one. Returns what this gives to the energy (J per m of width): to kinetic and gravitational energy, to the
+    work that dashpots and friction take in the first half, and, in the second, by the old weight on the new mass.
+    """
+    gained = 0.0
+    dt = motion.time_step
+    for i in range(n):
+        if ids[i] <= known:
+            continue
+        old, own = radius[i] ** 2, new[ids[i] - known - 1] ** 2
+        radius[i] = new[ids[i] - known - 1]
+        before, after = 0.5 * dt / (motion.mass * old), 0.5 * dt / (motion.mass * own)
+        wx, wy = vx[i] + before * fx[i], vy[i] + before * fy[i]
+        vx[i] += (before - after) * fx[i]
+        vy[i] += (before - after) * fy[i]
+        gained += 0.5 * motion.mass * (own - old) * (wx * wx + wy * wy)
+        gained -= (own - old) * (motion.weight_x * x[i] + motion.weight_y * y[i])
+        push_x, push_y = 0.5 * dt * (old - own) * motion.weight_x, 0.5 * dt * (old - own) * motion.weight_y
+        late_x, late_y = push_x / own + dt * motion.weight_x, push_y / own + dt * motion.weight_y
+        gained += push_x * (wx + after * fx[i] - 0.5 * late_x / motion.mass)
+        gained += push_y * (wy + after * fy[i] - 0.5 * late_y / motion.mass)
+        if dash_x is not None:
+            gained -= 0.25 * dt * (before - after) * (dash_x[i] * fx[i] + dash_y[i] * fy[i])
+        if slide_x is not None:
+            gained -= 0.25 * dt * (before - after) * (slide_x[i] * fx[i] + slide_y[i] * fy[i])
+        if omega is not None:
+            before, after = 0.5 * dt / (motion.inertia * old * old), 0.5 * dt / (motion.inertia * own * own)
+            turn = omega[i] + before * torque[i]
+            omega[i] += (before - after) * torque[i]
+            gained += 0.5 * motion.inertia * (own * own - old * old) * turn * turn
+            gained -= 0.25 * dt * (before - after) * torque[i] * torque[i]
+    return gained
+
+
+# a division by zero, which cannot be, gives inf rather than an exception: else loops do not run on vector units
+_pair_size = njit(cache=True, error_model="numpy")(_pair_size_py)
 _wall_gap = njit(cache=True)(_wall_gap_py)
 _fastest = njit(cache=True)(_fastest_py)
 # a sum in any order runs on vector units: the ledger changes in its last digits, the trajectory does not
-_power = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_py)
-_power_of_torque = njit(cache=True, fastmath={"reassoc", "nsz"})(_power_of_torque_py)
-_kick_drift = njit(cache=True)(_kick_drift_py)
+_power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_py)
+_power_of_torque = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_of_torque_py)
+_kick_drift = njit(cache=True, error_model="numpy")(_kick_drift_py)
 _pair_forces = watching_law(njit(cache=True)(_pair_forces_py))
 _wall_forces = watching_law(njit(cache=True)(_wall_forces_py))
 _forces = watching_law(njit(cache=True)(_forces_py))
@@ -508,3 +565,4 @@ advance = watching_law(njit(cache=True)(_advance_py))
 cell_pairs = _cell_pairs
 elastic = watching_law(njit(cache=True)(_elastic_py))
 newcomers = watching_law(njit(cache=True)(_newcomers_py))
+give_sizes = njit(cache=True)(_give_sizes_py)

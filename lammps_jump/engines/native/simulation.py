@@ -7,7 +7,9 @@ so that between steps the arrays hold v_(n-1/2) (see `loops`); what this class h
 
 Start: forces at step 0 see v_0, and v_(-1/2) = v_0 - dt F_0 / (2 m), so that the thesis' extrapolation
 1.5 v_(n-1/2) - 0.5 v_(n-3/2) has its older value from the first step on. A disc that enters at step n has
-v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and gets its last half kick.
+v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and gets its last half kick. Where discs are
+not equal it enters with the largest diameter, and gets its own behind a step (`Scene.size_steps`): the first half of
+that step's kick is that of the largest disc, the second half has the same force on the new mass (LAMMPS' `fix set`).
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from lammps_jump.scene.scene import Scene
 from . import ledger as energies
 from . import lists as neighbours
 from . import loops as kernels
+from .constants import law_of, motion_of
 from .discs import Discs
 from .faces import faces_of
 from .inlets import OpenBoundaries
@@ -80,24 +83,14 @@ class NativeSimulation:
         self.rebuilds = 0
         self.rebuild_seconds = 0.0
         self.forces: list[tuple[int, str, float, float, float]] = []
-        coefficients = scene.coefficients
-        mass = scene.mass
-        self._friction = coefficients.friction if coefficients.friction > 0 else None
+        self._friction = scene.coefficients.friction if scene.coefficients.friction > 0 else None
         self._sign = SIGN_RAMP if self._friction is not None and scene.friction_law == "sign" else None
         self._touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
-        self._law = kernels.Law(
-            scene.diameter,
-            coefficients.stiffness,
-            0.5 * mass * coefficients.gamma_normal,
-            coefficients.stiffness_wall,
-            mass * coefficients.gamma_normal_wall,
-            0.5 * mass * coefficients.gamma_tangential,
-            mass * coefficients.gamma_tangential_wall,
-        )
+        self._law = law_of(scene)
         self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
-        self._inertia = energies.inertia(scene)
-        self._weight = (mass * scene.gravity[0], mass * scene.gravity[1])
-        self._motion = kernels.Motion(scene.time_step, mass, self._inertia, *self._weight, (0.5 * self.skin) ** 2)
+        self._share = (scene.largest / scene.diameter) ** 2  # of a disc that enters, in the nominal mass
+        self._weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
+        self._motion = motion_of(scene, self.skin)
         self._ledger_on = ledger
         self._work = np.zeros(2)
         self._exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
@@ -121,13 +114,15 @@ class NativeSimulation:
         n = len(scene.positions)
         extrapolated = scene.integrator == "leapfrog_extrapolated"
         self.discs = discs = Discs(
-            n, extrapolated=extrapolated, spin=scene.rotation, ledger=self._ledger_on, friction=bool(self._friction)
-        )
+            n, extrapolated=extrapolated, spin=scene.rotation, ledger=self._ledger_on, friction=bool(self._friction),
+            sizes=scene.sizes is not None,
+        )  # fmt: skip
         discs.n = n
         discs.ids[:n] = np.arange(1, n + 1)
-        if n:
-            discs.x[:n], discs.y[:n] = scene.positions.T
-            discs.vx[:n], discs.vy[:n] = scene.velocities.T
+        if scene.sizes is not None:
+            discs.radius[:n] = 0.5 * scene.diameters(discs.ids[:n])
+        discs.x[:n], discs.y[:n] = scene.positions.T
+        discs.vx[:n], discs.vy[:n] = scene.velocities.T
         if extrapolated:
             discs.ux[:n], discs.uy[:n] = discs.vx[:n], discs.vy[:n]
 
@@ -148,11 +143,11 @@ class NativeSimulation:
 
     def _start_half_step_back(self) -> None:
         discs, n = self.discs, self.discs.n
-        half = 0.5 * self.scene.time_step / self.scene.mass
+        half, half_turn = energies.half_kicks(self.scene, discs)
         discs.vx[:n] -= half * discs.fx[:n]
         discs.vy[:n] -= half * discs.fy[:n]
         if discs.omega is not None:
-            discs.omega[:n] -= 0.5 * self.scene.time_step / self._inertia * discs.torque[:n]
+            discs.omega[:n] -= half_turn * discs.torque[:n]
 
     # --- stepping -----------------------------------------------------------------------------------------------
 
@@ -165,10 +160,12 @@ class NativeSimulation:
     def run_some(self, target: int) -> None:
         """Go on towards step `target` for at most about a tenth of a second of work."""
         limit = self.step + max(1, WORK_PER_CALL // max(32, self.discs.n))
-        stop = min(target, limit, self._next_window())
+        stop = min(target, limit, self._next_window(), self.boundaries.next_sizes(self.step))
         event = self._next_event()
         hold = event is not None and event <= stop
         self._advance(event if hold else stop, hold)
+        if self.boundaries.next_sizes(self.step - 1) == self.step:
+            self._give_sizes()
         if self.scene.probes and self.step == self._window_start + self.scene.probe_steps:
             self._close_window()
 
@@ -200,9 +197,9 @@ class NativeSimulation:
     def _kernel(self, steps: int, pending: bool, hold: bool) -> tuple[int, int]:
         d = self.discs
         return kernels.advance(
-            steps, pending, hold, d.n, d.x, d.y, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
-            d.uomega, *self._list(), self._face_kind, self._face_data, self._face_start, self._near, self._law,
-            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+            steps, pending, hold, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega,
+            d.torque, d.uomega, *self._list(), self._face_kind, self._face_data, self._face_start, self._near,
+            self._law, self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
             self._work, self._wall_sum,
         )  # fmt: skip
 
@@ -216,8 +213,8 @@ class NativeSimulation:
 
     def _compute_forces(self) -> None:
         """Forces at the start, weight included."""
-        self.discs.fx[: self.discs.n] = self._weight[0]
-        self.discs.fy[: self.discs.n] = self._weight[1]
+        d, share = self.discs, energies.shares_of(self.scene, self.discs) / self._share
+        d.fx[: d.n], d.fy[: d.n] = np.multiply.outer(self._weight, share)
         self._kernel(0, True, False)
 
     def _exchange(self, old: bool) -> None:
@@ -228,22 +225,41 @@ class NativeSimulation:
             self._remove(leaving, old)
         elif old:
             self._rebuild()
-        before = discs.n
-        reach = self.scene.diameter + 1.5 * self.skin  # the others may have moved half a skin since the list was made
+        known = self.boundaries.last_id
+        skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for identity, x, y, vx, vy in self.boundaries.arrivals(self.step, discs):
-            discs.append(identity, x, y, vx, vy, self._weight, reach)
-            self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy)
-        if discs.n > before:
+            discs.append(identity, x, y, vx, vy, self._weight, skin, self.scene.largest)
+            self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, self._share)
+        if self.boundaries.last_id > known:
             self._list_walls()
-            if self._ledger_on:
-                self._exchanged["brought_in"] += kernels.newcomers(
-                    before, discs.n, discs.x, discs.y, self._face_kind, self._face_data, self._law, self._touch
-                )
+            self._exchanged["brought_in"] += self._elastic_of_newcomers(known)
         if any(gate.release_step == self.step for gate in self.scene.gates):
             elastic = self._elastic()
             self._load_walls()
             self._list_walls()
             self._exchanged["released_by_gates"] += elastic - self._elastic()
+
+    def _elastic_of_newcomers(self, known: int) -> float:
+        """Elastic energy of the contacts of discs with ids above `known`; 0 without a ledger."""
+        if not self._ledger_on:
+            return 0.0
+        d = self.discs
+        return kernels.newcomers(
+            known, d.n, d.ids, d.x, d.y, d.radius, self._face_kind, self._face_data, self._law, self._touch
+        )
+
+    def _give_sizes(self) -> None:
+        """Discs that still have the largest diameter get their own; the books take the difference as brought in."""
+        d, boundaries = self.discs, self.boundaries
+        known = boundaries.sized
+        own = 0.5 * self.scene.diameters(np.arange(known + 1, boundaries.last_id + 1))
+        elastic = self._elastic_of_newcomers(known)
+        gained = kernels.give_sizes(
+            known, own, d.n, d.ids, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.omega, d.torque, self._motion,
+            d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+        )  # fmt: skip
+        self._exchanged["brought_in"] += gained + self._elastic_of_newcomers(known) - elastic
+        boundaries.sized = boundaries.last_id
 
     def _remove(self, leaving: np.ndarray, old: bool) -> None:
         discs = self.discs
@@ -255,12 +271,8 @@ class NativeSimulation:
                 self._rebuild()
                 leaving = np.isin(discs.ids[: discs.n], ids)
             elastic = self._elastic()
-            gone = np.flatnonzero(leaving)
-            self._exchanged["carried_out"] += energies.free_energy(
-                self.scene, discs.x[gone], discs.y[gone], discs.vx[gone], discs.vy[gone]
-            )
-            if discs.omega is not None:
-                self._exchanged["carried_out"] += 0.5 * self._inertia * float((discs.omega[gone] ** 2).sum())
+            for energy in energies.energy_of_leaving(self.scene, discs, leaving):
+                self._exchanged["carried_out"] += energy
         self.boundaries.removed += int(leaving.sum())
         discs.keep(leaving ^ True)
         self._rebuild()
@@ -271,7 +283,7 @@ class NativeSimulation:
 
     def _rebuild(self) -> None:
         started = perf_counter()
-        lost = self.discs.sort_and_list(self.scene.diameter + self.skin, self.scene.domain)
+        lost = self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain)
         if lost >= 0:
             self._fail_lost(lost)
         self._list_walls()
@@ -286,16 +298,16 @@ class NativeSimulation:
         if self._near.size < faces * self.discs.room:
             self._near = np.empty(faces * self.discs.room, np.int32)
         neighbours.near_walls(
-            self.discs.n, self.discs.x, self.discs.y, self.scene.radius + self.skin, self._face_kind, self._face_data,
-            self._face_start, self._near,
+            self.discs.n, self.discs.x, self.discs.y, 0.5 * self.scene.largest + self.skin, self._face_kind,
+            self._face_data, self._face_start, self._near,
         )  # fmt: skip
 
     def _elastic_and_worst(self) -> tuple[float, float, float, int]:
         d = self.discs
         start, listed, _, _ = self._list()
         return kernels.elastic(
-            *self._rows(), d.x, d.y, start, listed, self._face_kind, self._face_data, self._face_start, self._near,
-            self._law, self._touch,
+            *self._rows(), d.x, d.y, d.radius, start, listed, self._face_kind, self._face_data, self._face_start,
+            self._near, self._law, self._touch,
         )  # fmt: skip
 
     def _elastic(self) -> float:
@@ -381,6 +393,12 @@ class NativeSimulation:
         if self.discs.omega is None:
             return np.zeros(self.discs.n)
         return self._by_id(energies.spin(self.scene, self.discs))
+
+    @property
+    def radii(self) -> np.ndarray:
+        """Radii (m), sorted by id, shape (n,)."""
+        d = self.discs
+        return np.full(d.n, self.scene.radius) if d.radius is None else self._by_id(d.radius[: d.n])
 
     def energy(self) -> Energy:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now."""

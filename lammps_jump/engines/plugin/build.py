@@ -35,6 +35,7 @@ SOURCES = (
     "pair_jump_disc_list.cpp",
     "halo.cpp",
     "fix_jump_step.cpp",
+    "fix_jump_step_walls.cpp",
 )
 HEADERS = ("lanes.h", "contact_law.h", "halo.h", "pair_jump_disc.h", "fix_jump_step.h")
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Contact of equal discs in two dimensions: the force laws, one place for pairs and for walls.
+/* Contact of discs in two dimensions: the force laws, one place for pairs and for walls.
 
    Symbols: d = sum of the two radii (a wall has none), r = distance of the centres (or of centre and surface),
    delta = d - r overlap, k stiffness, m_eff effective mass (m/2 pair, m wall), v relative velocity of the disc
@@ -11,6 +11,10 @@
    smooth     k delta -> F = k delta^2/(2 s) below delta = s, k (delta - s/2) beyond; E(delta) its energy; the dashpot
               times F / sqrt(2 k E): in z = sqrt(2 E / k) and the time that runs with dz/ddelta the contact is then
               the linear one, so that restitution is the same at every speed and width (derived in docs/kernels.md)
+
+   Discs of several sizes: the dashpots of a contact go by the root of its effective mass, m_eff gamma = c sqrt(m_eff),
+   so that every contact has the same restitution. Masses grow as R^2: c of a pair is that of two nominal discs times
+   sqrt(2) R_i R_j / (R sqrt(R_i^2 + R_j^2)), c at a wall that of the nominal disc times R_i / R.
 
    lammps_jump/physics/law.py holds the same law for the native engine; tests compare the two.
 
@@ -40,7 +44,7 @@ constexpr bool is_sign(Friction f) { return f == Friction::SIGN || f == Friction
 /** Share of the largest speed inside which the sign law is a ramp (thesis 4.21). */
 constexpr double SIGN_RAMP = 0.01;
 
-/** Numbers of one kind of contact, SI. */
+/** Numbers of one kind of contact, SI; of nominal discs where discs are of several sizes. */
 struct Law {
   double k = 0.0;           // stiffness, N/m
   double damping = 0.0;     // m_eff gamma_n, N s/m
@@ -57,6 +61,25 @@ inline Law make_law(double k, double gamma, double gamma_t, double mu, double m_
   return {k, m_eff * gamma, m_eff * gamma_t, mu, reach, width, width > 0.0 ? 1.0 / width : 0.0, 0.0};
 }
 
+/** What a contact has of its own where discs are of several sizes; named as in Law, which stands for it elsewhere. */
+template <class Number> struct OwnLaw {
+  Number reach, damping, tangential;
+};
+
+/** Of pairs of discs with these radii. */
+template <class Number> inline OwnLaw<Number> own_law(const Law &law, const Number &one, const Number &two)
+{
+  const Number share = one * two * (2.0 * M_SQRT2 / law.reach) / root(one * one + two * two);
+  return {one + two, law.damping * share, law.tangential * share};
+}
+
+/** Of a wall and a disc of this radius. */
+inline OwnLaw<double> own_law(const Law &law, double radius)
+{
+  const double share = radius / law.reach;
+  return {radius, law.damping * share, law.tangential * share};
+}
+
 inline Friction friction_of(double mu, double gamma_t, bool sign, bool spin)
 {
   if (!(mu > 0.0 && (sign || gamma_t > 0.0))) return Friction::NONE;
@@ -67,6 +90,7 @@ inline Friction friction_of(double mu, double gamma_t, bool sign, bool spin)
 template <class Number> struct ContactForce {
   Number fx, fy;            // on the disc, N
   Number twist;             // tangential force times its sense: moment on the disc is -(lever) * twist
+  Number overlap;
   Number dash_x, dash_y;    // share of the dashpot in the force
   Number rub_x, rub_y;      // share of friction in the force
 };
@@ -83,10 +107,11 @@ template <Touch TOUCH> inline double elastic_energy(const Law &law, double overl
 
 /** Force on a disc whose centre lies at (dx, dy) from its partner's; (vx, vy) is its relative velocity.
 
-    rim is R (omega_i + omega_j), the speed of the rims at the contact. */
-template <Friction FRICTION, Touch TOUCH, class Number>
-inline ContactForce<Number> contact_force(const Law &law, const Number &dx, const Number &dy, const Number &vx,
-                                          const Number &vy, const Number &rim)
+    rim is R_i omega_i + R_j omega_j, the speed of the rims at the contact; own is an OwnLaw, or law where discs are
+    equal. */
+template <Friction FRICTION, Touch TOUCH, class Own, class Number>
+inline ContactForce<Number> contact_force(const Law &law, const Own &own, const Number &dx, const Number &dy,
+                                          const Number &vx, const Number &vy, const Number &rim)
 {
   ContactForce<Number> out;
   const Number rsq = dx * dx + dy * dy;
@@ -94,8 +119,8 @@ inline ContactForce<Number> contact_force(const Law &law, const Number &dx, cons
   const Number rinv = 1.0 / r;
   const Number rsqinv = rinv * rinv;
   const Number vnnr = vx * dx + vy * dy;
-  const Number overlap = law.reach - r;
-  Number damp = law.damping * vnnr * rsqinv;
+  const Number overlap = own.reach - r;
+  Number damp = own.damping * vnnr * rsqinv;
   Number ccel;
   if (TOUCH != Touch::SHARP) {
     const Number share = overlap * law.inverse_width;
@@ -112,6 +137,7 @@ inline ContactForce<Number> contact_force(const Law &law, const Number &dx, cons
   } else {
     ccel = law.k * overlap * rinv - damp;
   }
+  out.overlap = overlap;
   out.dash_x = -dx * damp;
   out.dash_y = -dy * damp;
   out.fx = dx * ccel;
@@ -131,7 +157,7 @@ inline ContactForce<Number> contact_force(const Law &law, const Number &dx, cons
     if (is_sign(FRICTION)) {
       rate = coulomb / most(slip, spread(law.eps > 1e-300 ? law.eps : 1e-300, slip));
     } else {
-      rate = least(coulomb / most(slip, spread(1e-300, slip)), spread(law.tangential, slip));
+      rate = least(coulomb / most(slip, spread(1e-300, slip)), spread(own.tangential, slip));
     }
     const Number fsx = -rate * vtx;
     const Number fsy = -rate * vty;

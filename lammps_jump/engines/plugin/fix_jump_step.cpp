@@ -12,14 +12,11 @@
 #include "update.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 #include <map>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
-using jump::ContactForce;
-using jump::Friction;
-using jump::Touch;
 
 namespace {
 // x and y of a row of LAMMPS' arrays (three numbers a disc) as one
@@ -50,6 +47,8 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
       a += 2;
     } else if (key == "wall") {
       a = add_wall(a + 1, narg, arg);
+    } else if (key == "sizes") {
+      a = add_pieces(a + 1, narg, arg);
     } else if (key == "probe") {
       if (a + 2 >= narg) error->all(FLERR, "fix jump/step: probe needs EVERY and a wall's name");
       probe_every = utils::inumeric(FLERR, arg[a + 1], false, lmp);
@@ -80,60 +79,26 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   output.assign(size_vector, 0.0);
 }
 
-int FixJumpStep::add_wall(int a, int narg, char **arg)
+int FixJumpStep::add_pieces(int a, int narg, char **arg)
 {
-  auto text = [&](int at) -> std::string {
-    if (at >= narg) error->all(FLERR, "fix jump/step: a wall is not complete");
-    return arg[at];
-  };
-  auto number = [&](int at) { return utils::numeric(FLERR, text(at), false, lmp); };
-  const std::string kind = text(a);
-  Wall wall{text(a + 1), 0.0, 0.0, -1, -1};
-  for (const auto &other : walls)
-    if (other.name == wall.name) error->all(FLERR, "fix jump/step: two walls are called '{}'", wall.name);
-  const int index = (int) walls.size();
-  auto plane = [&](bool along_x, double at, double sign) {
-    faces.push_back({along_x ? PLANE_X : PLANE_Y, index, at, sign, 0.0, 0.0, 0.0, 0.0, {}});
-  };
-  if (kind == "plane") {
-    const std::string axis = text(a + 2), side = text(a + 4);
-    if (axis != "x" && axis != "y") error->all(FLERR, "fix jump/step: the axis of a plane is x or y, not '{}'", axis);
-    if (side != "above" && side != "below")
-      error->all(FLERR, "fix jump/step: the side of a plane is above or below, not '{}'", side);
-    const double at = number(a + 3);
-    (axis == "x" ? wall.x0 : wall.y0) = at;
-    plane(axis == "x", at, side == "above" ? 1.0 : -1.0);
-    a += 5;
-  } else if (kind == "block" || kind == "box") {
-    const double xlo = number(a + 2), xhi = number(a + 3), ylo = number(a + 4), yhi = number(a + 5);
-    // a block may be without thickness: a sheet that discs on both sides feel
-    if (xlo > xhi || ylo > yhi || (kind == "box" && (xlo == xhi || ylo == yhi)))
-      error->all(FLERR, "fix jump/step: wall '{}' has no extent", wall.name);
-    wall.x0 = xlo;
-    wall.y0 = ylo;
-    if (kind == "block") {
-      faces.push_back({BLOCK, index, 0.0, 0.0, xlo, xhi, ylo, yhi, {}});
-    } else {
-      plane(true, xlo, 1.0);
-      plane(true, xhi, -1.0);
-      plane(false, ylo, 1.0);
-      plane(false, yhi, -1.0);
-    }
-    a += 6;
-  } else {
-    error->all(FLERR, "fix jump/step: a wall is a plane, block or box, not '{}'", kind);
-  }
-  if (a < narg && strcmp(arg[a], "until") == 0) {
-    wall.until = utils::bnumeric(FLERR, text(a + 1), false, lmp);
-    a += 2;
-  }
-  walls.push_back(wall);
+  if (a + 5 > narg) error->all(FLERR, "fix jump/step: sizes needs EVERY DENSITY SHIFT TURN N and N pieces");
+  nevery = utils::inumeric(FLERR, arg[a], false, lmp);
+  density = utils::numeric(FLERR, arg[a + 1], false, lmp);
+  shift = utils::numeric(FLERR, arg[a + 2], false, lmp);
+  turn = utils::numeric(FLERR, arg[a + 3], false, lmp);
+  const int n = utils::inumeric(FLERR, arg[a + 4], false, lmp);
+  if (nevery < 1 || !(density > 0.0) || n < 1 || a + 5 + 4 * n > narg)
+    error->all(FLERR, "fix jump/step: sizes needs EVERY and DENSITY above 0, and N pieces of four numbers");
+  a += 5;
+  for (int p = 0; p < n; p++, a += 4)
+    pieces.push_back({utils::numeric(FLERR, arg[a], false, lmp), utils::numeric(FLERR, arg[a + 1], false, lmp),
+                      utils::numeric(FLERR, arg[a + 2], false, lmp), utils::numeric(FLERR, arg[a + 3], false, lmp)});
   return a;
 }
 
 int FixJumpStep::setmask()
 {
-  return INITIAL_INTEGRATE | POST_FORCE | FINAL_INTEGRATE;
+  return INITIAL_INTEGRATE | POST_FORCE | FINAL_INTEGRATE | (pieces.empty() ? 0 : END_OF_STEP);
 }
 
 void FixJumpStep::init()
@@ -141,6 +106,8 @@ void FixJumpStep::init()
   pair = dynamic_cast<PairJumpDisc *>(force->pair_match("jump/disc", 1));
   if (!pair) error->all(FLERR, "fix jump/step needs pair_style jump/disc");
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
+  if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
+  sized = 0;
   friction = jump::friction_of(mu, gamma_t, pair->sign, pair->spin);
   law = jump::make_law(k, gamma, gamma_t, mu, pair->mass, 0.5 * pair->diameter, pair->width);
   pair->stepped = modify->n_post_integrate == 0;
@@ -159,17 +126,19 @@ void FixJumpStep::setup(int vflag)
   post_force(vflag);
 }
 
-template <bool SPIN> void FixJumpStep::drift()
+template <bool SPIN, bool SIZES> void FixJumpStep::drift()
 {
   double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
   const double *const __restrict f = atom->f[0];
   const int n = atom->nlocal;
-  const double dtfm = dtf / pair->mass;
+  double dtfm = dtf / pair->mass;
+  const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
   PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
   Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
   for (int i = 0; i < n; i++) {
+    if (SIZES) dtfm = dtf * inverse_mass[i];
     const Vec2 speed = at(v, i) + (dtfm * at(f, i) + kick);
     const Vec2 place = at(x, i) + dtv * speed;
     at(v, i) = speed;
@@ -186,13 +155,28 @@ template <bool SPIN> void FixJumpStep::drift()
   if (SPIN) {
     double *const __restrict omega = atom->omega[0];
     const double *const __restrict torque = atom->torque[0];
-    const double radius = 0.5 * pair->diameter;
-    const double turn = dt_spin / (radius * radius * pair->mass);
+    double radius = 0.5 * pair->diameter, rate = SIZES ? 0.0 : spin_rate(0);
     for (int i = 0; i < n; i++) {
-      omega[3 * i + 2] += turn * torque[3 * i + 2];
+      if (SIZES) {
+        radius = pair->radii[i];
+        rate = spin_rate(i);
+      }
+      omega[3 * i + 2] += rate * torque[3 * i + 2];
       pair->rim[i] = radius * omega[3 * i + 2];
     }
   }
+}
+
+double FixJumpStep::mass_of(int i) const
+{
+  return pair->sizes ? atom->rmass[i] : pair->mass;
+}
+
+/** Spin that a torque of 1 gives to a disc in half a step. */
+double FixJumpStep::spin_rate(int i) const
+{
+  const double radius = pair->radius_of(i);
+  return dt_spin / (radius * radius * mass_of(i));
 }
 
 /** Work that dashpots and friction take in the half kick that comes next: force times mean velocity, which is exact.
@@ -201,23 +185,21 @@ template <bool SPIN> void FixJumpStep::drift()
 void FixJumpStep::book_half_kick()
 {
   const int n = atom->nlocal;
-  const double half = dtf, mean = 0.5 * dtf / pair->mass;
+  const double half = dtf;
   const Vec2 mean_kick = {0.25 * dtv * gx, 0.25 * dtv * gy};
   const double *const v = atom->v[0], *const f = atom->f[0];
   const auto *const loss = pair->loss.data();
   Vec2 dash = {0.0, 0.0}, rub = {0.0, 0.0};
   for (int i = 0; i < n; i++) {
-    const Vec2 speed = at(v, i) + (mean * at(f, i) + mean_kick);
+    const Vec2 speed = at(v, i) + (0.5 * dtf / mass_of(i) * at(f, i) + mean_kick);
     dash += Vec2{loss[i].dash_x, loss[i].dash_y} * speed;
     rub += Vec2{loss[i].rub_x, loss[i].rub_y} * speed;
   }
   double dashed = dash[0] + dash[1], rubbed = rub[0] + rub[1];
   if (pair->spin) {
-    const double radius = 0.5 * pair->diameter;
-    const double turn = 0.5 * dt_spin / (radius * radius * pair->mass);
     for (int i = 0; i < n; i++) {
       const double torque = atom->torque[i][2];    // nothing but friction turns a disc
-      rubbed += torque * (atom->omega[i][2] + turn * torque);
+      rubbed += torque * (atom->omega[i][2] + 0.5 * spin_rate(i) * torque);
     }
   }
   dashpot_loss -= half * dashed;
@@ -234,7 +216,10 @@ void FixJumpStep::initial_integrate(int)
   }
   pair->reserve(atom->nlocal + atom->nghost);
   if (pair->ledger) book_half_kick();
-  pair->spin ? drift<true>() : drift<false>();
+  if (pair->sizes)
+    pair->spin ? drift<true, true>() : drift<false, true>();
+  else
+    pair->spin ? drift<true, false>() : drift<false, false>();
   // others may move discs before the forces: then the pair style packs them itself
   pair->packed_step = update->ntimestep;
   if (modify->n_post_integrate) {
@@ -251,126 +236,48 @@ void FixJumpStep::final_integrate()
   double *const __restrict v = atom->v[0];
   const double *const __restrict f = atom->f[0];
   const double dtfm = dtf / pair->mass;
+  const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
-  for (int i = 0; i < n; i++) at(v, i) += dtfm * at(f, i) + kick;
+  if (pair->sizes)
+    for (int i = 0; i < n; i++) at(v, i) += dtf * inverse_mass[i] * at(f, i) + kick;
+  else
+    for (int i = 0; i < n; i++) at(v, i) += dtfm * at(f, i) + kick;
   if (pair->spin) {
     double *const __restrict omega = atom->omega[0];
     const double *const __restrict torque = atom->torque[0];
-    const double radius = 0.5 * pair->diameter;
-    const double turn = dt_spin / (radius * radius * pair->mass);
-    for (int i = 0; i < n; i++) omega[3 * i + 2] += turn * torque[3 * i + 2];
+    const double rate = spin_rate(0);
+    for (int i = 0; i < n; i++) omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[3 * i + 2];
   }
 }
 
-/** Discs that can reach a face before one of them has moved by the margin. */
-void FixJumpStep::find_near()
+/** Diameter of a disc; the same operations as in lammps_jump/scene/sizes.py, so that both take the same piece. */
+double FixJumpStep::diameter_of(tagint id) const
 {
-  const double margin = 0.5 * pair->diameter + NEAR_MARGIN * pair->diameter;
-  near_moved = 0.0;
-  near_order = pair->order;
-  const int n = atom->nlocal;
-  const auto *const disc = pair->disc.data();
-  for (auto &face : faces) {
-    face.near.clear();
-    const bigint until = walls[face.wall].until;
-    if (until >= 0 && update->ntimestep >= until) continue;
-    for (int i = 0; i < n; i++) {
-      bool close;
-      if (face.kind == BLOCK)
-        close = disc[i].x > face.xlo - margin && disc[i].x < face.xhi + margin && disc[i].y > face.ylo - margin &&
-            disc[i].y < face.yhi + margin;
-      else
-        close = face.sign * ((face.kind == PLANE_X ? disc[i].x : disc[i].y) - face.at) < margin;
-      if (close) face.near.push_back(i);
-    }
-  }
+  const double turned = ((double) id + shift) * turn;
+  const double quantile = turned - std::floor(turned);
+  const auto piece = std::find_if(pieces.begin(), pieces.end() - 1, [&](const Piece &p) { return quantile < p.end; });
+  return piece->low + piece->slope * (quantile - piece->begin);
 }
 
-template <Friction FRICTION, Touch TOUCH>
-void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const jump::Law &rule, double *on_wall)
-{
-  const auto &a = pair->disc[i];
-  const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
-  const ContactForce<double> out = jump::contact_force<FRICTION, TOUCH>(rule, dx, dy, a.vx, a.vy, rim);
-  double *const f = atom->f[i];
-  f[0] += out.fx;
-  f[1] += out.fy;
-  if (jump::has_spin(FRICTION)) atom->torque[i][2] -= 0.5 * pair->diameter * out.twist;
-  const Wall &wall = walls[face.wall];
-  on_wall[0] -= out.fx;
-  on_wall[1] -= out.fy;
-  on_wall[2] -= (a.x - dx - wall.x0) * out.fy - (a.y - dy - wall.y0) * out.fx;
-  if (pair->ledger) {
-    auto &loss = pair->loss[i];
-    loss.dash_x += out.dash_x;
-    loss.dash_y += out.dash_y;
-    loss.rub_x += out.rub_x;
-    loss.rub_y += out.rub_y;
-  }
-  touching++;
-}
+/** Inserted discs get their own size.
 
-template <Friction FRICTION, Touch TOUCH> void FixJumpStep::push()
+    The forces of this step are those of the inserted size, and the next half kick divides them by the own mass. With
+    gravity among the forces (`fix set` in LAMMPS) that is gravity of the inserted mass: the velocity gets the rest. */
+void FixJumpStep::end_of_step()
 {
-  const double reach = law.reach;
-  const auto *const disc = pair->disc.data();
-  for (const auto &face : faces) {
-    const Wall &wall = walls[face.wall];
-    if (wall.until >= 0 && update->ntimestep >= wall.until) continue;
-    double on_wall[3] = {0.0, 0.0, 0.0};
-    if (face.kind == BLOCK) {
-      for (const int i : face.near) {
-        const double dx = disc[i].x - std::min(std::max(disc[i].x, face.xlo), face.xhi);
-        const double dy = disc[i].y - std::min(std::max(disc[i].y, face.ylo), face.yhi);
-        const double rsq = dx * dx + dy * dy;
-        if (rsq < reach * reach && rsq > 0.0) touch<FRICTION, TOUCH>(face, i, dx, dy, law, on_wall);
-      }
-    } else {
-      const bool along_x = face.kind == PLANE_X;
-      for (const int i : face.near) {
-        const double off = (along_x ? disc[i].x : disc[i].y) - face.at;
-        const double distance = face.sign * off;
-        if (distance >= reach) continue;
-        if (distance > 0.0) {
-          touch<FRICTION, TOUCH>(face, i, along_x ? off : 0.0, along_x ? 0.0 : off, law, on_wall);
-        } else {
-          // the centre is behind the plane: the push back goes on growing (contact of the same overlap in front)
-          jump::Law behind = law;
-          behind.reach = 2.0 * reach - distance;
-          const double off_front = face.sign * reach;
-          touch<FRICTION, TOUCH>(face, i, along_x ? off_front : 0.0, along_x ? 0.0 : off_front, behind, on_wall);
-        }
-      }
-    }
-    if (wall.probe >= 0)
-      for (int c = 0; c < 3; c++) window[3 * wall.probe + c] += on_wall[c];
+  tagint highest = sized;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (atom->tag[i] <= sized) continue;
+    highest = std::max(highest, atom->tag[i]);
+    const double d = diameter_of(atom->tag[i]), mass = density * d * d;
+    const double excess = 0.5 * dtv * (atom->rmass[i] / mass - 1.0);
+    atom->v[i][0] += excess * gx;
+    atom->v[i][1] += excess * gy;
+    atom->radius[i] = 0.5 * d;
+    atom->rmass[i] = mass;
+    pair->pack_sizes(i, i + 1);
   }
-}
-
-void FixJumpStep::post_force(int)
-{
-  if (near_order != pair->order || update->setupflag || !(near_moved < NEAR_MARGIN * pair->diameter)) find_near();
-  touching = 0;
-  output_step = -1;
-  law.eps = jump::SIGN_RAMP * pair->largest_speed;
-  const std::vector<double> before = update->setupflag ? window : std::vector<double>();
-  jump::with_branch(friction, pair->touch, [&](auto f, auto t) { push<decltype(f)::value, decltype(t)::value>(); });
-  if (update->setupflag) {
-    // the forces of the start belong to no window; they are what a probe shows at the first step
-    if (update->ntimestep == 0)
-      for (size_t c = 0; c < window.size(); c++) mean[c] = window[c];
-    window = before;
-    return;
-  }
-  if (probed.empty()) return;
-  window_steps++;
-  if (update->ntimestep % probe_every == 0) {
-    for (size_t c = 0; c < window.size(); c++) {
-      mean[c] = window[c] / (double) window_steps;
-      window[c] = 0.0;
-    }
-    window_steps = 0;
-  }
+  sized = highest;
 }
 
 /** Sums over the ranks, once for each step that is asked about. */
@@ -379,7 +286,6 @@ void FixJumpStep::reduce()
   if (output_step == update->ntimestep) return;
   output_step = update->ntimestep;
   const int n = atom->nlocal;
-  const double mass = pair->mass, radius = 0.5 * pair->diameter;
   std::vector<double> sum(size_vector, 0.0);
   double overlap = pair->largest_overlap();
   sum[0] = pair->elastic_energy();
@@ -397,7 +303,7 @@ void FixJumpStep::reduce()
       } else {
         distance = face.sign * ((face.kind == PLANE_X ? a.x : a.y) - face.at);
       }
-      const double deep = law.reach - distance;
+      const double deep = pair->radius_of(i) - distance;
       overlap = std::max(overlap, deep);
       sum[1] += pair->elastic_energy(law, deep);
     }
@@ -407,13 +313,14 @@ void FixJumpStep::reduce()
   for (int i = 0; i < n; i++) {
     const double *const v = atom->v[i];
     const double *const x = atom->x[i];
+    const double mass = mass_of(i);
     sum[4] += 0.5 * mass * (v[0] * v[0] + v[1] * v[1]);
     sum[5] -= mass * (gx * x[0] + gy * x[1]);
   }
   if (pair->spin)
     for (int i = 0; i < n; i++) {
-      const double rim = radius * atom->omega[i][2];
-      sum[4] += 0.25 * mass * rim * rim;
+      const double rim = pair->radius_of(i) * atom->omega[i][2];
+      sum[4] += 0.25 * mass_of(i) * rim * rim;
     }
   sum[8] = touching;
   for (size_t c = 0; c < mean.size(); c++) sum[LEDGER + c] = mean[c];

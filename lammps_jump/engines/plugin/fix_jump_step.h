@@ -3,16 +3,21 @@
                         [wall plane NAME x|y AT above|below [until STEP]]...
                         [wall block NAME XLO XHI YLO YHI [until STEP]]...
                         [wall box NAME XLO XHI YLO YHI [until STEP]]...
+                        [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...]
                         [probe EVERY NAME...]                                   (probe comes last)
 
-   One pass for what a step of equal discs needs besides the pairs of `pair_style jump/disc` (which must be in use,
-   and gives law, touch, spin, ledger, mass and diameter):
+   One pass for what a step of discs needs besides the pairs of `pair_style jump/disc` (which must be in use,
+   and gives law, touch, spin, ledger, masses and diameters):
 
    - velocity Verlet, as fix nve (with spin: as fix nve/sphere disc, I = m R^2/2); gravity enters the velocities
      here and not the force array;
    - walls: a plane pushes the discs on its side; a block is solid and pushes from its nearest point (corners
      round, a centre inside feels nothing); a box holds discs inside with four faces. GN, GT in 1/s: force = M GN v.
+     With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
      A wall with `until STEP` is felt by the forces of the steps before STEP.
+   - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
+     their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
+     LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END.
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about the lower-left corner (block, box) or the plane's point nearest the origin.
 
@@ -33,6 +38,7 @@ class FixJumpStep : public Fix {
  public:
   FixJumpStep(class LAMMPS *, int, char **);
   int setmask() override;
+  void end_of_step() override;
   void init() override;
   void setup(int) override;
   void initial_integrate(int) override;
@@ -56,6 +62,10 @@ class FixJumpStep : public Fix {
     bigint until;         // first step without the wall, -1 for never
     int probe;            // row of the probe, -1 for none
   };
+  /** Discs of one share of all, by number: their diameters lie on a line over the quantile of their ids. */
+  struct Piece {
+    double begin, end, low, slope;
+  };
   struct Face {
     Kind kind;
     int wall;
@@ -71,6 +81,9 @@ class FixJumpStep : public Fix {
   jump::Law law;
   std::vector<Wall> walls;
   std::vector<Face> faces;
+  double density = 0.0, shift = 0.0, turn = 0.0;    // of sizes
+  std::vector<Piece> pieces;
+  tagint sized = 0;           // discs up to this id have their own size
   bigint near_order = -1;
   double near_moved = 0.0;    // bound of a disc's displacement in x or y since the lists of near discs
   double dtv = 0.0, dtf = 0.0, dt_spin = 0.0;
@@ -85,12 +98,17 @@ class FixJumpStep : public Fix {
   bigint output_step = -1;
 
   int add_wall(int, int, char **);
+  int add_pieces(int, int, char **);
+  double diameter_of(tagint) const;
+  double spin_rate(int) const;
+  double mass_of(int) const;
   void find_near();
   void book_half_kick();
   void reduce();
-  template <bool SPIN> void drift();
-  template <jump::Friction, jump::Touch TOUCH> void push();
-  template <jump::Friction, jump::Touch> void touch(const Face &, int, double, double, const jump::Law &, double *);
+  template <bool SPIN, bool SIZES> void drift();
+  template <jump::Friction, jump::Touch, bool SIZES> void push();
+  template <jump::Friction, jump::Touch, class Own>
+  void touch(const Face &, int, double, double, const Own &, double *);
 };
 
 }    // namespace LAMMPS_NS

@@ -14,6 +14,12 @@ using namespace LAMMPS_NS;
 namespace {
 constexpr int LOOKS = 1000;    // before waiting in earnest, which lets others have the core and is slower to answer
 constexpr int COUNTS = 7401, DISCS = 7402;    // tags that LAMMPS does not use
+
+/** Numbers that stand for a disc in a message. */
+int words_of(const PairJumpDisc &pair)
+{
+  return 4 + pair.spin + pair.sizes;
+}
 }
 
 /** Where the cut with this number lies; what is beyond the ends belongs to the ranks at the ends. */
@@ -60,7 +66,7 @@ void JumpHalo::rebuild(PairJumpDisc &pair, double cut)
 /** Send what the others need of this step's positions and velocities, and ask for theirs. */
 void JumpHalo::start(const PairJumpDisc &pair)
 {
-  const int words = pair.spin ? 5 : 4;
+  const int words = words_of(pair);
   requests.clear();
   for (auto &partner : partners) {
     if (partner.incoming > 0) {
@@ -78,6 +84,7 @@ void JumpHalo::start(const PairJumpDisc &pair)
       to[2] = disc.vx;
       to[3] = disc.vy;
       if (pair.spin) to[4] = pair.rim[i];
+      if (pair.sizes) to[words - 1] = pair.radii[i];
       to += words;
     }
     requests.emplace_back();
@@ -92,13 +99,14 @@ void JumpHalo::finish(PairJumpDisc &pair)
   for (int look = 0; look < LOOKS && !all; look++)
     MPI_Testall((int) requests.size(), requests.data(), &all, MPI_STATUSES_IGNORE);
   if (!all) MPI_Waitall((int) requests.size(), requests.data(), MPI_STATUSES_IGNORE);
-  const int words = pair.spin ? 5 : 4;
+  const int words = words_of(pair);
   int i = atom->nlocal;
   for (const auto &partner : partners) {
     const double *from = partner.in.data();
     for (int n = 0; n < partner.incoming; n++, i++, from += words) {
       pair.disc[i] = {from[0], from[1], from[2], from[3]};
       if (pair.spin) pair.rim[i] = from[4];
+      if (pair.sizes) pair.radii[i] = from[words - 1];    // each step: inserted discs change theirs
     }
   }
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The discs of other ranks near this one's part of the channel, for pair_style jump/disc on several ranks.
 
-   Takes the place of LAMMPS' ghosts where space is cut along x alone. A disc is four numbers (five with spin) instead
-   of nine, all messages of a step leave together, and they travel while the contacts among the rank's own discs are
-   computed. Who is sent is chosen anew when LAMMPS reneighbours; discs further away than the cut cannot come into
-   touch before. */
+   Takes the place of LAMMPS' ghosts where space is cut along x alone. A disc is four numbers (one more each with spin
+   and with sizes) instead of nine, all messages of a step leave together, and they travel while the contacts among the
+   rank's own discs are computed. Who is sent is chosen anew when LAMMPS reneighbours; discs further away than the cut
+   cannot come into touch before. */
 
 #ifndef JUMP_HALO_H
 #define JUMP_HALO_H

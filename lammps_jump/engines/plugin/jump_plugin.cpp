@@ -43,13 +43,13 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 
   plugin.style = "pair";
   plugin.name = "jump/disc";
-  plugin.info = "contacts of equal discs in 2-D: laws hooke and sign";
+  plugin.info = "contacts of discs in 2-D: laws hooke and sign";
   plugin.creator.plain = make_pair;
   add(&plugin, lmp);
 
   plugin.style = "fix";
   plugin.name = "jump/step";
-  plugin.info = "velocity Verlet, gravity and walls for equal discs in one pass";
+  plugin.info = "velocity Verlet, gravity and walls for discs in one pass";
   plugin.creator.with_arguments = make_fix;
   add(&plugin, lmp);
 }

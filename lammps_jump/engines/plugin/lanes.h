@@ -44,6 +44,7 @@ inline Lanes root(const Lanes &x)
 /** A number in the form of another: itself, or the same in every lane. */
 inline double spread(double x, double) { return x; }
 inline Lanes spread(double x, const Lanes &) { return x - Lanes{}; }
+inline Lanes spread(const Lanes &x, const Lanes &) { return x; }
 
 template <class Number> inline Number least(const Number &a, const Number &b) { return a < b ? a : b; }
 template <class Number> inline Number most(const Number &a, const Number &b) { return a > b ? a : b; }

@@ -22,7 +22,7 @@ using jump::Friction;
 using jump::Touch;
 
 namespace {
-constexpr int RESTART_FORM = 0x6a640002;    // changes with what the restart file holds
+constexpr int RESTART_FORM = 0x6a640003;    // changes with what the restart file holds
 }    // namespace
 
 PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
@@ -91,6 +91,11 @@ void PairJumpDisc::settings(int narg, char **arg)
     } else if (key == "dashpot") {
       const std::string name = a + 1 < narg ? arg[a + 1] : "";
       if (name != "even") error->all(FLERR, "pair_style jump/disc: dashpot is even, not '{}'", name);
+    } else if (key == "sizes") {
+      sizes = true;
+      smallest = value(a + 1);
+      largest = value(a + 2);
+      a++;
     } else if (auto number = numbers.find(key); number != numbers.end()) {
       *number->second = value(a + 1);
       seen.insert(key);
@@ -107,6 +112,8 @@ void PairJumpDisc::settings(int narg, char **arg)
     error->all(FLERR, "pair_style jump/disc: k, mass and diameter must be above 0");
   if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0)
     error->all(FLERR, "pair_style jump/disc: gamma, gammat and mu must not be negative");
+  if (sizes && !(0.0 < smallest && smallest <= largest))
+    error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
   if (smooth && !(width > 0.0)) error->all(FLERR, "pair_style jump/disc: the width of a smooth touch must be above 0");
   choose();
 }
@@ -118,6 +125,7 @@ void PairJumpDisc::choose()
   touch = smooth ? Touch::SMOOTH : Touch::SHARP;
   law = jump::make_law(k, gamma, gamma_t, mu, mass * mass / (mass + mass), 0.5 * diameter + 0.5 * diameter, width);
   if (!(skin > 0.0)) skin = 0.3 * diameter;
+  if (!sizes) smallest = largest = diameter;
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)
@@ -141,6 +149,10 @@ void PairJumpDisc::init_style()
     if (comm->cutghostuser == 0.0) comm->cutghostuser = 1e-6 * diameter;
   } else if (comm->ghost_velocity == 0 && comm->nprocs > 1)
     error->all(FLERR, "pair_style jump/disc needs comm_modify vel yes on more than one rank");
+  if (sizes && (!atom->radius_flag || !atom->rmass_flag))
+    error->all(FLERR, "pair_style jump/disc sizes needs atom_style sphere");
+  if (sizes && (domain->xperiodic || domain->yperiodic || (comm->nprocs > 1 && !halo)))
+    error->all(FLERR, "pair_style jump/disc sizes needs halo yes on more than one rank, and no periodic x or y");
   if (spin && !atom->omega_flag) error->all(FLERR, "pair_style jump/disc spin yes needs atom_style sphere");
   if (spin && !atom->torque_flag) error->all(FLERR, "pair_style jump/disc spin yes needs an atom style with torque");
   if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol)
@@ -175,13 +187,13 @@ double PairJumpDisc::halo_cut() const
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   const double speed = 2.0 * std::sqrt(most) + 0.05 * diameter * std::sqrt(2.0 * k / mass);
   const int steps = std::max(neighbor->every, neighbor->delay);
-  return law.reach + neighbor->skin + 2.0 * steps * update->dt * speed;
+  return largest + neighbor->skin + 2.0 * steps * update->dt * speed;
 }
 
 double PairJumpDisc::init_one(int i, int j)
 {
   if (setflag[i][j] == 0) error->all(FLERR, "pair_coeff of jump/disc is not set for types {} {}", i, j);
-  return uses_halo() ? 0.0 : diameter;
+  return uses_halo() ? 0.0 : largest;
 }
 
 void PairJumpDisc::reserve(int n)
@@ -190,6 +202,10 @@ void PairJumpDisc::reserve(int n)
     disc.resize(n + n / 4 + 64);
     if (spin) rim.resize(disc.size());
     if (ledger) loss.resize(disc.size());
+    if (sizes) {
+      radii.resize(disc.size());
+      inverse_masses.resize(disc.size());
+    }
   }
 }
 
@@ -198,18 +214,40 @@ void PairJumpDisc::pack(int from, int to)
   double *const *const x = atom->x;
   double *const *const v = atom->v;
   for (int i = from; i < to; i++) disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
+  if (sizes) pack_sizes(from, to);
   if (spin) {
     double *const *const omega = atom->omega;
-    const double radius = 0.5 * diameter;
-    for (int i = from; i < to; i++) rim[i] = radius * omega[i][2];
+    for (int i = from; i < to; i++) rim[i] = radius_of(i) * omega[i][2];
   }
 }
 
-/** Everything here holds for equal discs: refuse others when discs may have come in. */
-void PairJumpDisc::check_equal_discs(int from, int to)
+void PairJumpDisc::pack_sizes(int from, int to)
+{
+  for (int i = from; i < to; i++) {
+    radii[i] = atom->radius[i];
+    inverse_masses[i] = 1.0 / atom->rmass[i];
+  }
+}
+
+/** Refuse discs that the settings do not describe when some may have come in. */
+void PairJumpDisc::check_discs(int from, int to)
 {
   const double slack = 1e-10;
   int bad = -1;
+  if (sizes) {
+    const double density = mass / (diameter * diameter);
+    for (int i = from; i < to; i++) {
+      const double d = 2.0 * radii[i], right = density * d * d;
+      if (!(d > (1.0 - slack) * smallest && d < (1.0 + slack) * largest) ||
+          !(std::fabs(atom->rmass[i] - right) < slack * right))
+        bad = i;
+    }
+    if (bad >= 0)
+      error->one(FLERR,
+                 "jump/disc: disc {} has diameter {} and mass {}, the pair style says {} to {}, and mass {} at {}",
+                 atom->tag[bad], 2.0 * radii[bad], atom->rmass[bad], smallest, largest, mass, diameter);
+    return;
+  }
   if (atom->rmass) {
     for (int i = from; i < to; i++)
       if (std::fabs(atom->rmass[i] - mass) > slack * mass) bad = i;
@@ -258,26 +296,26 @@ void PairJumpDisc::read_restart(FILE *fp)
 
 void PairJumpDisc::write_restart_settings(FILE *fp)
 {
-  const double numbers[8] = {k, gamma, gamma_t, mu, mass, diameter, width, skin};
-  const int flags[6] = {sign, smooth, 1, spin, ledger, halo};    // the third chose between two dashpots once
+  const double numbers[10] = {k, gamma, gamma_t, mu, mass, diameter, width, skin, smallest, largest};
+  const int flags[6] = {sign, smooth, sizes, spin, ledger, halo};
   fwrite(&RESTART_FORM, sizeof(int), 1, fp);
-  fwrite(numbers, sizeof(double), 8, fp);
+  fwrite(numbers, sizeof(double), 10, fp);
   fwrite(flags, sizeof(int), 6, fp);
 }
 
 void PairJumpDisc::read_restart_settings(FILE *fp)
 {
-  double numbers[8];
+  double numbers[10];
   int flags[6];
   if (comm->me == 0) {
     int form;
     utils::sfread(FLERR, &form, sizeof(int), 1, fp, nullptr, error);
     if (form != RESTART_FORM)
       error->one(FLERR, "pair_style jump/disc: the restart file is of another version of the plugin: it cannot go on");
-    utils::sfread(FLERR, numbers, sizeof(double), 8, fp, nullptr, error);
+    utils::sfread(FLERR, numbers, sizeof(double), 10, fp, nullptr, error);
     utils::sfread(FLERR, flags, sizeof(int), 6, fp, nullptr, error);
   }
-  MPI_Bcast(numbers, 8, MPI_DOUBLE, 0, world);
+  MPI_Bcast(numbers, 10, MPI_DOUBLE, 0, world);
   MPI_Bcast(flags, 6, MPI_INT, 0, world);
   k = numbers[0];
   gamma = numbers[1];
@@ -287,8 +325,11 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
   diameter = numbers[5];
   width = numbers[6];
   skin = numbers[7];
+  smallest = numbers[8];
+  largest = numbers[9];
   sign = flags[0];
   smooth = flags[1];
+  sizes = flags[2];
   spin = flags[3];
   ledger = flags[4];
   halo = flags[5];
@@ -298,7 +339,8 @@ void PairJumpDisc::read_restart_settings(FILE *fp)
 double PairJumpDisc::memory_usage()
 {
   return ring.memory_usage() + disc.capacity() * sizeof(Disc) +
-      (rim.capacity() + 4 * loss.capacity() + sorted_x.capacity() + sorted_y.capacity()) * sizeof(double) +
+      (rim.capacity() + radii.capacity() + inverse_masses.capacity() + 4 * loss.capacity() + sorted_x.capacity() +
+       sorted_y.capacity() + sorted_radius.capacity()) * sizeof(double) +
       (first.capacity() + second.capacity() + first_across.capacity() + second_across.capacity() + cell_of.capacity() + cell_start.capacity() +
        sorted.capacity() + listed.capacity()) *
       sizeof(int);

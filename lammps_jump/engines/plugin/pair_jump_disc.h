@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D
                         [touch sharp | touch smooth S] [dashpot even] [spin yes|no] [ledger yes|no] [skin L]
-                        [halo yes|no]
+                        [halo yes|no] [sizes SMALLEST LARGEST]
    pair_coeff * *
 
-   Contact forces between equal discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Equal discs
-   only: a disc of another mass or diameter is an error. Works with any fixes; `fix jump/step` shares its arrays.
+   Contact forces between discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Discs are equal: one of
+   another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
+   M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
+   sqrt((M/2)/m_eff). Works with any fixes; `fix jump/step` shares its arrays.
 
-   The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs closer than D + L, L = 0.3 D
-   unless given) and asks LAMMPS for none. The list holds until the discs can have moved L against one another. Where
-   fix jump/step moves the discs, that is bounded by the sum over the steps of dt times the range of the velocities
-   (all the discs of a jet move together: only the range counts); under other integrators the list is built when LAMMPS
-   reneighbours, with LAMMPS' skin. Without ghosts it also outlives a reneighbouring that only brought new discs.
+   The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs whose rims are closer than
+   L, 0.3 D unless given) and asks LAMMPS for none. The list holds until the discs can have moved L against one
+   another. Where fix jump/step moves the discs, that is bounded by the sum over the steps of dt times the range of the
+   velocities (all the discs of a jet move together: only the range counts); under other integrators the list is built
+   when LAMMPS reneighbours, with LAMMPS' skin. Without ghosts it also outlives a reneighbouring that only brought new
+   discs.
 
    halo yes (no): on several ranks the style exchanges the discs near the cuts itself (halo.h) and asks LAMMPS for no
    ghosts. For `processors * 1 1`, newton off and no periodic x or y; it sees to `comm_modify cutoff`. The list is then in
@@ -56,12 +59,14 @@ class PairJumpDisc : public Pair {
   // shared with fix jump/step
 
   jump::Friction friction = jump::Friction::NONE;
-  bool sign = false, smooth = false, spin = false, ledger = false, halo = false;
-  double mass = 0.0, diameter = 0.0, width = 0.0;
+  bool sign = false, smooth = false, spin = false, ledger = false, halo = false, sizes = false;
+  double mass = 0.0, diameter = 0.0, width = 0.0;    // of nominal discs, with sizes
+  double smallest = 0.0, largest = 0.0;              // diameters
   std::vector<Loss> loss;                            // what takes energy from the local discs, with the ledger
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc> disc;                            // local discs, then ghosts
   std::vector<double> rim;                           // R omega, with spin
+  std::vector<double> radii, inverse_masses;         // with sizes; in the order of the discs
   bigint packed_step = -1;                           // step for which the local discs are packed
   bool stepped = false;                              // fix jump/step moves the discs, and nobody else
 
@@ -71,10 +76,13 @@ class PairJumpDisc : public Pair {
 
   void reserve(int);
   void pack(int, int);
+  void pack_sizes(int, int);
   double elastic_energy() const;
   double elastic_energy(const jump::Law &, double) const;
   double largest_overlap() const;
-  void check_equal_discs(int, int);
+  void check_discs(int, int);
+  double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
+  double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
 
  private:
   double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
@@ -87,7 +95,7 @@ class PairJumpDisc : public Pair {
   JumpHalo ring;
   std::vector<tagint> listed;        // ids of the local discs in the list, by index
   std::vector<int> cell_of, cell_start, sorted;
-  std::vector<double> sorted_x, sorted_y;
+  std::vector<double> sorted_x, sorted_y, sorted_radius;
   std::vector<int> first_across, second_across;    // pairs across a cut, while the list is built
 
   void allocate();
@@ -95,6 +103,7 @@ class PairJumpDisc : public Pair {
   bool keeps_order() const;
   bool is_mine(int, int) const;
   void build_list(double);
+  template <bool SIZES> size_t find_pairs(int, int);
   void append_to_list(int);
   bool uses_halo() const;
   int others() const;
@@ -108,7 +117,7 @@ class PairJumpDisc : public Pair {
   double largest_squared_speed() const;
   void find_largest_speed();
   void evaluate(size_t, size_t);
-  template <jump::Friction, jump::Touch TOUCH, bool LEDGER> void evaluate(size_t, size_t);
+  template <jump::Friction, jump::Touch TOUCH, bool LEDGER, bool SIZES> void evaluate(size_t, size_t);
 };
 
 }    // namespace LAMMPS_NS

@@ -45,12 +45,13 @@ void PairJumpDisc::find_largest_speed()
 }
 
 /** Forces of the pairs from one place in the list to another. */
-template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evaluate(size_t from, size_t to)
+template <Friction FRICTION, Touch TOUCH, bool LEDGER, bool SIZES> void PairJumpDisc::evaluate(size_t from, size_t to)
 {
   const Disc *const __restrict at = disc.data();
   const int *const __restrict one = first.data();
   const int *const __restrict two = second.data();
-  const double reach_sq = law.reach * law.reach;
+  double reach_sq = law.reach * law.reach;
+  const double *const __restrict own_radius = radii.data();
   const jump::Law rule = law;
   const int nlocal = atom->nlocal;
   const bool newton = force->newton_pair;
@@ -62,6 +63,7 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
   // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
   alignas(64) double between[BATCH][4];
   alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
+  alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[SIZES ? BATCH : 1];
   alignas(64) double dashed[LEDGER ? BATCH : 1][2], rubbed[LEDGER ? BATCH : 1][2];
   int touching[BATCH + 1];
   for (size_t begin = from; begin < to; begin += BATCH) {
@@ -70,6 +72,10 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
     for (size_t p = begin; p < end; p++) {
       // written whether it touches or not, and counted only if it does: a branch here would be guessed wrong often
       const double dx = at[one[p]].x - at[two[p]].x, dy = at[one[p]].y - at[two[p]].y;
+      if (SIZES) {
+        const double reach = own_radius[one[p]] + own_radius[two[p]];
+        reach_sq = reach * reach;
+      }
       touching[n] = (int) p;
       n += dx * dx + dy * dy < reach_sq;
     }
@@ -78,6 +84,10 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
       *reinterpret_cast<Vec4 *>(between[c]) =
           *reinterpret_cast<const Vec4 *>(&at[i]) - *reinterpret_cast<const Vec4 *>(&at[j]);
       if (jump::has_spin(FRICTION)) rims[c] = rim[i] + rim[j];
+      if (SIZES) {
+        radius_one[c] = own_radius[i];
+        radius_two[c] = own_radius[j];
+      }
     }
     // whole vectors only: the rest of the last one is filled with a contact that nobody reads
     const int whole = (n + LANES - 1) / LANES * LANES;
@@ -85,14 +95,26 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
       between[c][0] = between[c][1] = 0.5 * rule.reach;
       between[c][2] = between[c][3] = 0.0;
       rims[c] = 0.0;
+      if (SIZES) radius_one[c] = radius_two[c] = radius;
     }
     for (int c = 0; c < whole; c += LANES) {
       Lanes part[4];
       jump::columns(between + c, part);
       const Lanes rim_speed = jump::has_spin(FRICTION) ? *reinterpret_cast<const Lanes *>(rims + c) : Lanes{};
-      const auto out = jump::contact_force<FRICTION, TOUCH>(rule, part[0], part[1], part[2], part[3], rim_speed);
+      const Lanes *const ri = reinterpret_cast<const Lanes *>(radius_one + c);
+      const Lanes *const rj = reinterpret_cast<const Lanes *>(radius_two + c);
+      jump::ContactForce<Lanes> out;
+      if constexpr (SIZES)
+        out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri, *rj), part[0], part[1], part[2],
+                                                   part[3], rim_speed);
+      else
+        out = jump::contact_force<FRICTION, TOUCH>(rule, rule, part[0], part[1], part[2], part[3], rim_speed);
       jump::rows_of_two(out.fx, out.fy, force_on + c);
-      if (jump::has_spin(FRICTION)) *reinterpret_cast<Lanes *>(twist + c) = radius * out.twist;
+      if (jump::has_spin(FRICTION)) {
+        // the lever of unequal discs ends in the middle of the overlap, as in LAMMPS' granular; else at the rim
+        if (SIZES) *reinterpret_cast<Lanes *>(twist_two + c) = (*rj - 0.5 * out.overlap) * out.twist;
+        *reinterpret_cast<Lanes *>(twist + c) = (SIZES ? *ri - 0.5 * out.overlap : radius + Lanes{}) * out.twist;
+      }
       if (LEDGER) {
         jump::rows_of_two(out.dash_x, out.dash_y, dashed + c);
         jump::rows_of_two(out.rub_x, out.rub_y, rubbed + c);
@@ -113,7 +135,7 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER> void PairJumpDisc::evalua
       if (jump::has_spin(FRICTION)) torque[3 * i + 2] -= twist[c];
       if (newton || j < nlocal) {
         *reinterpret_cast<Vec2 *>(f + 3 * j) -= push;
-        if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= twist[c];
+        if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= SIZES ? twist_two[c] : twist[c];
       }
       if (LEDGER) {
         const Vec4 taken = {dashed[c][0], dashed[c][1], rubbed[c][0], rubbed[c][1]};
@@ -191,7 +213,10 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
   jump::with_branch(friction, touch, [&](auto f, auto t) {
     constexpr Friction F = decltype(f)::value;
     constexpr Touch T = decltype(t)::value;
-    ledger ? evaluate<F, T, true>(from, to) : evaluate<F, T, false>(from, to);
+    if (sizes)
+      ledger ? evaluate<F, T, true, true>(from, to) : evaluate<F, T, false, true>(from, to);
+    else
+      ledger ? evaluate<F, T, true, false>(from, to) : evaluate<F, T, false, false>(from, to);
   });
 }
 
@@ -209,9 +234,10 @@ double PairJumpDisc::elastic_energy() const
   for (size_t p = 0; p < candidates; p++) {
     const double dx = disc[first[p]].x - disc[second[p]].x, dy = disc[first[p]].y - disc[second[p]].y;
     const double rsq = dx * dx + dy * dy;
-    if (rsq >= law.reach * law.reach) continue;
+    const double reach = reach_of(first[p], second[p]);
+    if (rsq >= reach * reach) continue;
     const double share = force->newton_pair || second[p] < nlocal ? 1.0 : 0.5;
-    sum += share * elastic_energy(law, law.reach - std::sqrt(rsq));
+    sum += share * elastic_energy(law, reach - std::sqrt(rsq));
   }
   return sum;
 }
@@ -219,25 +245,25 @@ double PairJumpDisc::elastic_energy() const
 /** Largest overlap of the pairs of this rank at the last force evaluation, m; 0 where none touch. */
 double PairJumpDisc::largest_overlap() const
 {
-  double least = law.reach * law.reach;
+  double most = 0.0;
   for (size_t p = 0; p < candidates; p++) {
     const double dx = disc[first[p]].x - disc[second[p]].x, dy = disc[first[p]].y - disc[second[p]].y;
-    const double rsq = dx * dx + dy * dy;
-    least = rsq < least ? rsq : least;
+    most = std::max(most, reach_of(first[p], second[p]) - std::sqrt(dx * dx + dy * dy));
   }
-  return law.reach - std::sqrt(least);
+  return most;
 }
 
 double PairJumpDisc::single(int i, int j, int, int, double rsq, double, double, double &fforce)
 {
   fforce = 0.0;
-  if (rsq >= law.reach * law.reach) return 0.0;
+  const double one = sizes ? atom->radius[i] : 0.5 * diameter, two = sizes ? atom->radius[j] : 0.5 * diameter;
+  if (rsq >= (one + two) * (one + two)) return 0.0;
   const double dx = atom->x[i][0] - atom->x[j][0], dy = atom->x[i][1] - atom->x[j][1];
   const double vx = atom->v[i][0] - atom->v[j][0], vy = atom->v[i][1] - atom->v[j][1];
+  const jump::OwnLaw<double> own = jump::own_law(law, one, two);
   const ContactForce<double> out = touch == Touch::SHARP
-      ? jump::contact_force<Friction::NONE, Touch::SHARP>(law, dx, dy, vx, vy, 0.0)
-      : jump::contact_force<Friction::NONE, Touch::SMOOTH>(law, dx, dy, vx, vy, 0.0);
+      ? jump::contact_force<Friction::NONE, Touch::SHARP>(law, own, dx, dy, vx, vy, 0.0)
+      : jump::contact_force<Friction::NONE, Touch::SMOOTH>(law, own, dx, dy, vx, vy, 0.0);
   fforce = (out.fx * dx + out.fy * dy) / rsq;
-  const double overlap = law.reach - std::sqrt(rsq);
-  return elastic_energy(law, overlap);
+  return elastic_energy(law, out.overlap);
 }

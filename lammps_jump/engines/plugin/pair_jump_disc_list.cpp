@@ -43,10 +43,11 @@ void PairJumpDisc::remember_order()
   order++;
 }
 
-/** All pairs closer than the reach and the room to move, from the packed positions.
+/** All pairs whose rims are closer than the room to move, from the packed positions.
 
-    Cells are as wide as that distance and numbered along y first: what a disc can meet and that comes after it lies
-    in two runs of the sorted discs, its own cell with the one above, and the three cells beside. */
+    Cells are as wide as that distance and numbered along x first, as LAMMPS sorts its discs: pairs that follow each
+    other then lie close in memory. What a disc can meet and that comes after it lies in two runs of the sorted discs,
+    its own cell with the one beside, and the three cells above. */
 void PairJumpDisc::build_list(double room_to_move)
 {
   const int nlocal = atom->nlocal;
@@ -56,11 +57,11 @@ void PairJumpDisc::build_list(double room_to_move)
   for (int c = 0; c < 2; c++) moved[c] = moved_here[c] = 0.0;
   first_across.clear();
   second_across.clear();
-  check_equal_discs(0, nlocal);
+  check_discs(0, nlocal);
   remember_order();
   if (n == 0) return;
 
-  const double cut = law.reach + margin;
+  const double cut = largest + margin;
   double xlo = disc[0].x, xhi = xlo, ylo = disc[0].y, yhi = ylo;
   for (int i = 0; i < n; i++) {
     if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
@@ -76,19 +77,20 @@ void PairJumpDisc::build_list(double room_to_move)
                xhi - xlo, yhi - ylo);
   double side = cut * (1.0 + 1e-9);    // rounding must not put neighbours two cells apart
   const double most = 16.0 * n + 65536.0;    // far-flung discs must not cost memory: wider cells then
-  while (((xhi - xlo) / side + 1.0) * ((yhi - ylo) / side + 3.0) > most) side *= 2.0;
+  while (((xhi - xlo) / side + 3.0) * ((yhi - ylo) / side + 1.0) > most) side *= 2.0;
   const double inverse = 1.0 / side;
-  const int nx = (int) ((xhi - xlo) * inverse) + 1;
-  const int ny = (int) ((yhi - ylo) * inverse) + 3;    // an empty row below and above: no tests at the rims
-  const size_t cells = (size_t) (nx + 1) * ny + 1;
+  const int nx = (int) ((xhi - xlo) * inverse) + 3;    // an empty column left and right: no tests at the rims
+  const int ny = (int) ((yhi - ylo) * inverse) + 1;
+  const size_t cells = (size_t) (ny + 1) * nx + 1;
 
   cell_of.resize(n);
   cell_start.assign(cells + 1, 0);
   sorted.resize(n);
   sorted_x.resize(n + 8);
   sorted_y.resize(n + 8);
+  if (sizes) sorted_radius.resize(n + 8);
   for (int i = 0; i < n; i++) {
-    const int c = (int) ((disc[i].x - xlo) * inverse) * ny + (int) ((disc[i].y - ylo) * inverse) + 1;
+    const int c = (int) ((disc[i].y - ylo) * inverse) * nx + (int) ((disc[i].x - xlo) * inverse) + 1;
     cell_of[i] = c;
     cell_start[c + 1]++;
   }
@@ -99,17 +101,34 @@ void PairJumpDisc::build_list(double room_to_move)
     sorted[s] = i;
     sorted_x[s] = disc[i].x;
     sorted_y[s] = disc[i].y;
+    if (sizes) sorted_radius[s] = radii[i];
   }
   // now cell_start[c + 1] is where cell c begins: the discs of cell c are [cell_start[c + 1], cell_start[c + 2])
-  const double cut_sq = cut * cut;
+  interior = sizes ? find_pairs<true>(n, nx) : find_pairs<false>(n, nx);
+  candidates = interior + first_across.size();
+  if (first.size() < candidates) {
+    first.resize(candidates + candidates / 2);
+    second.resize(first.size());
+  }
+  std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
+  std::copy(second_across.begin(), second_across.end(), second.begin() + interior);
+}
+
+/** Pairs of the sorted discs, in rows of nx cells; those of local discs into the list, the others beside it.
+
+    Returns the number of pairs of local discs. */
+template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
+{
+  const int nlocal = atom->nlocal;
   const bool ghosts = n > nlocal;
+  double cut_sq = (largest + margin) * (largest + margin);
   size_t found = 0;
   for (int s = 0; s < n; s++) {
     const int i = sorted[s];
     const int c = cell_of[i];
-    const double x = sorted_x[s], y = sorted_y[s];
-    const int beside = c + ny - 1;
-    const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[beside + 1], cell_start[beside + 4]}};
+    const double x = sorted_x[s], y = sorted_y[s], rim = SIZES ? sorted_radius[s] + margin : 0.0;
+    const int above = c + nx - 1;
+    const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
     const size_t room = found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]);
     if (first.size() < room) {
       first.resize(room + room / 2 + 1024);
@@ -119,6 +138,7 @@ void PairJumpDisc::build_list(double room_to_move)
       if (ghosts) {
         for (int t = run[0]; t < run[1]; t++) {
           const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+          if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
           const int j = sorted[t];
           if (dx * dx + dy * dy >= cut_sq || (i >= nlocal && j >= nlocal) || !is_mine(i, j)) continue;
           if (i < nlocal && j < nlocal) {
@@ -133,6 +153,7 @@ void PairJumpDisc::build_list(double room_to_move)
       } else {
         for (int t = run[0]; t < run[1]; t++) {
           const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+          if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
           first[found] = i;
           second[found] = sorted[t];
           found += dx * dx + dy * dy < cut_sq;
@@ -140,23 +161,14 @@ void PairJumpDisc::build_list(double room_to_move)
       }
     }
   }
-  interior = found;
-  candidates = found + first_across.size();
-  if (first.size() < candidates) {
-    first.resize(candidates + candidates / 2);
-    second.resize(first.size());
-  }
-  std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
-  std::copy(second_across.begin(), second_across.end(), second.begin() + interior);
+  return found;
 }
 
 /** New discs at the end, the others as they were: add the pairs of the new ones. */
 void PairJumpDisc::append_to_list(int from)
 {
   const int n = atom->nlocal;
-  check_equal_discs(from, n);
-  // the others may have moved since the list was built: reach as far as they still may
-  const double cut = law.reach + margin;
+  check_discs(from, n);
   for (int j = from; j < n; j++) {
     const size_t room = candidates + j;
     if (first.size() < room + 1) {
@@ -165,6 +177,8 @@ void PairJumpDisc::append_to_list(int from)
     }
     for (int i = 0; i < j; i++) {
       const double dx = disc[j].x - disc[i].x, dy = disc[j].y - disc[i].y;
+      // the others may have moved since the list was built: look as far as they still may
+      const double cut = reach_of(i, j) + margin;
       first[candidates] = i;
       second[candidates] = j;
       candidates += dx * dx + dy * dy < cut * cut;

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Constants of the loops from a scene: of its equal discs, or of a radius of 1 m (see `loops`)."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from lammps_jump.scene.scene import Scene
+
+from .ledger import inertia
+from .loops import Law, Motion
+
+
+def law_of(scene: Scene) -> Law:
+    """Contact law of a scene."""
+    c, mass = scene.coefficients, scene.mass
+    if scene.sizes is None:
+        return Law(
+            scene.diameter,
+            c.stiffness,
+            0.5 * mass * c.gamma_normal,
+            c.stiffness_wall,
+            mass * c.gamma_normal_wall,
+            0.5 * mass * c.gamma_tangential,
+            mass * c.gamma_tangential_wall,
+        )
+    root = sqrt(mass) / scene.radius
+    pair, wall = root * c.damping_by_root_mass, root * c.damping_by_root_mass_wall
+    rub = (c.tangential_ratio * pair, c.tangential_ratio_wall * wall) if c.friction else (0.0, 0.0)
+    return Law(scene.largest, c.stiffness, pair, c.stiffness_wall, wall, *rub)
+
+
+def motion_of(scene: Scene, skin: float) -> Motion:
+    """Constants of the motion, with a neighbour list of this skin (m)."""
+    square = 1.0 if scene.sizes is None else scene.radius**2
+    mass = scene.mass / square
+    weight = mass * scene.gravity[0], mass * scene.gravity[1]
+    return Motion(scene.time_step, mass, inertia(scene) / square**2, *weight, (0.5 * skin) ** 2)

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Diameters of discs that are not equal: a function of the id of a disc and the seed of the run.
+
+No random generator and no file: every engine computes the same diameters, on any number of ranks and after a restart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+SEED_STEP = 0.7548776662466927
+"""Shift of the ids from one seed to the next: 1/p with the plastic number p, p^3 = p + 1."""
+ID_STEP = 0.6180339887498949
+"""Distance of the quantiles of one id and the next, on a circle of length 1: the golden section (sqrt(5) - 1)/2."""
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Distribution of diameters by number, in pieces; within a piece diameters are uniform.
+
+    Attributes
+    ----------
+    shares : tuple of float
+        Share of each piece in the number of discs; their sum is 1.
+    low, high : tuple of float
+        Least and largest diameter of each piece, m; equal where all its discs are.
+    seed : int
+    """
+
+    shares: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    seed: int = 1
+
+    @property
+    def smallest(self) -> float:
+        """Smallest diameter, m."""
+        return min(self.low)
+
+    @property
+    def largest(self) -> float:
+        """Largest diameter, m."""
+        return max(self.high)
+
+    @property
+    def mean_square(self) -> float:
+        """Mean of the squared diameter, m^2: the mean mass over the density."""
+        pieces = zip(self.shares, self.low, self.high, strict=True)
+        return sum(share * (low * low + low * high + high * high) / 3.0 for share, low, high in pieces)
+
+    @property
+    def shift(self) -> float:
+        """What the seed adds to an id."""
+        return self.seed * SEED_STEP
+
+    @property
+    def pieces(self) -> np.ndarray:
+        """Quantile where each piece begins, where it ends, its least diameter (m) and its slope (m); shape (n, 4)."""
+        ends = np.cumsum(self.shares)
+        ends[-1] = 1.0
+        begins = np.concatenate([[0.0], ends[:-1]])
+        slopes = (np.array(self.high) - self.low) / self.shares
+        return np.column_stack([begins, ends, self.low, slopes])
+
+    def quantiles(self, ids: ArrayLike) -> np.ndarray:
+        """Quantile of each id, in [0, 1): the fraction of ``(id + shift) * ID_STEP``; shape of `ids`."""
+        turned = (np.asarray(ids, float) + self.shift) * ID_STEP
+        return turned - np.floor(turned)
+
+    def diameters(self, ids: ArrayLike) -> np.ndarray:
+        """Diameter of each id, m; shape of `ids`."""
+        u = self.quantiles(ids)
+        begins, ends, low, slope = self.pieces.T
+        piece = np.minimum(np.searchsorted(ends, u, side="right"), len(ends) - 1)
+        return low[piece] + slope[piece] * (u - begins[piece])
