@@ -259,8 +259,8 @@ def developed_scene(scene: Scene, work: float) -> Scene:
 def with_discs_of(source: NativeSimulation | Scene, scene: Scene) -> Scene:
     """Return the scene with the discs of another, or of a simulation, at its start; gates are open.
 
-    Ids begin at 1 again. Where sizes differ, discs get the ids whose diameters come in the same order. The diameters then
-    change by the error of the distribution, some per cent of its range.
+    Ids begin at 1 again. Where sizes differ, discs get the ids whose diameters come in the same order. The diameters
+    then change by less than a per cent of their range.
     """
     inlets = tuple(replace(row, first_step=scene.size_steps) for row in scene.inlets)
     places, velocities = source.positions, source.velocities
