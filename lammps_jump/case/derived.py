@@ -175,7 +175,7 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []
-    found = theory.inflow_theory(inflow.depth, inflow.mean_speed, case.gravity)
+    found = theory.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
     number, y1 = found.froude, found.depth
     low, high = theory.velocity_range(y1, case.gravity)
     mean_square = scene.mean_mass / scene.density

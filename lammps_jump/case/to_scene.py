@@ -283,11 +283,11 @@ def _inlets(
             "inflow.depth",
             f"{inflow.depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger discs",
         )
-    slowest = count * mean_square / (inflow.depth * inflow.mean_speed * dt)
+    slowest = count * mean_square / (inflow.depth * inflow.velocity * dt)
     if slowest > checks.MOST_STEPS:
         raise source.error(
-            "inflow.mean_speed",
-            f"{inflow.mean_speed:g} m/s lets a disc in every {slowest:.3g} steps; allowed are "
+            "inflow.mean_speed" if inflow.discharge is None else "inflow.discharge",
+            f"{inflow.velocity:g} m/s lets a disc in every {slowest:.3g} steps; allowed are "
             f"{checks.MOST_STEPS:.0e}: raise it or lower the stiffness",
         )
     if inflow.schedule == "thesis":
@@ -295,11 +295,11 @@ def _inlets(
             raise source.error(
                 "inflow.schedule", "'thesis' is for equal discs; allowed is exact where discs.sizes is given"
             )
-        plan = thesis_rows(inflow.depth, d, inflow.mean_speed, dt, profile=inflow.profile)
+        plan = thesis_rows(inflow.depth, d, inflow.velocity, dt, profile=inflow.profile)
     else:
         plan = plan_rows(
             inflow.depth,
-            inflow.mean_speed,
+            inflow.velocity,
             dt,
             mean_square=mean_square,
             largest=largest,

@@ -291,3 +291,17 @@ def test_frames_are_no_closer_than_steps():
 @pytest.mark.parametrize("name", scene_names())
 def test_scenes_that_come_along_are_scenes(name):
     build_scene(parse_case(scene_text(name), f"{name}.yaml"))
+
+
+def test_discharge_stands_in_place_of_the_mean_speed():
+    path = INPUTS / "quick_jump.yaml"
+    by_speed, values = load_case(path), ["inflow.mean_speed=null", "inflow.discharge='60000 cm^2/s'"]
+    by_discharge = load_case(path, values)
+    assert by_discharge.scene().inlets == by_speed.scene().inlets
+    assert by_discharge.check().numbers["discharge"] == 6.0
+    assert "mean_speed" not in by_discharge.to_yaml()
+    for changes in (["inflow.discharge=6"], ["inflow.mean_speed=null"]):
+        with pytest.raises(CaseError, match=r"mean_speed .* or discharge .* one of the two"):
+            load_case(path, changes)
+    with pytest.raises(CaseError, match="over the depth is"):
+        load_case(path, [*values[:1], "inflow.discharge=1e12"])
