@@ -279,7 +279,12 @@ class Run(Strict):
     duration: Second = Field(**TIME)
     time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
     output_interval: Second = Field(default=0.1, **TIME)
-    seed: Whole = Field(default=1, ge=1, le=2_000_000_000)
+    seed: Whole = Field(
+        default=1,
+        ge=0,
+        le=2_000_000_000,
+        description="of sizes, shifts and row speeds; 0 leaves row speeds as they are",
+    )
     accuracy: Annotated[float, BeforeValidator(parse_accuracy)] | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.physics import contact
-from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, thesis_rows
+from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Interval, Plane
@@ -308,7 +308,7 @@ def _inlets(
             coarsest=COARSEST_RASTER if sizes else 1,
         )
     first = (settle_steps // plan.raster + 1) * plan.raster
-    rows = zip(plan.heights, plan.speeds, plan.steps, strict=True)
+    rows = zip(plan.heights, seeded_speeds(plan.speeds, case.run.seed), plan.steps, strict=True)
     return tuple(
         InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, 0.999 * largest)
         for height, speed, steps in rows
