@@ -116,7 +116,8 @@ def analyse(
         A quantity that is not known, no frame, a malformed dump, a place that cannot be written.
     """
     if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
-        raise DumpError(f"quantity '{unknown[0]}' is not known: use {', '.join(QUANTITIES)} or fields.")
+        known = ", ".join(name for name in QUANTITIES if name != "inflow")
+        raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     warnings = list(flow.notes)
     gathered = collect(flow, dump, out, wanted, warnings)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind

@@ -73,6 +73,7 @@ class Derived:
                 "inflow_rows": rows,
                 "skipped": list(scene.skipped),
                 "warnings": list(scene.warnings),
+                "adapted": list(scene.adapted),
             }
         )
 
@@ -94,9 +95,9 @@ class Derived:
             ]
         lines += ["", "skipped, because the scene does not need it"]
         lines += [f"  - {text}" for text in scene.skipped]
-        if scene.warnings:
-            lines += ["", "beware"]
-            lines += [f"  - {text}" for text in scene.warnings]
+        for title, texts in (("changed to whole steps", scene.adapted), ("beware", scene.warnings)):
+            if texts:
+                lines += ["", title, *(f"  - {text}" for text in texts)]
         return "\n".join(lines)
 
 
