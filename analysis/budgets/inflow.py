@@ -39,6 +39,8 @@ class Arrivals:
         Discs that entered since the frame before, all rows together.
     area : ndarray, shape (frames, rows)
         Sum of their squared diameters, m^2.
+    age : ndarray, shape (frames,)
+        Sum of their squared diameters times their time in the flow at the frame, m^2 s.
     stream : ndarray, shape (frames, 3)
         Mass depth (m), discharge (m^2/s) and momentum flux over density (m^3/s^2) behind the inlet.
     """
@@ -48,6 +50,7 @@ class Arrivals:
     entered: np.ndarray
     discs: np.ndarray
     area: np.ndarray
+    age: np.ndarray
     stream: np.ndarray
 
 
@@ -68,19 +71,19 @@ class InflowCounter:
         highest, rows = int(frame.ids.max(initial=self._highest)), len(self.rows)
         if not self._kept:  # what was there before the first frame is not counted
             self._highest, self._step = highest, frame.step
-        turns = self._turns(frame.step)
+        steps, turns = self._turns(frame.step)
         new = np.arange(self._highest + 1, highest + 1)
-        row_of = self._rows_of(new, turns, frame)
-        counts = np.bincount(turns, minlength=rows)
+        taken = self._taken(new, turns, frame)
+        known, counts = taken is not None, np.bincount(turns, minlength=rows)
         area = self.flow.scene.diameters(new) ** 2
-        known = row_of is not None
-        entered = np.bincount(row_of, minlength=rows) if known else np.full(rows, -1)
-        by_row = np.bincount(row_of, area, rows) if known else area.sum() * counts / max(1, counts.sum())
-        self._kept.append((time, counts, entered, len(new), by_row, self._stream(frame)))
+        entered = np.bincount(turns[taken], minlength=rows) if known else np.full(rows, -1)
+        by_row = np.bincount(turns[taken], area, rows) if known else area.sum() * counts / max(1, counts.sum())
+        age = float(area @ (frame.step - steps[taken])) * self.flow.time_step if known else nan
+        self._kept.append((time, counts, entered, len(new), by_row, age, self._stream(frame)))
         self._highest, self._step = highest, frame.step
 
-    def _turns(self, step: int) -> np.ndarray:
-        """Row of each turn after the frame before, in order; shape (turns,)."""
+    def _turns(self, step: int) -> tuple[np.ndarray, np.ndarray]:
+        """Step and row of each turn after the frame before, in order; shape (turns,) each."""
         steps, rows = [], []
         for k, row in enumerate(self.rows):
             first, last = (max(0, (s - row.first_step) // row.every_steps + 1) for s in (self._step, step))
@@ -88,18 +91,19 @@ class InflowCounter:
                 last = min(last, row.limit)
             steps.append(row.first_step + np.arange(first, last) * row.every_steps)
             rows.append(np.full(len(steps[-1]), k))
-        return np.concatenate(rows)[np.argsort(np.concatenate(steps), kind="stable")]
+        order = np.argsort(np.concatenate(steps), kind="stable")
+        return np.concatenate(steps)[order], np.concatenate(rows)[order]
 
-    def _rows_of(self, new: np.ndarray, turns: np.ndarray, frame: Frame) -> np.ndarray | None:
-        """Row of each new disc, shape (discs,); None where that would be guessing."""
+    def _taken(self, new: np.ndarray, turns: np.ndarray, frame: Frame) -> np.ndarray | None:
+        """Turn at which each new disc entered, shape (discs,); None where that would be guessing."""
         if len(new) == len(turns):
-            return turns
+            return np.arange(len(turns))
         if len(new) > len(turns) or len(new) * len(turns) > MOST_CELLS:
             return None
         heights = np.full(len(new), nan)
         here = np.flatnonzero(frame.ids >= self._highest + 1)
         heights[frame.ids[here] - self._highest - 1] = frame.y[here]
-        return turns[in_order(heights, np.array([row.y for row in self.rows])[turns])]
+        return in_order(heights, np.array([row.y for row in self.rows])[turns])
 
     def _stream(self, frame: Frame) -> np.ndarray:
         """Depth, discharge and momentum flux behind the inlet, shape (3,).

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What the rows of an inflow delivered: discs counted row by row, also where some were refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_up import INPUTS, numbers
 
 from lammps_jump.analysis.budgets.inflow import InflowCounter, analyse, deliver, in_order, section
 from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.forces.impulse import MomentumLedger, identity_sentence, impulse_identity
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.case import load_case
+from lammps_jump.dump.find import ForceHistory
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
 
@@ -73,3 +77,26 @@ def test_the_section_says_what_came_of_the_discharge():
     blocks = section(numbers(found)).blocks
     assert blocks[0].text == f"{found.delivered:.4g} of 6 m²/s delivered; 0 of {found.turns} discs refused."
     assert len(blocks[-1].rows) == 6
+
+
+@pytest.mark.parametrize("changes", [(), ("discs.sizes=null",), ("discs.sizes=null", "inflow.schedule=thesis")])
+def test_momentum_of_a_jet_that_leaves_at_an_outlet_is_accounted_for(changes):
+    """Over a low sill and out in free flight: what walls gave, and what discs brought in and carried out, adds up."""
+    more = ("run.duration=5", "walls.sill.y=[-5, 0.4]", *changes)
+    scene = load_case(INPUTS / "quick_jump.yaml", [*QUICK, *more]).scene()
+    flow, simulation = from_scene(scene), NativeSimulation(scene, ledger=False)
+    ledger = MomentumLedger(flow)
+    while True:
+        frame = take_frame(simulation)
+        ledger.add(frame, flow.time(frame))
+        if simulation.step >= scene.steps:
+            break
+        simulation.run(scene.output_steps)
+    time, _, fx, fy, moment = zip(*simulation.forces, strict=True)
+    record = ForceHistory(*(np.array(column, float) for column in (time, fx, fy, moment)))
+    record = replace(record, time=np.array([scene.time(step) for step in time]))
+    identity = impulse_identity({"sill": record}, ledger.result(), flow, "x")
+    assert not identity.reason and (identity.start, identity.end) == (0.0, pytest.approx(5.0, rel=2e-3))
+    assert identity.carried > 0.1 * identity.brought > 0
+    assert identity.relative < 1e-5
+    assert "discs that came and went" in identity_sentence(identity)
