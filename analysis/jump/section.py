@@ -5,14 +5,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from math import isfinite
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
+from lammps_jump.analysis.budgets.head import energy_budget, sentence
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
+from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading
 from lammps_jump.units import ABSENT, numbers_of, shown
 
@@ -30,7 +33,12 @@ STATES = (
 
 def analyse(gathered: Gathered) -> Jump:
     """Jump of a run."""
-    return summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts))
+    found = summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts))
+    edges = bin_edges(gathered.flow.x_range, gathered.flow.bin_width)
+    budget = energy_budget(cast("np.ndarray | None", gathered.histories.get("jump")), found.measured, edges)
+    if budget is None:
+        return found
+    return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
 
 
 class Marks(NamedTuple):
@@ -92,6 +100,7 @@ def section(jump: Mapping) -> Section:
         blocks += [
             _states(jump),
             _comparisons(jump),
+            Text(sentence(jump.get("budget") or {})),
             _momentum(jump),
             _roller(jump["roller"]),
             *_tail(jump.get("tail")),
@@ -134,6 +143,7 @@ def _comparisons(jump: Mapping) -> Table:
     for key, words, other in (
         ("length", "thesis (4.27)", "length_theory"),
         ("length", "USBR curve", "length_usbr"),
+        ("head_lost", "Bélanger", "energy_loss_theory"),
         ("energy_loss", "Bélanger", "energy_loss_theory"),
     ):
         rows.append((*described(Jump, jump, key)[0], words, jump[other], _deviation(jump[key], jump[other])))

@@ -19,7 +19,7 @@ from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, pi
 
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
-BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy_loss")
+BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "head_lost")
 """Numbers of a jump that stand in boxes at the top."""
 INFLOW = ("delivered", "froude", "belanger_y2")
 """Numbers of the inflow there."""
