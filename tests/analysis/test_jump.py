@@ -16,6 +16,7 @@ from lammps_jump.analysis.jump.result import analyse_jump, level_reach
 from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.jump.track import equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES, cosine_error, mean_of
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Block, Plane
@@ -235,20 +236,74 @@ def test_straight_motion_of_exact_line():
     assert np.isnan(straight_motion(t[:1], t[:1]).speed)
 
 
-@pytest.mark.parametrize("memory", [0.0, 0.6])
+@pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_speed_error_covers_the_truth(memory):
-    """Two standard errors hold the true slope in about 95 of 100 records, correlated residuals or not."""
+    """The 95 % interval holds the true speed of a front whose speed wanders, in 95 of 100 records."""
     rng = np.random.default_rng(5)
-    t = np.arange(100) * 0.1
+    t = np.arange(200) * 0.1
     covered = 0
     for _ in range(300):
-        noise = rng.normal(size=100)
-        for k in range(1, 100):
-            noise[k] += memory * noise[k - 1]
-        motion = straight_motion(t, 2.0 * t + noise)
-        covered += abs(motion.speed - 2.0) < 2 * motion.error
-    # 300 draws scatter by 1.3 %; the correlation is itself estimated from 100 points, which costs a little
+        wander = rng.normal(size=200)
+        for k in range(1, 200):
+            wander[k] += memory * wander[k - 1]
+        motion = straight_motion(t, 2.0 * t + 0.1 * np.cumsum(wander))
+        covered += abs(motion.speed - 2.0) < STUDENT * motion.error
+    # 300 draws scatter by 1.3 %; a memory of ten frames costs a little in pieces of 25
     assert 0.88 <= covered / 300 <= 0.99
+
+
+@pytest.mark.parametrize(("memory", "lowest"), [(0.0, 0.92), (0.8, 0.88)])
+def test_mean_error_covers_the_truth(memory, lowest):
+    """So does that of a mean; waves as long as the window raise the error of the depth behind a jump."""
+    rng = np.random.default_rng(6)
+    covered = np.zeros(2)
+    for _ in range(300):
+        series = rng.normal(size=120)
+        for k in range(1, 120):
+            series[k] += memory * series[k - 1]
+        mean = mean_of(series)
+        covered += abs(mean.value) < STUDENT * mean.error, abs(mean.value) < STUDENT_COSINES * cosine_error(series)
+    assert (covered / 300 >= lowest).all() and (covered / 300 <= 0.99).all()
+
+
+def wandering_step():
+    """A bore of 48 frames whose speed and depth change from frame to frame."""
+    rng = np.random.default_rng(3)
+    fronts = 40.0 + np.cumsum(0.1 * (SPEED + rng.normal(size=48)))
+    layers = rng.integers(28, 33, 48)
+
+    def frame(k):
+        def deep(x):
+            return np.where(x < fronts[k], 5, layers[k])
+
+        return flow(deep, lambda x: np.where(x < fronts[k], U1, U2), 0.1 * k)
+
+    return [frame(k) for k in range(48)]
+
+
+def test_each_printed_number_has_its_error():
+    jump = summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context()))
+    found = numbers(jump)
+    for key in ("y2", "h2", "speed", "toe_speed", "froude", "sequent_ratio", "belanger_ratio", "belanger_deviation",
+                "length", "length_over_y2", "density_ratio", "head_upstream", "energy_loss"):  # fmt: skip
+        assert 0 < found[f"{key}_error"] < 2 * abs(found[key]) + 1, key
+    # what is computed of the same pieces: the ratio's error is not that of independent depths
+    pieces = jump.measured.pieces
+    ratios = [piece.downstream.mass_depth.value / piece.upstream.mass_depth.value for piece in pieces]
+    assert found["sequent_ratio_error"] == pytest.approx(np.std(ratios, ddof=1) / sqrt(8), rel=1e-9)
+    speeds = [piece.motion.speed for piece in pieces]
+    assert found["speed_error"] == pytest.approx(np.std(speeds, ddof=1) / sqrt(8), rel=1e-9)
+    assert found["drift"]["speed"] == pytest.approx(np.mean(speeds[4:]) - np.mean(speeds[:4]), rel=1e-9)
+    assert found["members"]["speed"] >= (found["speed_error"] / (0.03 * found["speed"])) ** 2
+    assert found["members"]["y2"] >= 1
+
+
+def test_too_few_frames_have_no_error(step_result):
+    few = analyse_jump(compute_profiles(moving_step(15), context()), context())
+    found = numbers(summarise_jump(few))
+    assert found["y2"] and found["speed"] and found["y2_error"] is None and found["speed_error"] is None
+    assert set(found["members"].values()) == {None} and found["drift"]["y2"] is None
+    assert few.pieces == () and len(step_result.pieces) == 8
 
 
 def test_growth_rate():
