@@ -35,6 +35,7 @@ from .frame import (
     roller,
     zones,
 )
+from .stream import Stream, compression_front, measure_stream
 from .tail import Tail, measure_tail
 from .track import JumpTrack, Motion, piece_speeds, straight_motion, track_jump
 
@@ -50,6 +51,8 @@ STILL = 0.02
 """Below this share of sqrt(g s) the discs of a bin count as standing."""
 HEAP_SLOPE = 0.02
 """A standing surface steeper than this is a heap: water at rest is level."""
+SURE, MARGINAL = 0.9, 0.1
+"""Share of the window's frames with a jump that makes a jump, and that makes a marginal one."""
 INLET_REACH = 2.0
 """The inlet is drowned when the toe is closer than this many inflow depths (or bins) to it."""
 
@@ -73,7 +76,7 @@ class JumpResult:
 
     Attributes
     ----------
-    verdict : {'jump', 'no jump found', 'drowned inlet', 'locked heap'}
+    verdict : {'jump', 'marginal jump', 'no jump found', 'drowned inlet', 'locked heap'}
     reason : str
         One sentence behind the verdict.
     direction : int
@@ -121,6 +124,7 @@ class JumpResult:
     roller: Roller | None = None
     heap: Heap | None = None
     tail: Tail | None = None
+    stream: Stream | None = None
     pieces: tuple[JumpResult, ...] = ()
 
     @property
@@ -137,13 +141,17 @@ class JumpResult:
         """CSV tables: the track, and the mean profile in the moving frame."""
         result = {}
         if self.track is not None:
-            names = [field.name for field in fields(self.track) if field.name not in ("reach_end", "why")]
+            left_out = ("reach_end", "why", *(["compression"] if self.track.compression is None else []))
+            names = [field.name for field in fields(self.track) if field.name not in left_out]
             signs = {name: 1 if name == "time" or "depth" in name else self.direction for name in names}
             columns = {name: sign * getattr(self.track, name) for name, sign in signs.items()}
             result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
         if self.moving is not None:
             means = {name: values.values for name, values in mean_profile(self.moving).items()}
             result["jump_frame.csv"] = {"distance": self.moving.xi.values, **means}
+        if self.stream is not None:
+            values = vars(self.stream).items()
+            result["jump_stream.csv"] = {name: value for name, value in values if isinstance(value, np.ndarray)}
         return result
 
 
@@ -195,12 +203,16 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         stream["bed"] = ("time", "x"), direction * scale / width * wall
     edges = np.append(stream.x.values - 0.5 * width, stream.x.values[-1] + 0.5 * width)
     track = track_jump(stream, edges, gravity, flow.scene.diameter, in_window)
+    if contacts is not None:
+        track = replace(track, compression=compression_front(stream, track, gravity))
     used = track.found & in_window
-    if used.sum() < max(2, 0.5 * in_window.sum()):
+    share = used.sum() / max(in_window.sum(), 1)
+    if used.sum() < 2 or share < 0.5:
         inside = stream.isel(time=in_window)
         heap = _heap(inside, edges[0], gravity)
         verdict, reason = _why_none(track, in_window, inside, heap, gravity, flow.inflow_depth)
-        return replace(nothing, verdict=verdict, reason=reason, track=track, heap=heap)
+        if used.sum() < 2 or share < MARGINAL or verdict != "no jump found":
+            return replace(nothing, verdict=verdict, reason=reason, track=track, heap=heap)
     result = replace(
         nothing,
         track=track,
@@ -214,6 +226,12 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     to_inlet = float(np.median(track.toe[late])) - edges[0]
     drowned = to_inlet < INLET_REACH * max(flow.inflow_depth or 0.0, width)
     verdict, reason = _judge(result, used, gravity, to_inlet, drowned)
+    if verdict == "jump" and share < SURE:
+        others = _why_none(track, in_window, stream, result.heap, gravity, None)[1]
+        verdict, reason = (
+            "marginal jump",
+            f"{100 * share:.0f} % of the frames have a jump, others not: {others}. {reason}",
+        )
     return replace(result, verdict=verdict, reason=reason)
 
 
@@ -233,6 +251,8 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
         toe, end = result.toe, result.end
     depth = result.downstream.mass_depth.value
     tail = measure_tail(stream.isel(time=used), front, depth)
+    before = measure_stream(stream, track, used, speed, depth, result.gravity)
+    result = replace(result, stream=before and before.turned(result.direction))
     result = replace(result, developed=enough, roller=roller(moving, speed, toe, end), tail=tail)
     return replace(result, pieces=_pieces(result))
 

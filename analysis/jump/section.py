@@ -17,10 +17,11 @@ from lammps_jump.analysis.report.page import Section, Table, Text, described, he
 from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES
 from lammps_jump.units import ABSENT, numbers_of, shown
 
-from .figures import balance_figure, frame_figure, head_figure, track_figure
+from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
 from .frame import Balance
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
+from .verdict import worded
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
@@ -32,7 +33,7 @@ FROUDE = ("froude", "froude_downstream")
 
 def analyse(gathered: Gathered) -> Jump:
     """Jump of a run."""
-    return summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts))
+    return worded(summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)))
 
 
 class Marks(NamedTuple):
@@ -73,6 +74,7 @@ def figures(jump: Jump, gathered: Gathered) -> Drawings:
     """Figures of the jump in time, in its own frame, of its momentum and of the head."""
     return {
         "jump_track.png": partial(track_figure, jump),
+        "jump_stream.png": partial(stream_figure, jump),
         "jump_frame.png": partial(frame_figure, jump),
         "jump_balance.png": partial(balance_figure, jump),
         "energy_head.png": partial(head_figure, gathered.profiles, jump),
@@ -98,6 +100,7 @@ def section(jump: Mapping) -> Section:
             _momentum(jump),
             _roller(jump["roller"]),
             *_tail(jump.get("tail")),
+            *_stream(jump.get("stream")),
         ]
     return Section("Hydraulic jump", blocks)
 
@@ -204,6 +207,38 @@ def _tail(tail: Mapping | None) -> list[Text]:
             f"{_deviation(tail['depth'], tail['belanger_y2'])}."
         )
     return [Text(text)]
+
+
+MOST_STRETCHES = 8
+"""Rows of the table of the stream; the file has all."""
+
+
+def _stream(stream: Mapping | None) -> list[Text | Table]:
+    """The stream before the jump by stretches."""
+    if not stream:
+        return []
+    count = len(stream["start"])
+    chosen = sorted({round(i) for i in np.linspace(0, count - 1, min(count, MOST_STRETCHES))})
+    rows = [
+        (
+            f"{stream['start'][i]:.4g} … {stream['stop'][i]:.4g}".replace("-", "−"),
+            stream["mass_depth"][i],
+            stream["velocity"][i],
+            stream["momentum_flux"][i],
+            stream["thrust"][i],
+            shown(stream["total"][i], error=stream["total_error"][i]),
+            stream["froude"][i],
+            stream["belanger_y2"][i],
+            _share(stream["deviation"][i], None),
+        )
+        for i in chosen
+    ]
+    head = ("Stream, x [m]", "s [m]", "u [m/s]", "flux [m³/s²]", "thrust [m³/s²]", "sum", "Fr", "Bélanger [m]",
+            "y₂ off it")  # fmt: skip
+    text = "The stream before the jump, laboratory; Fr and Bélanger in the front's frame."
+    if stream["total_deviation"] is not None:
+        text += f" Momentum flux + thrust stays within {100 * stream['total_deviation']:.1f} % of its mean."
+    return [Text(text), Table(rows, head)]
 
 
 def _roller(roller: Mapping) -> Text:

@@ -17,6 +17,7 @@ from lammps_jump.units import number
 from .certainty import Drift, Members, drift, errors, members
 from .frame import Balance, Mass, Roller
 from .result import Heap, JumpResult
+from .stream import Stream
 from .tail import Tail, against_inflow
 
 DEVELOPED_SHARE = 0.7
@@ -33,6 +34,8 @@ class Jump:
 
     verdict: str
     reason: str
+    headline: str = ""
+    notes: tuple[str, ...] = field(default=(), metadata={"summary": False})
     inflow: theory.Inflow | None = None
     window: tuple[float, float] = (nan, nan)
     frames_found: int | None = None
@@ -131,6 +134,7 @@ class Jump:
     mass: Mass | None = None
     roller: Roller | None = None
     tail: Tail | None = None
+    stream: Stream | None = None
     drift: Drift | None = None
     members: Members | None = None
     measured: JumpResult | None = field(default=None, metadata={"summary": False})
@@ -147,8 +151,8 @@ def inflow_theory(flow: Flow) -> theory.Inflow | None:
 
 def summarise_jump(result: JumpResult) -> Jump:
     """Numbers of a measured jump."""
-    jump = Jump(result.verdict, result.reason, inflow_theory(result.flow), result.window, heap=result.heap,
-                measured=result)  # fmt: skip
+    jump = Jump(result.verdict, result.reason, inflow=inflow_theory(result.flow), window=result.window,
+                heap=result.heap, measured=result)  # fmt: skip
     if result.track is None:
         return jump
     used = result.track.found & result.in_window
@@ -203,6 +207,7 @@ def _places(jump: Jump) -> Jump:
         developed=result.developed,
         roller=result.roller,
         tail=_tail(result, jump.inflow),
+        stream=result.stream,
     )
 
 

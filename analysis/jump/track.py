@@ -107,6 +107,8 @@ class JumpTrack:
         Where the part of the profile that was looked at ends.
     why : tuple of str
         Empty where a jump was found.
+    compression : ndarray or None, m
+        Front of the compressed stream before the toe; None where contact forces are not known.
     """
 
     time: np.ndarray
@@ -119,6 +121,7 @@ class JumpTrack:
     velocity_2: np.ndarray
     reach_end: np.ndarray
     why: tuple[str, ...]
+    compression: np.ndarray | None = None
 
     @property
     def found(self) -> np.ndarray:

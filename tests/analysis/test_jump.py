@@ -7,14 +7,17 @@ from math import sqrt
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context, numbers
 
 from lammps_jump.analysis.jump.frame import growth_rate
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
+from lammps_jump.analysis.jump.stream import compression_front, measure_stream
 from lammps_jump.analysis.jump.summary import summarise_jump
-from lammps_jump.analysis.jump.track import equivalent_position, fit_ramp, straight_motion
+from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
+from lammps_jump.analysis.jump.verdict import belongs_to, notes, worded
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES, cosine_error, mean_of
 from lammps_jump.dump.frame import make_frame
@@ -149,6 +152,77 @@ def test_no_jump_says_why(layers, speed, reason):
     assert reason in result.reason
     assert summary["y1"] is None
     assert summary["speed"] is None
+
+
+def stream_of(thrust, frames=20, toe=40.0):
+    """Stream 1 m deep at 16 m/s up to 50 m, with this thrust (m^3/s^2), shape (bins,) or (frames, bins)."""
+    x = np.arange(50) + 0.5
+    ones = np.ones((frames, 50))
+    depth = np.where(x < toe, 1.0, 6.5) * ones
+    fields = {
+        "mass_depth": depth,
+        "discharge": 16.0 * ones,
+        "momentum_flux": 256.0 * ones - thrust,
+        "thrust": thrust * ones,
+    }
+    stream = xr.Dataset({name: (("time", "x"), values) for name, values in fields.items()}, {"x": x})
+    nothing, places = np.full(frames, np.nan), np.full(frames, toe)
+    return stream, JumpTrack(
+        np.arange(frames), places, places + 6, places + 3, *[nothing] * 4, nothing + 50, ("",) * frames
+    )
+
+
+def test_compression_front_is_where_the_thrust_rises():
+    x = np.arange(50) + 0.5
+    rng = np.random.default_rng(1)
+    # pulses and gaps behind 12 m, chance contacts before it
+    thrust = np.where(x > 12, rng.exponential(43.0, (20, 50)), rng.exponential(3.0, (20, 50)))
+    stream, track = stream_of(thrust)
+    assert np.median(compression_front(stream, track, G)) == pytest.approx(12.0, abs=1.0)
+    quiet, track = stream_of(rng.exponential(3.0, (20, 50)))
+    assert np.isnan(compression_front(quiet, track, G)).all()
+
+
+def test_flux_and_thrust_along_the_stream():
+    x = np.arange(50) + 0.5
+    stream, track = stream_of(np.where(x > 12, 43.0, 3.0))
+    track = replace(track, compression=compression_front(stream, track, G))
+    found = measure_stream(stream, track, np.ones(20, bool), -1.0, 6.5, G)
+    assert found.start[0] == 1.0 and found.stop[-1] <= 39.0 and np.diff(found.start) == pytest.approx(5.0)
+    assert found.total == pytest.approx(256.0) and found.total_deviation < 1e-12
+    assert found.momentum_flux[[0, -1]] == pytest.approx([253.0, 213.0])
+    assert found.froude == pytest.approx(17.0 / sqrt(G))
+    assert found.deviation == pytest.approx(6.5 / theory.belanger(17.0 / sqrt(G)) - 1)
+    assert (found.compression, found.undisturbed, found.at_inlet) == (12.0, 12.0, True)
+    turned = found.turned(-1)
+    assert (turned.start[0], turned.velocity[0], turned.compression) == (-1.0, -16.0, -12.0)
+
+
+def test_the_verdict_names_its_state_and_warns_of_a_compressed_inflow(step_result):
+    jump = worded(summarise_jump(step_result))
+    assert "Bélanger's ratio 6.00 belongs to the stream 1." in jump.reason and "m before the front" in jump.reason
+    assert jump.notes == () and jump.headline.startswith("Hydraulic jump: found in 24 of 24 frames, front at ")
+    assert "stream just before the toe" in jump.headline and "0.0 %" in jump.headline
+    x = np.arange(50) + 0.5
+    stream, track = stream_of(np.where(x > 12, 43.0, 3.0))
+    track = replace(track, compression=compression_front(stream, track, G))
+    pressed = replace(jump, stream=measure_stream(stream, track, np.ones(20, bool), -1.0, 6.5, G))
+    assert "12.0 m behind the inlet" in notes(pressed)[0]
+    assert "compress that stream from x = 12 m on" in belongs_to(pressed)
+
+
+def test_the_share_of_frames_grades_the_verdict():
+    """Frames with a jump and frames without: no coin is tossed at one half."""
+    with_jump, without = (
+        moving_step(24),
+        [flow(lambda x: 0 * x + 5, lambda x: 0 * x + 14.0, 0.1 * k) for k in range(24)],
+    )
+    for jumps, verdict in ((24, "jump"), (14, "marginal jump"), (10, "marginal jump"), (2, "no jump found")):
+        frames = with_jump[:jumps] + without[jumps:]
+        jump = worded(summarise_jump(analyse_jump(compute_profiles(frames, context()), context())))
+        assert (jump.verdict, jump.frames_found) == (verdict, jumps)
+        assert jump.share_found == pytest.approx(jumps / 24)
+    assert jump.headline.startswith("No hydraulic jump to compare with Bélanger: no jump found.")
 
 
 def test_too_short_a_channel_and_no_gravity():
