@@ -117,6 +117,7 @@ def analyse(
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
     asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, "force"}}
     results = {name: result for name, result in asked.items() if result is not None}
+    warnings += results["jump"].notes if "jump" in results else ()
     parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
     files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
     for name, result in results.items():

@@ -32,6 +32,9 @@ def track_figure(jump: Jump) -> Figure | None:
         axes.plot(track.time, sign * track.toe, color=BLUE, lw=1.1, label="toe")
         axes.plot(track.time, sign * track.end, color=GOLD, lw=1.1, ls="--", label="end")
         axes.plot(track.time, sign * track.position, color=BLACK, lw=1.4, ls=":", label="front of equal mass")
+        if track.compression is not None and np.isfinite(track.compression).any():
+            axes.plot(track.time, sign * track.compression, color=GREY, ls="none", marker=".", ms=3,
+                      label="front of the compression")  # fmt: skip
         if result.motion is not None:
             ends = np.array(result.window)
             line = sign * (result.motion.start + result.motion.speed * ends)
@@ -40,6 +43,33 @@ def track_figure(jump: Jump) -> Figure | None:
         axes.axvspan(*result.window, color="#eeeeee", zorder=0)
         axes.set(xlabel="Time t [s]", ylabel="Distance x [m]", title=f"{result.flow.scene.name}: {result.verdict}")
         axes.legend(fontsize=8)
+    return figure
+
+
+def stream_figure(jump: Jump) -> Figure | None:
+    """Momentum flux, thrust and their sum along the stream; what Bélanger makes of its state at each place."""
+    stream = jump.measured.stream
+    if stream is None:
+        return None
+    edges = np.append(stream.start, stream.stop[-1])
+    with drawing(7.2, 5.0, 2, 1, sharex=True, height_ratios=[1.5, 1]) as (figure, (upper, lower)):
+        for values, colour, label in (
+            (stream.total, BLACK, "momentum flux + thrust"),
+            (stream.momentum_flux, BLUE, "momentum flux ∑ m u²/(ρ L)"),
+            (stream.thrust, GOLD, "thrust, contact force/ρ"),
+        ):
+            if np.isfinite(values).all():
+                upper.stairs(values, edges, baseline=None, color=colour, label=label, lw=1.6)
+        upper.set(
+            ylim=(0, None), ylabel="[m³/s²]", title=f"{jump.measured.flow.scene.name}: the stream before the jump"
+        )
+        lower.stairs(100 * stream.deviation, edges, baseline=None, color=BLUE, lw=1.6)
+        lower.axhline(0, color=GREY, lw=0.8)
+        lower.set(xlabel="Distance x [m]", ylabel="y₂ off Bélanger\nof this state [%]")
+        for axes in (upper, lower):
+            if isfinite(stream.compression):
+                axes.axvline(stream.compression, color=GREY, ls="-.", lw=1, label="front of the compression")
+        upper.legend(fontsize=8, loc="center left")
     return figure
 
 
