@@ -15,6 +15,7 @@ from lammps_jump.units import (
     Metre,
     MetrePerSecond,
     MetrePerSecond2,
+    MetrePerSecondMetre,
     PerSecond,
     Plain,
     Second,
@@ -202,10 +203,13 @@ class RowsInflow(Strict):
     x: Coordinate = 0.0
     y: Coordinate = 0.0
     depth: Metre = Field(**LENGTH)
-    mean_speed: MetrePerSecond = Field(**SPEED)
+    mean_speed: MetrePerSecond | None = Field(default=None, **SPEED)
+    discharge: MetrePerSecondMetre | None = Field(
+        default=None, ge=1e-12, le=1e12, description="in place of mean_speed: mean_speed * depth, m^2/s"
+    )
     profile: Literal["power_law", "uniform"] = "power_law"
     schedule: Literal["exact", "thesis"] = Field(
-        default="exact", description="exact: rows carry mean_speed * depth; thesis: touching rows fill the depth"
+        default="exact", description="exact: rows carry the discharge asked for; thesis: touching rows fill the depth"
     )
     spacing: Plain = Field(
         default=LEAST_GAP, ge=1, le=5, description="least distance between discs of a row, in largest diameters"
@@ -219,6 +223,25 @@ class RowsInflow(Strict):
         if isinstance(data, dict):
             return {key: value for key, value in data.items() if key not in ("turns", "exact_discharge")}
         return data
+
+    @model_validator(mode="after")
+    def _speed_given_once(self) -> RowsInflow:
+        if (self.mean_speed is None) == (self.discharge is None):
+            raise ValueError(
+                "needs mean_speed (m/s) or discharge (m^2/s), one of the two; null takes the other away, for example "
+                "--set inflow.mean_speed=null"
+            )
+        if not SPEED["ge"] <= self.velocity <= SPEED["le"]:
+            raise ValueError(
+                f"discharge {self.discharge:g} m^2/s over the depth is {self.velocity:.3g} m/s; allowed is "
+                f"{SPEED['ge']:g} to {SPEED['le']:g} m/s"
+            )
+        return self
+
+    @property
+    def velocity(self) -> float:
+        """Mean velocity Va, m/s: given, or the discharge over the depth."""
+        return self.mean_speed if self.discharge is None else self.discharge / self.depth  # type: ignore[return-value]
 
 
 class PourInflow(Strict):
@@ -256,7 +279,12 @@ class Run(Strict):
     duration: Second = Field(**TIME)
     time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
     output_interval: Second = Field(default=0.1, **TIME)
-    seed: Whole = Field(default=1, ge=1, le=2_000_000_000)
+    seed: Whole = Field(
+        default=1,
+        ge=0,
+        le=2_000_000_000,
+        description="of sizes, shifts and row speeds; 0 leaves row speeds as they are",
+    )
     accuracy: Annotated[float, BeforeValidator(parse_accuracy)] | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )

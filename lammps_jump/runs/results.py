@@ -59,7 +59,7 @@ def flow_of(case: ReadCase) -> Flow:
         bin_width=asked.bin_width,
         window=asked.window,
         inflow_depth=rows.depth if rows else None,
-        inflow_speed=rows.mean_speed if rows else None,
+        inflow_speed=rows.velocity if rows else None,
     )
 
 

@@ -92,7 +92,7 @@ def compose(
             "discs": discs,
             "ledger": result.ledger,
             "skipped": list(scene.skipped),
-            "warnings": [*scene.warnings, *notes, *found.pop("warnings", ())],
+            "warnings": [*scene.warnings, *scene.adapted, *notes, *found.pop("warnings", ())],
             **found,
             "ranks": setting.ranks,
             "theory": case.check().theory,
