@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import json
 import os
 import re
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -85,6 +87,10 @@ OWN_FILES = (*RUN_FILES, *RESULT_FILES)
 """What a run folder may hold of an earlier run (names and patterns); nothing else in it is ever deleted."""
 
 
+MOST_JSON = 100_000_000
+"""Bytes of a JSON file that is read."""
+
+
 def clear(folder: Path, patterns: tuple[str, ...]) -> None:
     """Delete the files of a folder that the patterns name; with the results those that its summary names as written."""
     written = _force_tables(folder) if "summary.json" in patterns else []
@@ -97,7 +103,7 @@ def clear(folder: Path, patterns: tuple[str, ...]) -> None:
 
 def _force_tables(folder: Path) -> list[str]:
     try:
-        names = json.loads((folder / "summary.json").read_text())["files"]
+        names = read_json(folder / "summary.json")["files"]
     except (OSError, ValueError, KeyError, TypeError):
         return []
     return [name for name in names if re.fullmatch(r"force_[^/\\]+\.csv", str(name))] if isinstance(names, list) else []
@@ -131,6 +137,38 @@ def write_text(path: Path, text: str) -> Path:
 def write_json(path: Path, data: object, indent: int = 1) -> Path:
     """Write plain data as JSON, NaN and infinities as null; see `plain` and `write_text`."""
     return write_text(path, json.dumps(plain(data), indent=indent, allow_nan=False) + "\n")
+
+
+def read_json(path: Path) -> Any:
+    """The data of a JSON file.
+
+    Raises
+    ------
+    OSError, ValueError
+        No such file, no regular file, no JSON, or brackets too deep for the reader.
+    """
+    try:
+        return json.loads(read_file(path, MOST_JSON))
+    except RecursionError:
+        raise ValueError("brackets inside brackets, too deep to be read") from None
+
+
+def read_file(path: Path, most: int) -> bytes:
+    """The bytes of a regular file; OSError for another kind (a pipe or device may never end) or more than `most`."""
+    with open(path, "rb", opener=_open_regular) as file:
+        data = file.read(most + 1)
+    if len(data) > most:
+        raise OSError(errno.EFBIG, f"more than {most // 1_000_000} MB")
+    return data
+
+
+def _open_regular(path: str, flags: int) -> int:
+    place = os.open(path, flags | os.O_NONBLOCK)  # a pipe without a writer would be waited for
+    if not stat.S_ISREG(os.fstat(place).st_mode):
+        os.close(place)
+        kind = errno.EISDIR if os.path.isdir(path) else errno.EINVAL
+        raise OSError(kind, os.strerror(kind) if kind == errno.EISDIR else "no regular file")
+    return place
 
 
 @contextmanager

@@ -58,10 +58,11 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
         Section("The case", [Code(case_yaml, "case.yaml, every default filled in")]),
         _how(summary),
     ]
-    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode())
+    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode(errors="replace"))
     path = Path(folder) / name
+    page = render(title, [*before, _figures(Path(folder), room), *after], tab=tab)
     try:
-        path.write_text(render(title, [*before, _figures(Path(folder), room), *after], tab=tab), encoding="utf-8")
+        path.write_text(page, encoding="utf-8", errors="replace")
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path

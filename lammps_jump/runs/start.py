@@ -22,10 +22,10 @@ from lammps_jump.engines.lammps.job import write_job
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
-from lammps_jump.files import RESULT_FILES, clear, writing
+from lammps_jump.files import RESULT_FILES, clear, write_text, writing
 
 from .engine import choose_setting, with_header
-from .folder import require_case, result_of, resumable, stored_result, write_folder
+from .folder import case_text, require_case, result_of, resumable, stored_result, write_folder
 from .summary import compose, read_summary, write_summary
 
 log = logging.getLogger(__name__)
@@ -137,7 +137,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
         parts.setdefault("warnings", []).append(result.message)
     summary = compose(case, setting, result, seconds=seconds, parts=parts, notes=notes)
     summary["case_hash"] = stored.get("case_hash", summary["case_hash"])
-    (folder / "case.yaml").write_text(case.to_yaml())
+    write_text(folder / "case.yaml", case_text(case))
     write_summary(folder, summary)
     runs.results.write_report(folder, summary, case)
 
