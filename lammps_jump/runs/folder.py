@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError, DumpError, ResumeError, SetupError
-from lammps_jump.files import OWN_FILES, clear
+from lammps_jump.files import OWN_FILES, clear, locked
 from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
@@ -31,23 +31,37 @@ def default_folder(case: ReadCase) -> Path:
     return Path("runs") / case.name
 
 
-def write_folder(case: ReadCase, folder: Path) -> None:
-    """Make the run folder with ``case.yaml``; earlier results are removed. The engine's inputs are `write_inputs`'.
+@contextmanager
+def run_folder(folder: Path) -> Iterator[None]:
+    """Hold a run folder, made where it is missing, as its only writer.
 
     Raises
     ------
     SetupError
-        The folder cannot be made or written.
+        The folder cannot be made or written, or another process writes to it.
     """
-    try:
+    with _writable(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        clear(folder, OWN_FILES)
-        (folder / "case.yaml").write_text(case.to_yaml())
+    with locked(folder):
+        yield
+
+
+@contextmanager
+def _writable(folder: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise SetupError(
             f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
             "correct its permissions"
         ) from None
+
+
+def write_folder(case: ReadCase, folder: Path) -> None:
+    """Write ``case.yaml``; earlier results are removed. The engine's inputs are `write_inputs`'."""
+    with _writable(folder):
+        clear(folder, OWN_FILES)
+        (folder / "case.yaml").write_text(case.to_yaml())
 
 
 def require_case(folder: Path) -> Path:
