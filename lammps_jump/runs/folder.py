@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError, DumpError, ResumeError, SetupError
-from lammps_jump.files import OWN_FILES, clear, write_text
+from lammps_jump.files import OWN_FILES, clear, locked, write_text
 from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
@@ -36,18 +36,25 @@ def default_folder(case: ReadCase) -> Path:
     return Path("runs") / case.name
 
 
-def write_folder(case: ReadCase, folder: Path) -> None:
-    """Make the run folder with ``case.yaml``; earlier results are removed. The engine's inputs are `write_inputs`'.
+@contextmanager
+def run_folder(folder: Path) -> Iterator[None]:
+    """Hold a run folder, made where it is missing, as its only writer.
 
     Raises
     ------
     SetupError
-        The folder cannot be made or written.
+        The folder cannot be made or written, or another process writes to it.
     """
-    try:
+    with _writable(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        clear(folder, OWN_FILES)
-        write_text(folder / "case.yaml", case_text(case))
+    with locked(folder):
+        yield
+
+
+@contextmanager
+def _writable(folder: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise SetupError(
             f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
@@ -65,6 +72,13 @@ def _hashes(text: str) -> dict[str, str]:
     """Hash of the text of each field at the left margin."""
     fields = re.split(r"(?m)^(?=\w+:)", text)[1:]
     return {field.partition(":")[0]: hashlib.sha256(field.encode()).hexdigest()[:12] for field in fields}
+
+
+def write_folder(case: ReadCase, folder: Path) -> None:
+    """Write ``case.yaml``; earlier results are removed. The engine's inputs are `write_inputs`'."""
+    with _writable(folder):
+        clear(folder, OWN_FILES)
+        write_text(folder / "case.yaml", case_text(case))
 
 
 def require_case(folder: Path) -> Path:
