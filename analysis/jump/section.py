@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
-from lammps_jump.analysis.report.page import Section, Table, Text, described, heading
+from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
 from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES
 from lammps_jump.units import ABSENT, numbers_of, shown
 
@@ -103,14 +103,6 @@ def section(jump: Mapping) -> Section:
             *_stream(jump.get("stream")),
         ]
     return Section("Hydraulic jump", blocks)
-
-
-def with_error(found: Mapping, key: str, scale: float = 1.0) -> str:
-    """A number of ``summary.json`` with its standard error within this run, where it has one."""
-    value, error = found[key], found.get(f"{key}_error")
-    if value is None:
-        return ABSENT
-    return shown(value / scale, error=None if error is None else error / scale).replace("-", "−")
 
 
 def _states(jump: Mapping) -> Table:
