@@ -21,6 +21,7 @@ LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
 BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy_loss")
 """Numbers of a jump that stand in boxes at the top."""
+REMARKS = {"length": "; discs make a short one"}
 UNSURE = "no error from one run"
 
 
@@ -82,7 +83,11 @@ def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
     for key in BOXES:
         if jump.get(key) is not None and belongs(key, jump):
             error = jump.get(f"{key}_error")
-            sure = numbers[key].meaning + (", ± within this run" if error is not None else f" ({UNSURE})")
+            sure = (
+                numbers[key].meaning
+                + REMARKS.get(key, "")
+                + (", ± within this run" if error is not None else f" ({UNSURE})")
+            )
             boxes.append((sure, with_error(jump, key), numbers[key].unit))
     if front.get("position") is not None:
         boxes.append((f"front at t = {front['time']:.3g} s ({UNSURE})", front["position"], "m"))
