@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from lammps_jump.physics.inlet import LEAST_GAP
+from lammps_jump.quoting import LONGEST_NAME, one_line
 from lammps_jump.scene.walls import KINDS, Coordinate, Extent, ordered
 from lammps_jump.units import (
     Degree,
@@ -23,7 +24,7 @@ from lammps_jump.units import (
     parse_accuracy,
 )
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=LONGEST_NAME)]
 
 # Wider than any use, and narrow enough that squares and quotients stay finite.
 LENGTH = {"ge": 1e-6, "le": 1e6}
@@ -43,6 +44,10 @@ def _no_truth(value: Any) -> Any:
     if isinstance(value, bool):
         raise ValueError(f"{str(value).lower()} is not a number; expected a whole number")
     return value
+
+
+def _folded(value: Any) -> Any:
+    return one_line(value) if isinstance(value, str) else value
 
 
 Whole = Annotated[int, BeforeValidator(_no_truth)]
@@ -335,7 +340,7 @@ class CaseFields(Strict):
     model_config = ConfigDict(title="Case")
 
     name: Name
-    description: str = ""
+    description: Annotated[str, BeforeValidator(_folded)] = Field(default="", description="one line, for readers")
     gravity: MetrePerSecond2 = Field(default=9.81, ge=0, le=MOST_GRAVITY)
     slope: Degree = Field(default=0.0, gt=-90, lt=90, description="tilts gravity along +x")
     discs: Discs
