@@ -25,6 +25,8 @@ def headline(summary: Mapping) -> str:
     return " ".join(filter(None, said)).replace("-", "−")
 
 
+OF_A_STEADY_JUMP = ("length", "head_lost", "energy_loss")
+"""Numbers that mean nothing where the jump comes and goes, or is still filling up."""
 OF_A_JUMP = (
     "length",
     "head_lost",
