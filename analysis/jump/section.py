@@ -13,7 +13,6 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from lammps_jump.analysis.budgets.head import energy_budget, sentence
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.report.page import Code, Section, Table, Text, described, heading, with_error
@@ -22,6 +21,7 @@ from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
 from .frame import Balance
+from .head import energy_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
 from .verdict import worded

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from made_up import INPUTS
 
-from lammps_jump.analysis.budgets.head import FIELDS, EnergyFluxes, budget_between, energy_budget, sentence
 from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.jump.head import FIELDS, EnergyFluxes, budget_between, energy_budget, sentence
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
