@@ -10,7 +10,7 @@ from pathlib import Path
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES
+from lammps_jump.files import FIGURES, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
@@ -58,7 +58,7 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     room = LARGEST - len(render(title, [*before, *after], tab=tab).encode())
     path = Path(folder) / name
     try:
-        path.write_text(render(title, [*before, _figures(Path(folder), room), *after], tab=tab), encoding="utf-8")
+        write_text(path, render(title, [*before, _figures(Path(folder), room), *after], tab=tab))
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path

@@ -16,13 +16,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from lammps_jump.errors import ResumeError
-from lammps_jump.files import write_json
+from lammps_jump.files import make_own, write_json
 from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
 from .result import RunResult
 
 CHECKPOINT_FILE = "checkpoint.json"
+ANEW = "the same command with --force in place of --resume starts a new run"
+"""What to do where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
 
@@ -92,13 +94,15 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
         result = RunResult.from_json(stored["result"])
         checkpoint = Checkpoint(**{**stored, "removed": tuple(stored["removed"]), "result": result})
     except (OSError, ValueError, TypeError, KeyError) as error:
-        raise ResumeError(f"{path}: cannot be read ({error}); the same command without --resume starts anew") from None
+        raise ResumeError(
+            f"{path}: cannot be read ({error}); the same command with --force in place of --resume starts anew"
+        ) from None
     for name, size in {checkpoint.state: 1, **checkpoint.sizes}.items():
         found = (folder / name).stat().st_size if (folder / name).exists() else 0
         if found < size:
             raise ResumeError(
                 f"{folder / name}: {found} bytes, {size} or more were there when the run was interrupted; without "
-                "them it cannot go on; the same command without --resume starts anew"
+                f"them it cannot go on; {ANEW}"
             )
     return checkpoint
 
@@ -114,4 +118,5 @@ def remove_checkpoint(folder: Path) -> None:
 def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
     """Cut off what a part that was killed has appended since the checkpoint."""
     for name, size in checkpoint.sizes.items():
+        make_own(folder / name)
         os.truncate(folder / name, size)

@@ -18,7 +18,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import plain, write_json
 from lammps_jump.provenance import versions
 
-from .engine import run_key
+from .engine import full_key, run_key
 
 SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
@@ -80,6 +80,7 @@ def compose(
             "integrator": scene.integrator,
             "friction_law": scene.friction_law if scene.coefficients.friction else None,
             "case_hash": run_key(case, setting),
+            "key": full_key(case, setting),
             "versions": {**versions(), **result.versions},
             "coefficients": asdict(scene.coefficients),
             "steps": result.steps,
