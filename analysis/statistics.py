@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Standard errors of correlated series by blocking.
+"""Standard errors of correlated series: by blocking, and from eight pieces of a window.
 
-Source: H. Flyvbjerg and H. G. Petersen, "Error estimates on averages of correlated data", J. Chem. Phys. 91 (1989)
-461, eqs 20-28: halve the series by averaging neighbours; the naive standard error rises until the blocks are
+Source of blocking: H. Flyvbjerg and H. G. Petersen, "Error estimates on averages of correlated data", J. Chem. Phys. 91
+(1989) 461, eqs 20-28: halve the series by averaging neighbours; the naive standard error rises until the blocks are
 independent and then stays level.
 """
 
@@ -85,12 +85,34 @@ def block_average(series: np.ndarray) -> BlockAverage:
     return BlockAverage(*(part.reshape(shape) for part in (mean, standard_error, lower, blocks)))
 
 
+PIECES = 8
+"""Equal pieces of a window: a quantity is computed in each, and their scatter is its error (docs/analysis.md)."""
+STUDENT = 2.365
+"""Standard errors in a 95 % interval: Student's t with `PIECES` - 1 degrees of freedom."""
+COSINES = 4
+"""Longest waves of the window whose size is the error of the depth behind a jump."""
+STUDENT_COSINES = 2.776
+"""As `STUDENT`, with `COSINES` degrees of freedom."""
+
+
 @dataclass(frozen=True)
 class Mean:
-    """A mean and its standard error (blocking; its lower bound where the window is too short; NaN below 8 frames)."""
+    """A mean and its standard error, from eight pieces; the error is NaN with fewer than two samples a piece."""
 
     value: float
     error: float
+
+
+def piece_bounds(samples: int) -> list[int]:
+    """First sample of each of the `PIECES` pieces, and the last sample; empty with fewer than two samples a piece."""
+    if samples < 2 * PIECES:
+        return []
+    return np.round(np.linspace(0, samples - 1, PIECES + 1)).astype(int).tolist()
+
+
+def scatter_error(values: np.ndarray) -> float:
+    """Standard error of the mean of independent values, s / sqrt(n); NaN where one of them is NaN or absent."""
+    return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else nan
 
 
 def mean_of(series: np.ndarray) -> Mean:
@@ -98,6 +120,19 @@ def mean_of(series: np.ndarray) -> Mean:
     good = series[np.isfinite(series)]
     if not good.size:
         return Mean(nan, nan)
-    result = block_average(good)
-    error = float(result.standard_error)
-    return Mean(float(result.mean), error if np.isfinite(error) else float(result.lower_bound))
+    pieces = np.array_split(good, PIECES) if piece_bounds(len(good)) else []
+    return Mean(float(good.mean()), scatter_error(np.array([piece.mean() for piece in pieces])))
+
+
+def cosine_error(series: np.ndarray) -> float:
+    """Standard error of the mean from the longest waves of a series; NaN with fewer than two samples a piece.
+
+    ``L_j = sqrt(2/n) sum cos(pi j (i + 1/2)/n) x_i`` for the first `COSINES` j: slow swings raise the error, which
+    pieces would take for independent values. ``e^2 = mean of L_j^2 / n``, with `COSINES` degrees of freedom.
+    """
+    good = series[np.isfinite(series)]
+    n = len(good)
+    if n < 2 * PIECES:
+        return nan
+    waves = np.cos(np.pi * np.outer(np.arange(1, COSINES + 1), np.arange(n) + 0.5) / n)
+    return float(np.sqrt(np.mean((waves @ (good - good.mean())) ** 2) * 2 / n / n))

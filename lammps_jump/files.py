@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
 import shutil
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,7 @@ FIGURES = {
     "depth_profile.png": "Depth and velocity along the channel, mean of the window",
     "depth_map.png": "Depth of the free surface over distance and time",
     "jump_track.png": "The jump in time",
+    "jump_stream.png": "The stream before the jump",
     "jump_frame.png": "The jump in its own frame",
     "jump_balance.png": "Where the momentum goes",
     "energy_head.png": "Energy head along the channel",
@@ -66,6 +69,7 @@ RESULT_FILES = (
     "front.csv",
     "jump_track.csv",
     "jump_frame.csv",
+    "jump_stream.csv",
     "reflected_wave.csv",
     "fields.nc",
     "fields.vti",
@@ -79,6 +83,10 @@ FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv``."""
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)
 """What a run folder may hold of an earlier run (names and patterns), tables of forces besides."""
+
+
+MOST_JSON = 100_000_000
+"""Bytes of a JSON file that is read."""
 
 
 def make_own(path: Path) -> None:
@@ -118,8 +126,8 @@ def write_text(path: Path, text: str) -> Path:
     """Write a file whole or not at all: a second file, in the same folder, takes its place in one move."""
     new = path.with_name(f".{path.name}.new")
     new.unlink(missing_ok=True)  # of a process that was killed
-    with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "w", encoding="utf-8") as file:
-        file.write(text)
+    with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file:
+        file.write(text.encode("utf-8", "replace"))
     flush(new)
     os.replace(new, path)
     flush(path.parent)
@@ -138,3 +146,35 @@ def flush(path: Path) -> None:
 def write_json(path: Path, data: object, indent: int = 1) -> Path:
     """Write plain data as JSON, NaN and infinities as null; see `plain` and `write_text`."""
     return write_text(path, json.dumps(plain(data), indent=indent, allow_nan=False) + "\n")
+
+
+def read_json(path: Path) -> Any:
+    """The data of a JSON file.
+
+    Raises
+    ------
+    OSError, ValueError
+        No such file, no regular file, no JSON, or brackets too deep for the reader.
+    """
+    try:
+        return json.loads(read_file(path, MOST_JSON))
+    except RecursionError:
+        raise ValueError("brackets inside brackets, too deep to be read") from None
+
+
+def read_file(path: Path, most: int) -> bytes:
+    """The bytes of a regular file; OSError for another kind (a pipe or device may never end) or more than `most`."""
+    with open(path, "rb", opener=_open_regular) as file:
+        data = file.read(most + 1)
+    if len(data) > most:
+        raise OSError(errno.EFBIG, f"more than {most // 1_000_000} MB")
+    return data
+
+
+def _open_regular(path: str, flags: int) -> int:
+    place = os.open(path, flags | os.O_NONBLOCK)  # a pipe without a writer would be waited for
+    if not stat.S_ISREG(os.fstat(place).st_mode):
+        os.close(place)
+        kind = errno.EISDIR if os.path.isdir(path) else errno.EINVAL
+        raise OSError(kind, os.strerror(kind) if kind == errno.EISDIR else "no regular file")
+    return place

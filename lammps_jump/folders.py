@@ -16,12 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from .errors import SetupError
-from .files import OWN_FILES, flush, write_json
+from .files import OWN_FILES, flush, read_json, write_json
 
 MARKER_FILE = ".lammps-jump"
 """Makes a folder ours."""
-LARGEST_MARKER = 1 << 24
-"""Bytes."""
 STAGING = ".analysis.new"
 """Folder of results that are being made."""
 FORCE_TABLE = re.compile(r"force_[^/\\\n]+\.csv")
@@ -59,13 +57,12 @@ def read_marker(folder: Path) -> Marker | None:
     """
     path = folder / MARKER_FILE
     try:
-        with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
-            stored = json.loads(file.read(LARGEST_MARKER))
+        stored = read_json(path)
         names = [name for name in stored["files"] if name in OWN_FILES or FORCE_TABLE.fullmatch(name)]
         return Marker(str(stored["kind"]), tuple(names), dict(stored["about"]))
     except (FileNotFoundError, NotADirectoryError):
         return None
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (OSError, ValueError, KeyError, TypeError):
         raise SetupError(f"{path}: is no marker that can be read; name another folder with --out") from None
 
 

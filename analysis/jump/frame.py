@@ -234,7 +234,9 @@ def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance
         return part(one) - part(two)
 
     def between(values: xr.DataArray) -> float:
-        return float(np.nanmean(integral(values, one, two)))
+        amount = integral(values, one, two)
+        good = amount[np.isfinite(amount)]
+        return float(good.mean()) if good.size else nan
 
     upstream, downstream = (state.uniform_flux + state.still(state.mass_depth) for state in (one, two))
     momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one, two)

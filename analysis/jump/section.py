@@ -14,23 +14,26 @@ import numpy as np
 
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading
+from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES
 from lammps_jump.units import ABSENT, numbers_of, shown
 
-from .figures import balance_figure, frame_figure, head_figure, track_figure
+from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
 from .frame import Balance
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
+from .verdict import worded
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
     ("momentum_upstream", "momentum_downstream"), ("head_upstream", "head_downstream"),
 )  # fmt: skip
 """Numbers that stand side by side in the table of the states."""
+FROUDE = ("froude", "froude_downstream")
 
 
 def analyse(gathered: Gathered) -> Jump:
     """Jump of a run."""
-    return summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts))
+    return worded(summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)))
 
 
 class Marks(NamedTuple):
@@ -71,6 +74,7 @@ def figures(jump: Jump, gathered: Gathered) -> Drawings:
     """Figures of the jump in time, in its own frame, of its momentum and of the head."""
     return {
         "jump_track.png": partial(track_figure, jump),
+        "jump_stream.png": partial(stream_figure, jump),
         "jump_frame.png": partial(frame_figure, jump),
         "jump_balance.png": partial(balance_figure, jump),
         "energy_head.png": partial(head_figure, gathered.profiles, jump),
@@ -92,52 +96,84 @@ def section(jump: Mapping) -> Section:
         blocks += [
             _states(jump),
             _comparisons(jump),
+            certainty(jump),
             _momentum(jump),
             _roller(jump["roller"]),
             *_tail(jump.get("tail")),
+            *_stream(jump.get("stream")),
         ]
     return Section("Hydraulic jump", blocks)
 
 
-def _with_error(value: float | None, error: float | None) -> str:
+def with_error(found: Mapping, key: str, scale: float = 1.0) -> str:
+    """A number of ``summary.json`` with its standard error within this run, where it has one."""
+    value, error = found[key], found.get(f"{key}_error")
     if value is None:
         return ABSENT
-    return f"{value:.3f}{'' if error is None else f' ± {error:.2g}'}".replace("-", "−")
+    return shown(value / scale, error=None if error is None else error / scale).replace("-", "−")
 
 
 def _states(jump: Mapping) -> Table:
     numbers = numbers_of(Jump)
     rows = []
     for one, two in STATES:
-        label, unit, values = numbers[one].meaning, numbers[one].unit, [jump[one], jump[two]]
-        if one == "y1":
-            values = [_with_error(jump[key], jump[f"{key}_error"]) for key in (one, two)]
-        elif unit == "N/m":
-            unit, values = "kN/m", [value / 1e3 for value in values]
+        label, unit = numbers[one].meaning, numbers[one].unit
+        unit, scale = ("kN/m", 1e3) if unit == "N/m" else (unit, 1.0)
+        values = [with_error(jump, key, scale) for key in (one, two)]
         rows.append((heading(label.removesuffix(" upstream").removesuffix(","), unit), *values))
-    rows.insert(5, (*described(Jump, jump, "froude")[0], jump["froude_downstream"]))
-    return Table(rows, ("State, measured beside the jump", "upstream 1", "downstream 2"))
+    rows.insert(5, (described(Jump, jump, "froude")[0][0], *(with_error(jump, key) for key in FROUDE)))
+    return Table(rows, ("State, measured beside the jump, ± within this run", "upstream 1", "downstream 2"))
 
 
 def _comparisons(jump: Mapping) -> Table:
-    ratio, from_mass = jump["sequent_ratio"], jump["mass"]["speed_from_mass"]
+    ratio, from_mass = with_error(jump, "sequent_ratio"), jump["mass"]["speed_from_mass"]
     against = [
         ("Bélanger, front's frame", "belanger_ratio"),
         (f"with density ratio {jump['density_ratio']:.3f}", "density_relation_ratio"),
         ("and measured bed force and β", "full_relation_ratio"),
         *([("and measured contact pressure", "pressure_relation_ratio")] if jump["pressure_relation_ratio"] else []),
     ]
-    rows = [("s₂/s₁", ratio, words, jump[key], _deviation(ratio, jump[key])) for words, key in against]
-    speed = _with_error(jump["speed"], jump["speed_error"])
+    rows = [
+        ("s₂/s₁", ratio, words, with_error(jump, key), _deviation(jump["sequent_ratio"], jump[key]))
+        for words, key in against
+    ]
+    rows[0] = (*rows[0][:4], _share(jump["belanger_deviation"], jump["belanger_deviation_error"]))
     words = "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁)"
+    speed = with_error(jump, "speed")
     rows.append(("Velocity of the front [m/s]", speed, words, from_mass, _deviation(jump["speed"], from_mass)))
     for key, words, other in (
         ("length", "thesis (4.27)", "length_theory"),
         ("length", "USBR curve", "length_usbr"),
         ("energy_loss", "Bélanger", "energy_loss_theory"),
     ):
-        rows.append((*described(Jump, jump, key)[0], words, jump[other], _deviation(jump[key], jump[other])))
-    return Table(rows, ("Measured", "", "against", "", "difference"))
+        head, value = described(Jump, jump, key)[0][0], with_error(jump, key)
+        rows.append((head, value, words, jump[other], _deviation(jump[key], jump[other])))
+    return Table(rows, ("Measured, ± within this run", "", "against", "", "difference"))
+
+
+def _share(value: float | None, error: float | None) -> str:
+    """A share in per cent with its error."""
+    if value is None:
+        return ABSENT
+    return f"{100 * value:+.1f}{'' if error is None else f' ± {100 * error:.1f}'} %".replace("-", "−")
+
+
+def certainty(jump: Mapping) -> Text:
+    """How sure the numbers are: what ± means, the drift within the window, and how many starts are needed."""
+    if jump["y2_error"] is None:
+        return Text(
+            "The window holds fewer than 16 frames with a jump: one run cannot tell how sure these numbers are."
+        )
+    drifts, units = jump["drift"], numbers_of(Jump)
+    moved = ", ".join(f"{units[key].label} {shown(drifts[key], units[key].unit, digits=2)}" for key in ("y2", "speed"))
+    starts = jump["members"]
+    return Text(
+        f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors, for y2 ± "
+        f"{STUDENT_COSINES:.2f}. From the first half of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
+        f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. One run misses up to 60 % of the variance "
+        f"between starts. For a standard error of 3 %, average at least {starts['y2']} run(s) for y2, "
+        f"{starts['speed']} for the velocity of the front, {starts['froude']} for the Froude number."
+    )
 
 
 def _deviation(measured: float | None, expected: float | None) -> str:
@@ -162,8 +198,8 @@ def _tail(tail: Mapping | None) -> list[Text]:
     if not tail or tail["depth"] is None:
         return []
     text = (
-        f"Tail water over {tail['length']:.1f} m: mass depth {_with_error(tail['depth'], tail['depth_error'])} m, "
-        f"slope of its surface {_with_error(tail['slope'], tail['slope_error'])}."
+        f"Tail water over {tail['length']:.1f} m: mass depth {with_error(tail, 'depth')} m, "
+        f"slope of its surface {with_error(tail, 'slope')}."
     )
     if tail["belanger_y2"] is not None:
         text += (
@@ -171,6 +207,38 @@ def _tail(tail: Mapping | None) -> list[Text]:
             f"{_deviation(tail['depth'], tail['belanger_y2'])}."
         )
     return [Text(text)]
+
+
+MOST_STRETCHES = 8
+"""Rows of the table of the stream; the file has all."""
+
+
+def _stream(stream: Mapping | None) -> list[Text | Table]:
+    """The stream before the jump by stretches."""
+    if not stream:
+        return []
+    count = len(stream["start"])
+    chosen = sorted({round(i) for i in np.linspace(0, count - 1, min(count, MOST_STRETCHES))})
+    rows = [
+        (
+            f"{stream['start'][i]:.4g} … {stream['stop'][i]:.4g}".replace("-", "−"),
+            stream["mass_depth"][i],
+            stream["velocity"][i],
+            stream["momentum_flux"][i],
+            stream["thrust"][i],
+            shown(stream["total"][i], error=stream["total_error"][i]),
+            stream["froude"][i],
+            stream["belanger_y2"][i],
+            _share(stream["deviation"][i], None),
+        )
+        for i in chosen
+    ]
+    head = ("Stream, x [m]", "s [m]", "u [m/s]", "flux [m³/s²]", "thrust [m³/s²]", "sum", "Fr", "Bélanger [m]",
+            "y₂ off it")  # fmt: skip
+    text = "The stream before the jump, laboratory; Fr and Bélanger in the front's frame."
+    if stream["total_deviation"] is not None:
+        text += f" Momentum flux + thrust stays within {100 * stream['total_deviation']:.1f} % of its mean."
+    return [Text(text), Table(rows, head)]
 
 
 def _roller(roller: Mapping) -> Text:

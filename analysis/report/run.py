@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
@@ -20,6 +21,8 @@ LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
 BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy_loss")
 """Numbers of a jump that stand in boxes at the top."""
+INFLOW = ("delivered", "froude", "belanger_y2")
+"""Numbers of the inflow there."""
 
 
 def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: str = "report.html") -> Path:
@@ -55,10 +58,11 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
         Section("The case", [Code(case_yaml, "case.yaml, every default filled in")]),
         _how(summary),
     ]
-    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode())
+    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode(errors="replace"))
     path = Path(folder) / name
+    page = render(title, [*before, _figures(Path(folder), room), *after], tab=tab)
     try:
-        write_text(path, render(title, [*before, _figures(Path(folder), room), *after], tab=tab))
+        write_text(path, page)
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path
@@ -72,8 +76,11 @@ def _lead(summary: Mapping) -> list[Text]:
 
 def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
     """The few numbers that readers look for first."""
-    jump, front, energy, force = (summary.get(key) or {} for key in ("jump", "front", "energy", "force"))
+    parts = ("inflow", "jump", "front", "energy", "force")
+    inflow, jump, front, energy, force = (summary.get(key) or {} for key in parts)
     boxes: list[tuple[str, float | str, str]] = [("verdict", jump["verdict"], "")] if jump else []
+    given = numbers_of(Delivery)
+    boxes += [(given[key].meaning, inflow[key], given[key].unit) for key in INFLOW if inflow.get(key) is not None]
     numbers = numbers_of(Jump)
     boxes += [(numbers[key].meaning, jump[key], numbers[key].unit) for key in BOXES if jump.get(key) is not None]
     if front.get("position") is not None:

@@ -27,6 +27,7 @@ from lammps_jump.files import FIGURES, checksum, write_text
 from lammps_jump.folders import clear, publish, staging
 
 from .engine import analysis_key
+from .folder import case_text
 from .state import outputs_of
 from .summary import compose, write_summary
 
@@ -108,9 +109,8 @@ class Conclusion:
 
     def _changed(self, stored: Mapping[str, Any]) -> list[str]:
         """Files that are not as the summary says, and what is wrong with them."""
-        known = stored.get("outputs")
-        entries = known.items() if isinstance(known, dict) else ()
-        names = [name for name, entry in entries if self.outputs.get(name) != entry]
+        known = stored.get("outputs") or {}
+        names = [name for name, entry in known.items() if self.outputs.get(name) != entry]
         if not names:
             return []
         check = FrameCheck(self.case.scene(), self.steps, self.result.present)
@@ -155,10 +155,9 @@ class Conclusion:
             self._link_the_rest(stage)
             runs.results.write_report(stage, summary, self.case)
             self._write(summary, None)  # ended between here and the last line: it is analysed again
-            earlier = stored.get("files")
-            clear(folder, ["report.html", *(map(str, earlier) if isinstance(earlier, list) else ())])
+            clear(folder, ["report.html", *stored.get("files", ())])
             names = publish(stage, folder)
-        text, path = self.case.to_yaml(), folder / "case.yaml"
+        text, path = case_text(self.case), folder / "case.yaml"
         if not path.exists() or path.read_text() != text:
             write_text(path, text)
         files = {name: checksum(folder / name) for name in names}

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump.case.case import ReadCase
+from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
@@ -24,6 +26,8 @@ from lammps_jump.scene.scene import Scene
 LONGEST_NAME = 100
 """Letters of a default folder; behind that a hash stands for the changed values."""
 PLAIN_NAME = re.compile(r"[\w.,=+\-\[\]{}:]*", re.ASCII)
+MADE = "# The run in this folder is of this case; for another run change a copy. Hashes of the fields:"
+"""Begins ``case.yaml`` of a run folder."""
 
 
 def default_folder(case: ReadCase) -> Path:
@@ -65,20 +69,48 @@ def _writable(folder: Path) -> Iterator[None]:
         ) from None
 
 
+def case_text(case: ReadCase) -> str:
+    """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found."""
+    text = case.to_yaml()
+    return f"{MADE} {' '.join(f'{field}={found}' for field, found in _hashes(text).items())}\n{text}"
+
+
+def _hashes(text: str) -> dict[str, str]:
+    """Hash of the text of each field at the left margin."""
+    fields = re.split(r"(?m)^(?=\w+:)", text)[1:]
+    return {field.partition(":")[0]: hashlib.sha256(field.encode()).hexdigest()[:12] for field in fields}
+
+
 def write_folder(case: ReadCase, folder: Path, marker: Marker) -> None:
     """Write ``case.yaml``; what an earlier run left is removed. The engine's inputs are `write_inputs`'."""
     with _writable(folder):
         earlier = read_marker(folder)
         clear(folder, earlier.files if earlier else ())
         write_marker(folder, marker)
-        write_text(folder / "case.yaml", case.to_yaml())
+        write_text(folder / "case.yaml", case_text(case))
 
 
 def require_case(folder: Path) -> Path:
-    """The ``case.yaml`` of a run folder; CaseError where there is none."""
+    """The ``case.yaml`` of a run folder, as it was written.
+
+    Raises
+    ------
+    CaseError
+        There is none, or it was edited: its run is of another case.
+    """
     path = folder / "case.yaml"
     if not path.exists():
         raise CaseError(f"{folder}: holds no case.yaml, so it is no run folder; make one with `lammps-jump build CASE`")
+    text = read_case(path)
+    head, _, _ = text.partition("\n")
+    if head.startswith(MADE):
+        made, found = dict(pair.partition("=")[::2] for pair in head[len(MADE) :].split()), _hashes(text)
+        for field in {**made, **found}:
+            if made.get(field) != found.get(field):
+                raise CaseError(
+                    f"{path}: {field} was changed after the folder was made, so that it is no longer the case of the "
+                    "run; undo the change, or run a copy of the file: `lammps-jump build-and-run COPY`"
+                )
     return path
 
 

@@ -36,6 +36,7 @@ from lammps_jump.folders import (
     staging,
 )
 
+from .folder import require_case
 from .summary import write_summary
 
 log = logging.getLogger(__name__)
@@ -72,7 +73,7 @@ def flow_of(case: ReadCase) -> Flow:
         bin_width=asked.bin_width,
         window=asked.window,
         inflow_depth=rows.depth if rows else None,
-        inflow_speed=rows.mean_speed if rows else None,
+        inflow_speed=rows.velocity if rows else None,
     )
 
 
@@ -183,7 +184,7 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     Without ffmpeg it is a GIF, and a note says so. Only a film that this program made in a run folder is replaced.
     """
     path = find_dump(target)
-    case = load_case(path.parent) if (path.parent / "case.yaml").exists() else None
+    case = load_case(require_case(path.parent)) if (path.parent / "case.yaml").exists() else None
     table = path.parent / "forces.csv"
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or path.parent / "animation.mp4"

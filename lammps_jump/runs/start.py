@@ -110,7 +110,7 @@ def _run(
             f"{setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
             f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m"
         )
-    for note in (*scene.warnings, *notes):
+    for note in (*scene.warnings, *scene.adapted, *notes):
         log.info(f"note: {note}")
     log.info(f"{scene.name}: {said} -> {folder}")
     if checkpoint is None:

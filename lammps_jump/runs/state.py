@@ -83,7 +83,7 @@ def outputs_of(folder: Path) -> dict[str, dict[str, int | str]]:
 def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool:
     """Whether a complete run and its analysis stand in a folder as they were written, the analysis as now asked for."""
     outputs, block = stored.get("outputs"), stored.get("analysed")
-    if stored.get("status") != "complete" or not isinstance(outputs, dict) or not isinstance(block, dict):
+    if stored.get("status") != "complete" or outputs is None or block is None:
         return False
     try:
         same_sizes = all((folder / name).stat().st_size == entry["size"] for name, entry in outputs.items())
@@ -92,7 +92,7 @@ def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool
             and block["key"] == analysis_key(case, outputs)
             and all(checksum(folder / name) == entry for name, entry in block["files"].items())
         )
-    except (OSError, KeyError, TypeError, AttributeError):
+    except OSError:
         return False
 
 

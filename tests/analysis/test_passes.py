@@ -67,10 +67,11 @@ def test_one_pass_leaves_all_files_and_numbers(analysed):
     assert json.loads(text) == parts
     for name in parts["files"]:
         assert (out / name).stat().st_size > 0, name
-    expected = {"profiles.nc", "energy.csv", "front.csv", "jump_track.csv", "jump_frame.csv", "force_floor.csv"}
-    assert expected <= set(parts["files"])
+    expected = {"profiles.nc", "energy.csv", "front.csv", "jump_track.csv", "jump_frame.csv", "jump_stream.csv"}
+    assert expected | {"force_floor.csv"} <= set(parts["files"])
     figures = {
-        f"figures/{name}.png" for name in ("depth_profile", "jump_frame", "jump_balance", "front", "energy", "forces")
+        f"figures/{name}.png"
+        for name in ("depth_profile", "jump_frame", "jump_stream", "jump_balance", "front", "energy", "forces")
     }
     assert figures <= set(parts["files"])
     assert_ours(parts["files"])
