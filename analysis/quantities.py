@@ -31,6 +31,7 @@ from .jump import section as jump
 from .jump.summary import Jump
 from .passes import Collector, Drawings, Gathered, Tables, gather
 from .profiles import bin_edges, write_profiles
+from .report.headline import belongs, headline
 from .report.page import Section
 
 
@@ -228,15 +229,17 @@ def _about_profiles(gathered: Gathered) -> dict[str, object]:
 
 
 def main_numbers(summary: Mapping[str, object]) -> list[str]:
-    """A line for each quantity of a summary: its verdict and its labelled numbers that were found."""
-    lines = []
+    """The headline of a summary; a line for each quantity: its verdict and its labelled numbers that were found."""
+    said = headline(summary)
+    lines = [said] if said else []
     for name, quantity in QUANTITIES.items():
         found = summary.get(name)
         if not isinstance(found, Mapping):
             continue
         texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
         for number in numbers_of(quantity.result).values():
-            if number.label != number.meaning and found.get(number.key) is not None:
-                texts.append(f"{number.label} {shown(found[number.key], number.unit)}")
+            if number.label != number.meaning and found.get(number.key) is not None and belongs(number.key, found):
+                value = shown(found[number.key], number.unit, found.get(f"{number.key}_error"))
+                texts.append(f"{number.label} {value}")
         lines += [f"{name}: {', '.join(texts)}"] if texts else []
     return lines

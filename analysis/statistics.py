@@ -87,7 +87,7 @@ def block_average(series: np.ndarray) -> BlockAverage:
 
 PIECES = 8
 """Equal pieces of a window: a quantity is computed in each, and their scatter is its error (docs/analysis.md)."""
-STUDENT = 2.365
+STUDENT = 2.3646
 """Standard errors in a 95 % interval: Student's t with `PIECES` - 1 degrees of freedom."""
 COSINES = 4
 """Longest waves of the window whose size is the error of the depth behind a jump."""

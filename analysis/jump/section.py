@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
-from lammps_jump.analysis.report.page import Section, Table, Text, described, heading
+from lammps_jump.analysis.report.page import Code, Section, Table, Text, described, heading, with_error
 from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES
 from lammps_jump.units import ABSENT, numbers_of, shown
 
@@ -96,21 +96,15 @@ def section(jump: Mapping) -> Section:
         blocks += [
             _states(jump),
             _comparisons(jump),
+            Text(SHORT),
             certainty(jump),
             _momentum(jump),
-            _roller(jump["roller"]),
+            _roller(jump),
             *_tail(jump.get("tail")),
             *_stream(jump.get("stream")),
+            Code(DEFINITIONS, "What these numbers mean"),
         ]
     return Section("Hydraulic jump", blocks)
-
-
-def with_error(found: Mapping, key: str, scale: float = 1.0) -> str:
-    """A number of ``summary.json`` with its standard error within this run, where it has one."""
-    value, error = found[key], found.get(f"{key}_error")
-    if value is None:
-        return ABSENT
-    return shown(value / scale, error=None if error is None else error / scale).replace("-", "−")
 
 
 def _states(jump: Mapping) -> Table:
@@ -241,8 +235,39 @@ def _stream(stream: Mapping | None) -> list[Text | Table]:
     return [Text(text), Table(rows, head)]
 
 
-def _roller(roller: Mapping) -> Text:
-    where = "nowhere in the mean"
+def _roller(jump: Mapping) -> Text:
+    """The backflow at the surface, in the front's frame and in the laboratory."""
+    roller, depth = jump["roller"], jump["y2"]
+    if roller["length_in_jump_frame"] is None:
+        said = "No roller: nowhere does the mean surface run upstream faster than the front itself."
+    else:
+        length, start = roller["length_in_jump_frame"], roller["start_in_jump_frame"]
+        said = (
+            f"Roller: in the front's frame the mean surface runs upstream over {length:.1f} m "
+            f"({length / depth:.1f} y₂), from {start:.1f} m behind the toe."
+        )
     if roller["length"] is not None:
-        where = f"over {roller['length']:.1f} m, from {roller['start']:.1f} m behind the toe"
-    return Text(f"Roller: the mean surface velocity is reversed {where}.")
+        said += f" In the laboratory, where the front's own speed is in it: over {roller['length']:.1f} m."
+    return Text(said)
+
+
+SHORT = (
+    "Discs make a short jump, of one to two sequent depths where water needs five to six. They flow like a very "
+    "viscous fluid (Reynolds number 3 to 22, water's is 1.6e7), and contacts dissipate the motion within a few "
+    "diameters of the front. A length far below the thesis' and the USBR's is no error of the run."
+)
+"""Said beside the length."""
+DEFINITIONS = """\
+front       where a sharp step between the mean depths would hold the same mass; c is its velocity
+toe, end    where the mean profile in the front's frame has made 5 % and 95 % of its rise
+s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
+1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
+Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
+head        s + (u − c)²/2g;  momentum function: ρ (s (u − c)² + g s²/2)
+β           ∑ m (u − c)² over the same with the mean velocity
+thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
+packing     area of the discs over that below the surface;  bulk density: ρ s/h
+± e         standard error within this run, from eight pieces of the window
+tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
+"""
+"""What the numbers of the section mean; docs/analysis.md has all of them."""

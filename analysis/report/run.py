@@ -15,7 +15,8 @@ from lammps_jump.files import FIGURES, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
-from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, picture, render
+from .headline import belongs, headline
+from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, percent, picture, render, with_error
 
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
@@ -23,6 +24,8 @@ BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy
 """Numbers of a jump that stand in boxes at the top."""
 INFLOW = ("delivered", "froude", "belanger_y2")
 """Numbers of the inflow there."""
+REMARKS = {"length": "; discs make a short one"}
+UNSURE = "no error from one run"
 
 
 def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: str = "report.html") -> Path:
@@ -71,7 +74,7 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
 def _lead(summary: Mapping) -> list[Text]:
     status = summary.get("status", "complete")
     said = "" if status == "complete" else f"The run is {status}. {summary.get('message') or ''}"
-    return [Text(summary.get("description", ""), "lead"), Text(said, "bad")]
+    return [Text(summary.get("description", ""), "lead"), Text(said, "bad"), Text(headline(summary), "verdict")]
 
 
 def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
@@ -81,16 +84,27 @@ def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
     boxes: list[tuple[str, float | str, str]] = [("verdict", jump["verdict"], "")] if jump else []
     given = numbers_of(Delivery)
     boxes += [(given[key].meaning, inflow[key], given[key].unit) for key in INFLOW if inflow.get(key) is not None]
+    if jump.get("share_found") is not None:
+        boxes.append(("of the window's frames have a jump", percent(jump["share_found"], 0), ""))
     numbers = numbers_of(Jump)
-    boxes += [(numbers[key].meaning, jump[key], numbers[key].unit) for key in BOXES if jump.get(key) is not None]
+    for key in BOXES:
+        if jump.get(key) is not None and belongs(key, jump):
+            error = jump.get(f"{key}_error")
+            sure = (
+                numbers[key].meaning
+                + REMARKS.get(key, "")
+                + (", ± within this run" if error is not None else f" ({UNSURE})")
+            )
+            boxes.append((sure, with_error(jump, key), numbers[key].unit))
     if front.get("position") is not None:
-        boxes.append((f"front at t = {front['time']:.3g} s", front["position"], "m"))
-        boxes += [("speed of the front", front["speed"], "m/s")] if front.get("speed") is not None else []
+        boxes.append((f"front at t = {front['time']:.3g} s ({UNSURE})", front["position"], "m"))
+        boxes += [(f"speed of the front ({UNSURE})", front["speed"], "m/s")] if front.get("speed") is not None else []
     for name, values in force.items():
         if isinstance(values, dict) and values.get("peak") is not None:
-            boxes.append((f"peak force on {name}", values["peak"] / 1e3, "kN/m"))
+            sure = ", ± within this run" if values.get("peak_error") is not None else f" ({UNSURE})"
+            boxes.append((f"peak force on {name}{sure}", with_error(values, "peak", 1e3), "kN/m"))
     if energy.get("conservative") and energy.get("max_deviation") is not None:
-        boxes.append(("largest energy deviation", 100 * energy["max_deviation"], "%"))
+        boxes.append(("largest energy deviation, exact", 100 * energy["max_deviation"], "%"))
     discs = summary.get("discs") or {}
     boxes += [("discs in all", discs["inserted"], "")] if discs.get("inserted") is not None else []
     return boxes

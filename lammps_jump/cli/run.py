@@ -97,7 +97,9 @@ def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force:
 
 
 def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
-    """The main numbers of a summary, and where to look."""
+    """The verdict and the main numbers of a summary, and where to look."""
+    for line in analysis.main_numbers(summary):
+        print(line)
     discs, seconds = summary["discs"], summary["wall_seconds"]
     rate = summary["disc_steps_per_second"] or 0.0
     print(
@@ -106,8 +108,6 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
         f"analysis {seconds['analysis']:.2f} s"
     )
-    for line in analysis.main_numbers(summary):
-        print(line)
     for warning in summary.get("warnings", []):
         print(f"note: {warning}")
     print(f"report: {folder}/report.html")

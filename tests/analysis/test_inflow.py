@@ -82,7 +82,8 @@ def test_the_section_says_what_came_of_the_discharge():
 @pytest.mark.parametrize("changes", [(), ("discs.sizes=null",), ("discs.sizes=null", "inflow.schedule=thesis")])
 def test_momentum_of_a_jet_that_leaves_at_an_outlet_is_accounted_for(changes):
     """Over a low sill and out in free flight: what walls gave, and what discs brought in and carried out, adds up."""
-    more = ("run.duration=5", "walls.sill.y=[-5, 0.4]", *changes)
+    near = ("walls.floor.x=[-5, 20.2]", "walls.sill.x=[20, 20.6]", "outflow.0.x_beyond=29")
+    more = ("run.duration=5", "walls.sill.y=[-5, 0.4]", *near, *changes)
     scene = load_case(INPUTS / "quick_jump.yaml", [*QUICK, *more]).scene()
     flow, simulation = from_scene(scene), NativeSimulation(scene, ledger=False)
     ledger = MomentumLedger(flow)

@@ -12,13 +12,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context, numbers
 
-from lammps_jump.analysis.jump.frame import growth_rate
+from lammps_jump.analysis.jump.frame import Roller, growth_rate
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
+from lammps_jump.analysis.jump.section import section
 from lammps_jump.analysis.jump.stream import compression_front, measure_stream
 from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.jump.verdict import belongs_to, notes, worded
 from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.report.page import render
 from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES, cosine_error, mean_of
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
@@ -370,6 +372,19 @@ def test_each_printed_number_has_its_error():
     assert found["drift"]["speed"] == pytest.approx(np.mean(speeds[4:]) - np.mean(speeds[:4]), rel=1e-9)
     assert found["members"]["speed"] >= (found["speed_error"] / (0.03 * found["speed"])) ** 2
     assert found["members"]["y2"] >= 1
+
+
+def test_the_section_says_what_the_numbers_are_worth():
+    jump = worded(summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context())))
+    page = render("", [section(numbers(jump))])
+    said = ("± within this run", "95 % interval is ± 2.36 errors", "average at least", "short jump, of one to two")
+    said += ("No roller: nowhere does the mean surface run", "What these numbers mean", "stream before the jump")
+    for expected in said:
+        assert expected in page, expected
+    upstream = replace(jump, roller=Roller(2.5, 1.0, 2.0, 1.5))
+    page = render("", [section(numbers(upstream))])
+    assert "Roller: in the front&#39;s frame the mean surface runs upstream over 2.0 m (0.3 y₂), from 1.5 m" in page
+    assert "In the laboratory, where the front&#39;s own speed is in it: over 2.5 m." in page
 
 
 def test_too_few_frames_have_no_error(step_result):
