@@ -11,7 +11,7 @@ from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES
+from lammps_jump.files import FIGURES, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
@@ -65,7 +65,7 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     path = Path(folder) / name
     page = render(title, [*before, _figures(Path(folder), room), *after], tab=tab)
     try:
-        path.write_text(page, encoding="utf-8", errors="replace")
+        write_text(path, page)
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path
