@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
-from lammps_jump.analysis.report.page import Code, Section, Table, Text, described, heading, with_error
+from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
 from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES
 from lammps_jump.units import ABSENT, numbers_of, shown
 
@@ -102,7 +102,6 @@ def section(jump: Mapping) -> Section:
             _roller(jump),
             *_tail(jump.get("tail")),
             *_stream(jump.get("stream")),
-            Code(DEFINITIONS, "What these numbers mean"),
         ]
     return Section("Hydraulic jump", blocks)
 
@@ -257,17 +256,3 @@ SHORT = (
     "diameters of the front. A length far below the thesis' and the USBR's is no error of the run."
 )
 """Said beside the length."""
-DEFINITIONS = """\
-front       where a sharp step between the mean depths would hold the same mass; c is its velocity
-toe, end    where the mean profile in the front's frame has made 5 % and 95 % of its rise
-s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
-1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
-Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
-head        s + (u − c)²/2g;  momentum function: ρ (s (u − c)² + g s²/2)
-β           ∑ m (u − c)² over the same with the mean velocity
-thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
-packing     area of the discs over that below the surface;  bulk density: ρ s/h
-± e         standard error within this run, from eight pieces of the window
-tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
-"""
-"""What the numbers of the section mean; docs/analysis.md has all of them."""

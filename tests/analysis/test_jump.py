@@ -378,7 +378,7 @@ def test_the_section_says_what_the_numbers_are_worth():
     jump = worded(summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context())))
     page = render("", [section(numbers(jump))])
     said = ("± within this run", "95 % interval is ± 2.36 errors", "average at least", "short jump, of one to two")
-    said += ("No roller: nowhere does the mean surface run", "What these numbers mean", "stream before the jump")
+    said += ("No roller: nowhere does the mean surface run", "stream before the jump")
     for expected in said:
         assert expected in page, expected
     upstream = replace(jump, roller=Roller(2.5, 1.0, 2.0, 1.5))
