@@ -3,8 +3,8 @@
 
 Run as ``python benchmarks/error_bars.py CASE [--starts N] [--first N] [--set PATH=VALUE]``. Starts differ by 1e-6
 diameters. Printed for each number: mean and standard deviation of the starts; root mean square of the stated errors
-over that deviation; chi2, the mean of (deviation from the mean of starts / stated error)^2, beside k/(k - 2), its value for
-perfect errors with k degrees of freedom; the share of 95 % intervals (Student's t) that hold the mean of the starts.
+over that deviation; chi2, the mean of (deviation from the mean of starts / stated error)^2; its value for perfect
+errors, k/(k - 2) with k degrees of freedom; the share of 95 % intervals that hold the mean of the starts.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from made_up import columns_of_discs, disc_frame, flow_context, numbers
 from lammps_jump.analysis.jump.frame import Roller, growth_rate
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
 from lammps_jump.analysis.jump.section import section
-from lammps_jump.analysis.jump.stream import compression_front, measure_stream
+from lammps_jump.analysis.jump.stream import compression_front, measure_stream, running_median
 from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.jump.verdict import belongs_to, notes, worded
@@ -181,6 +181,9 @@ def test_compression_front_is_where_the_thrust_rises():
     thrust = np.where(x > 12, rng.exponential(43.0, (20, 50)), rng.exponential(3.0, (20, 50)))
     stream, track = stream_of(thrust)
     assert np.median(compression_front(stream, track, G)) == pytest.approx(12.0, abs=1.0)
+    places = np.array([50.0, 40.0, 90.0, 30.0, np.nan, 20.0, 10.0])
+    assert running_median(places, 3).tolist() == [45.0, 50.0, 40.0, 60.0, 25.0, 15.0, 15.0]
+    assert np.isnan(running_median(np.full(5, np.nan))).all()
     quiet, track = stream_of(rng.exponential(3.0, (20, 50)))
     assert np.isnan(compression_front(quiet, track, G)).all()
 
