@@ -17,14 +17,13 @@ import numpy as np
 
 import lammps_jump as lj
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.jump.certainty import MISSED
+from lammps_jump.analysis.jump.certainty import CANNOT_TELL
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.summary import Jump, summarise_jump
-from lammps_jump.analysis.statistics import COSINES, PIECES, STUDENT, STUDENT_COSINES
+from lammps_jump.analysis.statistics import STUDENT, WAVES
 from lammps_jump.studies.measure import moved_start, observe
 from lammps_jump.studies.runs import execute
 
-BY_COSINES = ("y2", "h2")
 KEYS = (
     "y1", "y2", "h1", "h2", "u1", "u2", "froude", "froude_downstream", "sequent_ratio", "belanger_ratio",
     "belanger_deviation", "density_ratio", "density_relation_ratio", "full_relation_ratio", "speed", "toe_speed",
@@ -45,14 +44,13 @@ def jump_of(case: lj.Case, member: int) -> Jump:
 def row(key: str, jumps: list[Jump]) -> list[str]:
     """One line of the table."""
     values, errors = (np.array([getattr(jump, name) for jump in jumps], float) for name in (key, f"{key}_error"))
-    freedom, student = (COSINES, STUDENT_COSINES) if key in BY_COSINES else (PIECES - 1, STUDENT)
     mean, deviation, n = values.mean(), values.std(ddof=1), len(values)
     off = np.abs(values - mean)
     chi2 = np.mean((off / errors) ** 2) * n / (n - 1)
-    covered = np.mean(off < student * errors)
+    covered = np.mean(off < STUDENT * errors)
     ratio = np.sqrt(np.mean(errors**2)) / deviation
-    note = "one run cannot tell" if key in MISSED else ("" if covered >= 0.9 else "below 0.9")
-    return [key, f"{mean:.4g}", f"{deviation:.2g}", f"{ratio:.2f}", f"{chi2:.1f}", f"{freedom / (freedom - 2):.1f}",
+    note = "one run cannot tell" if key in CANNOT_TELL else ("" if covered >= 0.9 else "below 0.9")
+    return [key, f"{mean:.4g}", f"{deviation:.2g}", f"{ratio:.2f}", f"{chi2:.1f}", f"{WAVES / (WAVES - 2):.1f}",
             f"{covered:.2f}", note]  # fmt: skip
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
-from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES
+from lammps_jump.analysis.statistics import STUDENT
 from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
@@ -161,11 +161,13 @@ def certainty(jump: Mapping) -> Text:
     moved = ", ".join(f"{units[key].label} {shown(drifts[key], units[key].unit, digits=2)}" for key in ("y2", "speed"))
     starts = jump["members"]
     return Text(
-        f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors, for y2 ± "
-        f"{STUDENT_COSINES:.2f}. From the first half of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
-        f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. One run misses up to 60 % of the variance "
-        f"between starts. For a standard error of 3 %, average at least {starts['y2']} run(s) for y2, "
-        f"{starts['speed']} for the velocity of the front, {starts['froude']} for the Froude number."
+        f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors. From the first half "
+        f"of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
+        f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. "
+        "One run cannot tell the errors of y2, h2, u2, the velocity of the front and the Froude number: it misses up "
+        "to 60 % of their variance between starts. For a standard error of 3 %, average at least "
+        f"{starts['y2']} run(s) for y2, {starts['speed']} for the velocity of the front, {starts['froude']} for the "
+        "Froude number."
     )
 
 
