@@ -375,7 +375,7 @@ def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
             t = np.linspace(0, max(min(limit, history.time.max()), 1e-9), 20)
             label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
             upper.plot(t, base + 2 * t * np.sqrt(gravity * depth), color=BLACK, ls=":", label=label)
-        upper.set(ylabel="Distance from\nthe back wall [m]", title=f"{flow.scene.name}: front and column")
+        upper.set(ylabel="Distance from\nthe back wall [m]", title=f"{flow.title}: front and column")
         upper.legend()
         middle.plot(history.time, history.height, color=BLUE)
         middle.set(ylabel="Column at the\nback wall [m]", ylim=(0, None))

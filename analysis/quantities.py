@@ -17,6 +17,7 @@ from lammps_jump.files import plain
 from lammps_jump.units import as_summary, numbers_of, shown
 
 from . import energy, front
+from .budgets import inflow
 from .contacts import ContactCollector
 from .draw.film import NO_FFMPEG, animate
 from .draw.snapshots import snapshots
@@ -60,6 +61,9 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = {
+    "inflow": Quantity(
+        inflow.Delivery, inflow.InflowCounter, inflow.analyse, lambda _: {}, lambda *_: {}, inflow.section
+    ),
     "jump": Quantity(Jump, None, jump.analyse, jump.tables, jump.figures, jump.section),
     "front": Quantity(front.Front, front.FrontTracker, front.analyse, front.tables, front.figures, front.section),
     "force": Quantity(
@@ -70,6 +74,8 @@ QUANTITIES = {
     ),
 }
 """By the key in ``summary.json``, in the order of the report."""
+ALWAYS = {"inflow", "force"}
+"""Made whether asked for or not, where a scene has rows of inflow or probes."""
 
 
 def analyse(
@@ -93,8 +99,7 @@ def analyse(
         Folder that gets ``profiles.nc``, ``*.csv``, ``figures/*.png`` and the film. ``forces.csv`` is looked for here
         and beside the dump.
     wanted : collection of str
-        Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and forces where the scene
-        has probes.
+        Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and `ALWAYS`.
     figures, film : bool
         Write ``figures/*.png``; write ``animation.mp4``, or ``animation.gif`` where there is no ffmpeg.
     quiet : bool
@@ -112,13 +117,15 @@ def analyse(
         A quantity that is not known, no frame, a malformed dump, a place that cannot be written.
     """
     if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
-        raise DumpError(f"quantity '{unknown[0]}' is not known: use {', '.join(QUANTITIES)} or fields.")
+        known = ", ".join(name for name in QUANTITIES if name != "inflow")
+        raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     warnings = list(flow.notes)
     gathered = collect(flow, dump, out, wanted, warnings)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
-    asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, "force"}}
+    asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, *ALWAYS}}
     results = {name: result for name, result in asked.items() if result is not None}
     warnings += results["jump"].notes if "jump" in results else ()
+    warnings += getattr(results.get("inflow"), "notes", ())
     parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
     files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
     for name, result in results.items():
@@ -139,10 +146,11 @@ def collect(flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings
     forces_found = _find_forces((out, dump.parent), warnings) if "force" in wanted or flow.scene.probes else {}
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
+    there = {"inflow": bool(flow.scene.inlets), "force": bool(forces_found)}
     collectors = {
         name: quantity.collector(flow, contacts)
         for name, quantity in QUANTITIES.items()
-        if quantity.collector and (name in wanted if name != "force" else forces_found)
+        if quantity.collector and there.get(name, name in wanted)
     }
     # contacts first: the energy takes each frame's elastic energy from them
     profiles = gather(open_dump(dump), flow, [*([contacts] if contacts else []), *collectors.values()], warnings)

@@ -124,7 +124,7 @@ class _Painter:
 
         self.flow = flow
         self.top_speed = top_of([disc_speeds(frame) for frame in sample])
-        self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.scene.name)
+        self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.title)
         self.inside = slice(ABOVE, ABOVE + self.view.height), slice(LEFT, LEFT + self.view.width)
         self.table = colour_table()
         self.font = ImageFont.truetype(findfont("DejaVu Sans"), 16)

@@ -67,7 +67,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
         bar = figure.add_axes((SIDE / wide, BAR[0] / high, 1 - (SIDE + RIGHT) / wide, BAR[1] / high))
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")
         colour_bar(figure, scale, "Speed [m/s]", cax=bar, orientation="horizontal")
-        figure.suptitle(flow.scene.name, x=0.01, y=1 - 0.07 / high, ha="left", va="top", fontsize=10)
+        figure.suptitle(flow.title, x=0.01, y=1 - 0.07 / high, ha="left", va="top", fontsize=10)
     return figure
 
 

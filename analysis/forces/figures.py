@@ -124,7 +124,7 @@ def reflected_figure(result: Forces, profiles: xr.Dataset) -> Figure | None:
     if wave is None or wave.motion.points < 3:
         return None
     good = np.isfinite(wave.position)
-    figure = xt_map(profiles, "mass_depth", title=f"{result.flow.scene.name}: wave thrown back by {wave.structure}")
+    figure = xt_map(profiles, "mass_depth", title=f"{result.flow.title}: wave thrown back by {wave.structure}")
     axes = figure.axes[0]
     with style():
         axes.plot(wave.position[good], wave.time[good], "o", mfc="white", mec=BLACK, ms=3, label="reflected front")

@@ -43,7 +43,7 @@ def track_figure(jump: Jump) -> Figure | None:
             label = f"c = {result.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
             axes.plot(ends, line, color=RED, lw=2.2, alpha=0.8, label=label)
         axes.axvspan(*result.window, color="#eeeeee", zorder=0)
-        axes.set(xlabel="Time t [s]", ylabel="Distance x [m]", title=f"{result.flow.scene.name}: {result.verdict}")
+        axes.set(xlabel="Time t [s]", ylabel="Distance x [m]", title=f"{result.flow.title}: {result.verdict}")
         axes.legend(fontsize=8)
     return figure
 
@@ -103,7 +103,7 @@ def frame_figure(jump: Jump) -> Figure | None:
             for place, dash in ((result.surface_toe, ":"), (result.surface_end, "-.")):
                 axes.axvline(place, color=GREY, lw=1, ls=dash)
         theory_length = f"; thesis (4.27) {jump.length_theory:.1f} m" if isfinite(jump.length_theory) else ""
-        title = f"{result.flow.scene.name}, front's frame: length {jump.length:.1f} m{theory_length}"
+        title = f"{result.flow.title}, front's frame: length {jump.length:.1f} m{theory_length}"
         top = 1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2))
         upper.set(ylim=(0, top), ylabel="Depth [m]", title=title)
         upper.legend(loc="lower right", frameon=True, framealpha=0.95, edgecolor="none")
@@ -178,7 +178,7 @@ def head_figure(profiles: xr.Dataset, jump: Jump) -> Figure | None:
             head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)
             axes.axhline(head, color=BLACK, lw=1, ls="-.", label=f"inflow {head:.2f} m")
         axes.set_ylim(bottom=min(0.0, np.nanmin(bed)))
-        title = f"{flow.scene.name}: energy head, mean of the window (laboratory frame)"
+        title = f"{flow.title}: energy head, mean of the window (laboratory frame)"
         axes.set(xlabel="Distance x [m]", ylabel="Energy head [m]", title=title)
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.12), frameon=True, framealpha=0.95, edgecolor="none")
     return figure

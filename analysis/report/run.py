@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
@@ -22,6 +23,8 @@ LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
 BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy_loss")
 """Numbers of a jump that stand in boxes at the top."""
+INFLOW = ("delivered", "froude", "belanger_y2")
+"""Numbers of the inflow there."""
 REMARKS = {"length": "; discs make a short one"}
 UNSURE = "no error from one run"
 
@@ -61,10 +64,11 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
         Section("The case", [Code(case_yaml, "case.yaml, every default filled in")]),
         _how(summary),
     ]
-    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode())
+    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode(errors="replace"))
     path = Path(folder) / name
+    page = render(title, [*before, _figures(Path(folder), room), *after], tab=tab)
     try:
-        path.write_text(render(title, [*before, _figures(Path(folder), room), *after], tab=tab), encoding="utf-8")
+        path.write_text(page, encoding="utf-8", errors="replace")
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path
@@ -85,8 +89,11 @@ def _lead(summary: Mapping) -> list[Text]:
 
 def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
     """The few numbers that readers look for first."""
-    jump, front, energy, force = (summary.get(key) or {} for key in ("jump", "front", "energy", "force"))
+    parts = ("inflow", "jump", "front", "energy", "force")
+    inflow, jump, front, energy, force = (summary.get(key) or {} for key in parts)
     boxes: list[tuple[str, float | str, str]] = [("verdict", jump["verdict"], "")] if jump else []
+    given = numbers_of(Delivery)
+    boxes += [(given[key].meaning, inflow[key], given[key].unit) for key in INFLOW if inflow.get(key) is not None]
     if jump.get("share_found") is not None:
         boxes.append(("of the window's frames have a jump", percent(jump["share_found"], 0), ""))
     numbers = numbers_of(Jump)

@@ -73,6 +73,7 @@ class Derived:
                 "inflow_rows": rows,
                 "skipped": list(scene.skipped),
                 "warnings": list(scene.warnings),
+                "adapted": list(scene.adapted),
             }
         )
 
@@ -94,9 +95,9 @@ class Derived:
             ]
         lines += ["", "skipped, because the scene does not need it"]
         lines += [f"  - {text}" for text in scene.skipped]
-        if scene.warnings:
-            lines += ["", "beware"]
-            lines += [f"  - {text}" for text in scene.warnings]
+        for title, texts in (("changed to whole steps", scene.adapted), ("beware", scene.warnings)):
+            if texts:
+                lines += ["", title, *(f"  - {text}" for text in texts)]
         return "\n".join(lines)
 
 
@@ -175,7 +176,7 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []
-    found = theory.inflow_theory(inflow.depth, inflow.mean_speed, case.gravity)
+    found = theory.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
     number, y1 = found.froude, found.depth
     low, high = theory.velocity_range(y1, case.gravity)
     mean_square = scene.mean_mass / scene.density

@@ -12,6 +12,7 @@ import pandas as pd  # xarray needs it and brings it
 import xarray as xr
 
 from lammps_jump.errors import DumpError
+from lammps_jump.quoting import csv_cell
 
 from .find import read_dump
 from .frame import Frame, ten_indices
@@ -38,11 +39,14 @@ def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[
         Columns of different length, or a place that cannot be written.
     """
     units = units or {}
-    header = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
+    heads = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
+    header = [csv_cell(head) for head in heads]
     try:
         columns = pd.DataFrame(dict(table))
     except ValueError as error:
         raise DumpError(f"{path}: columns of a table must be equally long: {error}.") from error
+    words = columns.select_dtypes(exclude="number").columns
+    columns[words] = columns[words].map(csv_cell)
     with _writing(path) as file:
         columns.to_csv(file, header=header, index=False, float_format="%.10g", lineterminator="\n")
     return Path(path)

@@ -66,8 +66,8 @@ class RunResult:
     lost: int
     seconds: float
     versions: dict[str, str] = field(default_factory=dict)
-    ledger: dict[str, float] | None = None
-    breakdown: dict[str, float] = field(default_factory=dict)
+    ledger: dict[str, float | None] | None = None
+    breakdown: dict[str, float | None] = field(default_factory=dict)
     resumed: tuple[float, ...] = ()
     cpu_seconds: float = 0.0
 

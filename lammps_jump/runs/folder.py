@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import suppress
+import hashlib
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from lammps_jump.case.case import ReadCase
+from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, Checkpoint, read_checkpoint
 from lammps_jump.engines.lammps.finish import gather_forces
@@ -16,13 +19,15 @@ from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError, DumpError, ResumeError, SetupError
-from lammps_jump.files import OWN_FILES, clear
+from lammps_jump.files import OWN_FILES, clear, locked, write_text
 from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
 from .engine import run_key
 from .summary import read_summary
 
+MADE = "# The run in this folder is of this case; for another run change a copy. Hashes of the fields:"
+"""Begins ``case.yaml`` of a run folder."""
 ANEW = "the same command without --resume starts a new run"
 
 
@@ -31,18 +36,25 @@ def default_folder(case: ReadCase) -> Path:
     return Path("runs") / case.name
 
 
-def write_folder(case: ReadCase, folder: Path) -> None:
-    """Make the run folder with ``case.yaml``; earlier results are removed. The engine's inputs are `write_inputs`'.
+@contextmanager
+def run_folder(folder: Path) -> Iterator[None]:
+    """Hold a run folder, made where it is missing, as its only writer.
 
     Raises
     ------
     SetupError
-        The folder cannot be made or written.
+        The folder cannot be made or written, or another process writes to it.
     """
-    try:
+    with _writable(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        clear(folder, OWN_FILES)
-        (folder / "case.yaml").write_text(case.to_yaml())
+    with locked(folder):
+        yield
+
+
+@contextmanager
+def _writable(folder: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise SetupError(
             f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
@@ -50,11 +62,46 @@ def write_folder(case: ReadCase, folder: Path) -> None:
         ) from None
 
 
+def case_text(case: ReadCase) -> str:
+    """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found."""
+    text = case.to_yaml()
+    return f"{MADE} {' '.join(f'{field}={found}' for field, found in _hashes(text).items())}\n{text}"
+
+
+def _hashes(text: str) -> dict[str, str]:
+    """Hash of the text of each field at the left margin."""
+    fields = re.split(r"(?m)^(?=\w+:)", text)[1:]
+    return {field.partition(":")[0]: hashlib.sha256(field.encode()).hexdigest()[:12] for field in fields}
+
+
+def write_folder(case: ReadCase, folder: Path) -> None:
+    """Write ``case.yaml``; earlier results are removed. The engine's inputs are `write_inputs`'."""
+    with _writable(folder):
+        clear(folder, OWN_FILES)
+        write_text(folder / "case.yaml", case_text(case))
+
+
 def require_case(folder: Path) -> Path:
-    """The ``case.yaml`` of a run folder; CaseError where there is none."""
+    """The ``case.yaml`` of a run folder, as it was written.
+
+    Raises
+    ------
+    CaseError
+        There is none, or it was edited: its run is of another case.
+    """
     path = folder / "case.yaml"
     if not path.exists():
         raise CaseError(f"{folder}: holds no case.yaml, so it is no run folder; make one with `lammps-jump build CASE`")
+    text = read_case(path)
+    head, _, _ = text.partition("\n")
+    if head.startswith(MADE):
+        made, found = dict(pair.partition("=")[::2] for pair in head[len(MADE) :].split()), _hashes(text)
+        for field in {**made, **found}:
+            if made.get(field) != found.get(field):
+                raise CaseError(
+                    f"{path}: {field} was changed after the folder was made, so that it is no longer the case of the "
+                    "run; undo the change, or run a copy of the file: `lammps-jump build-and-run COPY`"
+                )
     return path
 
 
@@ -66,7 +113,7 @@ def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping[str
         return {}
     known = stored.get("status") == "complete" and stored["case_hash"] == run_key(case, setting)
     whole = all(any(folder.glob(name)) for name in ("profiles.nc", "report.html", "dump.lammps*"))
-    return stored if known and whole and case_file == case.to_yaml() else {}
+    return stored if known and whole and case_file == case_text(case) else {}
 
 
 def result_of(
@@ -140,7 +187,7 @@ def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
         stored_case = (folder / "case.yaml").read_text()
     except OSError:
         raise ResumeError(f"{folder}: holds no run that could go on; {ANEW}") from None
-    if stored_case != case.to_yaml():
+    if stored_case != case_text(case):
         raise ResumeError(
             f"{folder / 'case.yaml'}: differs from the case that was asked for, so its run cannot go on as that case; "
             f"`lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"

@@ -23,6 +23,7 @@ from lammps_jump.dump.find import find_dump, read_forces
 from lammps_jump.dump.read import open_dump
 from lammps_jump.errors import CaseError, DumpError
 
+from .folder import require_case
 from .summary import write_summary
 
 log = logging.getLogger(__name__)
@@ -59,7 +60,7 @@ def flow_of(case: ReadCase) -> Flow:
         bin_width=asked.bin_width,
         window=asked.window,
         inflow_depth=rows.depth if rows else None,
-        inflow_speed=rows.mean_speed if rows else None,
+        inflow_speed=rows.velocity if rows else None,
     )
 
 
@@ -138,7 +139,7 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     Without ffmpeg it is a GIF, and a note says so.
     """
     path = find_dump(target)
-    case = load_case(path.parent) if (path.parent / "case.yaml").exists() else None
+    case = load_case(require_case(path.parent)) if (path.parent / "case.yaml").exists() else None
     table = path.parent / "forces.csv"
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or path.parent / "animation.mp4"

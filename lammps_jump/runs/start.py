@@ -22,10 +22,10 @@ from lammps_jump.engines.lammps.job import write_job
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
-from lammps_jump.files import RESULT_FILES, clear, writing
+from lammps_jump.files import RESULT_FILES, clear, locked, require_unlocked, write_text
 
 from .engine import choose_setting, with_header
-from .folder import require_case, result_of, resumable, stored_result, write_folder
+from .folder import case_text, require_case, result_of, resumable, run_folder, stored_result, write_folder
 from .summary import compose, read_summary, write_summary
 
 log = logging.getLogger(__name__)
@@ -50,6 +50,31 @@ def start(
     if resume and force:
         raise CaseError("--resume goes on with a run, --force starts a new one: use one of the two")
     case, setting, notes = choose_setting(case)
+    case.scene()
+    require_unlocked(folder)
+    if not resume and not force and (stored := stored_result(case, folder, setting)):
+        log.info(
+            f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
+            "of computing): nothing to do. --force runs it again."
+        )
+        return
+    if resume:
+        resumable(case, folder, setting)
+    with run_folder(folder):
+        _run(case, folder, setting, notes, resume, begin, progress, should_stop)
+
+
+def _run(
+    case: ReadCase,
+    folder: Path,
+    setting: Setting,
+    notes: tuple[str, ...],
+    resume: bool,
+    begin: float,
+    progress: ProgressCallback | None,
+    should_stop: StopCallback | None,
+) -> None:
+    """Run in a folder that this process holds."""
     scene, checkpoint = case.scene(), None
     before: Mapping[str, float] = {}
     if resume:
@@ -61,28 +86,21 @@ def start(
             f"(step {checkpoint.step} of {scene.steps})"
         )
     else:
-        if not force and (stored := stored_result(case, folder, setting)):
-            log.info(
-                f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
-                "of computing): nothing to do. --force runs it again."
-            )
-            return
         c, ranks = scene.coefficients, f", {setting.ranks} ranks" if setting.ranks > 1 else ""
         said = (
             f"{setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
             f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m"
         )
-    for note in (*scene.warnings, *notes):
+    for note in (*scene.warnings, *scene.adapted, *notes):
         log.info(f"note: {note}")
     log.info(f"{scene.name}: {said} -> {folder}")
     if checkpoint is None:
         write_folder(case, folder)
         before = {"build": time.perf_counter() - begin}
-    with writing(folder):
-        result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
-        if checkpoint is not None:
-            clear(folder, RESULT_FILES)  # those of the part before
-        _conclude(case, folder, setting, notes, result, steady, before)
+    result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
+    if checkpoint is not None:
+        clear(folder, RESULT_FILES)  # those of the part before
+    _conclude(case, folder, setting, notes, result, steady, before)
 
 
 def build(case: ReadCase, folder: Path, *, job: bool = False) -> Setting:
@@ -93,10 +111,11 @@ def build(case: ReadCase, folder: Path, *, job: bool = False) -> Setting:
     CaseError, SetupError
     """
     case, setting, _ = choose_setting(case)
-    write_folder(case, folder)
-    engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
-    if job:
-        write_job(case.scene(), folder, setting.ranks)
+    with run_folder(folder):
+        write_folder(case, folder)
+        engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
+        if job:
+            write_job(case.scene(), folder, setting.ranks)
     return setting
 
 
@@ -124,11 +143,16 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
                 f"values is a new one: `lammps-jump build-and-run {folder / 'case.yaml'} --set {change} --out …`"
             )
     case, setting, notes = choose_setting(load_case(require_case(folder), changes))
+    with locked(folder):
+        _reanalyse(case, folder, setting, notes)
+
+
+def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str, ...]) -> None:
     stored = read_summary(folder)
     if stored.get("kernel") in ("stock", "compiled") and setting.kernel != "numba":
         setting = replace(setting, kernel=stored["kernel"])
     begin = time.perf_counter()
-    with _analysis_of(folder), writing(folder):
+    with _analysis_of(folder):
         result = result_of(case, folder, stored, setting)
         parts = runs.results.analyse(case, folder)
     seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
@@ -137,7 +161,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
         parts.setdefault("warnings", []).append(result.message)
     summary = compose(case, setting, result, seconds=seconds, parts=parts, notes=notes)
     summary["case_hash"] = stored.get("case_hash", summary["case_hash"])
-    (folder / "case.yaml").write_text(case.to_yaml())
+    write_text(folder / "case.yaml", case_text(case))
     write_summary(folder, summary)
     runs.results.write_report(folder, summary, case)
 

@@ -138,7 +138,7 @@ def test_full_step_velocities_would_not_do(tmp_path):
     place = tmp_path / "parts"
     run(scene, place, Setting(stop_at=scene.steps // 5))
     checkpoint = read_checkpoint(place)
-    options = {"state": checkpoint.state, "step": checkpoint.step, "removed": checkpoint.removed}
+    options = {"step": checkpoint.step, "removed": checkpoint.removed}
     lines = continuation_text(scene, **options).splitlines()
     # set the velocities of the step first, and let the run compute its forces with them
     start = lines.index("run             0 post no")
@@ -175,7 +175,7 @@ def test_a_gate_before_inlets_is_refused_until_it_is_open(tmp_path):
     assert read_checkpoint(tmp_path) is None
     assert run(scene, tmp_path, Setting(stop_at=3500)).status == "interrupted"
     assert 3500 <= read_checkpoint(tmp_path).step < 3500 + scene.probe_steps
-    assert "wall_gate" not in write_continuation(scene, tmp_path, state="x", step=1, removed=()).read_text()
+    assert "wall_gate" not in write_continuation(scene, tmp_path, step=1, removed=()).read_text()
     result = go_on(scene, tmp_path)
     assert result.status == "complete" and result.lost == 0
 

@@ -7,8 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from made_up import INPUTS
 
 from lammps_jump import load_case
+from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.studies import measure, runs
 from lammps_jump.studies.bench import errors as bench_errors
@@ -16,6 +18,7 @@ from lammps_jump.studies.bench import page as bench_page
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.errors import QuantityError
 from lammps_jump.studies.bench.study import Axes, read_axes
+from lammps_jump.studies.cross_validation.trajectories import with_discs_of
 from lammps_jump.studies.measure import JITTER, Measured, moved_start
 from lammps_jump.studies.runs import in_turn, middle
 from lammps_jump.studies.settings import Setting, make_settings, reference_setting, stable
@@ -189,3 +192,18 @@ def test_table_names_choices():
     text = bench_page.page(data)
     assert "compiled f=0.1: 1.00 s, 4.0x (0.80 %)" in text
     assert "| compiled f=0.1 (1 failed) | 1.00 | 5.0 | 0.80 % |" in text
+
+
+def test_a_developed_flow_keeps_the_sizes_of_its_discs():
+    """Ids begin anew, and with them the sizes: each disc gets an id whose size is all but its own."""
+    scene = load_case(INPUTS / "quick_jump.yaml", {"run.duration": 2}).scene()
+    simulation = NativeSimulation(replace(scene, probes=()), ledger=False)
+    simulation.run(scene.steps)
+    started = with_discs_of(simulation, scene)
+    ids = np.arange(1, len(started.positions) + 1)
+    place = {tuple(position): radius for position, radius in zip(simulation.positions, simulation.radii, strict=True)}
+    was = 2 * np.array([place[tuple(position)] for position in started.positions])
+    # the range is 0.06 m; ids in turn fill it evenly, those of 500 discs leave gaps of up to 2 / 500 of it
+    assert np.abs(started.diameters(ids) - was).max() < 0.01 * (scene.largest - scene.smallest)
+    assert {row.first_step for row in started.inlets} == {scene.size_steps}
+    assert (with_discs_of(started, scene).positions == started.positions).all()

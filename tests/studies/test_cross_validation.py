@@ -37,7 +37,7 @@ contact: {restitution: 0.3, friction: 0, impact_speed: 5}
 domain: {x: [-2, 4], y: [-2, 4]}
 walls: [{name: floor, kind: plane, axis: y, at: 0, side: above}]
 initial: [{kind: lattice, nx: 3, ny: 3, spacing: 0.25, origin: [0.2, 0.3]}]
-run: {duration: 0.2, time_step_fraction: 0.1, output_interval: 0.02}
+run: {duration: 0.21, time_step_fraction: 0.1, output_interval: 0.02}
 probes: {forces: [floor]}
 analysis: {bin_width: 0.5}
 """

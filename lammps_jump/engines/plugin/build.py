@@ -26,6 +26,7 @@ from platformdirs import user_cache_path
 
 from lammps_jump.engines.lammps.loader import wheel_file
 from lammps_jump.errors import SetupError
+from lammps_jump.files import read_json
 from lammps_jump.provenance import package_version
 
 SOURCES = (
@@ -208,7 +209,7 @@ def _record(library: Path) -> Path:
 def _is_whole(library: Path) -> bool:
     """Whether the library is there and is the one that its record was written for."""
     try:
-        record = json.loads(_record(library).read_text())
+        record = read_json(_record(library))
         return record["sha256"] == hashlib.sha256(library.read_bytes()).hexdigest()
     except (OSError, ValueError, KeyError, TypeError):
         return False

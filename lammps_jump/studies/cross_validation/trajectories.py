@@ -257,11 +257,20 @@ def developed_scene(scene: Scene, work: float) -> Scene:
 
 
 def with_discs_of(source: NativeSimulation | Scene, scene: Scene) -> Scene:
-    """Return the scene with the discs of another, or of a simulation, at its start; gates are open."""
-    inlets = tuple(replace(row, first_step=1) for row in scene.inlets)
-    return replace(
-        scene, positions=source.positions, velocities=source.velocities, inlets=inlets, gates=(), settle_steps=0
-    )
+    """Return the scene with the discs of another, or of a simulation, at its start; gates are open.
+
+    Ids begin at 1 again. Where sizes differ, discs get the ids whose diameters come in the same order. The diameters
+    then change by less than a per cent of their range.
+    """
+    inlets = tuple(replace(row, first_step=scene.size_steps) for row in scene.inlets)
+    places, velocities = source.positions, source.velocities
+    if scene.sizes:
+        ids = np.arange(1, len(places) + 1)
+        was = source.radii if isinstance(source, NativeSimulation) else source.diameters(ids)
+        taken = np.empty(len(ids), int)
+        taken[np.argsort(scene.diameters(ids), kind="stable")] = np.argsort(was, kind="stable")
+        places, velocities = places[taken], velocities[taken]
+    return replace(scene, positions=places, velocities=velocities, inlets=inlets, gates=(), settle_steps=0)
 
 
 def check_scene(scene: Scene, *, kernel: str = "stock") -> DeterministicCheck:
