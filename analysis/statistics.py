@@ -87,12 +87,10 @@ def block_average(series: np.ndarray) -> BlockAverage:
 
 PIECES = 8
 """Equal pieces of a window: a quantity is computed in each, and their scatter is its error (docs/analysis.md)."""
-STUDENT = 2.3646
-"""Standard errors in a 95 % interval: Student's t with `PIECES` - 1 degrees of freedom."""
-COSINES = 4
-"""Longest waves of the window whose size is the error of the depth behind a jump."""
-STUDENT_COSINES = 2.776
-"""As `STUDENT`, with `COSINES` degrees of freedom."""
+WAVES = 4
+"""Longest waves over the pieces that are looked at for slow swings."""
+STUDENT = 2.776
+"""Standard errors in a 95 % interval: Student's t with `WAVES` degrees of freedom."""
 
 
 @dataclass(frozen=True)
@@ -110,9 +108,18 @@ def piece_bounds(samples: int) -> list[int]:
     return np.round(np.linspace(0, samples - 1, PIECES + 1)).astype(int).tolist()
 
 
-def scatter_error(values: np.ndarray) -> float:
-    """Standard error of the mean of independent values, s / sqrt(n); NaN where one of them is NaN or absent."""
-    return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else nan
+def piece_error(values: np.ndarray) -> float:
+    """Standard error of the mean of a quantity from its values in the pieces; NaN with fewer pieces or a NaN.
+
+    The larger of s / sqrt(n), which takes pieces for independent, and of the size of the `WAVES` longest waves,
+    ``e^2 = mean of L_j^2 / n`` with ``L_j = sqrt(2/n) sum cos(pi j (i + 1/2)/n) x_i``: swings slower than a piece.
+    """
+    n = len(values)
+    if n < PIECES:
+        return nan
+    waves = np.cos(np.pi * np.outer(np.arange(1, WAVES + 1), np.arange(n) + 0.5) / n)
+    slow = np.mean((waves @ (values - values.mean())) ** 2) * 2 / n / n
+    return float(np.sqrt(max(np.var(values, ddof=1) / n, slow)))
 
 
 def mean_of(series: np.ndarray) -> Mean:
@@ -121,18 +128,4 @@ def mean_of(series: np.ndarray) -> Mean:
     if not good.size:
         return Mean(nan, nan)
     pieces = np.array_split(good, PIECES) if piece_bounds(len(good)) else []
-    return Mean(float(good.mean()), scatter_error(np.array([piece.mean() for piece in pieces])))
-
-
-def cosine_error(series: np.ndarray) -> float:
-    """Standard error of the mean from the longest waves of a series; NaN with fewer than two samples a piece.
-
-    ``L_j = sqrt(2/n) sum cos(pi j (i + 1/2)/n) x_i`` for the first `COSINES` j: slow swings raise the error, which
-    pieces would take for independent values. ``e^2 = mean of L_j^2 / n``, with `COSINES` degrees of freedom.
-    """
-    good = series[np.isfinite(series)]
-    n = len(good)
-    if n < 2 * PIECES:
-        return nan
-    waves = np.cos(np.pi * np.outer(np.arange(1, COSINES + 1), np.arange(n) + 0.5) / n)
-    return float(np.sqrt(np.mean((waves @ (good - good.mean())) ** 2) * 2 / n / n))
+    return Mean(float(good.mean()), piece_error(np.array([piece.mean() for piece in pieces])))

@@ -9,7 +9,7 @@ from math import ceil, isfinite, nan
 
 import numpy as np
 
-from lammps_jump.analysis.statistics import scatter_error
+from lammps_jump.analysis.statistics import piece_error
 from lammps_jump.units import number
 
 GOAL = 0.03
@@ -17,6 +17,9 @@ GOAL = 0.03
 MISSED = {"y2": 0.60, "speed": 0.52, "froude": 0.44}
 """Largest share of the variance between starts that the window of one run missed (16 starts of a jump, windows of 3, 6
 and 13 s, each share to 0.15; docs/analysis.md)."""
+
+CANNOT_TELL = (*MISSED, "h2", "u2")
+"""Numbers whose error one run cannot tell: those, and what goes with y2 (95 % intervals cover less than 90 %)."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ def errors(jump: object, pieces: Sequence[object]) -> dict[str, float]:
     """Standard error within this run of each number of a `Jump` that has one, by its key ``<number>_error``."""
     names = [field.name for field in fields(jump)]
     pairs = [(name, name.removesuffix("_error")) for name in names if name.endswith("_error")]
-    return {name: scatter_error(_values(pieces, key)) for name, key in pairs}
+    return {name: piece_error(_values(pieces, key)) for name, key in pairs}
 
 
 def drift(pieces: Sequence[object]) -> Drift:

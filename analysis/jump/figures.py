@@ -15,6 +15,7 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.units import numbers_of
 
 from .frame import mean_profile
+from .stream import running_median
 from .summary import Jump
 
 if TYPE_CHECKING:
@@ -33,8 +34,9 @@ def track_figure(jump: Jump) -> Figure | None:
         axes.plot(track.time, sign * track.end, color=GOLD, lw=1.1, ls="--", label="end")
         axes.plot(track.time, sign * track.position, color=BLACK, lw=1.4, ls=":", label="front of equal mass")
         if track.compression is not None and np.isfinite(track.compression).any():
-            axes.plot(track.time, sign * track.compression, color=GREY, ls="none", marker=".", ms=3,
-                      label="front of the compression")  # fmt: skip
+            axes.plot(track.time, sign * track.compression, color=GREY, ls="none", marker=".", ms=2, alpha=0.5)
+            line = running_median(track.compression)
+            axes.plot(track.time, sign * line, color=GREY, ls="-.", label="front of the compression")
         if result.motion is not None:
             ends = np.array(result.window)
             line = sign * (result.motion.start + result.motion.speed * ends)

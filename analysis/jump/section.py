@@ -15,8 +15,8 @@ import numpy as np
 
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
 from lammps_jump.analysis.profiles import bin_edges
-from lammps_jump.analysis.report.page import Code, Section, Table, Text, described, heading, with_error
-from lammps_jump.analysis.statistics import STUDENT, STUDENT_COSINES
+from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
+from lammps_jump.analysis.statistics import STUDENT
 from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
@@ -111,7 +111,6 @@ def section(jump: Mapping) -> Section:
             _roller(jump),
             *_tail(jump.get("tail")),
             *_stream(jump.get("stream")),
-            Code(DEFINITIONS, "What these numbers mean"),
         ]
     return Section("Hydraulic jump", blocks)
 
@@ -172,11 +171,13 @@ def certainty(jump: Mapping) -> Text:
     moved = ", ".join(f"{units[key].label} {shown(drifts[key], units[key].unit, digits=2)}" for key in ("y2", "speed"))
     starts = jump["members"]
     return Text(
-        f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors, for y2 ± "
-        f"{STUDENT_COSINES:.2f}. From the first half of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
-        f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. One run misses up to 60 % of the variance "
-        f"between starts. For a standard error of 3 %, average at least {starts['y2']} run(s) for y2, "
-        f"{starts['speed']} for the velocity of the front, {starts['froude']} for the Froude number."
+        f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors. From the first half "
+        f"of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
+        f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. "
+        "One run cannot tell the errors of y2, h2, u2, the velocity of the front and the Froude number: it misses up "
+        "to 60 % of their variance between starts. For a standard error of 3 %, average at least "
+        f"{starts['y2']} run(s) for y2, {starts['speed']} for the velocity of the front, {starts['froude']} for the "
+        "Froude number."
     )
 
 
@@ -267,18 +268,3 @@ SHORT = (
     "diameters of the front. A length far below the thesis' and the USBR's is no error of the run."
 )
 """Said beside the length."""
-DEFINITIONS = """\
-front       where a sharp step between the mean depths would hold the same mass; c is its velocity
-toe, end    where the mean profile in the front's frame has made 5 % and 95 % of its rise
-s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
-1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
-Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
-head        s + (u − c)²/2g; head lost: the energy between two stations that move with the front, carried by
-            discs and handed on by contacts, in less out less stored;  momentum function: ρ (s (u − c)² + g s²/2)
-β           ∑ m (u − c)² over the same with the mean velocity
-thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
-packing     area of the discs over that below the surface;  bulk density: ρ s/h
-± e         standard error within this run, from eight pieces of the window
-tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
-"""
-"""What the numbers of the section mean; docs/analysis.md has all of them."""

@@ -134,7 +134,7 @@ def measure_stream(
     froude = (velocity - speed) / np.sqrt(gravity * mean_depth)
     sequent = mean_depth * np.array([theory.belanger(value) for value in froude])
     levels = np.array([value.value for value in total])
-    place = _window_median(track.compression[used]) if track.compression is not None else nan
+    place = median_place(track.compression[used]) if track.compression is not None else nan
     clear = place - (x[0] - 0.5 * width)
     return Stream(
         start=np.array([x[group[0]] - 0.5 * width for group in groups]),
@@ -162,7 +162,13 @@ def _stretches(window: xr.Dataset, name: str, groups: list[np.ndarray]) -> np.nd
     return np.array([values[:, group].mean(axis=1) for group in groups]).T
 
 
-def _window_median(places: np.ndarray) -> float:
+def median_place(places: np.ndarray) -> float:
     """Median place; NaN where fewer than half of the frames have one."""
     known = places[np.isfinite(places)]
     return float(np.median(known)) if known.size and known.size >= 0.5 * len(places) else nan
+
+
+def running_median(places: np.ndarray, frames: int = 9) -> np.ndarray:
+    """Median place over that many frames around each, shape (frames,): the compression front as a line."""
+    half = frames // 2
+    return np.array([median_place(places[max(0, k - half) : k + half + 1]) for k in range(len(places))])

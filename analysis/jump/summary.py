@@ -10,7 +10,6 @@ from math import isfinite, nan
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.statistics import cosine_error
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
@@ -166,7 +165,7 @@ def summarise_jump(result: JumpResult) -> Jump:
         return jump
     jump = _measured(jump)
     pieces = [_measured(replace(jump, measured=piece)) for piece in result.pieces]
-    jump = replace(jump, **errors(jump, pieces) | _error_behind(result), drift=drift(pieces))
+    jump = replace(jump, **errors(jump, pieces), drift=drift(pieces))
     jump = replace(jump, members=members(jump))
     if jump.verdict == "jump" and jump.sequent_ratio < DEVELOPED_SHARE * jump.belanger_ratio:
         share = 100 * jump.sequent_ratio / jump.belanger_ratio
@@ -178,15 +177,6 @@ def summarise_jump(result: JumpResult) -> Jump:
 def _measured(jump: Jump) -> Jump:
     """The numbers of what was measured in a window, or in a piece of it."""
     return _against_theory(_states(_places(jump)))
-
-
-def _error_behind(result: JumpResult) -> dict[str, float]:
-    """Errors of the depths behind the jump, which swing too slowly for pieces."""
-    zone = result.moving.sel(xi=slice(*result.downstream.zone)).mean("xi")
-    return {
-        key: cosine_error(zone[name].values)
-        for key, name in (("y2_error", "mass_depth"), ("h2_error", "surface_depth"))
-    }
 
 
 def _places(jump: Jump) -> Jump:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from lammps_jump.analysis.statistics import piece_bounds, scatter_error
+from lammps_jump.analysis.statistics import piece_bounds, piece_error
 
 LEAST_RATIO = 1.5
 """A rise below this ratio of mass depths is taken for waves of the stream, not for a jump (Fr1 = 1.37)."""
@@ -251,7 +251,7 @@ def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
         return Motion(nan, nan, nan, n)
     centred = t - t.mean()
     speed = float(centred @ x) / float(centred @ centred)
-    return Motion(speed, scatter_error(piece_speeds(t, x)), float(x.mean() - speed * t.mean()), n)
+    return Motion(speed, piece_error(piece_speeds(t, x)), float(x.mean() - speed * t.mean()), n)
 
 
 def piece_speeds(time: np.ndarray, position: np.ndarray) -> np.ndarray:

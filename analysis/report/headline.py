@@ -14,7 +14,8 @@ DISCS = (-0.2, 0.0)
 
 def headline(summary: Mapping) -> str:
     """The sentence, from what a summary holds; empty where there is nothing to be said."""
-    jump, front, energy = (summary.get(key) or {} for key in ("jump", "front", "energy"))
+    found = (summary.get(key) for key in ("jump", "front", "energy"))
+    jump, front, energy = (part if isinstance(part, Mapping) else {} for part in found)
     said = [jump.get("headline") or ""]
     said += [_front(front)] if "position" in front else []
     if energy.get("conservative") and energy.get("max_deviation") is not None and not any(said):

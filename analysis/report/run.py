@@ -11,10 +11,11 @@ from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES
+from lammps_jump.files import FIGURES, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
+from .definitions import DEFINITIONS
 from .headline import belongs, headline
 from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, percent, picture, render, with_error
 
@@ -51,7 +52,9 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     title, tab = name_of_run.replace("_", " "), f"{name_of_run}: report"
     lead = [*_lead(summary), Boxes(_key_numbers(summary)), Items(summary.get("warnings") or (), "Notes")]
     before = [Section("", lead)]
-    before += [quantity.section(summary[key]) for key, quantity in QUANTITIES.items() if summary.get(key)]
+    before += [
+        _defined(key, quantity.section(summary[key])) for key, quantity in QUANTITIES.items() if summary.get(key)
+    ]
     numbers = numbers_of(Coefficients)
     values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
@@ -65,10 +68,17 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     path = Path(folder) / name
     page = render(title, [*before, _figures(Path(folder), room), *after], tab=tab)
     try:
-        path.write_text(page, encoding="utf-8", errors="replace")
+        write_text(path, page)
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path
+
+
+def _defined(key: str, section: Section | None) -> Section | None:
+    """The section of a quantity, with what its numbers mean folded away at its end."""
+    if section is None or not section.blocks:
+        return section
+    return section._replace(blocks=[*section.blocks, Code(DEFINITIONS[key], "What these numbers mean")])
 
 
 def _lead(summary: Mapping) -> list[Text]:
