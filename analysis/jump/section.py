@@ -150,6 +150,8 @@ def _comparisons(jump: Mapping) -> Table:
         ("energy_loss", "Bélanger", "energy_loss_theory"),
     ):
         head, value = described(Jump, jump, key)[0][0], with_error(jump, key)
+        if key == "head_lost" and (budget := jump.get("budget")):
+            head += f", {budget['start']:+.1f} to {budget['stop']:+.1f} m from the toe".replace("-", "−")
         rows.append((head, value, words, jump[other], _deviation(jump[key], jump[other])))
     return Table(rows, ("Measured, ± within this run", "", "against", "", "difference"))
 
