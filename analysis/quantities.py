@@ -17,7 +17,7 @@ from lammps_jump.files import plain
 from lammps_jump.units import as_summary, numbers_of, shown
 
 from . import energy, front
-from .budgets import inflow
+from .budgets import head, inflow
 from .contacts import ContactCollector
 from .draw.film import NO_FFMPEG, animate
 from .draw.snapshots import snapshots
@@ -64,7 +64,7 @@ QUANTITIES = {
     "inflow": Quantity(
         inflow.Delivery, inflow.InflowCounter, inflow.analyse, lambda _: {}, lambda *_: {}, inflow.section
     ),
-    "jump": Quantity(Jump, None, jump.analyse, jump.tables, jump.figures, jump.section),
+    "jump": Quantity(Jump, head.EnergyFluxes, jump.analyse, jump.tables, jump.figures, jump.section),
     "front": Quantity(front.Front, front.FrontTracker, front.analyse, front.tables, front.figures, front.section),
     "force": Quantity(
         Force, MomentumLedger, forces.analyse, Forces.tables, forces.figures, forces.section, Forces.summary

@@ -9,6 +9,7 @@ from math import isfinite, nan
 
 import numpy as np
 
+from lammps_jump.analysis.budgets.head import Budget
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
@@ -119,8 +120,11 @@ class Jump:
     head_upstream_error: float = number("m", "standard error of the head upstream", default=nan)
     head_downstream: float = number("m", "head, front's frame, downstream", default=nan)
     head_downstream_error: float = number("m", "standard error of the head downstream", default=nan)
-    energy_loss: float = number("m", "head lost", default=nan)
-    energy_loss_error: float = number("m", "standard error of the head lost", default=nan)
+    head_lost: float = number("m", "head lost, energy budget", default=nan, label="head lost")
+    head_lost_error: float = number("m", "standard error of the head lost, within this run", default=nan)
+    budget: Budget | None = None
+    energy_loss: float = number("m", "difference of s + (u − c)²/2g", default=nan)
+    energy_loss_error: float = number("m", "standard error of that difference", default=nan)
     energy_loss_theory: float = number("m", "head lost by Bélanger", default=nan)
     energy_loss_depths: float = number("m", "head lost by the two depths", default=nan)
     momentum_upstream: float = number("N/m", "momentum function upstream", default=nan)

@@ -26,10 +26,10 @@ def headline(summary: Mapping) -> str:
     return " ".join(filter(None, said)).replace("-", "−")
 
 
-OF_A_JUMP = ("length", "energy_loss", "belanger_y2", "belanger_ratio", "sequent_ratio", "froude", "y1", "y2")
-"""Numbers that mean nothing where there is no jump."""
-OF_A_STEADY_JUMP = ("length", "energy_loss")
+OF_A_STEADY_JUMP = ("length", "head_lost", "energy_loss")
 """Numbers that mean nothing where the jump comes and goes, or is still filling up."""
+OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_ratio", "sequent_ratio", "froude", "y1", "y2")
+"""Numbers that mean nothing where there is no jump."""
 
 
 def belongs(key: str, found: Mapping) -> bool:
