@@ -125,10 +125,19 @@ def _python_of(value: object) -> object:
 
 
 def write_text(path: Path, text: str) -> Path:
+    """`write_bytes` of a text."""
+    return write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, data: bytes | memoryview) -> Path:
     """Write a file whole or not at all: a second file, in the same folder, takes its place in one move."""
     new = path.with_name(path.name + ".new")
-    new.write_text(text, encoding="utf-8")
-    os.replace(new, path)
+    try:
+        new.write_bytes(data)
+        os.replace(new, path)
+    except OSError:
+        new.unlink(missing_ok=True)
+        raise
     return path
 
 
@@ -153,11 +162,16 @@ def read_json(path: Path) -> Any:
 
 def read_file(path: Path, most: int) -> bytes:
     """The bytes of a regular file; OSError for another kind (a pipe or device may never end) or more than `most`."""
-    with open(path, "rb", opener=_open_regular) as file:
-        data = file.read(most + 1)
+    data = read_start(path, most + 1)
     if len(data) > most:
         raise OSError(errno.EFBIG, f"more than {most // 1_000_000} MB")
     return data
+
+
+def read_start(path: Path, most: int) -> bytes:
+    """At most so many bytes from the start of a regular file; OSError for another kind."""
+    with open(path, "rb", opener=_open_regular) as file:
+        return file.read(most)
 
 
 def _open_regular(path: str, flags: int) -> int:

@@ -13,7 +13,7 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
-from .frame import Balance, Mass, Roller
+from .frame import Balance, Mass, Roller, share
 from .result import Heap, JumpResult
 from .tail import Tail, against_inflow
 
@@ -181,7 +181,7 @@ def _states(jump: Jump) -> Jump:
         froude=one.froude_relative,
         froude_lab=one.froude,
         froude_downstream=two.froude_relative,
-        density_ratio=two.bulk_density / one.bulk_density,
+        density_ratio=share(two.bulk_density, one.bulk_density),
         head_upstream=one.head,
         head_downstream=two.head,
         energy_loss=one.head - two.head,
@@ -214,7 +214,7 @@ def _against_theory(jump: Jump) -> Jump:
         largest = _largest_ratio(froude, jump.beta_1, jump.beta_2, p1, p2, push + terms.unsteady / unit)
         found["pressure_relation_ratio"] = largest
         for k, state in ((1, one), (2, two)):
-            found[f"pressure_coefficient_{k}"] = state.thrust.value / state.still(state.surface_depth)
+            found[f"pressure_coefficient_{k}"] = share(state.thrust.value, state.still(state.surface_depth))
     return replace(
         jump,
         **found,
@@ -223,7 +223,7 @@ def _against_theory(jump: Jump) -> Jump:
         sequent_ratio_error=ratio * sqrt((jump.y1_error / s1) ** 2 + (jump.y2_error / s2) ** 2),
         belanger_ratio=belanger,
         belanger_y2=s1 * belanger,
-        belanger_deviation=ratio / belanger - 1,
+        belanger_deviation=share(ratio, belanger) - 1,
         density_relation_ratio=expected,
         density_relation_deviation=ratio / expected - 1,
         full_relation_ratio=full,

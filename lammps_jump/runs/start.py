@@ -8,7 +8,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -78,7 +78,7 @@ def start(
     if checkpoint is None:
         write_folder(case, folder)
         before = {"build": time.perf_counter() - begin}
-    with writing(folder):
+    with writing(folder), _files_at_risk(folder):
         result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
         if checkpoint is not None:
             clear(folder, RESULT_FILES)  # those of the part before
@@ -128,7 +128,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
     if stored.get("kernel") in ("stock", "compiled") and setting.kernel != "numba":
         setting = replace(setting, kernel=stored["kernel"])
     begin = time.perf_counter()
-    with _analysis_of(folder), writing(folder):
+    with _analysis_of(folder), writing(folder), _files_at_risk(folder):
         result = result_of(case, folder, stored, setting)
         parts = runs.results.analyse(case, folder)
     seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
@@ -174,7 +174,8 @@ def _run_engine(
 def _load_analysis() -> None:
     """Import what the analysis needs, 0.7 s."""
     for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
-        importlib.import_module(name)
+        with suppress(Exception):  # a program that is ending; else the analysis says it
+            importlib.import_module(name)
 
 
 def _conclude(
@@ -213,6 +214,23 @@ def _conclude(
         raise RunError(result.message)
     if trouble:
         raise RunError(f"the run is complete, its dump could not be analysed: {trouble}")
+
+
+@contextmanager
+def _files_at_risk(folder: Path) -> Iterator[None]:
+    """A disk that is full, or a folder that is taken away, while the run goes on: a `RunError` that says so."""
+    try:
+        yield
+    except OSError as error:
+        if not folder.is_dir():
+            raise RunError(
+                f"{folder}: was removed or renamed while the run went on, so that its results cannot be kept there; "
+                "the same command runs it anew"
+            ) from None
+        raise RunError(
+            f"{error.filename or folder}: cannot be written ({error.strerror or error}); what was written before is "
+            "kept: make room there, then give the command again"
+        ) from None
 
 
 @contextmanager
