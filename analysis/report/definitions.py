@@ -4,6 +4,13 @@
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 
 DEFINITIONS = {
+    "inflow": """\
+asked       mean speed times depth of the case;  planned: what the rows carry in whole steps
+delivered   discs that entered, counted by id: their area over the time of their turns in the window
+refused     turns whose place was occupied
+depth, speed, momentum (flux over ρ): means between one and six depths behind the inlet, within the window
+Fr          u/√(g s) of that stream in the laboratory, and its Bélanger depth
+""",
     "jump": """\
 front       where a sharp step between the mean depths would hold the same mass; c is its velocity
 toe, end    where the mean profile in the front's frame has made 5 % and 95 % of its rise
