@@ -10,6 +10,8 @@ import pytest
 from made_up import numbers
 
 from lammps_jump.analysis.jump.summary import Jump
+from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.report.definitions import DEFINITIONS
 from lammps_jump.analysis.report.page import Section, Table, render, text
 from lammps_jump.analysis.report.run import LARGEST, write_report
 from lammps_jump.errors import DumpError
@@ -98,6 +100,10 @@ def test_the_verdict_stands_at_the_top_and_its_tiles_have_errors(tmp_path):
     jump |= {"verdict": "no jump found"}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump}))
     assert "length of the jump" not in content.partition("How to repeat")[0] and "head lost" not in content
+
+
+def test_every_quantity_has_its_definitions():
+    assert set(DEFINITIONS) == set(QUANTITIES)
 
 
 def test_text_is_made_safe(tmp_path):
