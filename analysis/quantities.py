@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from lammps_jump.files import plain
 from lammps_jump.units import as_summary, numbers_of, shown
 
 from . import energy, front
-from .budgets import inflow
+from .budgets import head, inflow
 from .contacts import ContactCollector
 from .draw.film import NO_FFMPEG, animate
 from .draw.snapshots import snapshots
@@ -64,7 +64,7 @@ QUANTITIES = {
     "inflow": Quantity(
         inflow.Delivery, inflow.InflowCounter, inflow.analyse, lambda _: {}, lambda *_: {}, inflow.section
     ),
-    "jump": Quantity(Jump, None, jump.analyse, jump.tables, jump.figures, jump.section),
+    "jump": Quantity(Jump, head.EnergyFluxes, jump.analyse, jump.tables, jump.figures, jump.section),
     "front": Quantity(front.Front, front.FrontTracker, front.analyse, front.tables, front.figures, front.section),
     "force": Quantity(
         Force, MomentumLedger, forces.analyse, Forces.tables, forces.figures, forces.section, Forces.summary
@@ -87,6 +87,7 @@ def analyse(
     figures: bool = True,
     film: bool = False,
     quiet: bool = False,
+    watch: Sequence[Collector] = (),
 ) -> dict[str, object]:
     """Analyse a dump file.
 
@@ -104,6 +105,8 @@ def analyse(
         Write ``figures/*.png``; write ``animation.mp4``, or ``animation.gif`` where there is no ffmpeg.
     quiet : bool
         Print nothing while the film is made.
+    watch : sequence of Collector
+        Are also shown every frame.
 
     Returns
     -------
@@ -120,7 +123,7 @@ def analyse(
         known = ", ".join(name for name in QUANTITIES if name != "inflow")
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     warnings = list(flow.notes)
-    gathered = collect(flow, dump, out, wanted, warnings)
+    gathered = collect(flow, dump, out, wanted, warnings, watch)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
     asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, *ALWAYS}}
     results = {name: result for name, result in asked.items() if result is not None}
@@ -141,7 +144,9 @@ def analyse(
     return plain(parts)
 
 
-def collect(flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings: list[str]) -> Gathered:
+def collect(
+    flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings: list[str], watch: Sequence[Collector] = ()
+) -> Gathered:
     """One pass over a dump with the collectors of the wanted quantities; notes are added to `warnings`."""
     forces_found = _find_forces((out, dump.parent), warnings) if "force" in wanted or flow.scene.probes else {}
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
@@ -153,7 +158,8 @@ def collect(flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings
         if quantity.collector and there.get(name, name in wanted)
     }
     # contacts first: the energy takes each frame's elastic energy from them
-    profiles = gather(open_dump(dump), flow, [*([contacts] if contacts else []), *collectors.values()], warnings)
+    fed = [*watch, *([contacts] if contacts else []), *collectors.values()]
+    profiles = gather(open_dump(dump), flow, fed, warnings)
     histories = {name: collector.result() for name, collector in collectors.items()}
     return Gathered(flow, profiles, contacts.result() if contacts else None, histories, forces_found)
 

@@ -1,24 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The files of a run folder: their names, how they are cleared and written whole, and the lock of the folder."""
+"""The files of a run folder: their names, how they are written whole."""
 
 from __future__ import annotations
 
 import errno
-import fcntl
+import hashlib
 import json
 import os
-import re
+import shutil
 import stat
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic_core import to_jsonable_python
-
-from lammps_jump.errors import SetupError
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
@@ -83,37 +78,31 @@ RESULT_FILES = (
     "picture[0-9].dat",
     *(f"figures/{name}" for name in FIGURES),
 )
-"""What is made of them; ``force_<structure>.csv`` besides, where the summary says that it was written."""
-LOCK_FILE = ".lock"
-"""Held by the one process that writes to a folder; says which."""
-ENGINE_PATIENCE = 300
-"""Tenths of a second that the engine of a killed run gets to save its state."""
+"""What is made of them; ``force_<structure>.csv`` of each probe besides."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv``."""
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)
-"""What a run folder may hold of an earlier run (names and patterns); nothing else in it is ever deleted."""
+"""What a run folder may hold of an earlier run (names and patterns), tables of forces besides."""
 
 
 MOST_JSON = 100_000_000
 """Bytes of a JSON file that is read."""
 
 
-def clear(folder: Path, patterns: tuple[str, ...]) -> None:
-    """Delete the files of a folder that the patterns name; with the results those that its summary names as written."""
-    written = _force_tables(folder) if "summary.json" in patterns else []
-    for name in written:
-        (folder / name).unlink(missing_ok=True)
-    for pattern in patterns:
-        for old in folder.glob(pattern):
-            old.unlink()
+def make_own(path: Path) -> None:
+    """Give a file that is to be changed in place a body of its own, so that a hard-linked backup stays as it is."""
+    if path.is_symlink() or path.stat().st_nlink > 1:
+        new = path.with_name(f".{path.name}.new")
+        new.unlink(missing_ok=True)
+        shutil.copy2(path, new)
+        flush(new)
+        os.replace(new, path)
 
 
-def _force_tables(folder: Path) -> list[str]:
-    try:
-        names = read_json(folder / "summary.json")["files"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
-    return [name for name in names if re.fullmatch(r"force_[^/\\]+\.csv", str(name))] if isinstance(names, list) else []
+def checksum(path: Path) -> dict[str, int | str]:
+    """Size of a file in bytes, and its SHA-256."""
+    with path.open("rb") as file:
+        return {"size": os.fstat(file.fileno()).st_size, "sha256": hashlib.file_digest(file, "sha256").hexdigest()}
 
 
 def plain(value: Any) -> Any:
@@ -134,11 +123,33 @@ def _python_of(value: object) -> object:
 
 
 def write_text(path: Path, text: str) -> Path:
+    """`write_bytes` of a text."""
+    return write_bytes(path, text.encode("utf-8", "replace"))
+
+
+def write_bytes(path: Path, data: bytes | memoryview) -> Path:
     """Write a file whole or not at all: a second file, in the same folder, takes its place in one move."""
-    new = path.with_name(path.name + ".new")
-    new.write_text(text, encoding="utf-8")
-    os.replace(new, path)
+    new = path.with_name(f".{path.name}.new")
+    new.unlink(missing_ok=True)  # of a process that was killed
+    try:
+        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file:
+            file.write(data)
+        flush(new)
+        os.replace(new, path)
+    except OSError:
+        new.unlink(missing_ok=True)
+        raise
+    flush(path.parent)
     return path
+
+
+def flush(path: Path) -> None:
+    """Bring a file or folder from memory to the disk."""
+    place = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(place)
+    finally:
+        os.close(place)
 
 
 def write_json(path: Path, data: object, indent: int = 1) -> Path:
@@ -162,11 +173,16 @@ def read_json(path: Path) -> Any:
 
 def read_file(path: Path, most: int) -> bytes:
     """The bytes of a regular file; OSError for another kind (a pipe or device may never end) or more than `most`."""
-    with open(path, "rb", opener=_open_regular) as file:
-        data = file.read(most + 1)
+    data = read_start(path, most + 1)
     if len(data) > most:
         raise OSError(errno.EFBIG, f"more than {most // 1_000_000} MB")
     return data
+
+
+def read_start(path: Path, most: int) -> bytes:
+    """At most so many bytes from the start of a regular file; OSError for another kind."""
+    with open(path, "rb", opener=_open_regular) as file:
+        return file.read(most)
 
 
 def _open_regular(path: str, flags: int) -> int:
@@ -176,135 +192,3 @@ def _open_regular(path: str, flags: int) -> int:
         kind = errno.EISDIR if os.path.isdir(path) else errno.EINVAL
         raise OSError(kind, os.strerror(kind) if kind == errno.EISDIR else "no regular file")
     return place
-
-
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Be the only writer of a folder while the block runs; the lock ends with the process, however that ends.
-
-    ``.lock`` is held by flock and says which process holds it. Where the file system has no flock, what it says
-    decides: the lock of a process that is gone is taken over.
-
-    Raises
-    ------
-    SetupError
-        Another process writes to the folder, or nothing can be written there.
-    """
-    try:
-        lock = _take(folder)
-    except OSError as error:
-        raise SetupError(
-            f"{folder}: cannot be written ({error.strerror or error}); correct its permissions, or use another folder"
-        ) from None
-    try:
-        _wait_for_engine(folder)
-        yield
-    finally:
-        with suppress(OSError):
-            os.unlink(folder / LOCK_FILE)
-        os.close(lock)
-
-
-def _take(folder: Path) -> int:
-    """Descriptor of the lock file, locked, with this process named in it."""
-    path = folder / LOCK_FILE
-    while True:
-        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            taken = False
-        except OSError as error:
-            taken = isinstance(error, BlockingIOError) or bool(holder(folder))
-        if taken:
-            os.close(lock)
-            raise _in_use(folder, holder(folder))
-        with suppress(FileNotFoundError):
-            if os.stat(path).st_ino == os.fstat(lock).st_ino:  # else its holder has just deleted it
-                os.ftruncate(lock, 0)
-                os.pwrite(lock, (json.dumps(_this_process()) + "\n").encode(), 0)
-                return lock
-        os.close(lock)
-
-
-def require_unlocked(folder: Path) -> None:
-    """SetupError where another process writes to a folder; nothing is written."""
-    if text := holder(folder):
-        raise _in_use(folder, text)
-
-
-def _in_use(folder: Path, text: str) -> SetupError:
-    return SetupError(
-        f"{folder}: {text or 'another process'} writes to this folder; wait until it has ended, or use another folder"
-    )
-
-
-def holder(folder: Path) -> str:
-    """The process that writes to a folder, in words; empty where there is none. Nothing is written or locked."""
-    try:
-        lock = os.open(folder / LOCK_FILE, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW)
-    except OSError:
-        return ""
-    try:
-        held = json.loads(os.read(lock, 4096))
-        pid, begun, boot, host = int(held["pid"]), held["started"], held["boot"], str(held["host"])[:80]
-        here = _this_process()
-        if boot == here["boot"]:
-            alive = _started(pid) == begun
-        elif alive := host != here["host"]:  # flock may know; its answer is no more than a look
-            with suppress(OSError):
-                fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
-                alive = False
-        return f"process {pid} on {host!r}" if alive else ""
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return ""
-    finally:
-        os.close(lock)
-
-
-def _this_process() -> dict[str, str | int]:
-    boot = Path("/proc/sys/kernel/random/boot_id")
-    return {
-        "pid": os.getpid(),
-        "started": _started(os.getpid()),
-        "boot": boot.read_text().strip() if boot.exists() else "",
-        "host": os.uname().nodename,
-    }
-
-
-def _started(pid: int) -> int:
-    """Start time of a process in ticks since the boot, 0 where there is none: a pid is given again."""
-    try:
-        return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19])
-    except OSError:
-        return 0
-
-
-@contextmanager
-def engine_at_work(folder: Path) -> Iterator[None]:
-    """Mark a folder while an engine's process writes to it: it may outlive the process that holds the lock."""
-    place = -1
-    with suppress(OSError):  # no flock here, or no folder: the engine says so
-        place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        fcntl.flock(place, fcntl.LOCK_SH)
-    try:
-        yield
-    finally:
-        if place >= 0:
-            os.close(place)
-
-
-def _wait_for_engine(folder: Path) -> None:
-    """Wait for the engine of a run whose own process was killed: it saves its state and ends."""
-    place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        for _ in range(ENGINE_PATIENCE):
-            try:
-                fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                return
-            except BlockingIOError:
-                time.sleep(0.1)
-            except OSError:
-                return
-    finally:
-        os.close(place)
-    raise _in_use(folder, "the engine of a run that was killed")

@@ -6,14 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite, nan, sqrt
+from math import hypot, isfinite, nan, sqrt
 
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.report.page import Section, Table, Text
-from lammps_jump.analysis.statistics import mean_of
+from lammps_jump.analysis.statistics import Mean, mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number, shown
@@ -182,7 +182,9 @@ class Delivery:
     momentum: float = number("m^3/s^2", "momentum flux behind the inlet over density", default=nan)
     momentum_error: float = number("m^3/s^2", "standard error of that flux, within this run", default=nan)
     froude: float = number("", "Froude number of the delivered stream", default=nan, label="Froude")
+    froude_error: float = number("", "standard error of that number, within this run", default=nan)
     belanger_y2: float = number("m", "sequent depth of the delivered stream, Bélanger", default=nan, label="Bélanger")
+    belanger_y2_error: float = number("m", "standard error of that depth, within this run", default=nan)
     station: tuple[float, float] = (nan, nan)
     rows: tuple[RowDelivery, ...] = ()
     notes: tuple[str, ...] = ()
@@ -242,12 +244,25 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         speed_error=speed.error,
         momentum=momentum.value,
         momentum_error=momentum.error,
-        froude=froude,
-        belanger_y2=depth.value * theory.belanger(froude),
+        **_sequent(froude, depth, Mean(u, speed.error)),
         station=(float(ends[0]), float(ends[1])),
         rows=tuple(found),
         notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum())),
     )
+
+
+def _sequent(froude: float, depth: Mean, speed: Mean) -> dict[str, float]:
+    """Froude number and Bélanger's depth with the errors that depth and speed, taken as independent, hand on."""
+    a, b = speed.error / abs(speed.value), depth.error / depth.value
+    root = sqrt(1.0 + 8.0 * froude**2)
+    slope = 4.0 * froude**2 / root  # d(y2/y1) / d(ln Fr)
+    ratio = theory.belanger(froude)
+    return {
+        "froude": froude,
+        "froude_error": froude * hypot(a, 0.5 * b),
+        "belanger_y2": depth.value * ratio,
+        "belanger_y2_error": depth.value * hypot(slope * a, (ratio - 0.5 * slope) * b),
+    }
 
 
 def _notes(delivered: float, asked: float, refused: int, turns: int) -> tuple[str, ...]:
@@ -276,8 +291,8 @@ def section(found: Mapping) -> Section:
         ("Mass depth [m]", found["depth_asked"], found["depth"], found["depth_error"]),
         ("Mean speed [m/s]", found["speed_asked"], found["speed"], found["speed_error"]),
         ("Momentum flux over ρ [m³/s²]", found["momentum_planned"], found["momentum"], found["momentum_error"]),
-        ("Froude number", None, found["froude"], None),
-        ("Bélanger depth of the delivered stream [m]", None, found["belanger_y2"], None),
+        ("Froude number", None, found["froude"], found["froude_error"]),
+        ("Bélanger depth of the delivered stream [m]", None, found["belanger_y2"], found["belanger_y2_error"]),
     ]
     keys = ("y", "speed", "interval", "asked", "delivered", "turns", "refused")
     heads = ("Row at y [m]", "speed [m/s]", "every [s]", "asked [m²/s]", "delivered [m²/s]", "turns", "refused")

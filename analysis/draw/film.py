@@ -88,13 +88,17 @@ def animate(
             if progress:
                 progress(done, count)
 
+    part = out.with_name(f".{out.name}.new")
     try:
         if out.suffix.lower() == ".mp4":
-            _mp4(pictures(), out, fps, painter.picture.shape)
+            _mp4(pictures(), part, fps, painter.picture.shape)
         else:
-            _gif(pictures(), out, fps)
+            _gif(pictures(), part, fps)
+        part.replace(out)
     except OSError as error:
         raise DumpError(f"{out}: the animation cannot be written ({error.strerror or error}).") from error
+    finally:
+        part.unlink(missing_ok=True)
     return out
 
 

@@ -5,14 +5,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from math import isfinite
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
+from lammps_jump.analysis.budgets.head import energy_budget, sentence
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
+from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
 from lammps_jump.analysis.statistics import STUDENT
 from lammps_jump.units import ABSENT, numbers_of, shown
@@ -33,7 +36,12 @@ FROUDE = ("froude", "froude_downstream")
 
 def analyse(gathered: Gathered) -> Jump:
     """Jump of a run."""
-    return worded(summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)))
+    found = worded(summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)))
+    edges = bin_edges(gathered.flow.x_range, gathered.flow.bin_width)
+    budget = energy_budget(cast("np.ndarray | None", gathered.histories.get("jump")), found.measured, edges)
+    if budget is None:
+        return found
+    return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
 
 
 class Marks(NamedTuple):
@@ -98,6 +106,7 @@ def section(jump: Mapping) -> Section:
             _comparisons(jump),
             Text(SHORT),
             certainty(jump),
+            Text(sentence(jump.get("budget") or {})),
             _momentum(jump),
             _roller(jump),
             *_tail(jump.get("tail")),
@@ -137,6 +146,7 @@ def _comparisons(jump: Mapping) -> Table:
     for key, words, other in (
         ("length", "thesis (4.27)", "length_theory"),
         ("length", "USBR curve", "length_usbr"),
+        ("head_lost", "Bélanger", "energy_loss_theory"),
         ("energy_loss", "Bélanger", "energy_loss_theory"),
     ):
         head, value = described(Jump, jump, key)[0][0], with_error(jump, key)

@@ -10,12 +10,13 @@ toe, end    where the mean profile in the front's frame has made 5 % and 95 % of
 s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
 1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
 Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
-head        s + (u − c)²/2g;  momentum function: ρ (s (u − c)² + g s²/2)
+head        s + (u − c)²/2g; head lost: the energy between two stations that move with the front, carried by
+            discs and handed on by contacts, in less out less stored;  momentum function: ρ (s (u − c)² + g s²/2)
 β           ∑ m (u − c)² over the same with the mean velocity
 thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
 packing     area of the discs over that below the surface;  bulk density: ρ s/h
 ± e         standard error within this run, from eight pieces of the window
-tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
+tail water  from 1.2 y₂ behind the front to 0.75 y₂ before the sill
 """,
     "inflow": """\
 asked         mean speed times depth, as the case asks

@@ -14,7 +14,8 @@ DISCS = (-0.2, 0.0)
 
 def headline(summary: Mapping) -> str:
     """The sentence, from what a summary holds; empty where there is nothing to be said."""
-    jump, front, energy = (summary.get(key) or {} for key in ("jump", "front", "energy"))
+    found = (summary.get(key) for key in ("jump", "front", "energy"))
+    jump, front, energy = (part if isinstance(part, Mapping) else {} for part in found)
     said = [jump.get("headline") or ""]
     said += [_front(front)] if "position" in front else []
     if energy.get("conservative") and energy.get("max_deviation") is not None and not any(said):
@@ -25,10 +26,10 @@ def headline(summary: Mapping) -> str:
     return " ".join(filter(None, said)).replace("-", "−")
 
 
-OF_A_JUMP = ("length", "energy_loss", "belanger_y2", "belanger_ratio", "sequent_ratio", "froude", "y1", "y2")
-"""Numbers that mean nothing where there is no jump."""
-OF_A_STEADY_JUMP = ("length", "energy_loss")
+OF_A_STEADY_JUMP = ("length", "head_lost", "energy_loss")
 """Numbers that mean nothing where the jump comes and goes, or is still filling up."""
+OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_ratio", "sequent_ratio", "froude", "y1", "y2")
+"""Numbers that mean nothing where there is no jump."""
 
 
 def belongs(key: str, found: Mapping) -> bool:

@@ -11,7 +11,7 @@ from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES
+from lammps_jump.files import FIGURES, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
@@ -21,7 +21,7 @@ from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, pe
 
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
-BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy_loss")
+BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "head_lost")
 """Numbers of a jump that stand in boxes at the top."""
 INFLOW = ("delivered", "froude", "belanger_y2")
 """Numbers of the inflow there."""
@@ -68,7 +68,7 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     path = Path(folder) / name
     page = render(title, [*before, _figures(Path(folder), room), *after], tab=tab)
     try:
-        path.write_text(page, encoding="utf-8", errors="replace")
+        write_text(path, page)
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path
@@ -93,7 +93,10 @@ def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
     inflow, jump, front, energy, force = (summary.get(key) or {} for key in parts)
     boxes: list[tuple[str, float | str, str]] = [("verdict", jump["verdict"], "")] if jump else []
     given = numbers_of(Delivery)
-    boxes += [(given[key].meaning, inflow[key], given[key].unit) for key in INFLOW if inflow.get(key) is not None]
+    for key in INFLOW:
+        if inflow.get(key) is not None:
+            sure = "" if key == "delivered" else ", ± within this run"
+            boxes.append((given[key].meaning + sure, with_error(inflow, key), given[key].unit))
     if jump.get("share_found") is not None:
         boxes.append(("of the window's frames have a jump", percent(jump["share_found"], 0), ""))
     numbers = numbers_of(Jump)

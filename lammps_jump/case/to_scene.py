@@ -15,7 +15,7 @@ from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Interval, Plane
 
 from . import checks
-from .derived import reachable, skipped
+from .derived import doubts, reachable, skipped
 from .fields import BidisperseSizes, CaseFields, Column, PourInflow, RowsInflow, UniformSizes
 from .load import PlacedFields
 from .packing import arrange
@@ -138,7 +138,7 @@ def build_scene(loaded: PlacedFields) -> Scene:
         sizes=sizes,
         size_steps=raster if inlets else POUR_RASTER,
         skipped=skipped(case, walls, kept, probes, sizes),
-        warnings=(*warnings, *checks.check_stop(case, source)),
+        warnings=(*warnings, *checks.check_stop(case, source), *doubts(case, impact_speed, inlets)),
         adapted=checks.adapted(case, dt, steps, _settle(case), settle, inlets, sizes),
     )
 

@@ -19,13 +19,15 @@ from typing import Annotated
 from pydantic import Field, FiniteFloat, NonNegativeInt, TypeAdapter, ValidationError
 
 from lammps_jump.errors import ResumeError
-from lammps_jump.files import DUMP_NAMES, MOST_JSON, read_file, write_json
+from lammps_jump.files import DUMP_NAMES, MOST_JSON, make_own, read_file, write_json
 from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
 from .result import RunResult
 
 CHECKPOINT_FILE = "checkpoint.json"
+ANEW = "the same command with --force in place of --resume starts a new run"
+"""What to do where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
 STATE_NAME = re.compile(r"checkpoint-([0-9]+)\.(?:npz|restart)")
@@ -96,7 +98,7 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
     try:
         checkpoint = _checked(read_file(path, MOST_JSON))
     except (OSError, ValueError) as error:
-        raise ResumeError(f"{path}: cannot be read ({error}); the same command without --resume starts anew") from None
+        raise ResumeError(f"{path}: cannot be read ({error}); {ANEW}") from None
     for name, size in {checkpoint.state: 1, **checkpoint.sizes}.items():
         if (folder / name).is_symlink():
             raise ResumeError(f"{folder / name}: is a link; a run goes on only with files in its own folder")
@@ -104,7 +106,7 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
         if found < size:
             raise ResumeError(
                 f"{folder / name}: {found} bytes, {size} or more were there when the run was interrupted; without "
-                "them it cannot go on; the same command without --resume starts anew"
+                f"them it cannot go on; {ANEW}"
             )
     return checkpoint
 
@@ -138,4 +140,5 @@ def remove_checkpoint(folder: Path) -> None:
 def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
     """Cut off what a part that was killed has appended since the checkpoint."""
     for name, size in checkpoint.sizes.items():
+        make_own(folder / name)
         os.truncate(folder / name, size)

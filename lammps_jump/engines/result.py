@@ -97,6 +97,6 @@ def interruption(time: float, end: float, folder: object, *, again: float | None
     if again is not None:
         return (
             f"{kept}, `lammps-jump run {folder} --resume` (or the same command with --resume) goes on from "
-            f"t = {again:.4g} s, without --resume it starts anew"
+            f"t = {again:.4g} s, with --force in its place it starts anew"
         )
-    return f"{kept}, the same command starts anew" + (f"; it cannot go on: {reason}" if reason else "")
+    return f"{kept}, the same command with --force starts anew" + (f"; it cannot go on: {reason}" if reason else "")

@@ -26,7 +26,7 @@ from pathlib import Path
 from types import ModuleType
 
 from lammps_jump.errors import JumpError
-from lammps_jump.files import engine_at_work
+from lammps_jump.folders import engine_at_work
 
 from . import lammps, native, step_hook  # the first two load on first use: LAMMPS 0.2 s, numba 0.25 s
 from .interrupts import stop_request

@@ -24,7 +24,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunError
-from lammps_jump.files import holder, locked
+from lammps_jump.folders import holder, locked
 from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from .results import Found
 
-Status = Literal["complete", "interrupted", "failed", "running"]
+Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
 
 def run(
@@ -61,13 +61,13 @@ def run(
     ----------
     case : Case
     folder : str or Path, optional
-        Run folder, made where it is missing; default ``runs/<name of the case>``.
+        Run folder, made where it is missing; default ``runs/<stem of the case file>``, changed values behind it.
     engine : {'lammps', 'native'}, optional
     kernel : {'auto', 'stock', 'compiled'}, optional
     ranks : int or 'auto', optional
         In place of the case's own.
     force : bool
-        Run also where the folder holds the result.
+        Delete the run that the folder holds, and start anew.
     resume : bool
         Go on with the interrupted run in the folder; the result is of the whole run.
     progress : callable, optional

@@ -17,7 +17,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import plain, read_json, write_json
 from lammps_jump.provenance import versions
 
-from .engine import run_key
+from .engine import full_key, run_key
 
 SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
@@ -38,10 +38,20 @@ class _Seconds(BaseModel, strict=True):
     analysis: FiniteFloat
 
 
+class _Sum(BaseModel, strict=True, extra="forbid"):
+    size: NonNegativeInt
+    sha256: str
+
+
+class _Analysed(BaseModel, strict=True, extra="forbid"):
+    key: str
+    files: dict[str, _Sum]
+
+
 class Stored(BaseModel, strict=True):
     """What is read back of a summary."""
 
-    status: Literal["complete", "interrupted", "failed"]
+    status: Literal["complete", "unchecked", "interrupted", "failed"]
     message: str | None
     engine: str
     kernel: str
@@ -56,6 +66,11 @@ class Stored(BaseModel, strict=True):
     ledger: dict[str, float | None] | None
     resumed_at: list[FiniteFloat] = []
     warnings: list[str] = []
+    key: str = ""
+    stopped_when_steady: str = ""
+    files: list[str] = []
+    outputs: dict[str, _Sum] | None = None
+    analysed: _Analysed | None = None
 
 
 def compose(
@@ -94,6 +109,7 @@ def compose(
             "integrator": scene.integrator,
             "friction_law": scene.friction_law if scene.coefficients.friction else None,
             "case_hash": run_key(case, setting),
+            "key": full_key(case, setting),
             "versions": {**versions(), **result.versions},
             "coefficients": asdict(scene.coefficients),
             "steps": result.steps,

@@ -16,15 +16,15 @@ from children import run_child
 from made_up import INPUTS
 
 import lammps_jump as lj
-from lammps_jump import files
-from lammps_jump.files import LOCK_FILE, engine_at_work, holder, locked
+from lammps_jump import folders
+from lammps_jump.folders import LOCK_FILE, engine_at_work, holder, locked
 from lammps_jump.runs import start
 
 SHORT = {"run.duration": 0.1, "run.output_interval": 0.02, "engine.name": "native"}
 HELD = """
 import os, signal, sys
 from pathlib import Path
-from lammps_jump.files import locked
+from lammps_jump.folders import locked
 with locked(Path(sys.argv[1])):
     print(os.getpid(), flush=True)
     os.kill(os.getpid(), signal.SIGKILL)
@@ -83,7 +83,7 @@ def test_without_flock_the_text_decides(tmp_path, monkeypatch, changes, alive):
         raise OSError(errno.ENOLCK, "No locks available")
 
     monkeypatch.setattr(fcntl, "flock", no_flock)
-    (tmp_path / LOCK_FILE).write_text(json.dumps({**files._this_process(), **changes}))
+    (tmp_path / LOCK_FILE).write_text(json.dumps({**folders._this_process(), **changes}))
     if alive:
         with pytest.raises(lj.SetupError, match="writes to this folder"), locked(tmp_path):
             raise AssertionError
@@ -109,7 +109,7 @@ def test_a_link_as_lock_file_is_not_followed(tmp_path):
 
 
 def test_the_engine_of_a_killed_run_is_waited_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "ENGINE_PATIENCE", 1)
+    monkeypatch.setattr(folders, "ENGINE_PATIENCE", 1)
     with engine_at_work(tmp_path):
         with pytest.raises(lj.SetupError, match="the engine of a run that was killed writes"), locked(tmp_path):
             raise AssertionError
