@@ -176,7 +176,7 @@ def certainty(jump: Mapping) -> Text:
         f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors. From the first half "
         f"of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
         f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. "
-        "One run cannot tell the errors of y2, h2, u2, the velocity of the front and the Froude number: it misses up "
+        "One run cannot tell the errors of y2, h2, u2, length, velocity of the front and Froude number: it misses up "
         "to 60 % of their variance between starts. For a standard error of 3 %, average at least "
         f"{starts['y2']} run(s) for y2, {starts['speed']} for the velocity of the front, {starts['froude']} for the "
         "Froude number."

@@ -108,6 +108,8 @@ def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
                 + REMARKS.get(key, "")
                 + (", ± within this run" if error is not None else f" ({UNSURE})")
             )
+            starts = (jump.get("members") or {}).get(key)
+            sure += f"; for 3 % at least {starts} run(s)" if starts else ""
             boxes.append((sure, with_error(jump, key), numbers[key].unit))
     if front.get("position") is not None:
         boxes.append((f"front at t = {front['time']:.3g} s ({UNSURE})", front["position"], "m"))
