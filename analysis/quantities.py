@@ -17,7 +17,7 @@ from lammps_jump.files import plain
 from lammps_jump.units import as_summary, numbers_of, shown
 
 from . import energy, front
-from .budgets import head, inflow
+from .budgets import inflow
 from .contacts import ContactCollector
 from .draw.film import NO_FFMPEG, animate
 from .draw.snapshots import snapshots
@@ -27,6 +27,7 @@ from .flow import Flow
 from .forces import figures as forces
 from .forces.history import Force, Forces
 from .forces.impulse import MomentumLedger
+from .jump import head
 from .jump import section as jump
 from .jump.summary import Jump
 from .passes import Collector, Drawings, Gathered, Tables, gather

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What comes in, goes out and stays: discs of the inflow, energy and momentum."""
+"""What comes into a flow: discs of the inflow, counted."""
 
 import lazy_loader
 

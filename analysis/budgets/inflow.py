@@ -253,6 +253,8 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
 
 def _sequent(froude: float, depth: Mean, speed: Mean) -> dict[str, float]:
     """Froude number and Bélanger's depth with the errors that depth and speed, taken as independent, hand on."""
+    if not froude > 0:
+        return {}
     a, b = speed.error / abs(speed.value), depth.error / depth.value
     root = sqrt(1.0 + 8.0 * froude**2)
     slope = 4.0 * froude**2 / root  # d(y2/y1) / d(ln Fr)

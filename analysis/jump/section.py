@@ -13,7 +13,6 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from lammps_jump.analysis.budgets.head import energy_budget, sentence
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
@@ -22,6 +21,7 @@ from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
 from .frame import Balance
+from .head import energy_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
 from .verdict import worded
@@ -150,6 +150,8 @@ def _comparisons(jump: Mapping) -> Table:
         ("energy_loss", "Bélanger", "energy_loss_theory"),
     ):
         head, value = described(Jump, jump, key)[0][0], with_error(jump, key)
+        if key == "head_lost" and (budget := jump.get("budget")):
+            head += f", {budget['start']:+.1f} to {budget['stop']:+.1f} m from the toe".replace("-", "−")
         rows.append((head, value, words, jump[other], _deviation(jump[key], jump[other])))
     return Table(rows, ("Measured, ± within this run", "", "against", "", "difference"))
 

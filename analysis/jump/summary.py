@@ -9,13 +9,13 @@ from math import isfinite, nan
 
 import numpy as np
 
-from lammps_jump.analysis.budgets.head import Budget
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
 from .certainty import Drift, Members, drift, errors, members
 from .frame import Balance, Mass, Roller, share
+from .head import Budget
 from .result import Heap, JumpResult
 from .stream import Stream
 from .tail import Tail, against_inflow

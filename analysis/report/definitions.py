@@ -5,11 +5,12 @@
 
 DEFINITIONS = {
     "inflow": """\
-asked       mean speed times depth of the case;  planned: what the rows carry in whole steps
-delivered   discs that entered, counted by id: their area over the time of their turns in the window
-refused     turns whose place was occupied
-depth, speed, momentum (flux over ρ): means between one and six depths behind the inlet, within the window
-Fr          u/√(g s) of that stream in the laboratory, and its Bélanger depth
+asked       Va y₁; in whole steps: what the rows carry where no disc is refused
+delivered   area of the discs that entered in the window over the time of their turns; discs are counted by their ids
+refused     turns of the whole record at which the place of the disc was occupied
+depth, speed, momentum   means of the window from one to six depths behind the inlet, weight 1 − cos 2πs
+Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the laboratory
+± e         standard error within this run; counted discs have none
 """,
     "jump": """\
 front       where a sharp step between the mean depths would hold the same mass; c is its velocity
@@ -17,7 +18,7 @@ toe, end    where the mean profile in the front's frame has made 5 % and 95 % of
 s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
 1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
 Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
-head        s + (u − c)²/2g; head lost: the energy between two stations that move with the front, carried by
+head        s + (u − c)²/2g; loss of head: the energy between two stations that move with the front, carried by
             discs and handed on by contacts, in less out less stored;  momentum function: ρ (s (u − c)² + g s²/2)
 β           ∑ m (u − c)² over the same with the mean velocity
 thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)

@@ -6,13 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import INPUTS
+from made_up import INPUTS, numbers
 
-from lammps_jump.analysis.budgets.head import FIELDS, EnergyFluxes, budget_between, energy_budget, sentence
 from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.jump.head import FIELDS, EnergyFluxes, budget_between, energy_budget, sentence
 from lammps_jump.analysis.jump.result import analyse_jump
+from lammps_jump.analysis.jump.section import section
+from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.report.page import Table
 from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
@@ -100,3 +103,15 @@ def test_friction_has_no_budget(jump):
     assert energy_budget(None, result, edges) is None
     assert energy_budget(fields, replace(result, upstream=None), edges) is None
     assert sentence({}) == ""
+
+
+def test_the_report_names_the_stations_beside_the_loss(jump):
+    fields, result, edges = jump
+    found = energy_budget(fields, result, edges)
+    summary = numbers(replace(summarise_jump(result), budget=found, head_lost=found.lost))
+    (row,) = (row for row in _comparisons_of(summary) if "Head lost" in str(row[0]))
+    assert f"{found.start:+.1f} to {found.stop:+.1f} m from the toe".replace("-", "−") in row[0]
+
+
+def _comparisons_of(summary):
+    return [row for block in section(summary).blocks if isinstance(block, Table) for row in block.rows]

@@ -19,18 +19,19 @@ from numba import njit
 
 from lammps_jump.analysis.contacts import touching_pairs, wall_contacts
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.jump.frame import growth_rate, move_along
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.statistics import mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import number, shown
 
+from .frame import growth_rate, move_along
+
 if TYPE_CHECKING:
-    from lammps_jump.analysis.jump.result import JumpResult
+    from .result import JumpResult
 
 ROUNDS = 4
-"""Rounds in which the velocity of the half step is rebuilt; another one changes the loss by less than 1e-4."""
+"""Rounds in which the velocity of the half step is rebuilt: dashpots then equal the engine's ledger within 1e-4."""
 FIELDS = ("mass", "discharge", "momentum", "energy", "flux", "power", "thrust", "elastic", "elastic_flux", "dashpots")
 """Sums over the discs and contacts of a bin, over its width and the density."""
 ODD = ("discharge", "flux", "power", "elastic_flux")
