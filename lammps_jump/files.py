@@ -123,13 +123,22 @@ def _python_of(value: object) -> object:
 
 
 def write_text(path: Path, text: str) -> Path:
+    """`write_bytes` of a text."""
+    return write_bytes(path, text.encode("utf-8", "replace"))
+
+
+def write_bytes(path: Path, data: bytes | memoryview) -> Path:
     """Write a file whole or not at all: a second file, in the same folder, takes its place in one move."""
     new = path.with_name(f".{path.name}.new")
     new.unlink(missing_ok=True)  # of a process that was killed
-    with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file:
-        file.write(text.encode("utf-8", "replace"))
-    flush(new)
-    os.replace(new, path)
+    try:
+        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file:
+            file.write(data)
+        flush(new)
+        os.replace(new, path)
+    except OSError:
+        new.unlink(missing_ok=True)
+        raise
     flush(path.parent)
     return path
 
@@ -164,11 +173,16 @@ def read_json(path: Path) -> Any:
 
 def read_file(path: Path, most: int) -> bytes:
     """The bytes of a regular file; OSError for another kind (a pipe or device may never end) or more than `most`."""
-    with open(path, "rb", opener=_open_regular) as file:
-        data = file.read(most + 1)
+    data = read_start(path, most + 1)
     if len(data) > most:
         raise OSError(errno.EFBIG, f"more than {most // 1_000_000} MB")
     return data
+
+
+def read_start(path: Path, most: int) -> bytes:
+    """At most so many bytes from the start of a regular file; OSError for another kind."""
+    with open(path, "rb", opener=_open_regular) as file:
+        return file.read(most)
 
 
 def _open_regular(path: str, flags: int) -> int:

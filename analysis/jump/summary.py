@@ -15,7 +15,7 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
 from .certainty import Drift, Members, drift, errors, members
-from .frame import Balance, Mass, Roller
+from .frame import Balance, Mass, Roller, share
 from .result import Heap, JumpResult
 from .stream import Stream
 from .tail import Tail, against_inflow
@@ -228,7 +228,7 @@ def _states(jump: Jump) -> Jump:
         froude=one.froude_relative,
         froude_lab=one.froude,
         froude_downstream=two.froude_relative,
-        density_ratio=two.bulk_density / one.bulk_density,
+        density_ratio=share(two.bulk_density, one.bulk_density),
         head_upstream=one.head,
         head_downstream=two.head,
         energy_loss=one.head - two.head,
@@ -261,7 +261,7 @@ def _against_theory(jump: Jump) -> Jump:
         largest = _largest_ratio(froude, jump.beta_1, jump.beta_2, p1, p2, push + terms.unsteady / unit)
         found["pressure_relation_ratio"] = largest
         for k, state in ((1, one), (2, two)):
-            found[f"pressure_coefficient_{k}"] = state.thrust.value / state.still(state.surface_depth)
+            found[f"pressure_coefficient_{k}"] = share(state.thrust.value, state.still(state.surface_depth))
     return replace(
         jump,
         **found,
@@ -269,7 +269,7 @@ def _against_theory(jump: Jump) -> Jump:
         sequent_ratio=ratio,
         belanger_ratio=belanger,
         belanger_y2=s1 * belanger,
-        belanger_deviation=ratio / belanger - 1,
+        belanger_deviation=share(ratio, belanger) - 1,
         density_relation_ratio=expected,
         density_relation_deviation=ratio / expected - 1,
         full_relation_ratio=full,

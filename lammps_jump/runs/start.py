@@ -7,7 +7,8 @@ import importlib
 import logging
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -116,13 +117,14 @@ def _run(
     if checkpoint is None:
         write_folder(case, folder, marker_of(case, setting))
         before = {"build": time.perf_counter() - begin}
-    result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
-    if checkpoint is not None:
-        clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-    if result.status != "interrupted":
-        remove_checkpoint(folder)
-        (folder / "in.resume.lammps").unlink(missing_ok=True)
-    Conclusion(case, folder, setting, result, steady, before, notes).first()
+    with _files_at_risk(folder):
+        result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
+        if checkpoint is not None:
+            clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
+        if result.status != "interrupted":
+            remove_checkpoint(folder)
+            (folder / "in.resume.lammps").unlink(missing_ok=True)
+        Conclusion(case, folder, setting, result, steady, before, notes).first()
 
 
 def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = False) -> Setting:
@@ -190,9 +192,10 @@ def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str,
     stored = read_summary(folder)
     if stored.get("kernel") in ("stock", "compiled") and setting.kernel != "numba":
         setting = replace(setting, kernel=stored["kernel"])
-    result = result_of(case, folder, stored, setting)
-    before = {**(stored.get("wall_seconds") or {}), "analysis": 0.0}
-    Conclusion(case, folder, setting, result, stored.get("stopped_when_steady") or "", before, notes).again(stored)
+    with _files_at_risk(folder):
+        result = result_of(case, folder, stored, setting)
+        before = {**(stored.get("wall_seconds") or {}), "analysis": 0.0}
+        Conclusion(case, folder, setting, result, stored.get("stopped_when_steady") or "", before, notes).again(stored)
 
 
 def _run_engine(
@@ -227,4 +230,22 @@ def _run_engine(
 def _load_analysis() -> None:
     """Import what the analysis needs, 0.7 s."""
     for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
-        importlib.import_module(name)
+        with suppress(Exception):  # a program that is ending; else the analysis says it
+            importlib.import_module(name)
+
+
+@contextmanager
+def _files_at_risk(folder: Path) -> Iterator[None]:
+    """A disk that is full, or a folder that is taken away, while the run goes on: a `RunError` that says so."""
+    try:
+        yield
+    except OSError as error:
+        if not folder.is_dir():
+            raise RunError(
+                f"{folder}: was removed or renamed while the run went on, so that its results cannot be kept there; "
+                "the same command runs it anew"
+            ) from None
+        raise RunError(
+            f"{error.filename or folder}: cannot be written ({error.strerror or error}); what was written before is "
+            "kept: make room there, then give the command again"
+        ) from None
