@@ -26,13 +26,6 @@ packing     area of the discs over that below the surface;  bulk density: ρ s/h
 ± e         standard error within this run, from eight pieces of the window
 tail water  from 1.2 y₂ behind the front to 0.75 y₂ before the sill
 """,
-    "inflow": """\
-asked         mean speed times depth, as the case asks
-delivered     area of the discs that entered in the window, d² each, over its time: discs are counted
-refused       turns of a row at which no disc could be placed
-± e           standard error within this run, from eight pieces of the window
-Fr, Bélanger  u/√(g s) of the delivered stream in the laboratory, and its sequent depth
-""",
     "front": """\
 bulk front    right edge of the last disc in x before the first gap of two diameters between neighbours' centres
 99 % front    right edge that 99 % of the discs do not pass
