@@ -15,7 +15,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.frame import Frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.scene.walls import Interval, Wall
@@ -79,12 +79,13 @@ def animate(
         raise DumpError(f"{dump.path}: it holds no frame to show.")
     if out.suffix.lower() == ".mp4" and not has_ffmpeg():
         out = out.with_suffix(".gif")
-    sample = list(dump.select({round(i) for i in np.linspace(0, count - 1, SAMPLE)}))
+    chosen = dump.select({round(i) for i in np.linspace(0, count - 1, SAMPLE)})
+    sample = [require_finite(frame, dump.path) for frame in chosen]
     painter = _Painter(sample, flow, width, forces or {})
 
     def pictures() -> Iterable[np.ndarray]:
         for done, frame in enumerate(dump, start=1):
-            yield painter.paint(frame)
+            yield painter.paint(require_finite(frame, dump.path))
             if progress:
                 progress(done, count)
 

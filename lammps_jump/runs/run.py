@@ -24,7 +24,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunError
-from lammps_jump.folders import holder, locked
+from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
@@ -282,6 +282,8 @@ class Run:
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the report page; into the run folder where no `path` is given. Figures are those of the folder."""
+        if path is None:
+            require_replaceable(self.folder / "report.html")
         with nullcontext() if path else locked(self.folder):
             return runs.results.write_report(self.folder, self.summary, self.case, path)
 

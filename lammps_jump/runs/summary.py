@@ -66,6 +66,10 @@ class Stored(BaseModel, strict=True):
     ledger: dict[str, float | None] | None
     resumed_at: list[FiniteFloat] = []
     warnings: list[str] = []
+    jump: dict[str, Any] | None = None
+    front: dict[str, Any] | None = None
+    energy: dict[str, Any] | None = None
+    force: dict[str, Any] | None = None
     key: str = ""
     stopped_when_steady: str = ""
     files: list[str] = []

@@ -83,6 +83,18 @@ def test_an_absurd_value_is_refused_with_step_and_name(whole, tmp_path, column, 
         assert "step 50" in said and ("x", "y", "vx", "vy")[column - 1] + " is" in said
 
 
+@pytest.mark.parametrize("value, refused", [("1e12", True), ("nan", True), ("1e9", False), ("-1e9", False)])
+def test_a_film_with_an_absurd_height_is_bounded_or_refused(whole, tmp_path, value, refused):
+    path = tmp_path / "dump.lammpstrj"
+    path.write_bytes(with_value(whole, 2, value))
+    try:
+        written = results.animate(path, tmp_path / "film.gif", 5)
+    except DumpError as error:
+        assert refused and "step 50" in str(error)
+    else:
+        assert not refused and written.stat().st_size < 10_000_000
+
+
 @pytest.mark.parametrize("value", ["nan", "-1", "1e300", "0"])
 def test_an_absurd_id_or_radius_is_analysed_or_refused(whole, tmp_path, value):
     outcome(with_value(whole, 0, value), tmp_path)

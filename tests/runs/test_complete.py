@@ -277,7 +277,8 @@ def test_a_dump_that_lammps_could_not_write_whole(tmp_path, monkeypatch, dump_fo
         INPUTS / "quick_jump.yaml",
         {**SHORT, "engine.name": "lammps", "engine.kernel": "stock", "run.dump_format": dump_format},
     )
-    assert case.run(tmp_path / "good").status == "complete"
+    if left > 0:  # else the reader's own note is what tells
+        without_analysis(monkeypatch)
     engine_run = engines.run
 
     def run(scene, folder, *arguments, **options):

@@ -74,7 +74,8 @@ def test_figures_that_became_a_link_are_not_followed(folder, tmp_path):
     assert files(tmp_path / "elsewhere") == before
 
 
-def test_other_files_of_the_user_stay_beside_a_run(case, tmp_path):
+def test_other_files_of_the_user_stay_beside_a_run(case, tmp_path, monkeypatch):
+    without_analysis(monkeypatch)
     (tmp_path / "mine.txt").write_text("of the user")
     case.run(tmp_path)
     case.run(tmp_path, force=True)
@@ -151,6 +152,8 @@ def test_a_run_folder_without_marker_is_only_read(monkeypatch, capsys, folder):
     status, _, message = call(monkeypatch, capsys, "analyze", folder)
     assert status == 2 and MARKER_FILE in message and "--out OTHER" in message
     assert call(monkeypatch, capsys, "run", folder, "--force")[0] == 2
+    with pytest.raises(lj.SetupError, match="stands there already"):
+        lj.open_run(folder).report()
     assert lj.open_run(folder).status == "complete" and files(folder) == before
 
 
@@ -184,6 +187,7 @@ def test_hard_linked_backups_stay_as_they_are(case, folder, tmp_path, monkeypatc
 def test_variants_of_a_case_have_folders_of_their_own(tmp_path, monkeypatch):
     """A copied template overwrote the template's run, and a second --set the first."""
     monkeypatch.chdir(tmp_path)
+    without_analysis(monkeypatch)
     shutil.copy(INPUTS / "quick_jump.yaml", "mine.yaml")
 
     def folder(*changes, **more):
