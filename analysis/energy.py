@@ -164,7 +164,7 @@ def tables(energy: Energy) -> Tables:
 
 def figures(energy: Energy, gathered: Gathered) -> Drawings:
     """Figure of the parts of the energy against time."""
-    return {"energy.png": partial(energy_figure, energy, gathered.flow.scene.name)}
+    return {"energy.png": partial(energy_figure, energy, gathered.flow.title)}
 
 
 def section(found: Mapping[str, float | None]) -> Section | None:

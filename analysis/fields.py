@@ -32,6 +32,7 @@ from .contacts import find_contacts
 from .draw.maps import bed_pressure, bed_pressure_figure, field_map
 from .draw.style import save
 from .flow import Flow
+from .profiles import write_netcdf
 
 FIELD_FRAMES = 20
 """Frames of the window that the mean fields use at most: contact stress rings, one frame says little."""
@@ -238,10 +239,7 @@ def write_fields(
     high = max(float(surface[np.isfinite(surface)].max(initial=low)), low) + 5 * flow.scene.diameter
     extent = {"x": (profiles.attrs["x_low"], profiles.attrs["x_high"]), "y": (low, high)}
     fields = mean_fields(dump.select(indices.tolist()), flow, **extent)
-    try:
-        fields.to_netcdf(out / "fields.nc", engine="h5netcdf")
-    except OSError as error:
-        raise DumpError(f"{out / 'fields.nc'}: cannot be written ({error.strerror or error}).") from error
+    write_netcdf(fields, out / "fields.nc")
     files, stress = ["fields.nc"], "contact_yy" in fields
     if figures:
         (out / "figures").mkdir(exist_ok=True)

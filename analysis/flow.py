@@ -9,6 +9,7 @@ from math import hypot, isfinite
 import numpy as np
 
 from lammps_jump.dump.frame import Frame
+from lammps_jump.quoting import figure_text
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Floor, Interval, Wall
 
@@ -62,6 +63,11 @@ class Flow:
     def largest_radius(self, frame: Frame) -> float:
         """Largest radius of a frame or, where all are smaller, the nominal one, m."""
         return float(self.radii(frame).max(initial=self.scene.radius)) if self.sized else self.scene.radius
+
+    @property
+    def title(self) -> str:
+        """Name of the scene, for figures."""
+        return figure_text(self.scene.name)
 
     @property
     def g(self) -> float:

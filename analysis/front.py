@@ -27,6 +27,8 @@ from .contacts import ContactCollector
 from .flow import Flow
 from .passes import Drawings, Gathered, Tables
 
+ASPECT = 2
+"""n² = H/a of the columns in Martin & Moyce's tables."""
 GAP = 2.0
 """Diameters of empty x that end the bulk."""
 MARKERS = {"color": BLACK, "ls": "none", "mfc": "white", "ms": 4}
@@ -75,17 +77,21 @@ class Ritter:
 
 @dataclass(frozen=True)
 class MartinMoyce:
-    """Front and column height against the measurements of Martin & Moyce (1952), T > 0.8 for the front."""
+    """Front and column height against the measurements of Martin & Moyce (1952), T > 0.8 for the front.
+
+    Their tables belong to n² = 2, and a slope to n² = 1; a column of another shape is held against neither (NaN).
+    """
 
     aspect: float = number("", "aspect n² = H/a (Martin & Moyce: 2)")
     comparable: bool
     points: int = number("", "points of their table within the record")
+    mean_bulk: float = number("", "Martin & Moyce, bulk front, T > 0.8: mean difference")
     rms_bulk: float = number("", "Martin & Moyce, bulk front, T > 0.8: RMS difference")
     rms_99: float = number("", "Martin & Moyce, 99 % front: RMS difference")
     rms_height: float = number("", "Martin & Moyce, column height: RMS difference")
-    slope: float = number("", "slope dZ/dT (Martin & Moyce: 1.32)")
-    aspect_of_table: float = number("", "aspect of their column", default=2.0)
-    slope_of_table: float = number("", "slope dZ/dT of their table", default=measured.MARTIN_MOYCE_FRONT_SLOPE[2])
+    slope: float = number("", "slope dZ/dT of the bulk front")
+    aspect_of_table: float = number("", "aspect of their column of this shape", default=nan)
+    slope_of_table: float = number("", "slope dZ/dT, Martin & Moyce, column of this shape", default=nan)
 
 
 @dataclass(frozen=True)
@@ -203,6 +209,11 @@ class Comparison:
         """Root mean square of the relative difference."""
         return float(np.sqrt(np.mean((self.measured / self.expected - 1.0) ** 2))) if len(self.x) else nan
 
+    @property
+    def mean(self) -> float:
+        """Mean of the relative difference."""
+        return float(np.mean(self.measured / self.expected - 1.0)) if len(self.x) else nan
+
 
 def against_curve(x: np.ndarray, y: np.ndarray, curve_x, curve_y, *, beyond: float = -np.inf) -> Comparison:
     """Measured y(x), linear in between, at the points x > `beyond` of a tabulated curve that the measurement covers."""
@@ -295,14 +306,19 @@ def _martin_moyce(history: FrontHistory, gravity: float, end: float) -> MartinMo
     straight = (variables["T"] >= 1.43) & (variables["T"] <= 3.33) & np.isfinite(variables["Z"])
     slope = np.polyfit(variables["T"][straight], variables["Z"][straight], 1)[0] if straight.sum() >= 3 else nan
     aspect = history.column[1] / history.column[0]
+    own = next((shape for shape in measured.MARTIN_MOYCE_FRONT_SLOPE if abs(aspect - shape) < 0.1), nan)
+    same = own == ASPECT
     return MartinMoyce(
         aspect=aspect,
-        comparable=bool(abs(aspect - 2.0) < 0.1),
-        points=len(bulk.x),
-        rms_bulk=bulk.rms,
-        rms_99=most.rms,
-        rms_height=column.rms,
+        comparable=same,
+        points=len(bulk.x) if same else 0,
+        mean_bulk=bulk.mean if same else nan,
+        rms_bulk=bulk.rms if same else nan,
+        rms_99=most.rms if same else nan,
+        rms_height=column.rms if same else nan,
         slope=float(slope),
+        aspect_of_table=float(own),
+        slope_of_table=measured.MARTIN_MOYCE_FRONT_SLOPE.get(own, nan),
     )
 
 
@@ -338,9 +354,9 @@ def section(found: Mapping) -> Section:
         rows.append((until, percent(ritter["rms"])))
     if moyce := found.get("martin_moyce"):
         rows += described(MartinMoyce, moyce, "aspect")
-        for key in ("rms_bulk", "rms_99", "rms_height"):
+        for key in ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ():
             rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, key)]
-        rows += described(MartinMoyce, moyce, "slope")
+        rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
     return Section("Front", [Table(rows)])
 
 
@@ -359,7 +375,7 @@ def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
             t = np.linspace(0, max(min(limit, history.time.max()), 1e-9), 20)
             label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
             upper.plot(t, base + 2 * t * np.sqrt(gravity * depth), color=BLACK, ls=":", label=label)
-        upper.set(ylabel="Distance from\nthe back wall [m]", title=f"{flow.scene.name}: front and column")
+        upper.set(ylabel="Distance from\nthe back wall [m]", title=f"{flow.title}: front and column")
         upper.legend()
         middle.plot(history.time, history.height, color=BLUE)
         middle.set(ylabel="Column at the\nback wall [m]", ylim=(0, None))
@@ -382,21 +398,27 @@ def martin_moyce_figure(history: FrontHistory, flow: Flow) -> Figure | None:
     if live.sum() < 2:
         return None
     free = free_length(flow, history) / base
+    same = abs(depth / base - ASPECT) < 0.1
     with drawing(8.4, 3.8, 1, 2) as (figure, (left, right)):
         front, tall = measured.MARTIN_MOYCE_FRONT, measured.MARTIN_MOYCE_HEIGHT
         left.plot(values["T"][live], values["Z"][live], color=BLUE, label="bulk front")
         left.plot(values["T"][live], values["Z99"][live], color=GOLD, ls="--", label="99 % of the discs")
-        left.plot(front.x, front.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
+        if same:
+            for axes, table in ((left, front), (right, tall)):
+                axes.plot(table.x, table.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
         left.set_xlim(0, min(values["T"].max(), 5))
         left.set_ylim(1, max(5.0, 1.08 * min(free, 6)))
         if free < left.get_ylim()[1]:
             left.axhline(free, color=GREY, ls="-.", lw=1)
             left.annotate("first obstacle", (0.02, free), (0, 2), xycoords=("axes fraction", "data"),
                           textcoords="offset points", fontsize=8, color=GREY)  # fmt: skip
-        left.set(xlabel="T = n t √(g/a)", ylabel="Z = front / a", title=f"n² = H/a = {depth / base:.3g} here")
+        left.set(
+            xlabel="T = n t √(g/a)",
+            ylabel="Z = front / a",
+            title=f"n² = H/a = {depth / base:.3g}{'' if same else ': no measured curve'}",
+        )
         left.legend(loc="lower right")
         right.plot(values["tau"][live], values["h"][live], color=BLUE, label="column")
-        right.plot(tall.x, tall.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
         right.set(xlim=(0, min(values["tau"].max(), 5.5)), ylim=(0, 1.05), xlabel="τ = t √(g/a)", ylabel="h / H")
         right.legend()
     return figure

@@ -13,6 +13,7 @@ from lammps_jump.dump.frame import Frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.physics.contact import Coefficients
+from lammps_jump.quoting import visible
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Plane, Wall
 
@@ -109,7 +110,7 @@ def from_dump(
     at_wall = stiffness if stiffness_wall is None else stiffness_wall
     known = {"mass": mass, "stiffness": stiffness, "stiffness_wall": at_wall, "time_step": time_step}
     scene = Scene(
-        name=name or dump.path.name.split(".")[0],
+        name=name or visible(dump.path.name.split(".")[0]),
         description="",
         diameter=float(diameter),
         density=float(density),

@@ -7,9 +7,10 @@ discharge and momentum over all bins and what lies outside add up to the discs' 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import asin, ceil, floor, pi, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,6 +18,7 @@ from numba import njit
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
+from lammps_jump.files import write_bytes
 from lammps_jump.scene.walls import Interval
 
 from .cell_grid import sort_into_cells
@@ -241,12 +243,19 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
 
 def write_profiles(dataset: xr.Dataset, path: str | Path) -> Path:
     """Write profiles as NetCDF-4 (compressed); DumpError where the place cannot be written."""
-    path = Path(path)
     encoding = {name: {"zlib": True, "complevel": 1} for name, array in dataset.data_vars.items() if array.ndim == 2}
+    return write_netcdf(dataset, Path(path), encoding)
+
+
+def write_netcdf(dataset: xr.Dataset, path: Path, encoding: Mapping[str, Any] | None = None) -> Path:
+    """Write a NetCDF-4 file, whole or not at all; DumpError where the place cannot be written.
+
+    It is made in memory: on a full disk HDF5 ends the process.
+    """
     try:
-        dataset.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+        write_bytes(path, dataset.to_netcdf(engine="h5netcdf", encoding=encoding))
     except OSError as error:
-        raise DumpError(f"{path}: the profiles cannot be written ({error.strerror or error}).") from error
+        raise DumpError(f"{path}: cannot be written ({error.strerror or error}).") from error
     return path
 
 

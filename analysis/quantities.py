@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -17,6 +17,7 @@ from lammps_jump.files import plain
 from lammps_jump.units import as_summary, numbers_of, shown
 
 from . import energy, front
+from .budgets import inflow
 from .contacts import ContactCollector
 from .draw.film import NO_FFMPEG, animate
 from .draw.snapshots import snapshots
@@ -26,10 +27,12 @@ from .flow import Flow
 from .forces import figures as forces
 from .forces.history import Force, Forces
 from .forces.impulse import MomentumLedger
+from .jump import head
 from .jump import section as jump
 from .jump.summary import Jump
 from .passes import Collector, Drawings, Gathered, Tables, gather
 from .profiles import bin_edges, write_profiles
+from .report.headline import belongs, headline
 from .report.page import Section
 
 
@@ -59,7 +62,10 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = {
-    "jump": Quantity(Jump, None, jump.analyse, jump.tables, jump.figures, jump.section),
+    "inflow": Quantity(
+        inflow.Delivery, inflow.InflowCounter, inflow.analyse, lambda _: {}, lambda *_: {}, inflow.section
+    ),
+    "jump": Quantity(Jump, head.EnergyFluxes, jump.analyse, jump.tables, jump.figures, jump.section),
     "front": Quantity(front.Front, front.FrontTracker, front.analyse, front.tables, front.figures, front.section),
     "force": Quantity(
         Force, MomentumLedger, forces.analyse, Forces.tables, forces.figures, forces.section, Forces.summary
@@ -69,6 +75,8 @@ QUANTITIES = {
     ),
 }
 """By the key in ``summary.json``, in the order of the report."""
+ALWAYS = {"inflow", "force"}
+"""Made whether asked for or not, where a scene has rows of inflow or probes."""
 
 
 def analyse(
@@ -80,6 +88,7 @@ def analyse(
     figures: bool = True,
     film: bool = False,
     quiet: bool = False,
+    watch: Sequence[Collector] = (),
 ) -> dict[str, object]:
     """Analyse a dump file.
 
@@ -92,12 +101,13 @@ def analyse(
         Folder that gets ``profiles.nc``, ``*.csv``, ``figures/*.png`` and the film. ``forces.csv`` is looked for here
         and beside the dump.
     wanted : collection of str
-        Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and forces where the scene
-        has probes.
+        Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and `ALWAYS`.
     figures, film : bool
         Write ``figures/*.png``; write ``animation.mp4``, or ``animation.gif`` where there is no ffmpeg.
     quiet : bool
         Print nothing while the film is made.
+    watch : sequence of Collector
+        Are also shown every frame.
 
     Returns
     -------
@@ -111,12 +121,15 @@ def analyse(
         A quantity that is not known, no frame, a malformed dump, a place that cannot be written.
     """
     if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
-        raise DumpError(f"quantity '{unknown[0]}' is not known: use {', '.join(QUANTITIES)} or fields.")
+        known = ", ".join(name for name in QUANTITIES if name != "inflow")
+        raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     warnings = list(flow.notes)
-    gathered = collect(flow, dump, out, wanted, warnings)
+    gathered = collect(flow, dump, out, wanted, warnings, watch)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
-    asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, "force"}}
+    asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, *ALWAYS}}
     results = {name: result for name, result in asked.items() if result is not None}
+    warnings += results["jump"].notes if "jump" in results else ()
+    warnings += getattr(results.get("inflow"), "notes", ())
     parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
     files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
     for name, result in results.items():
@@ -132,18 +145,22 @@ def analyse(
     return plain(parts)
 
 
-def collect(flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings: list[str]) -> Gathered:
+def collect(
+    flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings: list[str], watch: Sequence[Collector] = ()
+) -> Gathered:
     """One pass over a dump with the collectors of the wanted quantities; notes are added to `warnings`."""
     forces_found = _find_forces((out, dump.parent), warnings) if "force" in wanted or flow.scene.probes else {}
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
+    there = {"inflow": bool(flow.scene.inlets), "force": bool(forces_found)}
     collectors = {
         name: quantity.collector(flow, contacts)
         for name, quantity in QUANTITIES.items()
-        if quantity.collector and (name in wanted if name != "force" else forces_found)
+        if quantity.collector and there.get(name, name in wanted)
     }
     # contacts first: the energy takes each frame's elastic energy from them
-    profiles = gather(open_dump(dump), flow, [*([contacts] if contacts else []), *collectors.values()], warnings)
+    fed = [*watch, *([contacts] if contacts else []), *collectors.values()]
+    profiles = gather(open_dump(dump), flow, fed, warnings)
     histories = {name: collector.result() for name, collector in collectors.items()}
     return Gathered(flow, profiles, contacts.result() if contacts else None, histories, forces_found)
 
@@ -213,15 +230,17 @@ def _about_profiles(gathered: Gathered) -> dict[str, object]:
 
 
 def main_numbers(summary: Mapping[str, object]) -> list[str]:
-    """A line for each quantity of a summary: its verdict and its labelled numbers that were found."""
-    lines = []
+    """The headline of a summary; a line for each quantity: its verdict and its labelled numbers that were found."""
+    said = headline(summary)
+    lines = [said] if said else []
     for name, quantity in QUANTITIES.items():
         found = summary.get(name)
         if not isinstance(found, Mapping):
             continue
         texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
         for number in numbers_of(quantity.result).values():
-            if number.label != number.meaning and found.get(number.key) is not None:
-                texts.append(f"{number.label} {shown(found[number.key], number.unit)}")
+            if number.label != number.meaning and found.get(number.key) is not None and belongs(number.key, found):
+                value = shown(found[number.key], number.unit, found.get(f"{number.key}_error"))
+                texts.append(f"{number.label} {value}")
         lines += [f"{name}: {', '.join(texts)}"] if texts else []
     return lines

@@ -29,7 +29,7 @@ class DumpError(JumpError, ValueError):
 
 
 class SetupError(JumpError, RuntimeError):
-    """Something this machine lacks: the engine, a compiler, a writable folder (exit status 2)."""
+    """Something is lacking: the engine, a compiler, a folder that may be written to (exit status 2)."""
 
     exit_status = 2
 

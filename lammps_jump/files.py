@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The files of a run folder: their names, how they are cleared, written whole, and marked while they are written."""
+"""The files of a run folder: their names, how they are written whole."""
 
 from __future__ import annotations
 
-import fcntl
+import errno
+import hashlib
 import json
 import os
-import re
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+import shutil
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ FIGURES = {
     "depth_profile.png": "Depth and velocity along the channel, mean of the window",
     "depth_map.png": "Depth of the free surface over distance and time",
     "jump_track.png": "The jump in time",
+    "jump_stream.png": "The stream before the jump",
     "jump_frame.png": "The jump in its own frame",
     "jump_balance.png": "Where the momentum goes",
     "energy_head.png": "Energy head along the channel",
@@ -68,6 +69,7 @@ RESULT_FILES = (
     "front.csv",
     "jump_track.csv",
     "jump_frame.csv",
+    "jump_stream.csv",
     "reflected_wave.csv",
     "fields.nc",
     "fields.vti",
@@ -76,29 +78,31 @@ RESULT_FILES = (
     "picture[0-9].dat",
     *(f"figures/{name}" for name in FIGURES),
 )
-"""What is made of them; ``force_<structure>.csv`` besides, where the summary says that it was written."""
+"""What is made of them; ``force_<structure>.csv`` of each probe besides."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv``."""
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)
-"""What a run folder may hold of an earlier run (names and patterns); nothing else in it is ever deleted."""
+"""What a run folder may hold of an earlier run (names and patterns), tables of forces besides."""
 
 
-def clear(folder: Path, patterns: tuple[str, ...]) -> None:
-    """Delete the files of a folder that the patterns name; with the results those that its summary names as written."""
-    written = _force_tables(folder) if "summary.json" in patterns else []
-    for name in written:
-        (folder / name).unlink(missing_ok=True)
-    for pattern in patterns:
-        for old in folder.glob(pattern):
-            old.unlink()
+MOST_JSON = 100_000_000
+"""Bytes of a JSON file that is read."""
 
 
-def _force_tables(folder: Path) -> list[str]:
-    try:
-        names = json.loads((folder / "summary.json").read_text())["files"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
-    return [name for name in names if re.fullmatch(r"force_[^/\\]+\.csv", str(name))] if isinstance(names, list) else []
+def make_own(path: Path) -> None:
+    """Give a file that is to be changed in place a body of its own, so that a hard-linked backup stays as it is."""
+    if path.is_symlink() or path.stat().st_nlink > 1:
+        new = path.with_name(f".{path.name}.new")
+        new.unlink(missing_ok=True)
+        shutil.copy2(path, new)
+        flush(new)
+        os.replace(new, path)
+
+
+def checksum(path: Path) -> dict[str, int | str]:
+    """Size of a file in bytes, and its SHA-256."""
+    with path.open("rb") as file:
+        return {"size": os.fstat(file.fileno()).st_size, "sha256": hashlib.file_digest(file, "sha256").hexdigest()}
 
 
 def plain(value: Any) -> Any:
@@ -119,11 +123,33 @@ def _python_of(value: object) -> object:
 
 
 def write_text(path: Path, text: str) -> Path:
+    """`write_bytes` of a text."""
+    return write_bytes(path, text.encode("utf-8", "replace"))
+
+
+def write_bytes(path: Path, data: bytes | memoryview) -> Path:
     """Write a file whole or not at all: a second file, in the same folder, takes its place in one move."""
-    new = path.with_name(path.name + ".new")
-    new.write_text(text, encoding="utf-8")
-    os.replace(new, path)
+    new = path.with_name(f".{path.name}.new")
+    new.unlink(missing_ok=True)  # of a process that was killed
+    try:
+        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file:
+            file.write(data)
+        flush(new)
+        os.replace(new, path)
+    except OSError:
+        new.unlink(missing_ok=True)
+        raise
+    flush(path.parent)
     return path
+
+
+def flush(path: Path) -> None:
+    """Bring a file or folder from memory to the disk."""
+    place = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(place)
+    finally:
+        os.close(place)
 
 
 def write_json(path: Path, data: object, indent: int = 1) -> Path:
@@ -131,28 +157,38 @@ def write_json(path: Path, data: object, indent: int = 1) -> Path:
     return write_text(path, json.dumps(plain(data), indent=indent, allow_nan=False) + "\n")
 
 
-@contextmanager
-def writing(folder: Path) -> Iterator[None]:
-    """Mark a folder as being written to while the block runs, by a lock that ends with the process; see `is_written`.
+def read_json(path: Path) -> Any:
+    """The data of a JSON file.
 
-    Nothing is put into the folder. Where the file system has no locks the folder is not marked.
+    Raises
+    ------
+    OSError, ValueError
+        No such file, no regular file, no JSON, or brackets too deep for the reader.
     """
-    place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        with suppress(OSError):
-            fcntl.flock(place, fcntl.LOCK_SH)  # waits only while `is_written` looks
-        yield
-    finally:
-        os.close(place)
+        return json.loads(read_file(path, MOST_JSON))
+    except RecursionError:
+        raise ValueError("brackets inside brackets, too deep to be read") from None
 
 
-def is_written(folder: Path) -> bool:
-    """Whether some process is in a `writing` block of a folder."""
-    place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:  # another one where the file system has no locks
-        return isinstance(error, BlockingIOError)
-    finally:
+def read_file(path: Path, most: int) -> bytes:
+    """The bytes of a regular file; OSError for another kind (a pipe or device may never end) or more than `most`."""
+    data = read_start(path, most + 1)
+    if len(data) > most:
+        raise OSError(errno.EFBIG, f"more than {most // 1_000_000} MB")
+    return data
+
+
+def read_start(path: Path, most: int) -> bytes:
+    """At most so many bytes from the start of a regular file; OSError for another kind."""
+    with open(path, "rb", opener=_open_regular) as file:
+        return file.read(most)
+
+
+def _open_regular(path: str, flags: int) -> int:
+    place = os.open(path, flags | os.O_NONBLOCK)  # a pipe without a writer would be waited for
+    if not stat.S_ISREG(os.fstat(place).st_mode):
         os.close(place)
-    return False
+        kind = errno.EISDIR if os.path.isdir(path) else errno.EINVAL
+        raise OSError(kind, os.strerror(kind) if kind == errno.EISDIR else "no regular file")
+    return place

@@ -19,7 +19,7 @@ import numpy as np
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-NO_NUMBERS = ("name", "description", "skipped", "warnings")
+NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted")
 """Fields of a scene that change no trajectory."""
 
 

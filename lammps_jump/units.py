@@ -172,6 +172,7 @@ def _expected(unit: str) -> str:
 _EXAMPLES = {
     "m": "20 cm",
     "m/s": "16 m/s",
+    "m^2/s": "16 m^2/s",
     "s": "100 ms",
     "kg/m^3": "1000 kg/m^3",
     "N/m": "2.56e7 N/m",
@@ -192,6 +193,7 @@ def si_field(unit: str) -> Any:
 Metre = si_field("m")
 MetrePerSecond = si_field("m/s")
 MetrePerSecond2 = si_field("m/s^2")
+MetrePerSecondMetre = si_field("m^2/s")
 Second = si_field("s")
 Density = si_field("kg/m^3")
 Stiffness = si_field("N/m")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -13,12 +14,14 @@ import pytest
 import lammps_jump as lj
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.guess import known_coefficients
+from lammps_jump.cli.app import main
+from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.files import plain
-from lammps_jump.runs import start
+from lammps_jump.runs import results, start
 from lammps_jump.scene.scene import Scene
 from lammps_jump.units import as_summary
 
@@ -34,6 +37,21 @@ def analysed_again(folder: Path) -> dict:
     """Summary of a run folder that is analysed again."""
     start.reanalyse(folder)
     return dict(lj.open_run(folder).summary)
+
+
+def call(monkeypatch, capsys, *arguments) -> tuple[int, str, str]:
+    """Exit status, stdout and stderr of the command line."""
+    monkeypatch.setattr(sys, "argv", ["lammps-jump", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    captured = capsys.readouterr()
+    assert "Traceback" not in captured.err
+    return int(stop.value.code or 0), captured.out, captured.err
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """Contents of every file below a folder."""
+    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 COEFFICIENTS = (
@@ -104,6 +122,20 @@ def choose_to_stop_at(step: int):
         return replace(setting, stop_at=step), notes
 
     return stopping
+
+
+def without_analysis(monkeypatch) -> None:
+    """No figures and no tables, which take seconds; the frames are checked all the same."""
+
+    def analyse(case, folder, out, watch=()):
+        (out / "profiles.nc").write_text(f"of {case.name}")
+        for frame in read_dump(folder):
+            for collector in watch:
+                collector.add(frame, frame.time)
+        return {}
+
+    monkeypatch.setattr(results, "analyse", analyse)
+    monkeypatch.setattr(results, "write_report", lambda folder, summary, case: (folder / "report.html").write_text(""))
 
 
 def native_frames(scene):

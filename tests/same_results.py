@@ -51,6 +51,8 @@ ALLOWED: dict[str, str] = {
     "*/summary.json:front.* is new": "every key of a quantity is there, null where it was not measured",
     "*/summary.json:energy.* is new": "every key of a quantity is there, null where it was not measured",
     "*/summary.json:force.* is new": "every key of a quantity is there, null where it was not measured",
+    "*/summary.json:key": "a hash of the case and of versions",
+    "*/summary.json:key is new": "the same",
     "*/summary.json:files.*": "order of the names: tables and figures in the order of the report",
     "texts/screen/00_schema.out:$defs.Block*": "definitions of walls are named after the walls: Plane, Block, Box",
     "texts/screen/00_schema.out:$defs.Box*": "the same",
@@ -68,6 +70,7 @@ MASKED_KEYS = {
     "seconds|wall_seconds|cpu_seconds": "clock: how long a run and its parts took",
     "breakdown|breakdown_seconds": "clock: how long the parts of an engine took",
     "disc_steps_per_second": "clock: speed",
+    "outputs|analysed": "checksums of files that are compared themselves",
 }
 """Keys of JSON files that are left out -> reason."""
 MASKED_TEXT = {
@@ -305,7 +308,10 @@ def difference(old: object, new: object) -> tuple[str, str] | None:
 
 def compare(stored: Path, folder: Path, entry: str) -> list[tuple[str, str, str]]:
     """Path, kind and description of every difference between the files of two folders."""
-    old, new = ({str(f.relative_to(top)) for f in top.rglob("*") if f.is_file()} for top in (stored, folder))
+    old, new = (
+        {str(f.relative_to(top)) for f in top.rglob("*") if f.is_file() and f.name != ".lammps-jump"}
+        for top in (stored, folder)
+    )
     found = [(f"{entry}/{name}:", "number", "file is gone" if name in old else "file is new") for name in old ^ new]
     for name in sorted(old & new):
         if (stored / name).read_bytes() == (folder / name).read_bytes():

@@ -15,7 +15,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.frame import Frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.scene.walls import Interval, Wall
@@ -79,22 +79,27 @@ def animate(
         raise DumpError(f"{dump.path}: it holds no frame to show.")
     if out.suffix.lower() == ".mp4" and not has_ffmpeg():
         out = out.with_suffix(".gif")
-    sample = list(dump.select({round(i) for i in np.linspace(0, count - 1, SAMPLE)}))
+    chosen = dump.select({round(i) for i in np.linspace(0, count - 1, SAMPLE)})
+    sample = [require_finite(frame, dump.path) for frame in chosen]
     painter = _Painter(sample, flow, width, forces or {})
 
     def pictures() -> Iterable[np.ndarray]:
         for done, frame in enumerate(dump, start=1):
-            yield painter.paint(frame)
+            yield painter.paint(require_finite(frame, dump.path))
             if progress:
                 progress(done, count)
 
+    part = out.with_name(f".{out.name}.new")
     try:
         if out.suffix.lower() == ".mp4":
-            _mp4(pictures(), out, fps, painter.picture.shape)
+            _mp4(pictures(), part, fps, painter.picture.shape)
         else:
-            _gif(pictures(), out, fps)
+            _gif(pictures(), part, fps)
+        part.replace(out)
     except OSError as error:
         raise DumpError(f"{out}: the animation cannot be written ({error.strerror or error}).") from error
+    finally:
+        part.unlink(missing_ok=True)
     return out
 
 
@@ -124,7 +129,7 @@ class _Painter:
 
         self.flow = flow
         self.top_speed = top_of([disc_speeds(frame) for frame in sample])
-        self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.scene.name)
+        self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.title)
         self.inside = slice(ABOVE, ABOVE + self.view.height), slice(LEFT, LEFT + self.view.width)
         self.table = colour_table()
         self.font = ImageFont.truetype(findfont("DejaVu Sans"), 16)

@@ -49,7 +49,7 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Fig
 
 def _heading(fields: xr.Dataset, flow: Flow, what: str) -> str:
     when = f"mean of {fields.attrs['frames']} frames" if "frames" in fields.attrs else f"t = {float(fields.time):.2f} s"
-    return f"{flow.scene.name}: {what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
+    return f"{flow.title}: {what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
 
 
 def bed_pressure(fields: xr.Dataset) -> xr.Dataset:

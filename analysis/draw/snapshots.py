@@ -26,6 +26,10 @@ BAR = 0.52, 0.12
 """Bottom and height of the colour bar, inches."""
 
 
+TALLEST = 20
+"""Most height of what is shown, in its lengths."""
+
+
 def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
     """Discs at ten equal times as true circles coloured by speed, walls in grey (the thesis' ten pictures).
 
@@ -67,7 +71,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
         bar = figure.add_axes((SIDE / wide, BAR[0] / high, 1 - (SIDE + RIGHT) / wide, BAR[1] / high))
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")
         colour_bar(figure, scale, "Speed [m/s]", cax=bar, orientation="horizontal")
-        figure.suptitle(flow.scene.name, x=0.01, y=1 - 0.07 / high, ha="left", va="top", fontsize=10)
+        figure.suptitle(flow.title, x=0.01, y=1 - 0.07 / high, ha="left", va="top", fontsize=10)
     return figure
 
 
@@ -127,5 +131,6 @@ def seen(frames: Sequence[Frame], flow: Flow) -> tuple[Interval, Interval]:
     tops = [float(np.quantile(part, 0.995)) for part in heights if part.size]
     tops += [highest for (start, end), (_, highest) in blocks if end > low and start < high]
     top = max([*tops, bottom + 5 * diameter])
+    top = min(top, bottom + TALLEST * (high - low))  # a disc that flew away does not make the picture
     margin = 0.06 * (top - bottom) + diameter
     return (low, high), (bottom - margin, top + margin)

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.errors import DumpError
+from lammps_jump.quoting import figure_text
 from lammps_jump.scene.walls import Interval
 
 STYLE = {
@@ -168,7 +169,7 @@ def depth_profile(
             )  # fmt: skip
         upper.legend(loc="upper left", bbox_to_anchor=(0, 0.97), frameon=True, edgecolor="none", framealpha=0.95)
         begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
-        title = f"{flow.scene.name}: mean of {frames} frames, t = {begin:g} … {end:g} s"
+        title = f"{flow.title}: mean of {frames} frames, t = {begin:g} … {end:g} s"
         upper.set(ylabel="Height above y = 0 [m]", title=title)
         _mean(lower, profiles, "velocity", 0.0, color=BLUE, label="mean velocity")
         lower.plot(profiles.x, profiles.surface_velocity_mean, color=GOLD, ls="--", lw=1.2, label="at the surface")
@@ -243,7 +244,7 @@ def xt_map(
         seen = np.flatnonzero(np.isfinite(values).any(axis=0))
         if seen.size:
             axes.set_xlim(x[seen[0]], x[seen[-1] + 1])
-        name = profiles.attrs.get("title", "").removeprefix("depth profiles of ")
+        name = figure_text(profiles.attrs.get("title", "").removeprefix("depth profiles of "))
         title = title or f"{name}: {variable.replace('_', ' ')} over distance and time"
         axes.set(xlabel="Distance x [m]", ylabel="Time t [s]", title=title)
     return figure

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLACK, BLUE, DASHES, GOLD, GREY, RED, drawing, style, xt_map
 from lammps_jump.analysis.passes import Drawings, Gathered
-from lammps_jump.analysis.report.page import Section, Table, Text
+from lammps_jump.analysis.report.page import Section, Table, Text, with_error
 from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
@@ -47,8 +47,11 @@ def section(found: Mapping) -> Section:
     rows = []
     for name, values in found.items():
         if isinstance(values, dict) and "peak" in values:
-            known = (values.get(key) for key in keys)
-            rows.append((name, *(None if v is None else v / scale for v, scale in zip(known, scales, strict=True))))
+            known = [values.get(key) for key in keys]
+            row = [None if v is None else v / scale for v, scale in zip(known, scales, strict=True)]
+            if values.get("peak_error") is not None:
+                row[0] = with_error(values, "peak", 1e3)
+            rows.append((name, *row))
     units = [numbers[key].unit if key == "peak_time" else f"k{numbers[key].unit}" for key in keys]
     heads = [f"{numbers[key].label} [{unit}]" for key, unit in zip(keys, units, strict=True)]
     notes = [Text(note) for note in found.get("notes") or []]
@@ -121,7 +124,7 @@ def reflected_figure(result: Forces, profiles: xr.Dataset) -> Figure | None:
     if wave is None or wave.motion.points < 3:
         return None
     good = np.isfinite(wave.position)
-    figure = xt_map(profiles, "mass_depth", title=f"{result.flow.scene.name}: wave thrown back by {wave.structure}")
+    figure = xt_map(profiles, "mass_depth", title=f"{result.flow.title}: wave thrown back by {wave.structure}")
     axes = figure.axes[0]
     with style():
         axes.plot(wave.position[good], wave.time[good], "o", mfc="white", mec=BLACK, ms=3, label="reflected front")

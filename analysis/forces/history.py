@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 LOW_PASS = 0.05
 """Width of the centred moving mean behind which peaks are quoted, s."""
+PEAK_BLOCK, AFTER_IMPACT, LEAST_BLOCKS = 0.5, 1.0, 4
+"""The error of a peak is the scatter of the maxima of blocks of 0.5 s from 1 s after the impact; s, s, blocks."""
 
 
 def moving_mean(values: np.ndarray, samples: int) -> np.ndarray:
@@ -41,6 +43,27 @@ def moving_mean(values: np.ndarray, samples: int) -> np.ndarray:
     index = np.arange(len(values))
     reach = np.minimum(half, np.minimum(index, len(values) - 1 - index))
     return (total[index + reach + 1] - total[index - reach]) / (2 * reach + 1)
+
+
+def peak_error(time: np.ndarray, force: np.ndarray) -> float:
+    """Standard error of the largest force of a steady stream: scatter of the maxima of blocks; NaN for too few.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,), s
+    force : ndarray, shape (n,), N/m
+        Behind the low-pass. The impact is where it first exceeds a tenth of its largest value.
+    """
+    size = np.where((time > 0) & np.isfinite(force), np.abs(force), 0.0)
+    if not size.any():
+        return nan
+    start = time[np.flatnonzero(size > 0.1 * size.max())[0]] + AFTER_IMPACT
+    blocks = int((time[-1] - start) / PEAK_BLOCK + 1e-9)
+    if blocks < LEAST_BLOCKS:
+        return nan
+    index = np.floor((time - start) / PEAK_BLOCK).astype(int)
+    maxima = [size[index == k].max() for k in range(blocks) if (index == k).any()]
+    return float(np.std(maxima, ddof=1)) if len(maxima) >= LEAST_BLOCKS else nan
 
 
 @dataclass(frozen=True)
@@ -64,6 +87,8 @@ class StructureForce:
         rho g h^2/2 on its face for that depth, N.
     oncoming : ndarray, shape (n,)
         Momentum of the flow two bins in front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
+    steady : bool
+        Discs flow in all the time, so that the parts of the record tell of each other.
     """
 
     wall: Wall | None
@@ -74,6 +99,7 @@ class StructureForce:
     depth: np.ndarray
     hydrostatic: np.ndarray
     oncoming: np.ndarray
+    steady: bool
 
 
 @dataclass(frozen=True)
@@ -85,6 +111,7 @@ class Force:
 
     component: str | None = None
     peak: float = number("N/m", "peak force", default=nan, label="peak")
+    peak_error: float = number("N/m", "standard error of the peak force", default=nan)
     peak_time: float = number("s", "time of the peak", default=nan, label="at")
     peak_unfiltered: float = number("N/m", "peak of the record without low-pass", default=nan)
     impulse: float = number("N s/m", "impulse", default=nan)
@@ -229,7 +256,9 @@ def _structure(name: str, history: ForceHistory, flow: Flow, profiles: xr.Datase
             oncoming = _at_times(history.time, profiles, flow.scene.density * (np.where(towards, flux, 0.0) + still))
     smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
     smooth = {key: moving_mean(values, samples) for key, values in smooth.items()}
-    return StructureForce(wall, history, smooth, impulse, component, depth, hydrostatic, oncoming)
+    return StructureForce(
+        wall, history, smooth, impulse, component, depth, hydrostatic, oncoming, bool(flow.scene.inlets)
+    )
 
 
 def _station(profiles: xr.Dataset, at: float, side: int, bins: int, flow: Flow) -> int | None:
@@ -266,6 +295,7 @@ def _numbers(series: StructureForce, window: tuple[float, float]) -> Force:
     return Force(
         component=component,
         peak=peak,
+        peak_error=peak_error(history.time, series.smooth[component]) if series.steady else nan,
         peak_time=peak_time,
         peak_unfiltered=biggest(getattr(history, component))[0],
         impulse=float(impulse[0 if component == "fx" else 1]),

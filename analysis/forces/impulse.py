@@ -9,6 +9,7 @@ from math import nan
 
 import numpy as np
 
+from lammps_jump.analysis.budgets.inflow import InflowCounter
 from lammps_jump.analysis.contacts import ContactCollector, wall_sums
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
@@ -26,7 +27,13 @@ class MomentumHistory:
     discs : ndarray, shape (frames,)
         Mass of all discs over the nominal mass: their number where they are equal.
     same : ndarray of bool, shape (frames,)
-        The discs are those of the frame before, and have their masses.
+        The discs are those of the frame before, and have their masses; with rows of inflow: all others are known.
+    brought, carried : ndarray, shape (frames, 2), N s
+        Momentum of the discs that rows of inflow have let in since the frame before, at their entry, and of those that
+        have left since, at the frame before.
+    held : ndarray, shape (frames,), s
+        Time since the frame before times the relative mass of the discs that were there: weight over gravity gave them
+        this impulse. Discs that left count as gone all the time.
     forces : dict of ndarray, shape (frames, 2), N
         Force on the discs by each probed wall at the frame itself, from positions and velocities.
     unprobed : dict of ndarray of bool, shape (frames, 2)
@@ -37,6 +44,9 @@ class MomentumHistory:
     momentum: np.ndarray
     discs: np.ndarray
     same: np.ndarray
+    brought: np.ndarray
+    carried: np.ndarray
+    held: np.ndarray
     forces: dict[str, np.ndarray]
     unprobed: dict[str, np.ndarray]
 
@@ -46,22 +56,28 @@ class MomentumLedger:
 
     def __init__(self, flow: Flow, _: ContactCollector | None = None):
         self.flow = flow
+        self.entering = InflowCounter(flow) if flow.scene.inlets and not flow.scene.pours else None
         self._rows: list[tuple] = []
-        self._ids: np.ndarray | None = None
+        self._before: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         self._forces: list[dict[str, tuple]] = []
         self._unprobed: list[dict[str, tuple]] = []
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        flow = self.flow
-        ids = np.sort(frame.ids)
-        discs = float(flow.relative_masses(frame).sum())
-        same = self._ids is not None and np.array_equal(ids, self._ids)
-        # a disc that was poured may have got its own size since
-        same = same and abs(discs - self._rows[-1][3]) < 1e-7 * discs
-        self._ids = ids
-        momentum = (flow.scene.mass * float(flow.by_mass(v, frame).sum()) for v in (frame.vx, frame.vy))
-        self._rows.append((time, *momentum, discs, same))
+        flow, before, now = self.flow, self._before, self._discs(frame)
+        ids, mass, speeds = now
+        discs, carried, held, same = float(mass.sum()), np.zeros(2), 0.0, False
+        if before is not None:
+            gone = ~np.isin(before[0], ids, assume_unique=True)
+            carried = before[1][gone] @ before[2][gone]
+            held = float(before[1][~gone].sum()) * (time - self._rows[-1][0])
+            # a disc that was poured may have got its own size since
+            same = not gone.any() and len(ids) == len(before[0]) and abs(discs - self._rows[-1][3]) < 1e-7 * discs
+        if self.entering is not None:
+            self.entering.add(frame, time)
+        momentum = flow.scene.mass * (mass @ speeds)
+        self._before = now
+        self._rows.append((time, *momentum, discs, same, *(flow.scene.mass * carried), held))
         self._forces.append({})
         self._unprobed.append({})
         # the last frame before a gate opens counts as with the gate, the first one after as without
@@ -73,11 +89,31 @@ class MomentumLedger:
                 pushes_x = sums.sideways or bool(flow.scene.coefficients.friction)
                 self._unprobed[-1][wall.name] = (pushes_x, bool(np.any(sums.fy != 0)))
 
+    def _discs(self, frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Ids, relative masses and velocities (m/s) of the discs, by id.
+
+        Discs that have just entered still have the largest size: with rows of inflow each counts with its own.
+        """
+        scene, order = self.flow.scene, np.argsort(frame.ids)
+        mass = self.flow.relative_masses(frame)
+        if self.entering is not None:
+            mass = (scene.diameters(frame.ids) / scene.diameter) ** 2
+        return frame.ids[order], mass[order], np.column_stack([frame.vx, frame.vy])[order]
+
     def result(self) -> MomentumHistory:
         """The history of all frames added."""
-        time, *momentum, discs, same = np.array(self._rows, float).reshape(-1, 5).T
+        time, px, py, discs, same, *carried, held = np.array(self._rows, float).reshape(-1, 8).T
+        brought = np.zeros((len(time), 2))
+        if self.entering is not None and len(time):
+            found, scene = self.entering.result(), self.flow.scene
+            brought = scene.density * found.area @ np.array([(row.vx, row.vy) for row in scene.inlets])
+            held = held + np.nan_to_num(found.age) / scene.diameter**2
+            same = np.append(False, np.isfinite(found.age[1:]))
         forces, unprobed = _by_wall(self._forces, float), _by_wall(self._unprobed, bool)
-        return MomentumHistory(time, np.transpose(momentum), discs, same.astype(bool), forces, unprobed)
+        return MomentumHistory(
+            time, np.column_stack([px, py]), discs, same.astype(bool), brought, np.transpose(carried), held, forces,
+            unprobed,
+        )  # fmt: skip
 
 
 def _by_wall(frames: list[dict[str, tuple]], kind: type) -> dict[str, np.ndarray]:
@@ -109,6 +145,8 @@ class Identity:
         Impulses on the discs; half a step's force at both ends is taken off, as velocity Verlet's kicks ask.
     scale : float
         Sum over walls of the integral of the force's magnitude.
+    brought, carried : float
+        Momentum of the discs that entered, as their rows let them in, and of those that left, in the frame before.
     reason : str
         Empty where the identity could be formed and is complete; else what is missing.
     """
@@ -120,25 +158,29 @@ class Identity:
     walls: float = nan
     gravity: float = nan
     scale: float = nan
+    brought: float = 0.0
+    carried: float = 0.0
     reason: str = ""
 
     @property
     def difference(self) -> float:
         """Change of momentum that no impulse explains."""
-        return self.change - self.walls - self.gravity
+        return self.change - self.walls - self.gravity - self.brought + self.carried
 
     @property
     def relative(self) -> float:
-        """The difference over the scale."""
-        return abs(self.difference) / self.scale if self.scale else nan
+        """The difference over the scale and what discs brought in and carried out."""
+        scale = self.scale + abs(self.brought) + abs(self.carried)
+        return abs(self.difference) / scale if scale else nan
 
 
 def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHistory, flow: Flow, axis: str) -> Identity:
     """Hold the walls' impulse and gravity's against the change of the discs' momentum.
 
-    Over the longest run of frames with the same discs, whose ends fall on ends of force windows, after all gates have
-    opened. Forces are sums over every step, so the two agree to the digits of the files where all walls that push
-    along the axis are probed.
+    Over the longest run of frames with the same discs, or with discs that came by rows of inflow, whose ends fall on
+    ends of force windows, after all gates have opened. Forces are sums over every step, so the two agree to the digits
+    of the files where all walls that push along the axis are probed. Discs that leave are taken at the frame before:
+    what hits them after it is missing.
 
     Parameters
     ----------
@@ -182,9 +224,12 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
         if name in momentum.forces and flow.time_step:
             ends = momentum.forces[name][:, column]
             walls += 0.5 * flow.time_step * float(ends[a] - ends[b])
-    gravity = flow.scene.gravity[column] * flow.scene.mass * float(momentum.discs[a]) * (end - start)
+    between = slice(a + 1, b + 1)
+    gravity = flow.scene.gravity[column] * flow.scene.mass * float(momentum.held[between].sum())
     change = float(momentum.momentum[b, column] - momentum.momentum[a, column])
-    return Identity(axis, float(start), float(end), change, walls, gravity, scale, "; ".join(dict.fromkeys(reasons)))
+    brought, carried = (float(part[between, column].sum()) for part in (momentum.brought, momentum.carried))
+    reason = "; ".join(dict.fromkeys(reasons))
+    return Identity(axis, float(start), float(end), change, walls, gravity, scale, brought, carried, reason)
 
 
 def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, flow: Flow) -> tuple[int, int] | None:
@@ -213,6 +258,8 @@ def identity_numbers(identity: Identity) -> dict:
         "momentum_change": identity.change,
         "wall_impulse": identity.walls,
         "gravity_impulse": identity.gravity,
+        "brought_in": identity.brought,
+        "carried_out": identity.carried,
         "difference": identity.difference,
         "relative": identity.relative,
         "complete": not identity.reason,
@@ -226,9 +273,12 @@ def identity_sentence(identity: Identity) -> str:
         return f"Impulse identity along {identity.axis}: not formed, {identity.reason}."
     if identity.reason:
         return f"Impulse identity along {identity.axis}: incomplete, {identity.reason}."
+    given, who, whose = identity.walls + identity.gravity, "walls and gravity", "the walls'"
+    if identity.brought or identity.carried:
+        given, whose = given + identity.brought - identity.carried, "their"
+        who = "walls, gravity and discs that came and went"
     return (
         f"Impulse identity along {identity.axis}, t = {identity.start:.3f} to {identity.end:.3f} s: the discs' "
-        f"momentum changes by {identity.change:.8g} N s/m, walls and gravity give "
-        f"{identity.walls + identity.gravity:.8g} N s/m; they differ by {identity.relative:.1e} of the walls' total "
-        "impulse."
+        f"momentum changes by {identity.change:.8g} N s/m, {who} give {given:.8g} N s/m; they differ by "
+        f"{identity.relative:.1e} of {whose} total impulse."
     )

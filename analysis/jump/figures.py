@@ -15,6 +15,7 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.units import numbers_of
 
 from .frame import mean_profile
+from .stream import running_median
 from .summary import Jump
 
 if TYPE_CHECKING:
@@ -32,14 +33,45 @@ def track_figure(jump: Jump) -> Figure | None:
         axes.plot(track.time, sign * track.toe, color=BLUE, lw=1.1, label="toe")
         axes.plot(track.time, sign * track.end, color=GOLD, lw=1.1, ls="--", label="end")
         axes.plot(track.time, sign * track.position, color=BLACK, lw=1.4, ls=":", label="front of equal mass")
+        if track.compression is not None and np.isfinite(track.compression).any():
+            axes.plot(track.time, sign * track.compression, color=GREY, ls="none", marker=".", ms=2, alpha=0.5)
+            line = running_median(track.compression)
+            axes.plot(track.time, sign * line, color=GREY, ls="-.", label="front of the compression")
         if result.motion is not None:
             ends = np.array(result.window)
             line = sign * (result.motion.start + result.motion.speed * ends)
             label = f"c = {result.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
             axes.plot(ends, line, color=RED, lw=2.2, alpha=0.8, label=label)
         axes.axvspan(*result.window, color="#eeeeee", zorder=0)
-        axes.set(xlabel="Time t [s]", ylabel="Distance x [m]", title=f"{result.flow.scene.name}: {result.verdict}")
+        axes.set(xlabel="Time t [s]", ylabel="Distance x [m]", title=f"{result.flow.title}: {result.verdict}")
         axes.legend(fontsize=8)
+    return figure
+
+
+def stream_figure(jump: Jump) -> Figure | None:
+    """Momentum flux, thrust and their sum along the stream; what Bélanger makes of its state at each place."""
+    stream = jump.measured.stream
+    if stream is None:
+        return None
+    edges = np.append(stream.start, stream.stop[-1])
+    with drawing(7.2, 5.0, 2, 1, sharex=True, height_ratios=[1.5, 1]) as (figure, (upper, lower)):
+        for values, colour, label in (
+            (stream.total, BLACK, "momentum flux + thrust"),
+            (stream.momentum_flux, BLUE, "momentum flux ∑ m u²/(ρ L)"),
+            (stream.thrust, GOLD, "thrust, contact force/ρ"),
+        ):
+            if np.isfinite(values).all():
+                upper.stairs(values, edges, baseline=None, color=colour, label=label, lw=1.6)
+        upper.set(
+            ylim=(0, None), ylabel="[m³/s²]", title=f"{jump.measured.flow.scene.name}: the stream before the jump"
+        )
+        lower.stairs(100 * stream.deviation, edges, baseline=None, color=BLUE, lw=1.6)
+        lower.axhline(0, color=GREY, lw=0.8)
+        lower.set(xlabel="Distance x [m]", ylabel="y₂ off Bélanger\nof this state [%]")
+        for axes in (upper, lower):
+            if isfinite(stream.compression):
+                axes.axvline(stream.compression, color=GREY, ls="-.", lw=1, label="front of the compression")
+        upper.legend(fontsize=8, loc="center left")
     return figure
 
 
@@ -71,7 +103,7 @@ def frame_figure(jump: Jump) -> Figure | None:
             for place, dash in ((result.surface_toe, ":"), (result.surface_end, "-.")):
                 axes.axvline(place, color=GREY, lw=1, ls=dash)
         theory_length = f"; thesis (4.27) {jump.length_theory:.1f} m" if isfinite(jump.length_theory) else ""
-        title = f"{result.flow.scene.name}, front's frame: length {jump.length:.1f} m{theory_length}"
+        title = f"{result.flow.title}, front's frame: length {jump.length:.1f} m{theory_length}"
         top = 1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2))
         upper.set(ylim=(0, top), ylabel="Depth [m]", title=title)
         upper.legend(loc="lower right", frameon=True, framealpha=0.95, edgecolor="none")
@@ -146,7 +178,7 @@ def head_figure(profiles: xr.Dataset, jump: Jump) -> Figure | None:
             head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)
             axes.axhline(head, color=BLACK, lw=1, ls="-.", label=f"inflow {head:.2f} m")
         axes.set_ylim(bottom=min(0.0, np.nanmin(bed)))
-        title = f"{flow.scene.name}: energy head, mean of the window (laboratory frame)"
+        title = f"{flow.title}: energy head, mean of the window (laboratory frame)"
         axes.set(xlabel="Distance x [m]", ylabel="Energy head [m]", title=title)
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.12), frameon=True, framealpha=0.95, edgecolor="none")
     return figure

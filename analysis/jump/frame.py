@@ -118,7 +118,7 @@ class State:
     @property
     def bulk_density(self) -> float:
         """Mass depth over surface depth: density of the packed discs over that of the discs' material (rho)."""
-        return self.mass_depth.value / self.surface_depth.value
+        return share(self.mass_depth.value, self.surface_depth.value)
 
     @property
     def mass_flux(self) -> float:
@@ -138,11 +138,16 @@ class State:
     @property
     def beta(self) -> float:
         """Momentum coefficient in the frame of the front: relative over uniform flux."""
-        return self.relative_flux / self.uniform_flux
+        return share(self.relative_flux, self.uniform_flux)
 
     def still(self, depth: Mean) -> float:
         """Hydrostatic force under a depth, g s depth/2, m^3/s^2."""
         return 0.5 * self.gravity * self.mass_depth.value * depth.value
+
+
+def share(part: float, whole: float) -> float:
+    """A ratio; NaN where the whole is nothing, as where no disc is connected to the bed."""
+    return part / whole if whole else nan
 
 
 def measure_state(moving: xr.Dataset, zone: tuple[float, float], speed: float, gravity: float) -> State:
@@ -234,7 +239,9 @@ def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance
         return part(one) - part(two)
 
     def between(values: xr.DataArray) -> float:
-        return float(np.nanmean(integral(values, one, two)))
+        amount = integral(values, one, two)
+        good = amount[np.isfinite(amount)]
+        return float(good.mean()) if good.size else nan
 
     upstream, downstream = (state.uniform_flux + state.still(state.mass_depth) for state in (one, two))
     momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one, two)

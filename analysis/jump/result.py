@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.statistics import piece_bounds
 from lammps_jump.units import number
 
 from .frame import (
@@ -34,11 +35,14 @@ from .frame import (
     roller,
     zones,
 )
+from .stream import Stream, compression_front, measure_stream
 from .tail import Tail, measure_tail
-from .track import JumpTrack, Motion, straight_motion, track_jump
+from .track import JumpTrack, Motion, piece_speeds, straight_motion, track_jump
 
 if TYPE_CHECKING:
     from lammps_jump.analysis.contacts import ContactSeries
+
+Stretches = tuple[tuple[float, float], tuple[float, float]]
 
 FIELDS = ["mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity"]
 ALONG = ["discharge", "energy_flux", "surface_velocity"]
@@ -47,6 +51,8 @@ STILL = 0.02
 """Below this share of sqrt(g s) the discs of a bin count as standing."""
 HEAP_SLOPE = 0.02
 """A standing surface steeper than this is a heap: water at rest is level."""
+SURE, MARGINAL = 0.9, 0.1
+"""Share of the window's frames with a jump that makes a jump, and that makes a marginal one."""
 INLET_REACH = 2.0
 """The inlet is drowned when the toe is closer than this many inflow depths (or bins) to it."""
 
@@ -70,7 +76,7 @@ class JumpResult:
 
     Attributes
     ----------
-    verdict : {'jump', 'no jump found', 'drowned inlet', 'locked heap'}
+    verdict : {'jump', 'marginal jump', 'no jump found', 'drowned inlet', 'locked heap'}
     reason : str
         One sentence behind the verdict.
     direction : int
@@ -118,6 +124,13 @@ class JumpResult:
     roller: Roller | None = None
     heap: Heap | None = None
     tail: Tail | None = None
+    stream: Stream | None = None
+    pieces: tuple[JumpResult, ...] = ()
+
+    @property
+    def gravity(self) -> float:
+        """Gravity across the bed, m/s^2."""
+        return -self.flow.scene.gravity[1]
 
     @property
     def speed(self) -> float:
@@ -128,13 +141,17 @@ class JumpResult:
         """CSV tables: the track, and the mean profile in the moving frame."""
         result = {}
         if self.track is not None:
-            names = [field.name for field in fields(self.track) if field.name not in ("reach_end", "why")]
+            left_out = ("reach_end", "why", *(["compression"] if self.track.compression is None else []))
+            names = [field.name for field in fields(self.track) if field.name not in left_out]
             signs = {name: 1 if name == "time" or "depth" in name else self.direction for name in names}
             columns = {name: sign * getattr(self.track, name) for name, sign in signs.items()}
             result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
         if self.moving is not None:
             means = {name: values.values for name, values in mean_profile(self.moving).items()}
             result["jump_frame.csv"] = {"distance": self.moving.xi.values, **means}
+        if self.stream is not None:
+            values = vars(self.stream).items()
+            result["jump_stream.csv"] = {name: value for name, value in values if isinstance(value, np.ndarray)}
         return result
 
 
@@ -186,12 +203,16 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         stream["bed"] = ("time", "x"), direction * scale / width * wall
     edges = np.append(stream.x.values - 0.5 * width, stream.x.values[-1] + 0.5 * width)
     track = track_jump(stream, edges, gravity, flow.scene.diameter, in_window)
+    if contacts is not None:
+        track = replace(track, compression=compression_front(stream, track, gravity))
     used = track.found & in_window
-    if used.sum() < max(2, 0.5 * in_window.sum()):
+    share = used.sum() / max(in_window.sum(), 1)
+    if used.sum() < 2 or share < 0.5:
         inside = stream.isel(time=in_window)
         heap = _heap(inside, edges[0], gravity)
         verdict, reason = _why_none(track, in_window, inside, heap, gravity, flow.inflow_depth)
-        return replace(nothing, verdict=verdict, reason=reason, track=track, heap=heap)
+        if used.sum() < 2 or share < MARGINAL or verdict != "no jump found":
+            return replace(nothing, verdict=verdict, reason=reason, track=track, heap=heap)
     result = replace(
         nothing,
         track=track,
@@ -200,15 +221,21 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         end_motion=straight_motion(time[used], track.end[used]),
         motion=straight_motion(time[used], track.position[used]),
     )
-    result = _measure(result, stream, used, gravity)
+    result = _measure(result, stream, used)
     late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
     to_inlet = float(np.median(track.toe[late])) - edges[0]
     drowned = to_inlet < INLET_REACH * max(flow.inflow_depth or 0.0, width)
     verdict, reason = _judge(result, used, gravity, to_inlet, drowned)
+    if verdict == "jump" and share < SURE:
+        others = _why_none(track, in_window, stream, result.heap, gravity, None)[1]
+        verdict, reason = (
+            "marginal jump",
+            f"{100 * share:.0f} % of the frames have a jump, others not: {others}. {reason}",
+        )
     return replace(result, verdict=verdict, reason=reason)
 
 
-def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray, gravity: float) -> JumpResult:
+def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpResult:
     """Average in the moving frame; toe, end, states, balances."""
     track, speed = result.track, result.motion.speed
     # the frame moves with the fitted straight motion: a control volume at a steady speed has an exact balance
@@ -217,12 +244,24 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray, gravity: 
     toe = float(np.median(track.toe[used] - front))
     end = float(np.median(track.end[used] - front))
     levels = float(np.median(track.mass_depth_1[used])), float(np.median(track.mass_depth_2[used]))
-    mean = mean_profile(moving[["mass_depth", "surface_depth"]])
     # twice: the states need the ends, the ends need the levels
     for _ in range(2):
         before, behind, enough = zones(moving, toe, end, *levels)
-        one, two = (measure_state(moving, zone, speed, gravity) for zone in (before, behind))
-        toe, end = _ends(mean["mass_depth"], one.mass_depth.value, two.mass_depth.value, toe, end)
+        result = _within(result, moving, (before, behind), (toe, end))
+        toe, end = result.toe, result.end
+    depth = result.downstream.mass_depth.value
+    tail = measure_tail(stream.isel(time=used), front, depth)
+    before = measure_stream(stream, track, used, speed, depth, result.gravity)
+    result = replace(result, stream=before and before.turned(result.direction))
+    result = replace(result, developed=enough, roller=roller(moving, speed, toe, end), tail=tail)
+    return replace(result, pieces=_pieces(result))
+
+
+def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around: tuple[float, float]) -> JumpResult:
+    """States, ends and balances from frames of the moving frame, in the zones of the states."""
+    one, two = (measure_state(moving, zone, result.motion.speed, result.gravity) for zone in stretches)
+    mean = mean_profile(moving[["mass_depth", "surface_depth"]])
+    toe, end = _ends(mean["mass_depth"], one.mass_depth.value, two.mass_depth.value, *around)
     ends = _ends(mean["surface_depth"], one.surface_depth.value, two.surface_depth.value, toe, end)
     return replace(
         result,
@@ -233,12 +272,29 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray, gravity: 
         surface_end=ends[1],
         upstream=one,
         downstream=two,
-        developed=enough,
         balance=balance(moving, one, two, result.direction * result.flow.scene.gravity[0]),
         mass=mass_balance(moving, one, two),
-        roller=roller(moving, speed, toe, end),
-        tail=measure_tail(stream.isel(time=used), front, two.mass_depth.value),
     )
+
+
+def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
+    """The jump of each piece of the window, with the speed of that piece."""
+    frames = np.flatnonzero(whole.track.found & whole.in_window)
+    motions = [
+        [Motion(float(speed), nan, nan, 2) for speed in piece_speeds(whole.track.time[frames], places[frames])]
+        for places in (whole.track.toe, whole.track.end, whole.track.position)
+    ]
+    result = []
+    bounds = itertools.pairwise(piece_bounds(len(frames)))
+    for (first, stop), toe, end, front in zip(bounds, *motions, strict=True):
+        inside = np.zeros_like(whole.in_window)
+        inside[frames[first:stop]] = True
+        moved = replace(whole, in_window=inside, toe_motion=toe, end_motion=end, motion=front)
+        zones_kept = whole.upstream.zone, whole.downstream.zone
+        moving = whole.moving.isel(time=slice(first, stop))
+        result.append(_within(moved, moving, zones_kept, (whole.toe, whole.end)))
+    known = all(isfinite(piece.upstream.mass_depth.value + piece.downstream.mass_depth.value) for piece in result)
+    return tuple(result) if known else ()
 
 
 def _ends(profile: xr.DataArray, level_1, level_2, toe, end) -> tuple[float, float]:

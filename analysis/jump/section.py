@@ -5,32 +5,43 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from math import isfinite
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
-from lammps_jump.analysis.report.page import Section, Table, Text, described, heading
+from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
+from lammps_jump.analysis.statistics import STUDENT
 from lammps_jump.units import ABSENT, numbers_of, shown
 
-from .figures import balance_figure, frame_figure, head_figure, track_figure
+from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
 from .frame import Balance
+from .head import energy_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
+from .verdict import worded
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
     ("momentum_upstream", "momentum_downstream"), ("head_upstream", "head_downstream"),
 )  # fmt: skip
 """Numbers that stand side by side in the table of the states."""
+FROUDE = ("froude", "froude_downstream")
 
 
 def analyse(gathered: Gathered) -> Jump:
     """Jump of a run."""
-    return summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts))
+    found = worded(summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)))
+    edges = bin_edges(gathered.flow.x_range, gathered.flow.bin_width)
+    budget = energy_budget(cast("np.ndarray | None", gathered.histories.get("jump")), found.measured, edges)
+    if budget is None:
+        return found
+    return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
 
 
 class Marks(NamedTuple):
@@ -71,6 +82,7 @@ def figures(jump: Jump, gathered: Gathered) -> Drawings:
     """Figures of the jump in time, in its own frame, of its momentum and of the head."""
     return {
         "jump_track.png": partial(track_figure, jump),
+        "jump_stream.png": partial(stream_figure, jump),
         "jump_frame.png": partial(frame_figure, jump),
         "jump_balance.png": partial(balance_figure, jump),
         "energy_head.png": partial(head_figure, gathered.profiles, jump),
@@ -92,52 +104,83 @@ def section(jump: Mapping) -> Section:
         blocks += [
             _states(jump),
             _comparisons(jump),
+            Text(SHORT),
+            certainty(jump),
+            Text(sentence(jump.get("budget") or {})),
             _momentum(jump),
-            _roller(jump["roller"]),
+            _roller(jump),
             *_tail(jump.get("tail")),
+            *_stream(jump.get("stream")),
         ]
     return Section("Hydraulic jump", blocks)
-
-
-def _with_error(value: float | None, error: float | None) -> str:
-    if value is None:
-        return ABSENT
-    return f"{value:.3f}{'' if error is None else f' ± {error:.2g}'}".replace("-", "−")
 
 
 def _states(jump: Mapping) -> Table:
     numbers = numbers_of(Jump)
     rows = []
     for one, two in STATES:
-        label, unit, values = numbers[one].meaning, numbers[one].unit, [jump[one], jump[two]]
-        if one == "y1":
-            values = [_with_error(jump[key], jump[f"{key}_error"]) for key in (one, two)]
-        elif unit == "N/m":
-            unit, values = "kN/m", [value / 1e3 for value in values]
+        label, unit = numbers[one].meaning, numbers[one].unit
+        unit, scale = ("kN/m", 1e3) if unit == "N/m" else (unit, 1.0)
+        values = [with_error(jump, key, scale) for key in (one, two)]
         rows.append((heading(label.removesuffix(" upstream").removesuffix(","), unit), *values))
-    rows.insert(5, (*described(Jump, jump, "froude")[0], jump["froude_downstream"]))
-    return Table(rows, ("State, measured beside the jump", "upstream 1", "downstream 2"))
+    rows.insert(5, (described(Jump, jump, "froude")[0][0], *(with_error(jump, key) for key in FROUDE)))
+    return Table(rows, ("State, measured beside the jump, ± within this run", "upstream 1", "downstream 2"))
 
 
 def _comparisons(jump: Mapping) -> Table:
-    ratio, from_mass = jump["sequent_ratio"], jump["mass"]["speed_from_mass"]
+    ratio, from_mass = with_error(jump, "sequent_ratio"), jump["mass"]["speed_from_mass"]
     against = [
         ("Bélanger, front's frame", "belanger_ratio"),
         (f"with density ratio {jump['density_ratio']:.3f}", "density_relation_ratio"),
         ("and measured bed force and β", "full_relation_ratio"),
         *([("and measured contact pressure", "pressure_relation_ratio")] if jump["pressure_relation_ratio"] else []),
     ]
-    rows = [("s₂/s₁", ratio, words, jump[key], _deviation(ratio, jump[key])) for words, key in against]
-    speed = _with_error(jump["speed"], jump["speed_error"])
+    rows = [
+        ("s₂/s₁", ratio, words, with_error(jump, key), _deviation(jump["sequent_ratio"], jump[key]))
+        for words, key in against
+    ]
+    rows[0] = (*rows[0][:4], _share(jump["belanger_deviation"], jump["belanger_deviation_error"]))
     words = "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁)"
+    speed = with_error(jump, "speed")
     rows.append(("Velocity of the front [m/s]", speed, words, from_mass, _deviation(jump["speed"], from_mass)))
     for key, words, other in (
         ("length", "thesis (4.27)", "length_theory"),
         ("length", "USBR curve", "length_usbr"),
+        ("head_lost", "Bélanger", "energy_loss_theory"),
         ("energy_loss", "Bélanger", "energy_loss_theory"),
     ):
-        rows.append((*described(Jump, jump, key)[0], words, jump[other], _deviation(jump[key], jump[other])))
-    return Table(rows, ("Measured", "", "against", "", "difference"))
+        head, value = described(Jump, jump, key)[0][0], with_error(jump, key)
+        if key == "head_lost" and (budget := jump.get("budget")):
+            head += f", {budget['start']:+.1f} to {budget['stop']:+.1f} m from the toe".replace("-", "−")
+        rows.append((head, value, words, jump[other], _deviation(jump[key], jump[other])))
+    return Table(rows, ("Measured, ± within this run", "", "against", "", "difference"))
+
+
+def _share(value: float | None, error: float | None) -> str:
+    """A share in per cent with its error."""
+    if value is None:
+        return ABSENT
+    return f"{100 * value:+.1f}{'' if error is None else f' ± {100 * error:.1f}'} %".replace("-", "−")
+
+
+def certainty(jump: Mapping) -> Text:
+    """How sure the numbers are: what ± means, the drift within the window, and how many starts are needed."""
+    if jump["y2_error"] is None:
+        return Text(
+            "The window holds fewer than 16 frames with a jump: one run cannot tell how sure these numbers are."
+        )
+    drifts, units = jump["drift"], numbers_of(Jump)
+    moved = ", ".join(f"{units[key].label} {shown(drifts[key], units[key].unit, digits=2)}" for key in ("y2", "speed"))
+    starts = jump["members"]
+    return Text(
+        f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors. From the first half "
+        f"of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
+        f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. "
+        "One run cannot tell the errors of y2, h2, u2, length, velocity of the front and Froude number: it misses up "
+        "to 60 % of their variance between starts. For a standard error of 3 %, average at least "
+        f"{starts['y2']} run(s) for y2, {starts['speed']} for the velocity of the front, {starts['froude']} for the "
+        "Froude number."
+    )
 
 
 def _deviation(measured: float | None, expected: float | None) -> str:
@@ -162,8 +205,8 @@ def _tail(tail: Mapping | None) -> list[Text]:
     if not tail or tail["depth"] is None:
         return []
     text = (
-        f"Tail water over {tail['length']:.1f} m: mass depth {_with_error(tail['depth'], tail['depth_error'])} m, "
-        f"slope of its surface {_with_error(tail['slope'], tail['slope_error'])}."
+        f"Tail water over {tail['length']:.1f} m: mass depth {with_error(tail, 'depth')} m, "
+        f"slope of its surface {with_error(tail, 'slope')}."
     )
     if tail["belanger_y2"] is not None:
         text += (
@@ -173,8 +216,57 @@ def _tail(tail: Mapping | None) -> list[Text]:
     return [Text(text)]
 
 
-def _roller(roller: Mapping) -> Text:
-    where = "nowhere in the mean"
+MOST_STRETCHES = 8
+"""Rows of the table of the stream; the file has all."""
+
+
+def _stream(stream: Mapping | None) -> list[Text | Table]:
+    """The stream before the jump by stretches."""
+    if not stream:
+        return []
+    count = len(stream["start"])
+    chosen = sorted({round(i) for i in np.linspace(0, count - 1, min(count, MOST_STRETCHES))})
+    rows = [
+        (
+            f"{stream['start'][i]:.4g} … {stream['stop'][i]:.4g}".replace("-", "−"),
+            stream["mass_depth"][i],
+            stream["velocity"][i],
+            stream["momentum_flux"][i],
+            stream["thrust"][i],
+            shown(stream["total"][i], error=stream["total_error"][i]),
+            stream["froude"][i],
+            stream["belanger_y2"][i],
+            _share(stream["deviation"][i], None),
+        )
+        for i in chosen
+    ]
+    head = ("Stream, x [m]", "s [m]", "u [m/s]", "flux [m³/s²]", "thrust [m³/s²]", "sum", "Fr", "Bélanger [m]",
+            "y₂ off it")  # fmt: skip
+    text = "The stream before the jump, laboratory; Fr and Bélanger in the front's frame."
+    if stream["total_deviation"] is not None:
+        text += f" Momentum flux + thrust stays within {100 * stream['total_deviation']:.1f} % of its mean."
+    return [Text(text), Table(rows, head)]
+
+
+def _roller(jump: Mapping) -> Text:
+    """The backflow at the surface, in the front's frame and in the laboratory."""
+    roller, depth = jump["roller"], jump["y2"]
+    if roller["length_in_jump_frame"] is None:
+        said = "No roller: nowhere does the mean surface run upstream faster than the front itself."
+    else:
+        length, start = roller["length_in_jump_frame"], roller["start_in_jump_frame"]
+        said = (
+            f"Roller: in the front's frame the mean surface runs upstream over {length:.1f} m "
+            f"({length / depth:.1f} y₂), from {start:.1f} m behind the toe."
+        )
     if roller["length"] is not None:
-        where = f"over {roller['length']:.1f} m, from {roller['start']:.1f} m behind the toe"
-    return Text(f"Roller: the mean surface velocity is reversed {where}.")
+        said += f" In the laboratory, where the front's own speed is in it: over {roller['length']:.1f} m."
+    return Text(said)
+
+
+SHORT = (
+    "Discs make a short jump, of one to two sequent depths where water needs five to six. They flow like a very "
+    "viscous fluid (Reynolds number 3 to 22, water's is 1.6e7), and contacts dissipate the motion within a few "
+    "diameters of the front. A length far below the thesis' and the USBR's is no error of the run."
+)
+"""Said beside the length."""

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from math import isfinite, nan, sqrt
+from math import isfinite, nan
 
 import numpy as np
 
@@ -13,8 +13,11 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
-from .frame import Balance, Mass, Roller
+from .certainty import Drift, Members, drift, errors, members
+from .frame import Balance, Mass, Roller, share
+from .head import Budget
 from .result import Heap, JumpResult
+from .stream import Stream
 from .tail import Tail, against_inflow
 
 DEVELOPED_SHARE = 0.7
@@ -25,16 +28,19 @@ DEVELOPED_SHARE = 0.7
 class Jump:
     """Hydraulic jump in numbers; 1 is upstream, 2 downstream; NaN where it was not measured.
 
-    ``_error`` is the standard error of the mean in the same unit, NaN where one run cannot tell. Depths s are by mass,
-    h by the free surface. The front is where a sharp step would hold the same mass.
+    ``_error`` is the standard error within this run in the same unit, NaN where one run cannot tell. Depths s are by
+    mass, h by the free surface. The front is where a sharp step would hold the same mass.
     """
 
     verdict: str
     reason: str
+    headline: str = ""
+    notes: tuple[str, ...] = field(default=(), metadata={"summary": False})
     inflow: theory.Inflow | None = None
     window: tuple[float, float] = (nan, nan)
     frames_found: int | None = None
     frames_in_window: int | None = None
+    share_found: float = number("", "share of the window's frames that have a jump", default=nan)
     heap: Heap | None = None
     time: float = number("s", "time of the last frame used", default=nan)
     position: float = number("m", "front at that time", default=nan)
@@ -43,12 +49,15 @@ class Jump:
     froude: float = number("", "Froude number, front's frame", default=nan, label="Fr1")
     froude_error: float = number("", "standard error of the Froude number", default=nan)
     froude_lab: float = number("", "Froude number of the stream, laboratory frame", default=nan)
+    froude_lab_error: float = number("", "standard error of the Froude number, laboratory frame", default=nan)
     froude_downstream: float = number("", "Froude number downstream, front's frame", default=nan)
+    froude_downstream_error: float = number("", "standard error of the Froude number downstream", default=nan)
     y1: float = number("m", "mass depth s upstream", default=nan, label="y1")
     y1_error: float = number("m", "standard error of y1", default=nan)
     y2: float = number("m", "mass depth s downstream", default=nan, label="y2")
     y2_error: float = number("m", "standard error of y2", default=nan)
     belanger_y2: float = number("m", "sequent depth by Bélanger, front's frame", default=nan, label="Bélanger")
+    belanger_y2_error: float = number("m", "standard error of the sequent depth by Bélanger", default=nan)
     speed: float = number("m/s", "velocity of the front", default=nan, label="shock speed")
     speed_error: float = number("m/s", "standard error of the velocity of the front", default=nan)
     length: float = number("m", "length of the jump", default=nan, label="length")
@@ -62,9 +71,13 @@ class Jump:
     u2: float = number("m/s", "mean velocity u downstream", default=nan)
     u2_error: float = number("m/s", "standard error of u2", default=nan)
     packing_1: float = number("", "packing upstream", default=nan)
+    packing_1_error: float = number("", "standard error of the packing upstream", default=nan)
     packing_2: float = number("", "packing downstream", default=nan)
+    packing_2_error: float = number("", "standard error of the packing downstream", default=nan)
     beta_1: float = number("", "momentum coefficient β upstream", default=nan)
+    beta_1_error: float = number("", "standard error of the β upstream", default=nan)
     beta_2: float = number("", "momentum coefficient β downstream", default=nan)
+    beta_2_error: float = number("", "standard error of the β downstream", default=nan)
     toe_speed: float = number("m/s", "velocity of the toe", default=nan)
     toe_speed_error: float = number("m/s", "standard error of the velocity of the toe", default=nan)
     end_speed: float = number("m/s", "velocity of the end", default=nan)
@@ -76,31 +89,57 @@ class Jump:
     belanger_ratio: float = number("", "Bélanger, front's frame", default=nan)
     belanger_ratio_error: float = number("", "standard error of Bélanger's ratio", default=nan)
     belanger_deviation: float = number("", "s₂/s₁ over Bélanger's ratio, less one", default=nan)
+    belanger_deviation_error: float = number("", "standard error of the deviation from Bélanger", default=nan)
     density_ratio: float = number("", "bulk density downstream over upstream", default=nan)
+    density_ratio_error: float = number("", "standard error of the density ratio", default=nan)
     density_relation_ratio: float = number("", "s₂/s₁ by momentum, with the density ratio", default=nan)
+    density_relation_ratio_error: float = number("", "standard error of the ratio by momentum and density", default=nan)
     density_relation_deviation: float = number("", "s₂/s₁ over that ratio, less one", default=nan)
+    density_relation_deviation_error: float = number("", "standard error of the deviation from that ratio", default=nan)
     full_relation_ratio: float = number("", "s₂/s₁ by momentum, with density, bed force and β", default=nan)
+    full_relation_ratio_error: float = number("", "standard error of the ratio with bed force and β", default=nan)
     pressure_relation_ratio: float = number("", "s₂/s₁ by momentum, with the contact pressure", default=nan)
+    pressure_relation_ratio_error: float = number(
+        "", "standard error of the ratio with the contact pressure", default=nan
+    )
     pressure_coefficient_1: float = number("", "contact pressure over hydrostatic, upstream", default=nan)
+    pressure_coefficient_1_error: float = number("", "standard error of the pressure coefficient upstream", default=nan)
     pressure_coefficient_2: float = number("", "contact pressure over hydrostatic, downstream", default=nan)
+    pressure_coefficient_2_error: float = number(
+        "", "standard error of the pressure coefficient downstream", default=nan
+    )
     length_mass: float = number("m", "length by the mass depth", default=nan)
+    length_mass_error: float = number("m", "standard error of the length by the mass depth", default=nan)
     length_ramp: float = number("m", "length by the fitted ramps", default=nan)
+    length_ramp_error: float = number("m", "standard error of the length by the ramps", default=nan)
     length_over_y2: float = number("", "length over y2", default=nan)
+    length_over_y2_error: float = number("", "standard error of the length over y2", default=nan)
     length_theory: float = number("m", "length by thesis (4.27)", default=nan)
     length_usbr: float = number("m", "length by the USBR curve", default=nan)
     head_upstream: float = number("m", "head, front's frame, upstream", default=nan)
+    head_upstream_error: float = number("m", "standard error of the head upstream", default=nan)
     head_downstream: float = number("m", "head, front's frame, downstream", default=nan)
-    energy_loss: float = number("m", "head lost", default=nan)
-    energy_loss_error: float = number("m", "standard error of the head lost", default=nan)
+    head_downstream_error: float = number("m", "standard error of the head downstream", default=nan)
+    head_lost: float = number("m", "head lost, energy budget", default=nan, label="head lost")
+    head_lost_error: float = number("m", "standard error of the head lost, within this run", default=nan)
+    budget: Budget | None = None
+    energy_loss: float = number("m", "difference of s + (u − c)²/2g", default=nan)
+    energy_loss_error: float = number("m", "standard error of that difference", default=nan)
     energy_loss_theory: float = number("m", "head lost by Bélanger", default=nan)
     energy_loss_depths: float = number("m", "head lost by the two depths", default=nan)
     momentum_upstream: float = number("N/m", "momentum function upstream", default=nan)
+    momentum_upstream_error: float = number("N/m", "standard error of the momentum function upstream", default=nan)
     momentum_downstream: float = number("N/m", "momentum function downstream", default=nan)
+    momentum_downstream_error: float = number("N/m", "standard error of the momentum function downstream", default=nan)
     momentum_residual: float = number("", "momentum function 1 − 2 over 2", default=nan)
+    momentum_residual_error: float = number("", "standard error of the momentum residual", default=nan)
     momentum_terms: Balance | None = None
     mass: Mass | None = None
     roller: Roller | None = None
     tail: Tail | None = None
+    stream: Stream | None = None
+    drift: Drift | None = None
+    members: Members | None = None
     measured: JumpResult | None = field(default=None, metadata={"summary": False})
 
 
@@ -115,15 +154,19 @@ def inflow_theory(flow: Flow) -> theory.Inflow | None:
 
 def summarise_jump(result: JumpResult) -> Jump:
     """Numbers of a measured jump."""
-    jump = Jump(result.verdict, result.reason, inflow_theory(result.flow), result.window, heap=result.heap,
-                measured=result)  # fmt: skip
+    jump = Jump(result.verdict, result.reason, inflow=inflow_theory(result.flow), window=result.window,
+                heap=result.heap, measured=result)  # fmt: skip
     if result.track is None:
         return jump
     used = result.track.found & result.in_window
-    jump = replace(jump, frames_found=int(used.sum()), frames_in_window=int(result.in_window.sum()))
+    found, frames = int(used.sum()), int(result.in_window.sum())
+    jump = replace(jump, frames_found=found, frames_in_window=frames, share_found=found / frames if frames else nan)
     if result.upstream is None:
         return jump
-    jump = _against_theory(_states(_places(jump, used)))
+    jump = _measured(jump)
+    pieces = [_measured(replace(jump, measured=piece)) for piece in result.pieces]
+    jump = replace(jump, **errors(jump, pieces), drift=drift(pieces))
+    jump = replace(jump, members=members(jump))
     if jump.verdict == "jump" and jump.sequent_ratio < DEVELOPED_SHARE * jump.belanger_ratio:
         share = 100 * jump.sequent_ratio / jump.belanger_ratio
         also = f" The depth ratio is {share:.0f} % of Bélanger's: the flow behind is still filling up."
@@ -131,9 +174,15 @@ def summarise_jump(result: JumpResult) -> Jump:
     return jump
 
 
-def _places(jump: Jump, used: np.ndarray) -> Jump:
+def _measured(jump: Jump) -> Jump:
+    """The numbers of what was measured in a window, or in a piece of it."""
+    return _against_theory(_states(_places(jump)))
+
+
+def _places(jump: Jump) -> Jump:
     """Places along x at the last frame used, velocities, and lengths."""
     result, track = jump.measured, jump.measured.track
+    used = track.found & result.in_window
     sign, motion = result.direction, result.motion
     time = float(track.time[np.flatnonzero(used)[-1]])
     front = float(motion.start + motion.speed * time)
@@ -144,17 +193,15 @@ def _places(jump: Jump, used: np.ndarray) -> Jump:
         toe=sign * (front + result.toe),
         end=sign * (front + result.end),
         speed=result.speed,
-        speed_error=motion.error,
         toe_speed=sign * result.toe_motion.speed,
-        toe_speed_error=result.toe_motion.error,
         end_speed=sign * result.end_motion.speed,
-        end_speed_error=result.end_motion.error,
         length=result.surface_end - result.surface_toe,
         length_mass=result.end - result.toe,
         length_ramp=float(np.median(track.end[used] - track.toe[used])),
         developed=result.developed,
         roller=result.roller,
         tail=_tail(result, jump.inflow),
+        stream=result.stream,
     )
 
 
@@ -172,7 +219,7 @@ def _states(jump: Jump) -> Jump:
     found = {}
     for k, state in ((1, one), (2, two)):
         for name, mean in ((f"y{k}", state.mass_depth), (f"h{k}", state.surface_depth), (f"u{k}", state.velocity)):
-            found |= {name: mean.value, f"{name}_error": mean.error}
+            found[name] = mean.value
         found |= {f"packing_{k}": state.packing.value, f"beta_{k}": state.beta}
         found[f"u{k}"] *= result.direction
     return replace(
@@ -181,7 +228,7 @@ def _states(jump: Jump) -> Jump:
         froude=one.froude_relative,
         froude_lab=one.froude,
         froude_downstream=two.froude_relative,
-        density_ratio=two.bulk_density / one.bulk_density,
+        density_ratio=share(two.bulk_density, one.bulk_density),
         head_upstream=one.head,
         head_downstream=two.head,
         energy_loss=one.head - two.head,
@@ -214,16 +261,15 @@ def _against_theory(jump: Jump) -> Jump:
         largest = _largest_ratio(froude, jump.beta_1, jump.beta_2, p1, p2, push + terms.unsteady / unit)
         found["pressure_relation_ratio"] = largest
         for k, state in ((1, one), (2, two)):
-            found[f"pressure_coefficient_{k}"] = state.thrust.value / state.still(state.surface_depth)
+            found[f"pressure_coefficient_{k}"] = share(state.thrust.value, state.still(state.surface_depth))
     return replace(
         jump,
         **found,
         jump_class=theory.jump_class(froude),
         sequent_ratio=ratio,
-        sequent_ratio_error=ratio * sqrt((jump.y1_error / s1) ** 2 + (jump.y2_error / s2) ** 2),
         belanger_ratio=belanger,
         belanger_y2=s1 * belanger,
-        belanger_deviation=ratio / belanger - 1,
+        belanger_deviation=share(ratio, belanger) - 1,
         density_relation_ratio=expected,
         density_relation_deviation=ratio / expected - 1,
         full_relation_ratio=full,

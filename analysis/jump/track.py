@@ -14,6 +14,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from lammps_jump.analysis.statistics import piece_bounds, piece_error
+
 LEAST_RATIO = 1.5
 """A rise below this ratio of mass depths is taken for waves of the stream, not for a jump (Fr1 = 1.37)."""
 LEAST_SHARE = 0.6
@@ -105,6 +107,8 @@ class JumpTrack:
         Where the part of the profile that was looked at ends.
     why : tuple of str
         Empty where a jump was found.
+    compression : ndarray or None, m
+        Front of the compressed stream before the toe; None where contact forces are not known.
     """
 
     time: np.ndarray
@@ -117,6 +121,7 @@ class JumpTrack:
     velocity_2: np.ndarray
     reach_end: np.ndarray
     why: tuple[str, ...]
+    compression: np.ndarray | None = None
 
     @property
     def found(self) -> np.ndarray:
@@ -225,7 +230,7 @@ class Motion:
     Attributes
     ----------
     speed, error : float
-        m/s; the error is the standard error of the slope with the residuals' correlation allowed for.
+        m/s; the error is the scatter of the speeds of eight pieces of the record.
     start : float
         Position at t = 0 of the fit, m.
     points : int
@@ -238,24 +243,18 @@ class Motion:
 
 
 def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
-    """Speed by least squares; NaN with fewer than two points, its error with fewer than four.
-
-    The standard error of independent residuals is multiplied by sqrt((1 + r)/(1 - r)), r >= 0 their lag-one
-    correlation (first-order autoregression; Bartlett's effective number of samples), corrected for the bias
-    -(1 + 4 r)/n of its estimate, and r <= 0.95.
-    """
+    """Speed by least squares; NaN with fewer than two points, its error with fewer than two points a piece."""
     good = np.isfinite(position) & np.isfinite(time)
     t, x = time[good], position[good]
     n = len(t)
     if n < 2 or np.ptp(t) == 0:
         return Motion(nan, nan, nan, n)
     centred = t - t.mean()
-    spread = float(centred @ centred)
-    speed = float(centred @ x) / spread
-    residual = x - x.mean() - speed * centred
-    square, error = float(residual @ residual), nan
-    if n >= 4:
-        r = float(residual[1:] @ residual[:-1]) / square if square > 0 else 0.0
-        r = min(max(r + (1.0 + 4.0 * r) / n, 0.0), 0.95)
-        error = sqrt(square / (n - 2) / spread * (1 + r) / (1 - r))
-    return Motion(speed, error, float(x.mean() - speed * t.mean()), n)
+    speed = float(centred @ x) / float(centred @ centred)
+    return Motion(speed, piece_error(piece_speeds(t, x)), float(x.mean() - speed * t.mean()), n)
+
+
+def piece_speeds(time: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """Displacement over time of each piece of a record, m/s, shape (pieces,); empty where it is too short."""
+    bounds = piece_bounds(len(time))
+    return np.diff(position[bounds]) / np.diff(time[bounds]) if bounds else np.empty(0)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from lammps_jump.units import numbers_of, shown
+from lammps_jump.units import ABSENT, numbers_of, shown
 
 KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
 Value = float | int | str | None
@@ -136,6 +136,14 @@ def percent(share: float | None, digits: int = 1) -> str:
     if share is None:
         return shown(None)
     return f"{100 * share:{'+' if digits > 1 else ''}.{digits}f} %"
+
+
+def with_error(found: Mapping, key: str, scale: float = 1.0) -> str:
+    """A number of ``summary.json`` with its standard error within this run, where it has one."""
+    value, error = found[key], found.get(f"{key}_error")
+    if value is None:
+        return ABSENT
+    return shown(value / scale, error=None if error is None else error / scale).replace("-", "−")
 
 
 def picture(path: Path, caption: str) -> Picture:

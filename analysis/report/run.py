@@ -7,19 +7,26 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES
+from lammps_jump.files import FIGURES, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
-from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, picture, render
+from .definitions import DEFINITIONS
+from .headline import belongs, headline
+from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, percent, picture, render, with_error
 
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
-BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "energy_loss")
+BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "head_lost")
 """Numbers of a jump that stand in boxes at the top."""
+INFLOW = ("delivered", "froude", "belanger_y2")
+"""Numbers of the inflow there."""
+REMARKS = {"length": "; discs make a short one"}
+UNSURE = "no error from one run"
 
 
 def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: str = "report.html") -> Path:
@@ -45,7 +52,9 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     title, tab = name_of_run.replace("_", " "), f"{name_of_run}: report"
     lead = [*_lead(summary), Boxes(_key_numbers(summary)), Items(summary.get("warnings") or (), "Notes")]
     before = [Section("", lead)]
-    before += [quantity.section(summary[key]) for key, quantity in QUANTITIES.items() if summary.get(key)]
+    before += [
+        _defined(key, quantity.section(summary[key])) for key, quantity in QUANTITIES.items() if summary.get(key)
+    ]
     numbers = numbers_of(Coefficients)
     values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
@@ -55,35 +64,62 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
         Section("The case", [Code(case_yaml, "case.yaml, every default filled in")]),
         _how(summary),
     ]
-    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode())
+    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode(errors="replace"))
     path = Path(folder) / name
+    page = render(title, [*before, _figures(Path(folder), room), *after], tab=tab)
     try:
-        path.write_text(render(title, [*before, _figures(Path(folder), room), *after], tab=tab), encoding="utf-8")
+        write_text(path, page)
     except OSError as error:
         raise DumpError(f"{path}: the report cannot be written ({error.strerror}).") from error
     return path
 
 
+def _defined(key: str, section: Section | None) -> Section | None:
+    """The section of a quantity, with what its numbers mean folded away at its end."""
+    if section is None or not section.blocks:
+        return section
+    return section._replace(blocks=[*section.blocks, Code(DEFINITIONS[key], "What these numbers mean")])
+
+
 def _lead(summary: Mapping) -> list[Text]:
     status = summary.get("status", "complete")
     said = "" if status == "complete" else f"The run is {status}. {summary.get('message') or ''}"
-    return [Text(summary.get("description", ""), "lead"), Text(said, "bad")]
+    return [Text(summary.get("description", ""), "lead"), Text(said, "bad"), Text(headline(summary), "verdict")]
 
 
 def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
     """The few numbers that readers look for first."""
-    jump, front, energy, force = (summary.get(key) or {} for key in ("jump", "front", "energy", "force"))
+    parts = ("inflow", "jump", "front", "energy", "force")
+    inflow, jump, front, energy, force = (summary.get(key) or {} for key in parts)
     boxes: list[tuple[str, float | str, str]] = [("verdict", jump["verdict"], "")] if jump else []
+    given = numbers_of(Delivery)
+    for key in INFLOW:
+        if inflow.get(key) is not None:
+            sure = "" if key == "delivered" else ", ± within this run"
+            boxes.append((given[key].meaning + sure, with_error(inflow, key), given[key].unit))
+    if jump.get("share_found") is not None:
+        boxes.append(("of the window's frames have a jump", percent(jump["share_found"], 0), ""))
     numbers = numbers_of(Jump)
-    boxes += [(numbers[key].meaning, jump[key], numbers[key].unit) for key in BOXES if jump.get(key) is not None]
+    for key in BOXES:
+        if jump.get(key) is not None and belongs(key, jump):
+            error = jump.get(f"{key}_error")
+            sure = (
+                numbers[key].meaning
+                + REMARKS.get(key, "")
+                + (", ± within this run" if error is not None else f" ({UNSURE})")
+            )
+            starts = (jump.get("members") or {}).get(key)
+            sure += f"; for 3 % at least {starts} run(s)" if starts else ""
+            boxes.append((sure, with_error(jump, key), numbers[key].unit))
     if front.get("position") is not None:
-        boxes.append((f"front at t = {front['time']:.3g} s", front["position"], "m"))
-        boxes += [("speed of the front", front["speed"], "m/s")] if front.get("speed") is not None else []
+        boxes.append((f"front at t = {front['time']:.3g} s ({UNSURE})", front["position"], "m"))
+        boxes += [(f"speed of the front ({UNSURE})", front["speed"], "m/s")] if front.get("speed") is not None else []
     for name, values in force.items():
         if isinstance(values, dict) and values.get("peak") is not None:
-            boxes.append((f"peak force on {name}", values["peak"] / 1e3, "kN/m"))
+            sure = ", ± within this run" if values.get("peak_error") is not None else f" ({UNSURE})"
+            boxes.append((f"peak force on {name}{sure}", with_error(values, "peak", 1e3), "kN/m"))
     if energy.get("conservative") and energy.get("max_deviation") is not None:
-        boxes.append(("largest energy deviation", 100 * energy["max_deviation"], "%"))
+        boxes.append(("largest energy deviation, exact", 100 * energy["max_deviation"], "%"))
     discs = summary.get("discs") or {}
     boxes += [("discs in all", discs["inserted"], "")] if discs.get("inserted") is not None else []
     return boxes

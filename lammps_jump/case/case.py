@@ -22,6 +22,9 @@ from .load import Changes, PlacedFields, json_text, validated
 from .text import CaseSource, parse_source, read_source
 from .to_scene import build_scene
 
+NOT_OF_THE_RUN = ("name", "description", "analysis")
+"""Fields that change nothing of the run itself."""
+
 
 @dataclass(frozen=True)
 class ReadCase(PlacedFields):
@@ -35,8 +38,17 @@ class ReadCase(PlacedFields):
     @cached_property
     def hash(self) -> str:
         """Twelve hex digits, equal for cases that give the same run: name, description and analysis are left out."""
-        data = _plain_data(self.fields)
-        return short_hash({key: data[key] for key in data if key not in ("name", "description", "analysis")})
+        return short_hash(self.core)
+
+    @cached_property
+    def core(self) -> dict[str, Any]:
+        """Plain data of what decides the run: all but name, description and analysis."""
+        return {key: value for key, value in _plain_data(self.fields).items() if key not in NOT_OF_THE_RUN}
+
+    @cached_property
+    def rest(self) -> dict[str, Any]:
+        """Plain data of what changes no run: name, description and analysis."""
+        return {key: value for key, value in _plain_data(self.fields).items() if key in NOT_OF_THE_RUN}
 
     def replace(self, changes: Changes) -> Self:
         """The case with other values, validated as a file is.

@@ -14,6 +14,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene.scene import Gate, InletRow
+from lammps_jump.scene.schedule import Schedule, told
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval, Wall
 
@@ -187,6 +188,30 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
                 "and sink by 2 to 4 % at first; settle gives them time behind the gate (settle: 2)"
             )
     return notes
+
+
+def adapted(
+    case: CaseFields,
+    dt: float,
+    steps: Schedule,
+    settle: float,
+    settle_steps: int,
+    inlets: tuple[InletRow, ...],
+    sizes: Sizes | None,
+) -> tuple[str, ...]:
+    """Sentences on asked values that whole steps of `dt` (s) have changed; `settle` is the time asked for, s."""
+    asked = {
+        "run.duration": (case.run.duration, steps.run * dt),
+        "run.output_interval": (min(case.run.output_interval, case.run.duration), steps.output * dt),
+        "settle": (settle, settle_steps * dt),
+    }
+    if case.probes.forces:
+        asked["probes.interval"] = case.probes.interval, steps.probe * dt
+    if not isinstance(case.inflow, RowsInflow):
+        return told(asked)
+    area = sizes.mean_square if sizes else case.discs.diameter**2
+    carried = sum(area / (row.every_steps * dt) for row in inlets)
+    return told(asked) + told({"discharge of the inflow": (case.inflow.velocity * case.inflow.depth, carried)}, "m^2/s")
 
 
 def check_stop(case: CaseFields, source: CaseSource) -> list[str]:

@@ -4,16 +4,25 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from math import inf
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.scene import InletRow, Scene
 from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Interval, Wall
+from lammps_jump.scene.walls import Block, Interval, Wall
 from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow
+
+FASTEST = 1.25
+"""Fastest row over the impact speed above which overlaps are doubtful; the 1/7 profile has 1.12."""
+UPSTREAM, DOWNSTREAM = 5.0, 3.5
+"""Room for a jump: the stream before it in y1; the jump (1.5) and steady tail water (2) in y2 (measured)."""
+LOWEST_SILL = 0.55
+"""Height of a sill over that of a broad crest that holds the jump of water. In `quick_jump` discs run over 0.46 of it
+without a jump, and make one at 0.65 (measured)."""
 
 Row = tuple[str, str, float | int | str | None, str]
 
@@ -68,18 +77,23 @@ class Derived:
         return plain(
             {
                 "name": self.fields.name,
+                "verdict": "doubtful" if scene.warnings else "fine",
                 "coefficients": asdict(scene.coefficients),
                 **groups,
                 "inflow_rows": rows,
                 "skipped": list(scene.skipped),
                 "warnings": list(scene.warnings),
+                "adapted": list(scene.adapted),
             }
         )
 
     def __str__(self) -> str:
-        """Text for the screen: tables with units, what is skipped, warnings."""
+        """Text for the screen: the verdict, tables with units, what is skipped and adapted."""
         scene = self.scene
-        lines = [f"{self.fields.name}: {self.fields.description}".rstrip(": ")]
+        lines = ["this case is fine"]
+        if scene.warnings:
+            lines = ["doubtful in this case:", *(f"  - {text}" for text in scene.warnings)]
+        lines += ["", f"{self.fields.name}: {self.fields.description}".rstrip(": ")]
         for title, rows in self.tables:
             if rows:
                 lines += ["", title]
@@ -94,9 +108,8 @@ class Derived:
             ]
         lines += ["", "skipped, because the scene does not need it"]
         lines += [f"  - {text}" for text in scene.skipped]
-        if scene.warnings:
-            lines += ["", "beware"]
-            lines += [f"  - {text}" for text in scene.warnings]
+        if scene.adapted:
+            lines += ["", "changed to whole steps", *(f"  - {text}" for text in scene.adapted)]
         return "\n".join(lines)
 
 
@@ -175,7 +188,7 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []
-    found = theory.inflow_theory(inflow.depth, inflow.mean_speed, case.gravity)
+    found = theory.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
     number, y1 = found.froude, found.depth
     low, high = theory.velocity_range(y1, case.gravity)
     mean_square = scene.mean_mass / scene.density
@@ -198,6 +211,70 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
             ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
         ]
     return rows
+
+
+def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) -> list[str]:
+    """Sentences on what will probably not come out as asked: window, stiffness, channel, sill.
+
+    Parameters
+    ----------
+    case : CaseFields
+    impact_speed : float
+        v0 of (3.20), m/s.
+    inlets : tuple of InletRow
+    """
+    found, window, duration = [], case.analysis.window, case.run.duration
+    if window and window[1] > duration * (1 + 1e-3):
+        found.append(
+            f"analysis.window ends at {window[1]:g} s, the run at {duration:g} s; take a window within the run, or "
+            "none for its last quarter"
+        )
+    elif window and window[1] < 0.5 * duration:
+        found.append(
+            f"analysis.window ends at {window[1]:g} s and misses the last half of the {duration:g} s; take a later "
+            "one, or none for the last quarter"
+        )
+    fastest = max((row.vx for row in inlets), default=0.0)
+    if fastest > FASTEST * impact_speed:
+        found.append(
+            f"the fastest row has {fastest:.3g} m/s, contact.impact_speed is {impact_speed:.3g} m/s: discs press "
+            f"{fastest / impact_speed:.2g} times deeper into each other than penetration_fraction says; take "
+            f"impact_speed: {fastest:.3g}, or a larger stiffness"
+        )
+    if isinstance(case.inflow, RowsInflow) and case.analysis.jump and case.gravity:
+        found += _jump_doubts(case, case.inflow)
+    return found
+
+
+def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
+    """Sentences on a jump that cannot form, has no room, or is not held by the sill."""
+    y1, g = inflow.depth, case.gravity
+    number = theory.froude(inflow.velocity, y1, g)
+    if number <= 1:
+        return [f"the inflow is subcritical (Fr = {number:.3g}), so that no jump forms; Fr must be above 1"]
+    y2 = y1 * theory.belanger(number)
+    steps = [
+        (wall.x[0], wall.y[1] - inflow.y)
+        for wall in case.walls
+        if isinstance(wall, Block) and wall.x[0] > inflow.x and wall.y[1] > inflow.y
+    ]
+    outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None]
+    end, sill = min(steps or outlets, default=(inf, 0.0))
+    found, room = [], UPSTREAM * y1 + DOWNSTREAM * y2
+    if end - inflow.x < room:
+        found.append(
+            f"the channel is {end - inflow.x:.3g} m long from the inlet to the sill or outlet; stream, jump and tail "
+            f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {theory.channel_length(number, y1):.3g} m)"
+        )
+    discharge = inflow.velocity * y1
+    critical = (discharge**2 / g) ** (1 / 3)
+    height = theory.specific_energy(y2, discharge / y2, g) - 1.5 * critical
+    if steps and sill < LOWEST_SILL * height:
+        found.append(
+            f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "
+            f"{height:.3g} m, and discs need {LOWEST_SILL * height:.3g} m or more"
+        )
+    return found
 
 
 def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from lammps_jump.physics.inlet import LEAST_GAP
+from lammps_jump.quoting import LONGEST_NAME, one_line
 from lammps_jump.scene.walls import KINDS, Coordinate, Extent, ordered
 from lammps_jump.units import (
     Degree,
@@ -15,6 +16,7 @@ from lammps_jump.units import (
     Metre,
     MetrePerSecond,
     MetrePerSecond2,
+    MetrePerSecondMetre,
     PerSecond,
     Plain,
     Second,
@@ -22,7 +24,7 @@ from lammps_jump.units import (
     parse_accuracy,
 )
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=80)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=LONGEST_NAME)]
 
 # Wider than any use, and narrow enough that squares and quotients stay finite.
 LENGTH = {"ge": 1e-6, "le": 1e6}
@@ -42,6 +44,10 @@ def _no_truth(value: Any) -> Any:
     if isinstance(value, bool):
         raise ValueError(f"{str(value).lower()} is not a number; expected a whole number")
     return value
+
+
+def _folded(value: Any) -> Any:
+    return one_line(value) if isinstance(value, str) else value
 
 
 Whole = Annotated[int, BeforeValidator(_no_truth)]
@@ -202,10 +208,13 @@ class RowsInflow(Strict):
     x: Coordinate = 0.0
     y: Coordinate = 0.0
     depth: Metre = Field(**LENGTH)
-    mean_speed: MetrePerSecond = Field(**SPEED)
+    mean_speed: MetrePerSecond | None = Field(default=None, **SPEED)
+    discharge: MetrePerSecondMetre | None = Field(
+        default=None, ge=1e-12, le=1e12, description="in place of mean_speed: mean_speed * depth, m^2/s"
+    )
     profile: Literal["power_law", "uniform"] = "power_law"
     schedule: Literal["exact", "thesis"] = Field(
-        default="exact", description="exact: rows carry mean_speed * depth; thesis: touching rows fill the depth"
+        default="exact", description="exact: rows carry the discharge asked for; thesis: touching rows fill the depth"
     )
     spacing: Plain = Field(
         default=LEAST_GAP, ge=1, le=5, description="least distance between discs of a row, in largest diameters"
@@ -219,6 +228,25 @@ class RowsInflow(Strict):
         if isinstance(data, dict):
             return {key: value for key, value in data.items() if key not in ("turns", "exact_discharge")}
         return data
+
+    @model_validator(mode="after")
+    def _speed_given_once(self) -> RowsInflow:
+        if (self.mean_speed is None) == (self.discharge is None):
+            raise ValueError(
+                "needs mean_speed (m/s) or discharge (m^2/s), one of the two; null takes the other away, for example "
+                "--set inflow.mean_speed=null"
+            )
+        if not SPEED["ge"] <= self.velocity <= SPEED["le"]:
+            raise ValueError(
+                f"discharge {self.discharge:g} m^2/s over the depth is {self.velocity:.3g} m/s; allowed is "
+                f"{SPEED['ge']:g} to {SPEED['le']:g} m/s"
+            )
+        return self
+
+    @property
+    def velocity(self) -> float:
+        """Mean velocity Va, m/s: given, or the discharge over the depth."""
+        return self.mean_speed if self.discharge is None else self.discharge / self.depth  # type: ignore[return-value]
 
 
 class PourInflow(Strict):
@@ -256,7 +284,12 @@ class Run(Strict):
     duration: Second = Field(**TIME)
     time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
     output_interval: Second = Field(default=0.1, **TIME)
-    seed: Whole = Field(default=1, ge=1, le=2_000_000_000)
+    seed: Whole = Field(
+        default=1,
+        ge=0,
+        le=2_000_000_000,
+        description="of sizes, shifts and row speeds; 0 leaves row speeds as they are",
+    )
     accuracy: Annotated[float, BeforeValidator(parse_accuracy)] | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )
@@ -307,7 +340,7 @@ class CaseFields(Strict):
     model_config = ConfigDict(title="Case")
 
     name: Name
-    description: str = ""
+    description: Annotated[str, BeforeValidator(_folded)] = Field(default="", description="one line, for readers")
     gravity: MetrePerSecond2 = Field(default=9.81, ge=0, le=MOST_GRAVITY)
     slope: Degree = Field(default=0.0, gt=-90, lt=90, description="tilts gravity along +x")
     discs: Discs

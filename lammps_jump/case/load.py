@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
+from lammps_jump.quoting import plain_name
 
 from .explain import explain
 from .fields import CaseFields
@@ -58,10 +59,7 @@ def validated(source: CaseSource, changes: Changes, default_name: str) -> CaseFi
         override(source, assignment)
     data = dict(source.data)
     if "name" not in data:
-        cleaned = "".join(letter if letter.isalnum() or letter in "_.-" else "_" for letter in default_name).lstrip(
-            "_.-"
-        )
-        data["name"] = cleaned or "case"
+        data["name"] = plain_name(default_name)
     try:
         fields = CaseFields.model_validate(data)
     except ValidationError as error:

@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 
 from lammps_jump.errors import CaseError
+from lammps_jump.files import read_file
 
 PathKey = tuple[str | int, ...]
 
@@ -37,6 +38,7 @@ _Loader.add_implicit_resolver(
 
 MOST_DEPTH = 40
 MOST_VALUES = 1_000_000
+MOST_BYTES = 100_000_000
 
 
 @dataclass
@@ -104,11 +106,22 @@ def read_source(path: str | Path) -> CaseSource:
     Raises
     ------
     CaseError
-        For a missing, unreadable, empty, binary or malformed file and for repeated keys, with the line.
+        As `read_text`, and for an empty or malformed file and repeated keys, with the line.
+    """
+    return parse_source(read_text(path), str(path))
+
+
+def read_text(path: str | Path) -> str:
+    """The text of a case file.
+
+    Raises
+    ------
+    CaseError
+        For a missing, unreadable or binary file, a pipe or device, and one that is too large.
     """
     path = Path(path)
     try:
-        raw = path.read_bytes()
+        raw = read_file(path, MOST_BYTES)
     except FileNotFoundError:
         raise CaseError(
             f"{path}: no such case file; start one with `lammps-jump new hydraulic_jump > case.yaml`, or name "
@@ -116,15 +129,16 @@ def read_source(path: str | Path) -> CaseSource:
         ) from None
     except IsADirectoryError:
         raise CaseError(f"{path}: is a folder, not a case file; name a .yaml file") from None
-    except OSError as error:
-        raise CaseError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise CaseError(f"{path}: cannot be read ({reason}); a case is a YAML file that you may read") from None
     try:
         text = raw.decode("utf-8")
     except UnicodeDecodeError as error:
         raise CaseError(f"{path}: is not text (byte {error.start} is not UTF-8); a case is a YAML file") from None
     if "\x00" in text:
         raise CaseError(f"{path}: is a binary file; a case is a YAML text file")
-    return parse_source(text, str(path))
+    return text
 
 
 def parse_source(text: str, file: str = "<case>") -> CaseSource:

@@ -4,18 +4,18 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from lammps_jump.physics import contact
-from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, thesis_rows
+from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
+from lammps_jump.scene.schedule import Schedule, plan_steps
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Interval, Plane
 
 from . import checks
-from .derived import reachable, skipped
+from .derived import doubts, reachable, skipped
 from .fields import BidisperseSizes, CaseFields, Column, PourInflow, RowsInflow, UniformSizes
 from .load import PlacedFields
 from .packing import arrange
@@ -95,13 +95,13 @@ def build_scene(loaded: PlacedFields) -> Scene:
     warnings += checks.check_sizes(case, source, sizes)
     d, dt = case.discs.diameter, coefficients.time_step
     largest = sizes.largest if sizes else d
-    steps = _steps(case, source, dt, sizes)
+    steps, settle = _steps(case, source, dt, sizes)
     positions, velocities = _discs(case, source, coefficients, sizes)
-    inlets, raster = _inlets(case, source, dt, steps.settle, sizes)
+    inlets, raster = _inlets(case, source, dt, settle, sizes)
     speed = _largest_speed(case, impact_speed, velocities, inlets)
     domain = _domain(case, source, positions, inlets, speed, largest)
     outlets = _outlets(case, source, domain, speed, dt, steps.output, largest)
-    walls, gates = case.walls + _inlet_back(case), _gates(case, positions, steps.settle, domain)
+    walls, gates = case.walls + _inlet_back(case), _gates(case, positions, settle, domain)
     checks.check_names(case, source, walls, gates)
     checks.check_places(case, source, positions, sizes, walls, gates, inlets, domain, d / penetration)
     checks.check_pour(case, source, domain, largest)
@@ -126,8 +126,8 @@ def build_scene(loaded: PlacedFields) -> Scene:
         pours=_pours(case),
         outlets=outlets,
         probes=probes,
-        steps=steps.settle + steps.run,
-        settle_steps=steps.settle,
+        steps=settle + steps.run,
+        settle_steps=settle,
         output_steps=steps.output,
         probe_steps=steps.probe,
         seed=case.run.seed,
@@ -138,7 +138,8 @@ def build_scene(loaded: PlacedFields) -> Scene:
         sizes=sizes,
         size_steps=raster if inlets else POUR_RASTER,
         skipped=skipped(case, walls, kept, probes, sizes),
-        warnings=(*warnings, *checks.check_stop(case, source)),
+        warnings=(*warnings, *checks.check_stop(case, source), *doubts(case, impact_speed, inlets)),
+        adapted=checks.adapted(case, dt, steps, _settle(case), settle, inlets, sizes),
     )
 
 
@@ -187,33 +188,18 @@ def _stiffness(case: CaseFields) -> tuple[float, float, float]:
     return math.sqrt(given.stiffness / rho) / speed, speed, given.stiffness
 
 
-class Steps(NamedTuple):
-    """Steps behind the gate, of the run after it, from frame to frame, and of a window of the probes."""
+def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:
+    """Steps of the run, and steps behind the gate before it: whole frames."""
+    asked = case.run
+    steps = plan_steps(asked.duration, asked.output_interval, case.probes.interval if case.probes.forces else None, dt)
+    settle = math.ceil(math.ceil(_settle(case) / dt - 1e-9) / steps.output) * steps.output
+    checks.check_size(case, source, settle, steps.run, steps.output, sizes)
+    return steps, settle
 
-    settle: int
-    run: int
-    output: int
-    probe: int
 
-
-def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> Steps:
-    """Frames divide the duration, windows of the probes divide the frames.
-
-    The intervals are adapted by less than a step each; the duration by less than half a step a window.
-    """
-    duration = case.run.duration
-    frames = max(1, min(round(duration / case.run.output_interval), round(duration / dt)))
-    output = max(1, round(duration / (frames * dt)))
-    windows = 1
-    if case.probes.forces:
-        windows = min(output, max(1, round(duration / frames / case.probes.interval)))
-    probe = max(1, round(output / windows))
-    output = windows * probe
-    settle = max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
-    settle_steps = math.ceil(settle / dt - 1e-9) if settle else 0
-    steps = Steps(math.ceil(settle_steps / output) * output, frames * output, output, probe)
-    checks.check_size(case, source, steps.settle, steps.run, steps.output, sizes)
-    return steps
+def _settle(case: CaseFields) -> float:
+    """Time behind the gate, s."""
+    return max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
 
 
 INLET_WALL = "inlet_back"
@@ -283,11 +269,11 @@ def _inlets(
             "inflow.depth",
             f"{inflow.depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger discs",
         )
-    slowest = count * mean_square / (inflow.depth * inflow.mean_speed * dt)
+    slowest = count * mean_square / (inflow.depth * inflow.velocity * dt)
     if slowest > checks.MOST_STEPS:
         raise source.error(
-            "inflow.mean_speed",
-            f"{inflow.mean_speed:g} m/s lets a disc in every {slowest:.3g} steps; allowed are "
+            "inflow.mean_speed" if inflow.discharge is None else "inflow.discharge",
+            f"{inflow.velocity:g} m/s lets a disc in every {slowest:.3g} steps; allowed are "
             f"{checks.MOST_STEPS:.0e}: raise it or lower the stiffness",
         )
     if inflow.schedule == "thesis":
@@ -295,11 +281,11 @@ def _inlets(
             raise source.error(
                 "inflow.schedule", "'thesis' is for equal discs; allowed is exact where discs.sizes is given"
             )
-        plan = thesis_rows(inflow.depth, d, inflow.mean_speed, dt, profile=inflow.profile)
+        plan = thesis_rows(inflow.depth, d, inflow.velocity, dt, profile=inflow.profile)
     else:
         plan = plan_rows(
             inflow.depth,
-            inflow.mean_speed,
+            inflow.velocity,
             dt,
             mean_square=mean_square,
             largest=largest,
@@ -308,7 +294,7 @@ def _inlets(
             coarsest=COARSEST_RASTER if sizes else 1,
         )
     first = (settle_steps // plan.raster + 1) * plan.raster
-    rows = zip(plan.heights, plan.speeds, plan.steps, strict=True)
+    rows = zip(plan.heights, seeded_speeds(plan.speeds, case.run.seed), plan.steps, strict=True)
     return tuple(
         InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, 0.999 * largest)
         for height, speed, steps in rows

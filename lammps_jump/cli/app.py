@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import gc
+import importlib
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -53,6 +55,7 @@ def main() -> None:
     gc.set_threshold(50_000, 20, 50)
     start_engine_early(sys.argv[1:])
     with patient_output() as output:
+        drop_unknown_backend()
         status = _status()
         output.flush()
         if output.trouble is not None:
@@ -60,6 +63,17 @@ def main() -> None:
             status = status or 1
     gc.freeze()  # collecting at the end takes 0.3 s
     raise SystemExit(status)
+
+
+def drop_unknown_backend() -> None:
+    """Take a value of MPLBACKEND that matplotlib does not know out of the environment: its import would fail."""
+    if name := os.environ.pop("MPLBACKEND", None):
+        try:
+            importlib.import_module("matplotlib").rcParams["backend"] = name
+        except ValueError:
+            print(f"note: MPLBACKEND={name} is not known to matplotlib and is left aside", file=sys.stderr)
+        else:
+            os.environ["MPLBACKEND"] = name
 
 
 def _status() -> int:
@@ -73,6 +87,13 @@ def _status() -> int:
     except JumpError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.exit_status
+    except OSError as error:  # a disk that is full, a folder that was taken away
+        place = f"{error.filename}: " if error.filename is not None else ""
+        print(f"error: {place}{error.strerror or error}; what was written before is kept", file=sys.stderr)
+        return 1
+    except MemoryError:
+        print("error: not enough memory; use fewer discs, frames or bins, or a larger machine", file=sys.stderr)
+        return 1
     return 0
 
 

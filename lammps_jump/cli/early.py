@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from lammps_jump import engines
+from lammps_jump.files import read_file
 
 COMMANDS = ("build-and-run", "run")
 
@@ -23,7 +24,7 @@ def start_engine_early(words: list[str]) -> None:
         return
     path = Path(words[1]) / "case.yaml" if words[0] == "run" else Path(words[1])
     try:
-        native = "native" in words or re.search(r"(?m)^ *name: *native", path.read_text()) is not None
+        native = "native" in words or re.search(rb"(?m)^ *name: *native", read_file(path, 1_000_000)) is not None
     except (OSError, ValueError):
         return  # the command says what is wrong
     engines.prepare_worker("native" if native else "lammps")

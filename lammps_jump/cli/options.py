@@ -36,7 +36,7 @@ Sets = Annotated[
         metavar="PATH=VALUE",
     ),
 ]
-Out = Annotated[Path | None, place("Folder for the results (default: runs/<name of the case>).")]
+Out = Annotated[Path | None, place("Folder for the results (default: runs/<stem of the case file>,<changes>).")]
 EngineName = Annotated[str | None, typer.Option("--engine", help="lammps or native.")]
 Kernel = Annotated[str | None, typer.Option("--kernel", help="auto, stock or compiled (LAMMPS only).")]
 Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks, or auto.")]
@@ -54,7 +54,7 @@ Resume = Annotated[
         "--resume", help="Continue the interrupted run in the folder; the results are those of the whole run."
     ),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Run again, even if the folder holds this result.")]
+Force = Annotated[bool, typer.Option("--force", help="Delete the run that the folder holds, and start anew.")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")]
 
 

@@ -81,7 +81,7 @@ class ProgressLine:
             from rich.progress import Progress as Bar
 
             columns = BarColumn(bar_width=20), TextColumn("{task.description}", markup=False)
-            console = Console(file=self.stream)
+            console = Console(file=getattr(self.stream, "terminal", self.stream))
             self._bar = Bar(*columns, console=console, auto_refresh=False, redirect_stdout=False, redirect_stderr=False)
             self._bar.add_task("", total=1.0)
             self._bar.start()

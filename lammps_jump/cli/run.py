@@ -50,11 +50,12 @@ def build(
     ranks: Ranks = None,
     set_: Sets = None,
     slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a SLURM cluster.")] = False,
+    force: Force = False,
 ) -> None:
     """Write the run folder (case and LAMMPS script) without running it."""
     loaded = lj.load_case(case, assignments(set_, kernel=kernel, ranks=ranks))
     folder = out or runs.folder.default_folder(loaded)
-    runs.start.build(loaded, folder, job=slurm)
+    runs.start.build(loaded, folder, job=slurm, force=force)
     if slurm:
         print(f"job file: {folder / 'job.slurm'}")
     script = (folder / "in.lammps").exists()
@@ -65,11 +66,12 @@ def build(
 @app.command()
 def run(
     folder: Annotated[Path, typer.Argument(help="Folder made by `lammps-jump build`.", show_default=False)],
+    force: Force = False,
     resume: Resume = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a built folder and analyse it."""
-    _run(lj.open_run(folder).case, folder, quiet=quiet, force=not resume, resume=resume)
+    _run(lj.open_run(folder).case, folder, quiet=quiet, force=force, resume=resume)
 
 
 def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force: bool, resume: bool) -> None:
@@ -95,7 +97,9 @@ def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force:
 
 
 def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
-    """The main numbers of a summary, and where to look."""
+    """The verdict and the main numbers of a summary, and where to look."""
+    for line in analysis.main_numbers(summary):
+        print(line)
     discs, seconds = summary["discs"], summary["wall_seconds"]
     rate = summary["disc_steps_per_second"] or 0.0
     print(
@@ -104,8 +108,6 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
         f"analysis {seconds['analysis']:.2f} s"
     )
-    for line in analysis.main_numbers(summary):
-        print(line)
     for warning in summary.get("warnings", []):
         print(f"note: {warning}")
     print(f"report: {folder}/report.html")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Standard output that may be closed, full or ASCII only: errors in printing never end a run."""
+"""Standard output that may be closed, full or ASCII only: errors in printing never end a run, no text commands it."""
 
 from __future__ import annotations
 
@@ -10,9 +10,17 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
+from lammps_jump.quoting import terminal_text
+
 
 class PatientStream:
     """A text stream that ignores what is written after its first error; all else is as of the stream.
+
+    Parameters
+    ----------
+    stream : file
+    shown : callable
+        What is written of a text; by default escape sequences are shown, not sent.
 
     Attributes
     ----------
@@ -20,13 +28,15 @@ class PatientStream:
         The first error; None where a reader has closed its end (``| head``).
     """
 
-    def __init__(self, stream: TextIO):
+    def __init__(self, stream: TextIO, shown: Callable[[str], str] = terminal_text):
         self.stream = stream
+        self.shown = shown
         self.trouble: OSError | None = None
 
     def write(self, text: str) -> int:
         """Write; nothing after an error."""
-        self._try(lambda: self.stream.write(text))
+        # bytes are no text: the stream refuses them, by which others tell what kind of stream it is
+        self._try(lambda: self.stream.write(self.shown(text) if isinstance(text, str) else text))
         return len(text)
 
     def flush(self) -> None:
@@ -41,6 +51,11 @@ class PatientStream:
                 self.trouble = error
             with open(os.devnull, "w") as nowhere:
                 os.dup2(nowhere.fileno(), self.stream.fileno())  # takes what is still in the buffer
+
+    @property
+    def terminal(self) -> PatientStream:
+        """The same stream for a program that commands the terminal."""
+        return PatientStream(self.stream, str)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.stream, name)

@@ -12,12 +12,19 @@ import pandas as pd  # xarray needs it and brings it
 import xarray as xr
 
 from lammps_jump.errors import DumpError
+from lammps_jump.folders import require_replaceable, standing
+from lammps_jump.quoting import csv_cell
 
 from .find import read_dump
 from .frame import Frame, ten_indices
 from .read import Dump
 
-EXPORTS = ("csv", "vtk", "pictures")
+EXPORTS = {
+    "csv": ("profiles.csv", "profiles_mean.csv"),
+    "vtk": ("discs[0-9].vtp", "discs.pvd", "fields.vti"),
+    "pictures": ("picture[0-9].dat",),
+}
+"""Names of the files of each kind."""
 PICTURES = 10
 BINARY = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
 """How VTK files with arrays say what is in them."""
@@ -38,11 +45,14 @@ def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[
         Columns of different length, or a place that cannot be written.
     """
     units = units or {}
-    header = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
+    heads = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
+    header = [csv_cell(head) for head in heads]
     try:
         columns = pd.DataFrame(dict(table))
     except ValueError as error:
         raise DumpError(f"{path}: columns of a table must be equally long: {error}.") from error
+    words = columns.select_dtypes(exclude="number").columns
+    columns[words] = columns[words].map(csv_cell)
     with _writing(path) as file:
         columns.to_csv(file, header=header, index=False, float_format="%.10g", lineterminator="\n")
     return Path(path)
@@ -76,6 +86,8 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
         raise DumpError(f"export '{unknown[0]}' is not known: use one of {', '.join(EXPORTS)}.")
     place = Path(place)
     out = place if out is None else Path(out)
+    for name in (name for kind in kinds for pattern in EXPORTS[kind] for name in standing(out, pattern)):
+        require_replaceable(out / name)
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:

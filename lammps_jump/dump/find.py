@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import DUMP_NAMES, FORCES_HEADER
+from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, write_text
 from lammps_jump.scene.scene import Scene
 
 from .read import Dump, open_dump
@@ -109,4 +109,4 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
 def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple[int, str, float, float, float]]) -> None:
     """Write ``forces.csv``: rows of step at the end of the window, structure, fx, fy (N/m), moment (N), all means."""
     rows = [f"{scene.time(s):.10g},{name},{fx:.10g},{fy:.10g},{m:.10g}\n" for s, name, fx, fy, m in forces]
-    Path(path).write_text("".join([f"{FORCES_HEADER}\n", *rows]))
+    write_text(Path(path), "".join([f"{FORCES_HEADER}\n", *rows]))

@@ -16,6 +16,9 @@ from lammps_jump.errors import DumpError
 from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
 from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
 
+MOST_BLANK = 10_000
+MOST_FRAMES = 1_000_000
+"""Frames of a dump that is read, and of a run."""
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
 
@@ -24,10 +27,10 @@ class _Truncated(Exception):
 
 
 class _Buffer:
-    """A window on a stream that slides forward and grows when a line or a frame does not fit."""
+    """A window on a stream that slides forward; a line fits into half of it."""
 
-    def __init__(self, stream):
-        self.stream = stream
+    def __init__(self, path, stream):
+        self.path, self.stream = path, stream
         self.bytes = bytearray(BUFFER)
         self.data = np.frombuffer(self.bytes, np.uint8)
         self.begin = self.end = 0
@@ -38,11 +41,8 @@ class _Buffer:
         """Read on, keeping what is not yet used; False at the end of the file."""
         left = self.end - self.begin
         if left > len(self.bytes) // 2:
-            larger = bytearray(2 * len(self.bytes))
-            larger[:left] = self.bytes[self.begin : self.end]
-            self.bytes, self.data = larger, np.frombuffer(larger, np.uint8)
-        else:
-            self.bytes[:left] = self.bytes[self.begin : self.end]
+            raise DumpError(f"{self.path}, {self.place()}: no end of a line within {left} bytes, so this is no dump.")
+        self.bytes[:left] = self.bytes[self.begin : self.end]
         self.begin, self.end = 0, left
         try:
             got = self.stream.readinto(memoryview(self.bytes)[left:])
@@ -73,7 +73,9 @@ class _Buffer:
 
 def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
     """Headers, and the frames for whose index `parse` is true; a last frame that is cut off is left out and noted."""
-    source, read = (_Buffer(stream), _text_frame) if dump.format == "text" else (_Bytes(dump, stream), _binary_frame)
+    source, read = (
+        (_Buffer(dump.path, stream), _text_frame) if dump.format == "text" else (_Bytes(dump, stream), _binary_frame)
+    )
     for index in itertools.count():
         start = source.place()
         try:
@@ -91,6 +93,8 @@ def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
             return
         if found is None:
             return
+        if index >= MOST_FRAMES:
+            raise DumpError(f"{dump.path}: more than {MOST_FRAMES} frames; read the file in parts.")
         yield found
 
 
@@ -111,6 +115,7 @@ def _text_header(dump: DumpFile, buffer: _Buffer):
     """(header, box, names, tilt) of the next frame, or None at the end of the file."""
     step = time = n = box = None
     tilt = 0.0
+    blank = 0
     begun = False
     while True:
         line = buffer.line()
@@ -119,6 +124,9 @@ def _text_header(dump: DumpFile, buffer: _Buffer):
                 raise _Truncated("inside its header")
             return None
         if not line.strip():
+            blank += 1
+            if blank > MOST_BLANK:
+                raise _wrong(dump, buffer.line_number, line, f"a frame within {MOST_BLANK} blank lines")
             continue
         if not line.startswith("ITEM:"):
             expected = "'ITEM: …'" if begun or n is None else "the next frame"
@@ -251,8 +259,10 @@ class _Bytes:
 
     def take(self, size: int) -> bytes:
         """The next `size` bytes; _Truncated where the file ends before."""
-        if not 0 <= size <= 8 * LARGEST_FRAME:
+        if size < 0:
             raise DumpError(f"{self.dump.path}, {self.place()}: a length of {size} bytes: the file is damaged.")
+        if size > self.dump.most_bytes:
+            raise _Truncated(f": the file is too short for {size} bytes at {self.place()}")
         parts, left = [], size
         while left:
             part = read_some(self.stream, left)

@@ -20,8 +20,18 @@ TEXT_COLUMNS = frozenset({"element", "typelabel"})
 BUFFER = 1 << 22
 
 
+UNPACKED = 50
+"""Times its size that a gzip file may grow."""
 LARGEST_FRAME = 1 << 33
 """A count of discs beyond this is taken for garbage rather than believed."""
+
+
+LARGEST_VALUE = 1e9
+"""A position (m) or velocity (m/s) beyond this is of a run that blew up."""
+LARGEST_ID = 1 << 53
+SIZES = frozenset({"radius", "diameter", "mass"})
+LIMITED = SIZES | {"id", "x", "y", "vx", "vy", "xu", "yu", "xs", "ys", "xsu", "ysu"}
+"""Columns that are looked at before they are used."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +130,11 @@ class FrameHeader:
     n: int
 
 
+def unpacked_limit(packed: int) -> int:
+    """Bytes that are unpacked of so many; numbers of discs shrink to a third, those at rest to a tenth."""
+    return 50_000_000 + UNPACKED * packed
+
+
 class DumpFile:
     """What is known of a dump file, and what a walk through it notes.
 
@@ -144,8 +159,8 @@ class DumpFile:
 
     @property
     def most_bytes(self) -> int:
-        """More bytes than the file can hold once unpacked (deflate never shrinks below 1/1032)."""
-        return self.path.stat().st_size * (1100 if self.compressed else 1)
+        """More bytes than a dump of this size can hold once unpacked."""
+        return unpacked_limit(self.path.stat().st_size) if self.compressed else self.path.stat().st_size
 
     def warn(self, message: str) -> None:
         """Note something odd once per pass."""
@@ -186,13 +201,19 @@ def make_frame(step: int, time: float | None, box, columns: Mapping[str, np.ndar
 
 
 def require_finite(frame: Frame, source: object) -> Frame:
-    """The frame itself; DumpError where a position or velocity is no number, naming step and disc."""
-    for name in ("x", "y", "vx", "vy"):
-        values = frame.columns.get(name)
-        if values is not None and not np.isfinite(values).all():
-            row = int(np.flatnonzero(~np.isfinite(values))[0])
+    """The frame itself; DumpError where a position or velocity is no number or absurd, naming step and disc."""
+    if not (frame.time is None or np.isfinite(frame.time)) or not np.isfinite(frame.box).all():
+        raise DumpError(f"{source}: step {frame.step}: its time or its box is no number; the file is damaged")
+    for name in LIMITED.intersection(frame.columns):
+        values = frame.columns[name]
+        good = np.abs(values) <= (LARGEST_ID if name == "id" else LARGEST_VALUE)  # false where it is no number
+        if name in SIZES:
+            good &= values > 0
+        if not good.all():
+            row = int(np.argmin(good))
+            wrong = "beyond what can be" if np.isfinite(values[row]) else "not a number"
             raise DumpError(
-                f"{source}: step {frame.step}, row {row + 1} of the frame: {name} is {values[row]}, not a number; the "
+                f"{source}: step {frame.step}, row {row + 1} of the frame: {name} is {values[row]}, {wrong}; the "
                 "run that wrote it blew up: lower its time step, or analyse the frames before"
             )
     return frame

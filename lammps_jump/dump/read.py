@@ -8,6 +8,7 @@ reads it (files with the ``DUMP…`` signature, revision 2, which carry the name
 from __future__ import annotations
 
 import io
+import os
 import struct
 import zlib
 from collections.abc import Iterable, Iterator
@@ -16,9 +17,10 @@ from pathlib import Path
 from typing import BinaryIO, overload
 
 from lammps_jump.errors import DumpError
+from lammps_jump.files import read_start
 
 from .formats import read_some, walk
-from .frame import DumpFile, Frame, FrameHeader
+from .frame import UNPACKED, DumpFile, Frame, FrameHeader, unpacked_limit
 
 
 class Dump(DumpFile):
@@ -112,8 +114,7 @@ def open_dump(path: str | Path) -> Dump:
     if path.is_dir():
         raise DumpError(f"{path} is a folder; name a dump file in it.")
     try:
-        with open(path, "rb") as file:
-            compressed = file.read(2) == b"\x1f\x8b"
+        compressed = read_start(path, 2) == b"\x1f\x8b"
         with _open(path, compressed) as stream:
             head = read_some(stream, 64)
     except OSError as error:
@@ -155,6 +156,7 @@ class _Unzipped(io.RawIOBase):
         self.file = file
         self.unzip = zlib.decompressobj(wbits=31)
         self.waiting = b""
+        self.left = unpacked_limit(os.fstat(file.fileno()).st_size)
 
     def readable(self) -> bool:
         return True
@@ -171,6 +173,9 @@ class _Unzipped(io.RawIOBase):
             part = self.unzip.decompress(self.waiting, len(target))
             self.waiting = self.unzip.unused_data if self.unzip.eof else self.unzip.unconsumed_tail
             if part:
+                self.left -= len(part)
+                if self.left < 0:
+                    raise OSError(f"it unpacks to more than {UNPACKED} times its size, as no dump of discs does")
                 target[: len(part)] = part
                 return len(part)
 

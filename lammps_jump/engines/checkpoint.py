@@ -9,22 +9,30 @@ a killed part has appended is cut off before the next one.
 
 from __future__ import annotations
 
-import json
 import os
+import re
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, FiniteFloat, NonNegativeInt, TypeAdapter, ValidationError
 
 from lammps_jump.errors import ResumeError
-from lammps_jump.files import write_json
+from lammps_jump.files import DUMP_NAMES, MOST_JSON, make_own, read_file, write_json
 from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
 from .result import RunResult
 
 CHECKPOINT_FILE = "checkpoint.json"
+ANEW = "the same command with --force in place of --resume starts a new run"
+"""What to do where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
+STATE_NAME = re.compile(r"checkpoint-([0-9]+)\.(?:npz|restart)")
+APPENDED = ("log.lammps", "forces.csv", *DUMP_NAMES.values())
+"""Files that a next part may append to."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +56,11 @@ class Checkpoint:
     """
 
     scene: str
-    step: int
-    time: float
+    step: Annotated[int, Field(gt=0)]
+    time: FiniteFloat
     state: str
-    sizes: dict[str, int]
-    removed: tuple[int, ...]
+    sizes: dict[str, NonNegativeInt]
+    removed: tuple[NonNegativeInt, ...]
     result: RunResult
 
 
@@ -82,25 +90,43 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
     Raises
     ------
     ResumeError
-        Where it cannot be read, or what it names is gone or shorter than it was.
+        Where it cannot be read or holds what no run writes, or what it names is gone or shorter than it was.
     """
     path = folder / CHECKPOINT_FILE
     if not path.exists():
         return None
     try:
-        stored = json.loads(path.read_text())
-        result = RunResult.from_json(stored["result"])
-        checkpoint = Checkpoint(**{**stored, "removed": tuple(stored["removed"]), "result": result})
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        raise ResumeError(f"{path}: cannot be read ({error}); the same command without --resume starts anew") from None
+        checkpoint = _checked(read_file(path, MOST_JSON))
+    except (OSError, ValueError) as error:
+        raise ResumeError(f"{path}: cannot be read ({error}); {ANEW}") from None
     for name, size in {checkpoint.state: 1, **checkpoint.sizes}.items():
+        if (folder / name).is_symlink():
+            raise ResumeError(f"{folder / name}: is a link; a run goes on only with files in its own folder")
         found = (folder / name).stat().st_size if (folder / name).exists() else 0
         if found < size:
             raise ResumeError(
                 f"{folder / name}: {found} bytes, {size} or more were there when the run was interrupted; without "
-                "them it cannot go on; the same command without --resume starts anew"
+                f"them it cannot go on; {ANEW}"
             )
     return checkpoint
+
+
+def _checked(text: bytes) -> Checkpoint:
+    """The checkpoint in a file; ValueError where a value is none that a run writes: names become paths and commands."""
+    try:
+        found = TypeAdapter(Checkpoint).validate_json(text, strict=True)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".lstrip(": ")) from None
+    named = STATE_NAME.fullmatch(found.state)
+    if named is None or int(named[1]) != found.step or found.result.steps != found.step:
+        raise ValueError(f"state: {found.state!r} is not the state of step {found.step}")
+    if found.result.kernel not in ("stock", "compiled", "numba"):
+        raise ValueError(f"result.kernel: {found.result.kernel!r} is not known")
+    for name in found.sizes:
+        if name not in APPENDED:
+            raise ValueError(f"sizes: {name!r} is no file that a run appends to")
+    return found
 
 
 def remove_checkpoint(folder: Path) -> None:
@@ -114,4 +140,5 @@ def remove_checkpoint(folder: Path) -> None:
 def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
     """Cut off what a part that was killed has appended since the checkpoint."""
     for name, size in checkpoint.sizes.items():
+        make_own(folder / name)
         os.truncate(folder / name, size)

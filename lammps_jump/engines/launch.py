@@ -104,7 +104,8 @@ def _write_inputs(job: Job) -> None:
         path = write_script(scene, job.folder, **options)
     else:
         options["header"] = tuple(line.replace("in.lammps", "in.resume.lammps") for line in setting.header)
-        checkpoint = {"state": resume.state, "step": resume.step, "removed": resume.removed}
+        checkpoint = {"step": resume.step, "removed": resume.removed}
+        (job.folder / "in.resume.lammps").unlink(missing_ok=True)  # it may have other names
         path = write_continuation(scene, job.folder, **checkpoint, **options)
     if setting.script is not None:
         path.write_text(setting.script)

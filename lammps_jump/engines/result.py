@@ -66,8 +66,8 @@ class RunResult:
     lost: int
     seconds: float
     versions: dict[str, str] = field(default_factory=dict)
-    ledger: dict[str, float] | None = None
-    breakdown: dict[str, float] = field(default_factory=dict)
+    ledger: dict[str, float | None] | None = None
+    breakdown: dict[str, float | None] = field(default_factory=dict)
     resumed: tuple[float, ...] = ()
     cpu_seconds: float = 0.0
 
@@ -97,6 +97,6 @@ def interruption(time: float, end: float, folder: object, *, again: float | None
     if again is not None:
         return (
             f"{kept}, `lammps-jump run {folder} --resume` (or the same command with --resume) goes on from "
-            f"t = {again:.4g} s, without --resume it starts anew"
+            f"t = {again:.4g} s, with --force in its place it starts anew"
         )
-    return f"{kept}, the same command starts anew" + (f"; it cannot go on: {reason}" if reason else "")
+    return f"{kept}, the same command with --force starts anew" + (f"; it cannot go on: {reason}" if reason else "")

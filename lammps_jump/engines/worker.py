@@ -26,6 +26,7 @@ from pathlib import Path
 from types import ModuleType
 
 from lammps_jump.errors import JumpError
+from lammps_jump.folders import engine_at_work
 
 from . import lammps, native, step_hook  # the first two load on first use: LAMMPS 0.2 s, numba 0.25 s
 from .interrupts import stop_request
@@ -91,6 +92,11 @@ def _lines() -> Iterator[bytes]:
 def run_job(job: Job) -> RunResult:
     """Run one job to its end."""
     os.chdir(job.home)
+    with engine_at_work(job.folder):
+        return _run_job(job)
+
+
+def _run_job(job: Job) -> RunResult:
     setting = job.setting
     if setting.engine == "lammps":
         return lammps.run_lammps(job, report)
@@ -141,7 +147,8 @@ def _work(engine: str, job_file: str = "") -> None:
     else:
         step_hook.at_step = step_hook.at_step and (lambda step: None)  # the first rank calls it
         os.chdir(job.home)
-        lammps.run_other_rank(job)
+        with engine_at_work(job.folder):
+            lammps.run_other_rank(job)
     lammps.leave_ranks()
 
 

@@ -28,6 +28,9 @@ LARGEST_ERROR = 2e-3
 EXACT = 2e-4
 """Relative error of the planned discharge at which no interval is changed any more."""
 
+SHIFT = 1e-6
+"""Largest relative change of a row's speed by the seed of a run."""
+
 Change = tuple[float, tuple[tuple[int, int], ...]]
 """Gain of a change of intervals, and the rows that change by so many ticks."""
 
@@ -83,6 +86,15 @@ def row_speeds(rows: int, mean_speed: float, profile: str = "power_law") -> tupl
     exponent = 1.0 / 7.0 if profile == "power_law" else 0.0
     shares = [((i + 0.5) / rows) ** exponent for i in range(rows)]
     return tuple(mean_speed * rows * share / sum(shares) for share in shares)
+
+
+def seeded_speeds(speeds: tuple[float, ...], seed: int) -> tuple[float, ...]:
+    """The speeds times 1 + `SHIFT` r, r uniform in [-1, 1) and drawn with the seed; seed 0 leaves them as they are.
+
+    Collisions make a flow of it that differs within a second: runs with other seeds are other samples.
+    """
+    draws = np.random.default_rng(seed).uniform(-1.0, 1.0, len(speeds)) if seed else np.zeros(len(speeds))
+    return tuple(speed * (1.0 + SHIFT * float(draw)) for speed, draw in zip(speeds, draws, strict=True))
 
 
 def whole_intervals(ideal: np.ndarray, wanted: float) -> np.ndarray:

@@ -1,48 +1,67 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a run folder holds: made for a run, read again afterwards, gone on with after an interruption."""
+"""A run folder: its name, how it is made for a run, what the run in it has done."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import suppress
+import hashlib
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from lammps_jump.case.case import ReadCase
+from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
-from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, Checkpoint, read_checkpoint
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
-from lammps_jump.errors import CaseError, DumpError, ResumeError, SetupError
-from lammps_jump.files import OWN_FILES, clear
-from lammps_jump.provenance import fingerprint
+from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.files import write_text
+from lammps_jump.folders import MARKER_FILE, Marker, claim, clear, locked, read_marker, write_marker
+from lammps_jump.provenance import short_hash
 from lammps_jump.scene.scene import Scene
 
-from .engine import run_key
-from .summary import read_summary
-
-ANEW = "the same command without --resume starts a new run"
+LONGEST_NAME = 100
+"""Letters of a default folder; behind that a hash stands for the changed values."""
+PLAIN_NAME = re.compile(r"[\w.,=+\-\[\]{}:]*", re.ASCII)
+MADE = "# The run in this folder is of this case; for another run change a copy. Hashes of the fields:"
+"""Begins ``case.yaml`` of a run folder."""
 
 
 def default_folder(case: ReadCase) -> Path:
-    """Where a case runs when no folder is named."""
-    return Path("runs") / case.name
+    """Where a case runs when no folder is named: ``runs/<stem of its file>``, its changed values behind that."""
+    path = Path(case.source.file)
+    stem = case.name if str(path) == "<case>" else path.stem
+    if path.name == "case.yaml" and (path.parent / MARKER_FILE).exists():
+        stem = path.absolute().parent.name
+    changed = sorted("".join(text.split()) for text in case.source.overrides.values())
+    name = ",".join([stem, *changed]).replace('"', "").replace("'", "")
+    if changed and not (len(name) <= LONGEST_NAME and PLAIN_NAME.fullmatch(name.removeprefix(stem))):
+        name = f"{stem},{short_hash({'changes': changed})}"
+    return Path("runs") / name
 
 
-def write_folder(case: ReadCase, folder: Path) -> None:
-    """Make the run folder with ``case.yaml``; earlier results are removed. The engine's inputs are `write_inputs`'.
+@contextmanager
+def run_folder(folder: Path, marker: Marker) -> Iterator[None]:
+    """Hold a run folder, made where it is missing, as its only writer.
 
     Raises
     ------
     SetupError
-        The folder cannot be made or written.
+        The folder cannot be made or written, is not ours, or another process writes to it.
     """
+    with _writable(folder):
+        claim(folder, marker)
+    with locked(folder):
+        yield
+
+
+@contextmanager
+def _writable(folder: Path) -> Iterator[None]:
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        clear(folder, OWN_FILES)
-        (folder / "case.yaml").write_text(case.to_yaml())
+        yield
     except OSError as error:
         raise SetupError(
             f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
@@ -50,23 +69,49 @@ def write_folder(case: ReadCase, folder: Path) -> None:
         ) from None
 
 
+def case_text(case: ReadCase) -> str:
+    """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found."""
+    text = case.to_yaml()
+    return f"{MADE} {' '.join(f'{field}={found}' for field, found in _hashes(text).items())}\n{text}"
+
+
+def _hashes(text: str) -> dict[str, str]:
+    """Hash of the text of each field at the left margin."""
+    fields = re.split(r"(?m)^(?=\w+:)", text)[1:]
+    return {field.partition(":")[0]: hashlib.sha256(field.encode()).hexdigest()[:12] for field in fields}
+
+
+def write_folder(case: ReadCase, folder: Path, marker: Marker) -> None:
+    """Write ``case.yaml``; what an earlier run left is removed. The engine's inputs are `write_inputs`'."""
+    with _writable(folder):
+        earlier = read_marker(folder)
+        clear(folder, earlier.files if earlier else ())
+        write_marker(folder, marker)
+        write_text(folder / "case.yaml", case_text(case))
+
+
 def require_case(folder: Path) -> Path:
-    """The ``case.yaml`` of a run folder; CaseError where there is none."""
+    """The ``case.yaml`` of a run folder, as it was written.
+
+    Raises
+    ------
+    CaseError
+        There is none, or it was edited: its run is of another case.
+    """
     path = folder / "case.yaml"
     if not path.exists():
         raise CaseError(f"{folder}: holds no case.yaml, so it is no run folder; make one with `lammps-jump build CASE`")
+    text = read_case(path)
+    head, _, _ = text.partition("\n")
+    if head.startswith(MADE):
+        made, found = dict(pair.partition("=")[::2] for pair in head[len(MADE) :].split()), _hashes(text)
+        for field in {**made, **found}:
+            if made.get(field) != found.get(field):
+                raise CaseError(
+                    f"{path}: {field} was changed after the folder was made, so that it is no longer the case of the "
+                    "run; undo the change, or run a copy of the file: `lammps-jump build-and-run COPY`"
+                )
     return path
-
-
-def stored_result(case: ReadCase, folder: Path, setting: Setting) -> Mapping[str, Any]:
-    """The summary of a finished run of the same resolved case in the folder, else nothing."""
-    try:
-        stored, case_file = read_summary(folder), (folder / "case.yaml").read_text()
-    except (DumpError, OSError):
-        return {}
-    known = stored.get("status") == "complete" and stored["case_hash"] == run_key(case, setting)
-    whole = all(any(folder.glob(name)) for name in ("profiles.nc", "report.html", "dump.lammps*"))
-    return stored if known and whole and case_file == case.to_yaml() else {}
 
 
 def result_of(
@@ -126,57 +171,3 @@ def result_of_files(scene: Scene, folder: Path, setting: Setting, *, write: bool
         lost=inserted - present - removed,
         seconds=0.0,
     )
-
-
-def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
-    """The checkpoint of the interrupted run of this very case in a folder.
-
-    Raises
-    ------
-    ResumeError
-        No run there, another case, a run that is finished or failed, no checkpoint, one of another program or kernel.
-    """
-    try:
-        stored_case = (folder / "case.yaml").read_text()
-    except OSError:
-        raise ResumeError(f"{folder}: holds no run that could go on; {ANEW}") from None
-    if stored_case != case.to_yaml():
-        raise ResumeError(
-            f"{folder / 'case.yaml'}: differs from the case that was asked for, so its run cannot go on as that case; "
-            f"`lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
-        )
-    _require_interrupted(case, folder, setting)
-    checkpoint = read_checkpoint(folder)
-    if checkpoint is None:
-        raise ResumeError(f"{folder}: the run has no checkpoint; {ANEW}")
-    if checkpoint.scene != fingerprint(case.scene()):
-        raise ResumeError(
-            f"{folder}: this version of lammps-jump makes other numbers of the same case than the one that began the "
-            f"run; go on with that version, or start a new run"
-        )
-    if checkpoint.result.kernel == "compiled" and setting.plugin is None:
-        raise ResumeError(
-            f"{folder}: began with the compiled kernel, which cannot be used now: see `lammps-jump doctor`"
-        )
-    if checkpoint.result.engine != setting.engine:
-        raise ResumeError(f"{folder}: began on the {checkpoint.result.engine} engine; {ANEW}")
-    return checkpoint
-
-
-def _require_interrupted(case: ReadCase, folder: Path, setting: Setting) -> None:
-    status = read_summary(folder).get("status")
-    if status == "complete":
-        raise ResumeError(f"{folder}: the run is finished, nothing is left to do; {ANEW}")
-    if status is None and not (folder / CHECKPOINT_FILE).exists():
-        with suppress(DumpError):  # without a dump the checkpoint is asked for
-            status = result_of_files(case.scene(), folder, setting, write=False).status
-    if status == "complete":
-        raise ResumeError(
-            f"{folder}: the run reached its end, nothing of it is left to do; only its analysis is missing: "
-            f"`lammps-jump analyze {folder}` makes it"
-        )
-    if status == "failed":
-        raise ResumeError(
-            f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
-            "new run"
-        )

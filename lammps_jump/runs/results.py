@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,14 +16,27 @@ from lammps_jump.analysis import quantities
 from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
-from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.passes import Collector, Gathered
 from lammps_jump.analysis.report import run as report
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.case.checks import MOST_BINS
 from lammps_jump.dump.find import find_dump, read_forces
 from lammps_jump.dump.read import open_dump
-from lammps_jump.errors import CaseError, DumpError
+from lammps_jump.errors import CaseError, DumpError, SetupError
+from lammps_jump.files import RESULT_FILES
+from lammps_jump.folders import (
+    MARKER_FILE,
+    Marker,
+    claim,
+    clear,
+    locked,
+    publish,
+    read_marker,
+    require_replaceable,
+    staging,
+)
 
+from .folder import require_case
 from .summary import write_summary
 
 log = logging.getLogger(__name__)
@@ -59,16 +73,20 @@ def flow_of(case: ReadCase) -> Flow:
         bin_width=asked.bin_width,
         window=asked.window,
         inflow_depth=rows.depth if rows else None,
-        inflow_speed=rows.mean_speed if rows else None,
+        inflow_speed=rows.velocity if rows else None,
     )
 
 
-def analyse(case: ReadCase, folder: Path) -> dict[str, Any]:
-    """Analyse the dump of a run folder as its case asks; the parts of the summary. Tables and figures are written."""
+def analyse(case: ReadCase, folder: Path, out: Path, watch: Sequence[Collector] = ()) -> dict[str, Any]:
+    """Analyse the dump of a run folder as its case asks; the parts of the summary. Tables and figures go to `out`.
+
+    `watch` is also shown every frame.
+    """
     asked = case.fields.analysis
     wanted = [name for name in (*quantities.QUANTITIES, "fields") if getattr(asked, name, False)]
     quiet = not log.isEnabledFor(logging.INFO)
-    return quantities.analyse(flow_of(case), find_dump(folder), folder, wanted, film=asked.animation, quiet=quiet)
+    options = {"film": asked.animation, "quiet": quiet, "watch": watch}
+    return quantities.analyse(flow_of(case), find_dump(folder), out, wanted, **options)
 
 
 def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
@@ -118,11 +136,39 @@ def analyse_dump(
         )
     folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
     flow = replace(flow, bin_width=bin_width or flow.bin_width)
-    parts: dict[str, Any] = quantities.analyse(flow, path, folder, ("jump", "front"))
-    write_summary(folder, {"name": path.name, **parts})
+    parts: dict[str, Any] = {}
+    with _results_folder(folder, path) as stage:
+        if (folder / "forces.csv").is_file():
+            (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
+        parts = quantities.analyse(flow, path, stage, ("jump", "front"))
+        write_summary(stage, {"name": path.name, **parts})
+        clear(folder, RESULT_FILES)
+        publish(stage, folder)
     for note in parts["warnings"]:  # what was guessed is among them
         log.info(f"note: {note}")
     log.info(f"results are in {folder}")
+
+
+@contextmanager
+def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
+    """A `staging` folder in the folder of the results of a dump, made and held; without results nothing is left."""
+    marker = Marker("analysis", RESULT_FILES, {"dump": str(dump.absolute())})
+    new, fresh = not folder.exists(), False
+    try:
+        fresh = claim(folder, marker)
+        found = read_marker(folder)
+        if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
+            raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
+        with locked(folder), staging(folder) as stage:
+            yield stage
+    except BaseException as error:
+        if fresh:
+            (folder / MARKER_FILE).unlink(missing_ok=True)
+        if new and folder.is_dir():
+            folder.rmdir()
+        if isinstance(error, OSError):
+            raise DumpError(f"{folder}: cannot be written ({error.strerror or error}); name another folder") from None
+        raise
 
 
 def _flow(path: Path, case: ReadCase | None, diameter: float | None = None, density: float | None = None) -> Flow:
@@ -135,14 +181,17 @@ def _flow(path: Path, case: ReadCase | None, diameter: float | None = None, dens
 def animate(target: Path, out: Path | None, fps: int) -> Path:
     """Write the moving picture of a run folder or dump; its path, by default ``animation.mp4`` beside the dump.
 
-    Without ffmpeg it is a GIF, and a note says so.
+    Without ffmpeg it is a GIF, and a note says so. Only a film that this program made in a run folder is replaced.
     """
     path = find_dump(target)
-    case = load_case(path.parent) if (path.parent / "case.yaml").exists() else None
+    case = load_case(require_case(path.parent)) if (path.parent / "case.yaml").exists() else None
     table = path.parent / "forces.csv"
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or path.parent / "animation.mp4"
-    written = film.animate(open_dump(path), _flow(path, case), destination, fps=fps, forces=forces)
+    written = destination if film.has_ffmpeg() else destination.with_suffix(".gif")
+    require_replaceable(written)
+    with locked(path.parent) if out is None and read_marker(path.parent) else nullcontext():
+        film.animate(open_dump(path), _flow(path, case), written, fps=fps, forces=forces)
     if written != destination:
         log.info(f"note: {film.NO_FFMPEG}")
     return written

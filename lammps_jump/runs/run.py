@@ -7,6 +7,7 @@ import base64
 import html
 import io
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +24,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunError
-from lammps_jump.files import is_written
+from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 
     from .results import Found
 
-Status = Literal["complete", "interrupted", "failed", "running"]
+Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
 
 def run(
@@ -60,13 +61,13 @@ def run(
     ----------
     case : Case
     folder : str or Path, optional
-        Run folder, made where it is missing; default ``runs/<name of the case>``.
+        Run folder, made where it is missing; default ``runs/<stem of the case file>``, changed values behind it.
     engine : {'lammps', 'native'}, optional
     kernel : {'auto', 'stock', 'compiled'}, optional
     ranks : int or 'auto', optional
         In place of the case's own.
     force : bool
-        Run also where the folder holds the result.
+        Delete the run that the folder holds, and start anew.
     resume : bool
         Go on with the interrupted run in the folder; the result is of the whole run.
     progress : callable, optional
@@ -188,7 +189,7 @@ class Run:
     @cached_property
     def status(self) -> Status:
         """What has become of the run; read again by another `open_run`."""
-        return "running" if is_written(self.folder) else cast(Status, self.result.status)
+        return "running" if holder(self.folder) else cast(Status, self.result.status)
 
     @cached_property
     def result(self) -> RunResult:
@@ -281,7 +282,10 @@ class Run:
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the report page; into the run folder where no `path` is given. Figures are those of the folder."""
-        return runs.results.write_report(self.folder, self.summary, self.case, path)
+        if path is None:
+            require_replaceable(self.folder / "report.html")
+        with nullcontext() if path else locked(self.folder):
+            return runs.results.write_report(self.folder, self.summary, self.case, path)
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r}, {self.status})"

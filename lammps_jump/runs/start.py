@@ -8,25 +8,33 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
-from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.lammps.job import write_job
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
-from lammps_jump.errors import CaseError, DumpError, RunError, RunInterrupted
-from lammps_jump.files import RESULT_FILES, clear, writing
+from lammps_jump.errors import CaseError, RunError, SetupError
+from lammps_jump.files import RESULT_FILES
+from lammps_jump.folders import (
+    MARKER_FILE,
+    clear,
+    locked,
+    read_marker,
+    require_ours,
+    require_unlocked,
+)
 
+from .conclude import Conclusion
 from .engine import choose_setting, with_header
-from .folder import require_case, result_of, resumable, stored_result, write_folder
-from .summary import compose, read_summary, write_summary
+from .folder import require_case, result_of, run_folder, write_folder
+from .state import ToDo, difference, has_output, marker_of, resumable, to_do
+from .summary import SUMMARY_FILE, read_summary
 
 log = logging.getLogger(__name__)
 """Says what is done, and notes; the command line prints it."""
@@ -50,6 +58,43 @@ def start(
     if resume and force:
         raise CaseError("--resume goes on with a run, --force starts a new one: use one of the two")
     case, setting, notes = choose_setting(case)
+    require_unlocked(folder)
+    if _left_to_do(case, folder, setting, force=force, resume=resume) == "nothing":
+        stored = read_summary(folder)
+        log.info(
+            f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
+            "of computing): nothing to do. --force runs it again."
+        )
+        return
+    with run_folder(folder, marker_of(case, setting)):
+        left = _left_to_do(case, folder, setting, force=force, resume=resume)  # another process may have been there
+        if left == "run":
+            _run(case, folder, setting, notes, resume, begin, progress, should_stop)
+        elif left == "analyse":
+            log.info(f"{folder} already holds this run: only its analysis is made. --force runs it again.")
+            _reanalyse(case, folder, setting, notes)
+
+
+def _left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool, resume: bool) -> ToDo:
+    if resume:
+        resumable(case, folder, setting)
+    elif not force:
+        return to_do(case, folder, setting)
+    require_ours(folder, marker_of(case, setting))
+    return "run"
+
+
+def _run(
+    case: ReadCase,
+    folder: Path,
+    setting: Setting,
+    notes: tuple[str, ...],
+    resume: bool,
+    begin: float,
+    progress: ProgressCallback | None,
+    should_stop: StopCallback | None,
+) -> None:
+    """Run in a folder that this process holds."""
     scene, checkpoint = case.scene(), None
     before: Mapping[str, float] = {}
     if resume:
@@ -61,42 +106,46 @@ def start(
             f"(step {checkpoint.step} of {scene.steps})"
         )
     else:
-        if not force and (stored := stored_result(case, folder, setting)):
-            log.info(
-                f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
-                "of computing): nothing to do. --force runs it again."
-            )
-            return
         c, ranks = scene.coefficients, f", {setting.ranks} ranks" if setting.ranks > 1 else ""
         said = (
             f"{setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
             f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m"
         )
-    for note in (*scene.warnings, *notes):
+    for note in (*scene.warnings, *scene.adapted, *notes):
         log.info(f"note: {note}")
     log.info(f"{scene.name}: {said} -> {folder}")
     if checkpoint is None:
-        write_folder(case, folder)
+        write_folder(case, folder, marker_of(case, setting))
         before = {"build": time.perf_counter() - begin}
-    with writing(folder):
+    with _files_at_risk(folder):
         result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
         if checkpoint is not None:
-            clear(folder, RESULT_FILES)  # those of the part before
-        _conclude(case, folder, setting, notes, result, steady, before)
+            clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
+        if result.status != "interrupted":
+            remove_checkpoint(folder)
+            (folder / "in.resume.lammps").unlink(missing_ok=True)
+        Conclusion(case, folder, setting, result, steady, before, notes).first()
 
 
-def build(case: ReadCase, folder: Path, *, job: bool = False) -> Setting:
+def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = False) -> Setting:
     """Write the run folder of a case and stop there; with `job` also a job file for a cluster. The setting chosen.
 
     Raises
     ------
     CaseError, SetupError
+        Also where the folder holds a run, unless `force` asks to delete it.
     """
     case, setting, _ = choose_setting(case)
-    write_folder(case, folder)
-    engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
-    if job:
-        write_job(case.scene(), folder, setting.ranks)
+    marker = marker_of(case, setting)
+    require_unlocked(folder)
+    require_ours(folder, marker)
+    with run_folder(folder, marker):
+        if not force and has_output(folder):
+            raise SetupError(f"{folder}: holds a run; name another folder with --out, or delete that run with --force")
+        write_folder(case, folder, marker)
+        engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
+        if job:
+            write_job(case.scene(), folder, setting.ranks)
     return setting
 
 
@@ -123,23 +172,30 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
                 f"--set {change}: belongs to the run, which is done; allowed here is analysis.…: a run with other "
                 f"values is a new one: `lammps-jump build-and-run {folder / 'case.yaml'} --set {change} --out …`"
             )
-    case, setting, notes = choose_setting(load_case(require_case(folder), changes))
+    path, marker = require_case(folder), read_marker(folder)
+    if marker is None:
+        raise SetupError(
+            f"{folder}: was not made by lammps-jump (there is no {MARKER_FILE}), so nothing is written to it; "
+            f"`lammps-jump analyze DUMP --case {path} --out OTHER` analyses its dump"
+        )
+    case, setting, notes = choose_setting(load_case(path, changes))
+    if found := difference(case, None, marker):
+        raise CaseError(
+            f"{path}: was changed after the run ({found}); put it back, or run the changed case in another folder"
+        )
+    with locked(folder):
+        _reanalyse(case, folder, setting, notes)
+
+
+def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str, ...]) -> None:
+    """Analyse a run again in a folder that this process holds."""
     stored = read_summary(folder)
     if stored.get("kernel") in ("stock", "compiled") and setting.kernel != "numba":
         setting = replace(setting, kernel=stored["kernel"])
-    begin = time.perf_counter()
-    with _analysis_of(folder), writing(folder):
+    with _files_at_risk(folder):
         result = result_of(case, folder, stored, setting)
-        parts = runs.results.analyse(case, folder)
-    seconds = {"build": 0.0, "run": result.seconds, **(stored.get("wall_seconds") or {})}
-    seconds["analysis"] = time.perf_counter() - begin
-    if result.status in ("interrupted", "complete") and result.message:
-        parts.setdefault("warnings", []).append(result.message)
-    summary = compose(case, setting, result, seconds=seconds, parts=parts, notes=notes)
-    summary["case_hash"] = stored.get("case_hash", summary["case_hash"])
-    (folder / "case.yaml").write_text(case.to_yaml())
-    write_summary(folder, summary)
-    runs.results.write_report(folder, summary, case)
+        before = {**(stored.get("wall_seconds") or {}), "analysis": 0.0}
+        Conclusion(case, folder, setting, result, stored.get("stopped_when_steady") or "", before, notes).again(stored)
 
 
 def _run_engine(
@@ -174,54 +230,22 @@ def _run_engine(
 def _load_analysis() -> None:
     """Import what the analysis needs, 0.7 s."""
     for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
-        importlib.import_module(name)
-
-
-def _conclude(
-    case: ReadCase,
-    folder: Path,
-    setting: Setting,
-    notes: tuple[str, ...],
-    result: RunResult,
-    steady: str,
-    before: Mapping[str, float],
-) -> None:
-    """Analyse a run that has ended, write its summary and report; `before` are seconds that were spent before."""
-    begin = time.perf_counter() - (before.get("analysis") or 0.0)
-    if result.status != "interrupted":
-        remove_checkpoint(folder)
-        (folder / "in.resume.lammps").unlink(missing_ok=True)
-    parts: dict[str, Any] = {}
-    trouble = ""
-    try:
-        with _analysis_of(folder):
-            parts = runs.results.analyse(case, folder)
-    except DumpError as error:
-        trouble = str(error)
-        if result.status != "complete":
-            parts = {"warnings": [f"not analysed: {trouble}"]}
-    if steady:
-        parts["stopped_when_steady"] = steady
-        log.info(f"note: {steady}")
-    seconds = {"build": before.get("build") or 0.0, "run": result.seconds, "analysis": time.perf_counter() - begin}
-    summary = compose(case, setting, result, seconds=seconds, parts=parts, notes=notes)
-    write_summary(folder, summary)
-    runs.results.write_report(folder, summary, case)
-    if result.status == "interrupted":
-        raise RunInterrupted(result.message)
-    if result.status == "failed":
-        raise RunError(result.message)
-    if trouble:
-        raise RunError(f"the run is complete, its dump could not be analysed: {trouble}")
+        with suppress(Exception):  # a program that is ending; else the analysis says it
+            importlib.import_module(name)
 
 
 @contextmanager
-def _analysis_of(folder: Path) -> Iterator[None]:
-    """Ctrl-C and SIGTERM during the analysis of a run folder become a `RunInterrupted` that says what is left to do."""
+def _files_at_risk(folder: Path) -> Iterator[None]:
+    """A disk that is full, or a folder that is taken away, while the run goes on: a `RunError` that says so."""
     try:
-        with terminate_as_interrupt():
-            yield
-    except KeyboardInterrupt:
-        raise RunInterrupted(
-            f"the analysis was stopped; the files of the run are kept, and `lammps-jump analyze {folder}` analyses them"
+        yield
+    except OSError as error:
+        if not folder.is_dir():
+            raise RunError(
+                f"{folder}: was removed or renamed while the run went on, so that its results cannot be kept there; "
+                "the same command runs it anew"
+            ) from None
+        raise RunError(
+            f"{error.filename or folder}: cannot be written ({error.strerror or error}); what was written before is "
+            "kept: make room there, then give the command again"
         ) from None

@@ -3,22 +3,21 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, FiniteFloat, NonNegativeInt, ValidationError
 
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError
-from lammps_jump.files import plain, write_json
+from lammps_jump.files import plain, read_json, write_json
 from lammps_jump.provenance import versions
 
-from .engine import run_key
+from .engine import full_key, run_key
 
 SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
@@ -26,22 +25,56 @@ NO_SUMMARY = (
 )
 
 
+class _Discs(BaseModel, strict=True, extra="forbid"):
+    inserted: int
+    present: int
+    removed: int
+    lost: int
+
+
+class _Seconds(BaseModel, strict=True):
+    build: FiniteFloat
+    run: FiniteFloat
+    analysis: FiniteFloat
+
+
+class _Sum(BaseModel, strict=True, extra="forbid"):
+    size: NonNegativeInt
+    sha256: str
+
+
+class _Analysed(BaseModel, strict=True, extra="forbid"):
+    key: str
+    files: dict[str, _Sum]
+
+
 class Stored(BaseModel, strict=True):
     """What is read back of a summary."""
 
-    status: str
+    status: Literal["complete", "unchecked", "interrupted", "failed"]
     message: str | None
     engine: str
     kernel: str
     case_hash: str
     versions: dict[str, str]
-    steps: int
-    disc_steps: float
-    discs: dict[str, int]
-    wall_seconds: dict[str, float]
+    steps: NonNegativeInt
+    disc_steps: FiniteFloat
+    disc_steps_per_second: FiniteFloat | None = None
+    discs: _Discs
+    wall_seconds: _Seconds
     breakdown_seconds: dict[str, float | None] | None
     ledger: dict[str, float | None] | None
-    resumed_at: list[float] = []
+    resumed_at: list[FiniteFloat] = []
+    warnings: list[str] = []
+    jump: dict[str, Any] | None = None
+    front: dict[str, Any] | None = None
+    energy: dict[str, Any] | None = None
+    force: dict[str, Any] | None = None
+    key: str = ""
+    stopped_when_steady: str = ""
+    files: list[str] = []
+    outputs: dict[str, _Sum] | None = None
+    analysed: _Analysed | None = None
 
 
 def compose(
@@ -80,6 +113,7 @@ def compose(
             "integrator": scene.integrator,
             "friction_law": scene.friction_law if scene.coefficients.friction else None,
             "case_hash": run_key(case, setting),
+            "key": full_key(case, setting),
             "versions": {**versions(), **result.versions},
             "coefficients": asdict(scene.coefficients),
             "steps": result.steps,
@@ -92,7 +126,7 @@ def compose(
             "discs": discs,
             "ledger": result.ledger,
             "skipped": list(scene.skipped),
-            "warnings": [*scene.warnings, *notes, *found.pop("warnings", ())],
+            "warnings": [*scene.warnings, *scene.adapted, *notes, *found.pop("warnings", ())],
             **found,
             "ranks": setting.ranks,
             "theory": case.check().theory,
@@ -115,7 +149,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
     """
     path = folder / SUMMARY_FILE
     try:
-        found = json.loads(path.read_text())
+        found = read_json(path)
     except (OSError, ValueError):
         return {}
     try:

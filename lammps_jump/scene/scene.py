@@ -93,6 +93,8 @@ class Scene:
     size_steps : int
         A disc that an inlet or a pour inserts has the largest diameter. At the end of the next step that is a multiple
         of this number it gets its own.
+    warnings, adapted : tuple of str
+        What to beware of; which asked values whole steps have changed.
     steps : int
         All steps of the run, `settle_steps` included; output every `output_steps`.
     """
@@ -128,6 +130,7 @@ class Scene:
     size_steps: int = 1
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
+    adapted: tuple[str, ...] = field(default=())
 
     @property
     def radius(self) -> float:

@@ -15,6 +15,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
+from lammps_jump.quoting import LONGEST_NAME
 from lammps_jump.units import Metre
 
 Interval = tuple[float, float]
@@ -37,7 +38,7 @@ Side = Annotated[
     BeforeValidator(lambda value: SIDES.get(value, value) if isinstance(value, str) else value),
     Field(description="where the discs are: at larger or smaller coordinates"),
 ]
-WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
+WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=LONGEST_NAME)]
 """Part of the names of LAMMPS fixes, regions and variables, which take no other letters."""
 
 

@@ -9,6 +9,7 @@ from types import ModuleType
 
 import numpy as np
 
+from lammps_jump.quoting import lammps_comment
 from lammps_jump.scene.scene import Scene
 
 from . import plugin as compiled
@@ -85,7 +86,7 @@ def control(scene: Scene, how: Options) -> list[Section]:
 
 def joined(title: str, how: Options, sections: list[Section]) -> str:
     """The text of a script; sections without commands are left out."""
-    lines = [f"# {line}" for line in (title, *how.header)]
+    lines = [f"# {lammps_comment(line)}" for line in (title, *how.header)]
     for name, commands in sections:
         if commands:
             lines += ["", f"# --- {name}", *commands]
@@ -142,8 +143,9 @@ def data_text(scene: Scene) -> str:
     """Data file with the discs at the start (full precision)."""
     (xlo, xhi), (ylo, yhi) = scene.domain
     half = number(0.5 * scene.largest)
+    name = lammps_comment(scene.name)
     lines = [
-        f"{len(scene.positions)} discs of {scene.name}; the density column is of spheres, the script sets the mass",
+        f"{len(scene.positions)} discs of {name}; the density column is of spheres, the script sets the mass",
         "",
         f"{len(scene.positions)} atoms",
         "1 atom types",
@@ -169,7 +171,7 @@ def molecule_text(scene: Scene) -> str:
     """One disc, the largest, as a molecule: fix deposit in single-atom mode would insert a sphere of radius 0.5."""
     d, m = number(scene.largest), number(scene.masses(scene.largest))
     return (
-        f"# one disc of {scene.name}\n\n1 atoms\n\nCoords\n\n1 0 0 0\n\nTypes\n\n1 1\n\n"
+        f"# one disc of {lammps_comment(scene.name)}\n\n1 atoms\n\nCoords\n\n1 0 0 0\n\nTypes\n\n1 1\n\n"
         f"Diameters\n\n1 {d}\n\nMasses\n\n1 {m}\n"
     )
 

@@ -17,7 +17,7 @@ from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 
 from . import stock
-from .assemble import Options, control, joined, save_at_end
+from .assemble import STATE, Options, control, joined, save_at_end
 
 SCRIPT = "in.resume.lammps"
 LOG = "log.resume.lammps"
@@ -25,16 +25,15 @@ BINARY_PART = "dump.resume.lammpsbin"
 """LAMMPS appends to text and gzip dumps, not to binary ones; these are put together afterwards."""
 
 
-def continuation_text(scene: Scene, *, state: str, step: int, removed: tuple[int, ...], **options) -> str:
+def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], **options) -> str:
     """The script that goes on; further keywords as of `Options`.
 
     Parameters
     ----------
     scene : Scene
-    state : str
-        Restart file, written after `lammps_jump.script.stock.half_step_back`.
     step : int
-        Its step, behind `lammps_jump.script.stock.first_step`, and the end of a window of the probes.
+        Of the restart file, written after `lammps_jump.script.stock.half_step_back`: behind
+        `lammps_jump.script.stock.first_step`, and the end of a window of the probes.
     removed : tuple of int
         Discs that each outlet has taken so far: ``fix evaporate`` keeps no count over a restart.
     """
@@ -44,7 +43,7 @@ def continuation_text(scene: Scene, *, state: str, step: int, removed: tuple[int
     half_step = stock.half_step(scene, how.kernel)
     sections = [
         ("settings", how.style.settings(scene, how.ranks, how.plugin)),
-        ("state", [f"read_restart    {state}", *stock.size_variables(scene), *stock.molecule(scene)]),
+        ("state", [f"read_restart    {STATE.format(step=step)}", *stock.size_variables(scene), *stock.molecule(scene)]),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
         *control(scene, how),

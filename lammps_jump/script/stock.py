@@ -124,13 +124,13 @@ def gravity(scene: Scene) -> list[str]:
 
 def outlets(scene: Scene) -> list[str]:
     """Regions in which discs are deleted; the fixes' scalars count them."""
-    lines = []
+    lines, seed = [], max(1, scene.seed)
     for index, outlet in enumerate(scene.outlets, 1):
         ends = f"{number(outlet.at)} INF" if outlet.side == "above" else f"INF {number(outlet.at)}"
         extent = f"{ends} INF INF" if outlet.axis == "x" else f"INF INF {ends}"
         lines += [
             f"region          outlet_{index} block {extent} INF INF",
-            f"fix             outlet_{index} all evaporate {outlet.every_steps} 1000000 outlet_{index} {scene.seed}",
+            f"fix             outlet_{index} all evaporate {outlet.every_steps} 1000000 outlet_{index} {seed}",
         ]
     return lines
 

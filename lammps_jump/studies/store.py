@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from lammps_jump.files import plain, write_json
+from lammps_jump.files import plain, read_json, write_json
 from lammps_jump.provenance import machine
 
 from .runs import versions
@@ -36,7 +35,7 @@ class Store:
         self.data: dict = {}
         if not fresh and path.is_file():
             try:
-                self.data = json.loads(path.read_text())
+                self.data = read_json(path)
             except ValueError:
                 self.data = {}
         self.data.setdefault("pieces", {})

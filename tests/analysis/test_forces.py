@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_up import collected, disc_frame, flow_context
 
-from lammps_jump.analysis.forces.history import analyse_forces, moving_mean
+from lammps_jump.analysis.forces.history import analyse_forces, moving_mean, peak_error
 from lammps_jump.analysis.forces.impulse import MomentumLedger, impulse_identity, window_lengths
 from lammps_jump.analysis.forces.reflection import track_reflection
 from lammps_jump.analysis.profiles import compute_profiles
@@ -234,3 +234,14 @@ def test_no_stream_no_reflected_wave():
     block = Block("structure", (20, 22), (-5, 6))
     assert track_reflection(dry, block, context()) is None
     assert track_reflection(profiles, Block("structure", (0.5, 22), (-5, 6)), context()) is None
+
+
+def test_error_of_a_peak_is_the_scatter_of_the_maxima_of_blocks():
+    time = np.arange(1, 1201) * 0.01
+    force = np.where(time < 2.0, 0.0, 1.0)
+    rng = np.random.default_rng(2)
+    peaks = rng.uniform(5, 9, 18)
+    force[np.round((3.0 + 0.5 * (np.arange(18) + 0.5)) / 0.01).astype(int)] = peaks  # one in each block of 0.5 s
+    force[199] = 50.0  # the impact itself, at 2 s
+    assert peak_error(time, force) == pytest.approx(np.std(peaks[:17], ddof=1), rel=0.1)
+    assert np.isnan(peak_error(time[:300], force[:300])) and np.isnan(peak_error(time, 0 * time))

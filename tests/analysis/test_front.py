@@ -18,6 +18,7 @@ from lammps_jump.analysis.front import (
     quantile_front,
     stack_top,
 )
+from lammps_jump.analysis.report.headline import headline
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
@@ -132,6 +133,27 @@ def test_martin_and_moyces_front_agrees_with_itself():
     assert summary["slope"] == pytest.approx(reference_data.MARTIN_MOYCE_FRONT_SLOPE[2], abs=0.05)
     lagging = numbers(analyse_front(made_history(time, 0.9 * front, height, (base, depth)), context()))["martin_moyce"]
     assert lagging["rms_bulk"] == pytest.approx(0.1, rel=1e-9)
+
+
+def test_each_table_belongs_to_one_shape_of_column():
+    """A column of n² = 3 is not held against the tables of n² = 2, one of n² = 1 against the slope of its own."""
+    time = np.linspace(0.05, 3, 60)
+
+    def compared(base, depth):
+        history = made_history(time, base + 10 * time, depth * np.exp(-time), (base, depth))
+        return analyse_front(history, context())
+
+    tall = compared(4.0, 12.0)
+    found = numbers(tall)["martin_moyce"]
+    assert found["comparable"] is False and found["rms_bulk"] is None and found["slope_of_table"] is None
+    assert "No measured curve of water belongs to its shape (n² = 3.00" in headline({"front": numbers(tall)})
+    assert "Ritter's front, until 0.37 s" in headline({"front": numbers(tall)})
+    assert numbers(compared(4.0, 4.0))["martin_moyce"]["slope_of_table"] == 1.4
+    assert "water of this shape has 1.40" in headline({"front": numbers(compared(4.0, 4.0))})
+    square = compared(4.0, 8.0)
+    assert square.martin_moyce.comparable and "off Martin & Moyce's water (n² = 2)" in headline(
+        {"front": numbers(square)}
+    )
 
 
 def test_front_stops_to_count_at_an_obstacle():

@@ -7,15 +7,21 @@ from math import sqrt
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context, numbers
 
-from lammps_jump.analysis.jump.frame import growth_rate
+from lammps_jump.analysis.jump.frame import Roller, growth_rate
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
+from lammps_jump.analysis.jump.section import section
+from lammps_jump.analysis.jump.stream import compression_front, measure_stream, running_median
 from lammps_jump.analysis.jump.summary import summarise_jump
-from lammps_jump.analysis.jump.track import equivalent_position, fit_ramp, straight_motion
+from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
+from lammps_jump.analysis.jump.verdict import belongs_to, notes, worded
 from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.report.page import render
+from lammps_jump.analysis.statistics import STUDENT, mean_of, piece_error
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Block, Plane
@@ -150,6 +156,80 @@ def test_no_jump_says_why(layers, speed, reason):
     assert summary["speed"] is None
 
 
+def stream_of(thrust, frames=20, toe=40.0):
+    """Stream 1 m deep at 16 m/s up to 50 m, with this thrust (m^3/s^2), shape (bins,) or (frames, bins)."""
+    x = np.arange(50) + 0.5
+    ones = np.ones((frames, 50))
+    depth = np.where(x < toe, 1.0, 6.5) * ones
+    fields = {
+        "mass_depth": depth,
+        "discharge": 16.0 * ones,
+        "momentum_flux": 256.0 * ones - thrust,
+        "thrust": thrust * ones,
+    }
+    stream = xr.Dataset({name: (("time", "x"), values) for name, values in fields.items()}, {"x": x})
+    nothing, places = np.full(frames, np.nan), np.full(frames, toe)
+    return stream, JumpTrack(
+        np.arange(frames), places, places + 6, places + 3, *[nothing] * 4, nothing + 50, ("",) * frames
+    )
+
+
+def test_compression_front_is_where_the_thrust_rises():
+    x = np.arange(50) + 0.5
+    rng = np.random.default_rng(1)
+    # pulses and gaps behind 12 m, chance contacts before it
+    thrust = np.where(x > 12, rng.exponential(43.0, (20, 50)), rng.exponential(3.0, (20, 50)))
+    stream, track = stream_of(thrust)
+    assert np.median(compression_front(stream, track, G)) == pytest.approx(12.0, abs=1.0)
+    places = np.array([50.0, 40.0, 90.0, 30.0, np.nan, 20.0, 10.0])
+    assert running_median(places, 3).tolist() == [45.0, 50.0, 40.0, 60.0, 25.0, 15.0, 15.0]
+    assert np.isnan(running_median(np.full(5, np.nan))).all()
+    quiet, track = stream_of(rng.exponential(3.0, (20, 50)))
+    assert np.isnan(compression_front(quiet, track, G)).all()
+
+
+def test_flux_and_thrust_along_the_stream():
+    x = np.arange(50) + 0.5
+    stream, track = stream_of(np.where(x > 12, 43.0, 3.0))
+    track = replace(track, compression=compression_front(stream, track, G))
+    found = measure_stream(stream, track, np.ones(20, bool), -1.0, 6.5, G)
+    assert found.start[0] == 1.0 and found.stop[-1] <= 39.0 and np.diff(found.start) == pytest.approx(5.0)
+    assert found.total == pytest.approx(256.0) and found.total_deviation < 1e-12
+    assert found.momentum_flux[[0, -1]] == pytest.approx([253.0, 213.0])
+    assert found.froude == pytest.approx(17.0 / sqrt(G))
+    assert found.deviation == pytest.approx(6.5 / theory.belanger(17.0 / sqrt(G)) - 1)
+    assert (found.compression, found.undisturbed, found.at_inlet) == (12.0, 12.0, True)
+    turned = found.turned(-1)
+    assert (turned.start[0], turned.velocity[0], turned.compression) == (-1.0, -16.0, -12.0)
+
+
+def test_the_verdict_names_its_state_and_warns_of_a_compressed_inflow(step_result):
+    jump = worded(summarise_jump(step_result))
+    assert "Bélanger's ratio 6.00 belongs to the stream 1." in jump.reason and "m before the front" in jump.reason
+    assert jump.notes == () and jump.headline.startswith("Hydraulic jump: found in 24 of 24 frames, front at ")
+    assert "stream just before the toe" in jump.headline and "0.0 %" in jump.headline
+    x = np.arange(50) + 0.5
+    stream, track = stream_of(np.where(x > 12, 43.0, 3.0))
+    track = replace(track, compression=compression_front(stream, track, G))
+    pressed = replace(jump, stream=measure_stream(stream, track, np.ones(20, bool), -1.0, 6.5, G))
+    assert "12.0 m behind the inlet" in notes(pressed)[0]
+    assert "compress that stream from x = 12 m on" in belongs_to(pressed)
+
+
+def test_the_share_of_frames_grades_the_verdict():
+    """Frames with a jump and frames without: no coin is tossed at one half."""
+    with_jump, without = (
+        moving_step(24),
+        [flow(lambda x: 0 * x + 5, lambda x: 0 * x + 14.0, 0.1 * k) for k in range(24)],
+    )
+    for jumps, verdict in ((24, "jump"), (14, "marginal jump"), (10, "marginal jump"), (2, "no jump found")):
+        frames = with_jump[:jumps] + without[jumps:]
+        jump = worded(summarise_jump(analyse_jump(compute_profiles(frames, context()), context())))
+        assert (jump.verdict, jump.frames_found) == (verdict, jumps)
+        assert jump.share_found == pytest.approx(jumps / 24)
+    assert jump.headline.startswith("No hydraulic jump to compare with Bélanger: no jump found.")
+
+
 def test_too_short_a_channel_and_no_gravity():
     frames = [flow(lambda x: 0 * x + 5, lambda x: 0 * x + 1.0)]
     short = context(x_range=(0.0, 5.0))
@@ -235,20 +315,94 @@ def test_straight_motion_of_exact_line():
     assert np.isnan(straight_motion(t[:1], t[:1]).speed)
 
 
-@pytest.mark.parametrize("memory", [0.0, 0.6])
+@pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_speed_error_covers_the_truth(memory):
-    """Two standard errors hold the true slope in about 95 of 100 records, correlated residuals or not."""
+    """The 95 % interval holds the true speed of a front whose speed wanders, in 95 of 100 records."""
     rng = np.random.default_rng(5)
-    t = np.arange(100) * 0.1
+    t = np.arange(200) * 0.1
     covered = 0
     for _ in range(300):
-        noise = rng.normal(size=100)
-        for k in range(1, 100):
-            noise[k] += memory * noise[k - 1]
-        motion = straight_motion(t, 2.0 * t + noise)
-        covered += abs(motion.speed - 2.0) < 2 * motion.error
-    # 300 draws scatter by 1.3 %; the correlation is itself estimated from 100 points, which costs a little
-    assert 0.88 <= covered / 300 <= 0.99
+        wander = rng.normal(size=200)
+        for k in range(1, 200):
+            wander[k] += memory * wander[k - 1]
+        motion = straight_motion(t, 2.0 * t + 0.1 * np.cumsum(wander))
+        covered += abs(motion.speed - 2.0) < STUDENT * motion.error
+    # 300 draws scatter by 1.3 %; a memory of ten frames costs a little in pieces of 25
+    assert 0.88 <= covered / 300 <= 0.995
+
+
+def test_slow_swings_raise_the_error():
+    fast, slow = np.tile([1.0, -1.0], 4), np.repeat([1.0, -1.0], 4)
+    assert piece_error(fast) == pytest.approx(np.std(fast, ddof=1) / sqrt(8))
+    assert piece_error(slow) > 1.2 * np.std(slow, ddof=1) / sqrt(8)
+    assert np.isnan(piece_error(np.ones(7))) and np.isnan(piece_error(np.append(fast[1:], np.nan)))
+
+
+@pytest.mark.parametrize(("memory", "lowest"), [(0.0, 0.94), (0.8, 0.94), (0.9, 0.88)])
+def test_mean_error_covers_the_truth(memory, lowest):
+    """So does that of a mean, also with swings as long as a piece of 15 samples (the last)."""
+    rng = np.random.default_rng(6)
+    covered = 0
+    for _ in range(400):
+        series = rng.normal(size=120) / sqrt(1 - memory**2)
+        for k in range(1, 120):
+            series[k] = memory * series[k - 1] + series[k] * sqrt(1 - memory**2)
+        mean = mean_of(series)
+        covered += abs(mean.value) < STUDENT * mean.error
+    assert lowest <= covered / 400 <= 0.995
+
+
+def wandering_step():
+    """A bore of 48 frames whose speed and depth change from frame to frame."""
+    rng = np.random.default_rng(3)
+    fronts = 40.0 + np.cumsum(0.1 * (SPEED + rng.normal(size=48)))
+    layers = rng.integers(28, 33, 48)
+
+    def frame(k):
+        def deep(x):
+            return np.where(x < fronts[k], 5, layers[k])
+
+        return flow(deep, lambda x: np.where(x < fronts[k], U1, U2), 0.1 * k)
+
+    return [frame(k) for k in range(48)]
+
+
+def test_each_printed_number_has_its_error():
+    jump = summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context()))
+    found = numbers(jump)
+    for key in ("y2", "h2", "speed", "toe_speed", "froude", "sequent_ratio", "belanger_ratio", "belanger_deviation",
+                "length", "length_over_y2", "density_ratio", "head_upstream", "energy_loss"):  # fmt: skip
+        assert 0 < found[f"{key}_error"] < 2 * abs(found[key]) + 1, key
+    # what is computed of the same pieces: the ratio's error is not that of independent depths
+    pieces = jump.measured.pieces
+    ratios = [piece.downstream.mass_depth.value / piece.upstream.mass_depth.value for piece in pieces]
+    assert found["sequent_ratio_error"] == pytest.approx(piece_error(np.array(ratios)), rel=1e-9)
+    speeds = [piece.motion.speed for piece in pieces]
+    assert found["speed_error"] == pytest.approx(piece_error(np.array(speeds)), rel=1e-9)
+    assert found["drift"]["speed"] == pytest.approx(np.mean(speeds[4:]) - np.mean(speeds[:4]), rel=1e-9)
+    assert found["members"]["speed"] >= (found["speed_error"] / (0.03 * found["speed"])) ** 2
+    assert found["members"]["y2"] >= 1
+
+
+def test_the_section_says_what_the_numbers_are_worth():
+    jump = worded(summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context())))
+    page = render("", [section(numbers(jump))])
+    said = ("± within this run", "95 % interval is ± 2.78 errors", "average at least", "short jump, of one to two")
+    said += ("No roller: nowhere does the mean surface run", "stream before the jump")
+    for expected in said:
+        assert expected in page, expected
+    upstream = replace(jump, roller=Roller(2.5, 1.0, 2.0, 1.5))
+    page = render("", [section(numbers(upstream))])
+    assert "Roller: in the front&#39;s frame the mean surface runs upstream over 2.0 m (0.3 y₂), from 1.5 m" in page
+    assert "In the laboratory, where the front&#39;s own speed is in it: over 2.5 m." in page
+
+
+def test_too_few_frames_have_no_error(step_result):
+    few = analyse_jump(compute_profiles(moving_step(15), context()), context())
+    found = numbers(summarise_jump(few))
+    assert found["y2"] and found["speed"] and found["y2_error"] is None and found["speed_error"] is None
+    assert set(found["members"].values()) == {None} and found["drift"]["y2"] is None
+    assert few.pieces == () and len(step_result.pieces) == 8
 
 
 def test_growth_rate():

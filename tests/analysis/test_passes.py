@@ -67,10 +67,11 @@ def test_one_pass_leaves_all_files_and_numbers(analysed):
     assert json.loads(text) == parts
     for name in parts["files"]:
         assert (out / name).stat().st_size > 0, name
-    expected = {"profiles.nc", "energy.csv", "front.csv", "jump_track.csv", "jump_frame.csv", "force_floor.csv"}
-    assert expected <= set(parts["files"])
+    expected = {"profiles.nc", "energy.csv", "front.csv", "jump_track.csv", "jump_frame.csv", "jump_stream.csv"}
+    assert expected | {"force_floor.csv"} <= set(parts["files"])
     figures = {
-        f"figures/{name}.png" for name in ("depth_profile", "jump_frame", "jump_balance", "front", "energy", "forces")
+        f"figures/{name}.png"
+        for name in ("depth_profile", "jump_frame", "jump_stream", "jump_balance", "front", "energy", "forces")
     }
     assert figures <= set(parts["files"])
     assert_ours(parts["files"])
@@ -163,9 +164,22 @@ def test_an_export_of_an_analysis_needs_one(tmp_path):
 
 def test_the_screen_shows_the_labelled_numbers(analysed):
     lines = main_numbers(analysed[1])
-    assert [line.split(":")[0] for line in lines] == ["jump", "front", "energy"]
-    assert lines[0].startswith("jump: verdict jump, Fr1 ") and ", shock speed -2 m/s," in lines[0]
+    assert [line.split(":")[0] for line in lines] == ["Hydraulic jump", "jump", "front", "energy"]
+    assert lines[1].startswith("jump: verdict jump, Fr1 ") and ", shock speed -2 m/s," in lines[1]
+    assert "Compare the " in lines[0] and "by Bélanger" in lines[0] and "Too few frames for errors" in lines[0]
     assert main_numbers({"jump": {"verdict": "no jump found", "y1": None}}) == ["jump: verdict no jump found"]
+
+
+def test_no_jump_has_no_length_on_the_screen():
+    found = {"y2": 3.0, "y2_error": 0.1, "speed": -1.0, "speed_error": 0.2, "length": 5.0, "length_error": None}
+    assert (
+        "y2 3.00 ± 0.1 m, shock speed -1.00 ± 0.2 m/s, length 5"
+        in main_numbers({"jump": {"verdict": "jump", **found}})[0]
+    )
+    assert main_numbers({"jump": {"verdict": "locked heap", **found}}) == [
+        "jump: verdict locked heap, shock speed -1.00 ± 0.2 m/s"
+    ]
+    assert "length" not in main_numbers({"jump": {"verdict": "marginal jump", **found}})[0]
 
 
 def test_plain():

@@ -7,7 +7,11 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from made_up import numbers
 
+from lammps_jump.analysis.jump.summary import Jump
+from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.report.definitions import DEFINITIONS
 from lammps_jump.analysis.report.page import Section, Table, render, text
 from lammps_jump.analysis.report.run import LARGEST, write_report
 from lammps_jump.errors import DumpError
@@ -79,6 +83,29 @@ def test_everything_inside_one_file(tmp_path):
                      "no frame holds a disc", "0.0200 %", "case.yaml", "1\u202f234"):  # fmt: skip
         assert expected in content, expected
     assert content.count("data:image/png") == 2
+
+
+def test_the_verdict_stands_at_the_top_and_its_tiles_have_errors(tmp_path):
+    jump = {key: None for key in numbers(Jump("", ""))} | {"momentum_terms": None, "y2_error": None}
+    jump |= {"verdict": "jump", "reason": "it moves", "headline": "Compare this - with that.", "share_found": 0.94}
+    jump |= {"length": 5.0, "length_error": 0.4, "speed": -1.0, "speed_error": None, "energy_loss": 2.5}
+    jump |= {"froude": 4.2, "froude_error": 0.1, "members": {"froude": 3, "speed": None}}
+    force = {"sill": {"peak": 4200.0, "peak_error": 300.0}}
+    content = page(write_report(tmp_path, {"name": "x", "jump": jump, "force": force}))
+    assert content.index("Compare this − with that.") < content.index('class="numbers"')
+    said = ("<b>5.00 ± 0.4 m</b>", "94 %", "length of the jump; discs make a short one, ± within this run")
+    said += ("<summary>What these numbers mean</summary>", "where a sharp step between", "4.20 ± 0.3 kN/m")
+    said += ("velocity of the front (no error from one run)", "± within this run; for 3 % at least 3 run(s)")
+    for expected in said:
+        assert expected in content, expected
+    jump |= {"verdict": "no jump found"}
+    content = page(write_report(tmp_path, {"name": "x", "jump": jump}))
+    tiles = content.partition("<h2>")[0]
+    assert "no jump found" in tiles and "length of the jump" not in tiles and "head lost" not in tiles
+
+
+def test_every_quantity_has_its_definitions():
+    assert set(DEFINITIONS) == set(QUANTITIES)
 
 
 def test_text_is_made_safe(tmp_path):

@@ -17,6 +17,7 @@ from lammps_jump.case.templates import scene_names, scene_text
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.walls import Block, Plane
+from lammps_jump.script import script_text
 
 SMALL = """\
 discs: {{diameter: {diameter}}}
@@ -153,7 +154,7 @@ def test_thesis_numbers_of_the_hydraulic_jump():
     assert c.correction == pytest.approx(0.9775, abs=5e-5)
     speeds = [row.vx for row in scene.inlets]
     assert speeds == pytest.approx([13.160, 15.396, 16.562, 17.377, 18.013], abs=5e-4)
-    exact = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", {"inflow.schedule": "exact"})).inlets
+    exact = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", {"inflow.schedule": "exact", "run.seed": 0})).inlets
     assert [row.every_steps for row in exact] == [213, 182, 169, 161, 156, 151]
     assert sum(row.vx for row in exact) / 6 == pytest.approx(16, rel=1e-14)
 
@@ -291,3 +292,37 @@ def test_frames_are_no_closer_than_steps():
 @pytest.mark.parametrize("name", scene_names())
 def test_scenes_that_come_along_are_scenes(name):
     build_scene(parse_case(scene_text(name), f"{name}.yaml"))
+
+
+def test_discharge_stands_in_place_of_the_mean_speed():
+    path = INPUTS / "quick_jump.yaml"
+    by_speed, values = load_case(path), ["inflow.mean_speed=null", "inflow.discharge='60000 cm^2/s'"]
+    by_discharge = load_case(path, values)
+    assert by_discharge.scene().inlets == by_speed.scene().inlets
+    assert by_discharge.check().numbers["discharge"] == 6.0
+    assert "mean_speed" not in by_discharge.to_yaml()
+    for changes in (["inflow.discharge=6"], ["inflow.mean_speed=null"]):
+        with pytest.raises(CaseError, match=r"mean_speed .* or discharge .* one of the two"):
+            load_case(path, changes)
+    with pytest.raises(CaseError, match="over the depth is"):
+        load_case(path, [*values[:1], "inflow.discharge=1e12"])
+
+
+def test_the_seed_gives_another_jet():
+    def speeds(seed, *changes):
+        rows = load_case(INPUTS / "hydraulic_jump_frictionless.yaml", [f"run.seed={seed}", *changes]).scene().inlets
+        return [row.vx for row in rows], [row.every_steps for row in rows]
+
+    (plain, steps), (one, same), (two, _) = (speeds(seed) for seed in (0, 1, 2))
+    assert steps == same and len({*plain, *one, *two}) == 18
+    shift = [abs(v / v0 - 1) for v, v0 in zip(one, plain, strict=True)]
+    assert 0 < min(shift) and max(shift) <= 1e-6
+    assert one == speeds(1, "engine.name=native")[0]
+    texts = [
+        script_text(
+            load_case(INPUTS / "quick_jump.yaml", [f"run.seed={seed}", "discs.sizes=null"]).scene()
+        ).splitlines()
+        for seed in (0, 7)
+    ]
+    differ = [old for old, new in zip(*texts, strict=True) if old != new]
+    assert differ and all(line.startswith(("fix             inlet_", "fix             outlet_")) for line in differ)

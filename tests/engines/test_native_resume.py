@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from children import run_program
-from made_up import choose_to_stop_at, run_case
+from made_up import choose_to_stop_at, run_case, without_analysis
 
 import lammps_jump as lj
 from lammps_jump.case import load_case
@@ -28,9 +28,9 @@ from lammps_jump.engines.native import run_native
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.engines.result import Progress, interruption
-from lammps_jump.errors import CaseError, ResumeError, RunInterrupted
+from lammps_jump.errors import CaseError, ResumeError, RunInterrupted, SetupError
 from lammps_jump.provenance import fingerprint
-from lammps_jump.runs import engine, results
+from lammps_jump.runs import engine
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Box
@@ -177,13 +177,7 @@ def job(folder: Path, changes=CHANGES, **options):
 @pytest.fixture
 def light(monkeypatch):
     """No figures: seconds for each folder, and other tests look at them."""
-
-    def analyse(case, folder):
-        (folder / "profiles.nc").write_text(f"of {case.name}")
-        return {}
-
-    monkeypatch.setattr(results, "analyse", analyse)
-    monkeypatch.setattr(results, "write_report", lambda folder, summary, case: (folder / "report.html").write_text(""))
+    without_analysis(monkeypatch)
 
 
 @pytest.fixture
@@ -267,8 +261,12 @@ def test_resume_and_force_exclude_each_other(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_without_resume_an_interrupted_run_starts_anew(interrupted):
-    summary = job(interrupted)
+def test_an_interrupted_run_starts_anew_where_that_is_asked_for(interrupted):
+    before = snapshot(interrupted)
+    with pytest.raises(SetupError, match="was interrupted; --resume goes on with it, --force deletes it"):
+        job(interrupted)
+    assert snapshot(interrupted) == before
+    summary = job(interrupted, force=True)
     assert summary["status"] == "complete" and "resumed_at" not in summary
     assert not list(interrupted.glob("checkpoint*"))
 

@@ -4,7 +4,9 @@
 A shell script stands for the compiler here: these tests are about the cache, and take no seconds of compiling.
 """
 
+import hashlib
 import json
+import os
 import stat
 import sys
 import threading
@@ -14,8 +16,10 @@ import pytest
 from children import run_child
 
 from lammps_jump.cli import tools
+from lammps_jump.engines.choice import choose
 from lammps_jump.engines.plugin import availability, build, plugin_path
 from lammps_jump.errors import SetupError
+from lammps_jump.scene.build import handmade_scene
 
 COMPILER = """#!/bin/sh
 if [ "$1" = "--version" ]; then echo "make-believe c++ {version}"; exit 0; fi
@@ -23,8 +27,9 @@ echo run >> "{log}"
 sleep {seconds}
 {fail}
 while [ $# -gt 0 ]; do if [ "$1" = "-o" ]; then out="$2"; fi; shift; done
-echo "machine code of {version}" > "$out"
+printf '\\177ELF lammpsplugin_init, machine code of {version}\\n' > "$out"
 """
+CODE = "\x7fELF lammpsplugin_init, machine code of {}\n"
 
 
 @pytest.fixture
@@ -61,7 +66,7 @@ def test_builds_once_and_then_takes_the_cached_file(make_believe):
     with pytest.raises(SetupError, match="not built yet"):
         plugin_path(build=False)
     path = plugin_path()
-    assert path.read_text() == "machine code of 1.0\n"
+    assert path.read_text() == CODE.format("1.0")
     assert plugin_path() == path == plugin_path(build=False) == availability().path
     assert runs(log) == 1
     plugin_path(force=True)
@@ -73,7 +78,7 @@ def test_another_compiler_or_source_is_another_entry(make_believe, monkeypatch):
     first = plugin_path()
     make_believe("2.0")
     second = plugin_path()
-    assert first != second and second.read_text() == "machine code of 2.0\n"
+    assert first != second and second.read_text() == CODE.format("2.0")
     monkeypatch.setattr(build, "FLAGS", (*build.FLAGS, "-g"))
     third = plugin_path()
     assert third not in (first, second)
@@ -184,3 +189,51 @@ def test_commands_that_tell_of_the_plugin(plugin, capsys):
     assert Path(capsys.readouterr().out.strip()) == plugin
     tools.kernels_status()
     assert capsys.readouterr().out.strip()
+
+
+def test_garbage_with_a_record_of_its_own_is_built_again(make_believe):
+    log = make_believe()
+    path = plugin_path()
+    path.write_bytes(b"garbage")
+    (path.parent / "build.json").write_text(json.dumps({"sha256": hashlib.sha256(b"garbage").hexdigest()}))
+    assert availability().path is None
+    assert plugin_path().read_text() == CODE.format("1.0") and runs(log) == 2
+    (path.parent / "build.json").write_text(100_000 * "[")
+    assert availability().path is None
+
+
+def test_a_compiler_that_makes_garbage_is_named(make_believe):
+    make_believe(fail='while [ $# -gt 0 ]; do if [ "$1" = "-o" ]; then echo garbage > "$2"; exit 0; fi; shift; done')
+    with pytest.raises(SetupError, match="no plugin"):
+        plugin_path()
+
+
+@pytest.mark.parametrize("which", ["library", "record", "folder"])
+@pytest.mark.parametrize("how", ["owner", "everybody"])
+def test_what_others_own_or_may_change_is_not_loaded(make_believe, monkeypatch, which, how):
+    make_believe()
+    path = plugin_path()
+    place = {"library": path, "record": path.parent / "build.json", "folder": path.parent}[which]
+    if how == "everybody":
+        place.chmod(place.stat().st_mode | stat.S_IWOTH)
+    elif os.getuid() == 0:
+        os.chown(place, 12345, -1)
+    else:
+        monkeypatch.setattr(os, "getuid", lambda: 12345)
+    status = availability()
+    assert not status.available and "belongs to another user" in status.reason
+    with pytest.raises(SetupError, match="LAMMPS_JUMP_CACHE"):
+        plugin_path()
+    setting, notes = choose("lammps", "auto", 1, simple_scene())
+    assert setting.kernel == "stock" and "stock LAMMPS styles are used" in notes[-1] and str(place) in notes[-1]
+
+
+def test_a_cache_that_lammps_would_misread_is_not_used(make_believe, monkeypatch, tmp_path):
+    make_believe()
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / 'a"\nshell touch PWNED'))
+    setting, notes = choose("lammps", "auto", 1, simple_scene())
+    assert setting.kernel == "stock" and "cannot load a plugin from a path with" in notes[-1]
+
+
+def simple_scene():
+    return handmade_scene([[1.0, 1.0]], [[0.0, 0.0]], domain=((0, 2), (0, 2)), steps=10, output_steps=10)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up import choose_to_stop_at, run_case
+from made_up import choose_to_stop_at, run_case, without_analysis
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
@@ -23,7 +23,7 @@ from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.launch import Setting, run
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
-from lammps_jump.runs import engine, results
+from lammps_jump.runs import engine
 from lammps_jump.scene.scene import Gate, Pour
 from lammps_jump.scene.walls import Plane
 from lammps_jump.script.resume import continuation_text, write_continuation
@@ -138,7 +138,7 @@ def test_full_step_velocities_would_not_do(tmp_path):
     place = tmp_path / "parts"
     run(scene, place, Setting(stop_at=scene.steps // 5))
     checkpoint = read_checkpoint(place)
-    options = {"state": checkpoint.state, "step": checkpoint.step, "removed": checkpoint.removed}
+    options = {"step": checkpoint.step, "removed": checkpoint.removed}
     lines = continuation_text(scene, **options).splitlines()
     # set the velocities of the step first, and let the run compute its forces with them
     start = lines.index("run             0 post no")
@@ -175,7 +175,7 @@ def test_a_gate_before_inlets_is_refused_until_it_is_open(tmp_path):
     assert read_checkpoint(tmp_path) is None
     assert run(scene, tmp_path, Setting(stop_at=3500)).status == "interrupted"
     assert 3500 <= read_checkpoint(tmp_path).step < 3500 + scene.probe_steps
-    assert "wall_gate" not in write_continuation(scene, tmp_path, state="x", step=1, removed=()).read_text()
+    assert "wall_gate" not in write_continuation(scene, tmp_path, step=1, removed=()).read_text()
     result = go_on(scene, tmp_path)
     assert result.status == "complete" and result.lost == 0
 
@@ -233,8 +233,7 @@ def test_whole_job(tmp_path, monkeypatch):
     """Interrupted, refused for another case, gone on with, and then a folder like any other."""
     case, changes = INPUTS / "dam_break.yaml", ["engine.kernel=stock", *COLLAPSE]
     folder = tmp_path / "run"
-    monkeypatch.setattr(results, "analyse", lambda case, folder: {})  # seconds, and the same as ever
-    monkeypatch.setattr(results, "write_report", lambda folder, summary, case: (folder / "report.html").write_text(""))
+    without_analysis(monkeypatch)
     with monkeypatch.context() as patch:
         patch.setattr(engine, "choose", choose_to_stop_at(3000))
         with pytest.raises(RunInterrupted, match="--resume"):

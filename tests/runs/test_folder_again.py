@@ -7,17 +7,17 @@ import json
 import os
 import shutil
 import signal
-import sys
 from pathlib import Path
 
 import pytest
-from made_up import INPUTS, analysed_again, run_case
+from made_up import INPUTS, analysed_again, call, files, run_case
 
 from lammps_jump.case import load_case
-from lammps_jump.cli.app import main
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunInterrupted
 from lammps_jump.runs import start
 from lammps_jump.runs.folder import write_folder
+from lammps_jump.runs.state import marker_of
 
 SHORT = ("run.duration=0.1", "run.output_interval=0.02", "engine.name=native", "analysis.jump=false")
 
@@ -33,20 +33,6 @@ def finished(tmp_path_factory):
 def folder(finished, tmp_path):
     """A copy of a finished run's folder."""
     return Path(shutil.copytree(finished, tmp_path / "run"))
-
-
-def call(monkeypatch, capsys, *arguments) -> tuple[int, str, str]:
-    """Exit status, stdout and stderr of the command line."""
-    monkeypatch.setattr(sys, "argv", ["lammps-jump", *map(str, arguments)])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    captured = capsys.readouterr()
-    assert "Traceback" not in captured.err
-    return int(stop.value.code or 0), captured.out, captured.err
-
-
-def files(folder: Path) -> dict[str, bytes]:
-    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("assignment", ["run.duration=50", "discs.diameter=0.3", "analysis_x=1", "name=other"])
@@ -110,9 +96,10 @@ def test_another_run_leaves_files_of_the_user(folder):
     assert {"force_sill.csv", "figures/depth_profile.png"} <= {
         str(path.relative_to(folder)) for path in map(Path, files(folder))
     }
-    write_folder(load_case(folder), folder)
+    case = load_case(folder)
+    write_folder(case, folder, marker_of(case, Setting("native", "numba")))
     left = {str(Path(path).relative_to(folder)) for path in files(folder)}
-    assert left == {"case.yaml", *mine}
+    assert left == {"case.yaml", ".lammps-jump", *mine}
 
 
 def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
@@ -138,7 +125,7 @@ def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
 
 def test_finished_run_is_not_resumed(monkeypatch, capsys, folder):
     status, _, message = call(monkeypatch, capsys, "run", folder, "--resume")
-    assert status == 2 and "is finished" in message and "--force" not in message
+    assert status == 2 and "is finished" in message and "--force in place of --resume" in message
 
 
 def test_build_of_a_native_case_names_no_script(monkeypatch, capsys, tmp_path):

@@ -16,6 +16,7 @@ from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
 from lammps_jump.studies.cross_validation.ensembles import MEMBERS_FILE, Study
 from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
+from lammps_jump.studies.cross_validation.report import verdict_text
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import (
     AGREEMENT,
@@ -36,7 +37,7 @@ contact: {restitution: 0.3, friction: 0, impact_speed: 5}
 domain: {x: [-2, 4], y: [-2, 4]}
 walls: [{name: floor, kind: plane, axis: y, at: 0, side: above}]
 initial: [{kind: lattice, nx: 3, ny: 3, spacing: 0.25, origin: [0.2, 0.3]}]
-run: {duration: 0.2, time_step_fraction: 0.1, output_interval: 0.02}
+run: {duration: 0.21, time_step_fraction: 0.1, output_interval: 0.02}
 probes: {forces: [floor]}
 analysis: {bin_width: 0.5}
 """
@@ -123,6 +124,25 @@ def test_false_alarms_over_curves_and_numbers_stay_below_the_family_error():
         alarms += not found.agrees
     # at most 5 % = 7.5 of 150 expected (sd 2.7)
     assert alarms <= 15
+
+
+def test_a_wide_interval_is_no_agreement():
+    """The same quantity from 4 members and from as many as the row asks for."""
+    rng = np.random.default_rng(8)
+
+    def found(members, mean=2.0):
+        sides = [[Quantities({"c": (float(v), "m/s")}, {}) for v in rng.normal(mean, 0.4, members)] for _ in range(2)]
+        return compare(("one", "two"), *sides, 0.01)
+
+    few = found(4).find("c")
+    assert few["verdict"] == "not decided" and few["members_needed"] > 4
+    assert f"; {few['members_needed']} members would decide" in few["text"] and found(4).agrees
+    many = found(few["members_needed"] + 200).find("c")
+    assert many["verdict"] == "agree" and many["members_needed"] is None
+    nothing = found(4, mean=0.0).find("c")
+    assert nothing["verdict"] == "not decided" and nothing["members_needed"] is None
+    said = verdict_text({"disc_by_disc": [], "criteria": [], "statistics": {"quantities": [few, many]}})
+    assert "in 1 of 2 statistical quantities. 1 are not decided" in said
 
 
 def test_compare_finds_a_shift_in_one_bin_and_says_where():

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lammps_jump.engines.result import RunResult, interruption
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import FORCES_HEADER
+from lammps_jump.files import FORCES_HEADER, write_text
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import STOP_FILE
 from lammps_jump.script.probes import raw_forces
@@ -95,15 +95,15 @@ def gather_forces(scene: Scene, folder: Path) -> None:
         if not raw.exists():
             continue
         rows += [(time, order, line) for time, line in _force_rows(raw.read_text().splitlines()[2:])]
-        raw.unlink()
     path = folder / "forces.csv"
     if rows and path.exists():
         begin = min(time for time, *_ in rows)
         rows += [(time, -1, line) for time, line in _force_rows(path.read_text().splitlines()[1:]) if time < begin]
     if scene.probes and (rows or not path.exists()):
-        path.write_text(
-            "\n".join([FORCES_HEADER, *(line for *_, line in sorted(rows, key=lambda row: row[:2]))]) + "\n"
-        )
+        lines = [FORCES_HEADER, *(line for *_, line in sorted(rows, key=lambda row: row[:2]))]
+        write_text(path, "\n".join(lines) + "\n")
+    for name in scene.probes:
+        (folder / raw_forces(name)).unlink(missing_ok=True)
 
 
 def _force_rows(lines: list[str]) -> list[tuple[float, str]]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from lammps_jump.engines.choice import expected_discs
+from lammps_jump.quoting import shell_word
 from lammps_jump.scene.scene import Scene
 
 BYTES_PER_DISC = 3_000
@@ -21,7 +22,7 @@ def job_text(scene: Scene, ranks: int) -> str:
     megabytes = -(-(BASE_BYTES + BYTES_PER_DISC * discs // ranks) // 1_000_000)
     minutes = -(-int(1.5 * discs * scene.steps / (DISC_STEPS_PER_SECOND * ranks)) // 60) + 5
     return f"""#!/bin/bash
-#SBATCH --job-name={scene.name}
+#SBATCH --job-name={shell_word(scene.name)}
 #SBATCH --ntasks={ranks}
 #SBATCH --cpus-per-task=1
 #SBATCH --mem-per-cpu={megabytes}M

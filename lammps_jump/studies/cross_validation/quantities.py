@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import nan
+from math import ceil, nan
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.measure import observe
 from lammps_jump.studies.store import Results
 
-from .statistics import Difference, block_means, compare_curves, holm, welch
+from .statistics import DECIDES, Difference, block_means, compare_curves, holm, welch
 
 TIME_BLOCKS = 12
 """Series are compared by their means over this many equal parts of the run; neighbouring frames are correlated."""
@@ -176,9 +176,10 @@ class Comparison:
     ----------
     ensembles : (str, str)
     quantities : list of dict
-        A row for each number and curve: name, unit, kind ('scalar' or 'curve'), ``verdict`` ('agree', 'differ' or 'not
-        comparable') and its ``text``, ``p_adjusted`` (Holm over all rows), and a `Difference`: that of the number, or
-        of the curve at its worst point, which ``place`` names; its half width then holds for all ``points`` at once.
+        A row for each number and curve: name, unit, kind ('scalar' or 'curve'), ``verdict`` ('agree', 'differ', 'not
+        decided' or 'not comparable') and its ``text``, ``members_needed`` of each ensemble to decide, ``p_adjusted``
+        (Holm over all rows), and a `Difference`: that of the number, or of the curve at its worst point, which
+        ``place`` names; its half width then holds for all ``points``, and ``scale`` is the curve's largest mean.
     jump_verdicts : (dict, dict)
         Members of each ensemble by the verdict of the jump analysis.
     bands : dict of str to (Curve, Difference)
@@ -220,7 +221,20 @@ def _text(row: Results) -> str:
     size = relative_size(row) if gap or half else None
     share = f" ({100 * gap / size:+.2g} ± {100 * half / size:.2g} %)" if size else ""
     where = f" at {row['place']}" if row["place"] else ""
-    return f"{row['verdict']}: {gap:+.3g} ± {half:.2g}{share}{where}"
+    needed = f"; {row['members_needed']} members would decide" if row["members_needed"] else ""
+    return f"{row['verdict']}: {gap:+.3g} ± {half:.2g}{share}{where}{needed}"
+
+
+def decided(row: Results) -> tuple[bool, int | None]:
+    """Return whether the interval is narrow enough to call it agreement, and else the members that would make it so.
+
+    Its half width, which goes with the root of the members, must be at most `DECIDES` of the quantity. A number whose
+    mean lies within its scatter has no such share, and no number of members.
+    """
+    size = relative_size(row) or row["scale"]
+    if row["half_width"] <= DECIDES * (size or 0.0):
+        return True, None
+    return False, ceil(min(row["n_1"], row["n_2"]) * (row["half_width"] / (DECIDES * size)) ** 2) if size else None
 
 
 def compare(names: tuple[str, str], one: list[Quantities], two: list[Quantities], family_error: float) -> Comparison:
@@ -234,6 +248,7 @@ def compare(names: tuple[str, str], one: list[Quantities], two: list[Quantities]
         if any(np.any(side != 0.0) for side in values):  # else nothing happened in either: nothing to compare
             found = welch(*values)
             facts = {"name": name, "unit": one[0].scalars[name][1], "kind": "scalar", "place": None, "points": None}
+            facts["scale"] = None
             rows.append({**facts, "p_adjusted": found.p, **found._asdict()})
     for name, curve in one[0].curves.items():
         if not _common(name, "curves", one, two) or len({len(m.curves[name].values) for m in (*one, *two)}) > 1:
@@ -247,6 +262,8 @@ def compare(names: tuple[str, str], one: list[Quantities], two: list[Quantities]
     for row in rows:
         p = row["p_adjusted"] = adjusted[row["name"]]
         row["verdict"] = "not comparable" if p != p else ("differ" if p < family_error else "agree")
+        sure, row["members_needed"] = decided(row) if row["verdict"] == "agree" else (True, None)
+        row["verdict"] = row["verdict"] if sure else "not decided"
         row["text"] = _text(row)
     words = (dict(Counter(member.verdict for member in side if member.verdict)) for side in (one, two))
     return Comparison(names, rows, tuple(words), bands)
@@ -258,9 +275,11 @@ def _worst_point(name: str, curve: Curve, band: Difference, tables: list[np.ndar
     if not points:
         return []
     k = int(np.nanargmin(band.p))
-    found = welch(tables[0][:, k], tables[1][:, k], float(np.nanmax(np.abs(band.mean_1), initial=0.0)))
+    scale = float(np.nanmax(np.abs(band.mean_1), initial=0.0))
+    found = welch(tables[0][:, k], tables[1][:, k], scale)
     place = f"{curve.axis} = {curve.at[k]:.3g} {'m' if curve.axis == 'x' else 's'}, worst of {points}"
     facts = {"name": name, "unit": curve.unit, "kind": "curve", "place": place, "points": points}
+    facts["scale"] = scale
     p = min(1.0, band.p[k] * points)
     return [{**facts, "p_adjusted": p, **found._asdict(), "half_width": band.half_width[k]}]
 

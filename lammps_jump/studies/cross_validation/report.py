@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
@@ -14,7 +15,7 @@ from lammps_jump.studies.store import Results
 from .ensembles import Study
 from .figures import DIVERGENCE, LAW_FIGURES, SHOWN
 from .quantities import Comparison
-from .statistics import CONFIDENCE, FAMILY_ERROR
+from .statistics import CONFIDENCE, DECIDES, FAMILY_ERROR
 from .trajectories import CONTACT_STEPS, Divergence
 
 
@@ -99,7 +100,13 @@ def verdict_text(report: dict) -> str:
         "limits": [c["name"] for c in report["criteria"] if c["met"] is False],
     }
     if not any(found.values()):
-        return f"The engines agree: disc by disc while they can, and in all {len(quantities)} statistical quantities."
+        words = Counter(q["verdict"] for q in quantities)
+        open_ = words["not decided"] + words["not comparable"]
+        agreed = f"{len(quantities) - open_} of" if open_ else "all"
+        said = (
+            f"The engines agree: disc by disc while they can, and in {agreed} {len(quantities)} statistical quantities."
+        )
+        return f"{said} {open_} are not decided: these members cannot tell." if open_ else said
     return "The engines differ. " + "; ".join(f"{part}: {', '.join(of)}" for part, of in found.items() if of) + "."
 
 
@@ -140,7 +147,8 @@ def _statistics(report: dict, pictures: list[Picture]) -> Section:
         f"Starts differ by up to {report['jitter']:g} d (row speeds by that share); both engines get the same "
         "ones. Difference: second minus first, with its 95 % interval (Welch); for a curve at its worst point. "
         f"“Differ” means: significant at {100 * report['family_error']:g} % for all quantities together (Holm; "
-        "Bonferroni over the points of a curve)."
+        "Bonferroni over the points of a curve). “Not decided” means: no difference was found, but the interval is "
+        f"wider than ± {100 * DECIDES:g} %; the text says how many members of each ensemble would decide."
     )
     words = {True: "met", False: "NOT met", None: "for information"}
     rows = [

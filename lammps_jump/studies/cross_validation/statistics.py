@@ -17,6 +17,8 @@ FAMILY_ERROR = 0.01
 """Chance that any of all comparisons of a study is called different although none is (Holm over quantities)."""
 RESOLUTION = 1e-6
 """Differences below this share of a quantity's size are the rounding of files and formats, not of the engines."""
+DECIDES = 0.1
+"""Half width of an interval, as a share of the quantity, above which finding no difference decides nothing."""
 MOST_PERMUTATIONS = 20_000
 
 

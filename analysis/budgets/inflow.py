@@ -1,0 +1,313 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What rows of inflow were asked to carry, and what they delivered: discs are counted, by their ids."""
+
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import hypot, isfinite, nan, sqrt
+
+import numpy as np
+
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.report.page import Section, Table, Text
+from lammps_jump.analysis.statistics import Mean, mean_of
+from lammps_jump.dump.frame import Frame
+from lammps_jump.physics import jump as theory
+from lammps_jump.units import number, shown
+
+LARGEST_LOSS = 5e-3
+"""Relative difference of the discharge delivered and asked for that is not remarked on."""
+STATION = (1.0, 6.0)
+"""Stretch behind the inlet over which the stream is averaged, in depths of the inflow."""
+MOST_CELLS = 20_000_000
+"""Discs times turns between two frames above which refused turns are not told row by row."""
+
+
+@dataclass(frozen=True)
+class Arrivals:
+    """Discs that came in between one frame and the next, and the stream behind the inlet at each frame.
+
+    Attributes
+    ----------
+    time : ndarray, shape (frames,), s
+    turns, entered : ndarray of int, shape (frames, rows)
+        Turns of each row since the frame before, and discs that entered; -1 where the rows cannot be told.
+    discs : ndarray of int, shape (frames,)
+        Discs that entered since the frame before, all rows together.
+    area : ndarray, shape (frames, rows)
+        Sum of their squared diameters, m^2.
+    age : ndarray, shape (frames,)
+        Sum of their squared diameters times their time in the flow at the frame, m^2 s.
+    stream : ndarray, shape (frames, 3)
+        Mass depth (m), discharge (m^2/s) and momentum flux over density (m^3/s^2) behind the inlet.
+    """
+
+    time: np.ndarray
+    turns: np.ndarray
+    entered: np.ndarray
+    discs: np.ndarray
+    area: np.ndarray
+    age: np.ndarray
+    stream: np.ndarray
+
+
+class InflowCounter:
+    """Collects `Arrivals`, frame by frame.
+
+    Ids are given in turn. Where as many discs are new as there were turns, each disc's row is known. Where fewer are,
+    some turns were refused: discs and turns are matched in their order, so that the heights fit best.
+    """
+
+    def __init__(self, flow: Flow, contacts: object = None):
+        self.flow, self.rows = flow, flow.scene.inlets
+        self._highest, self._step = 0, 0
+        self._kept: list[tuple] = []
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+        highest, rows = int(frame.ids.max(initial=self._highest)), len(self.rows)
+        if not self._kept:  # what was there before the first frame is not counted
+            self._highest, self._step = highest, frame.step
+        steps, turns = self._turns(frame.step)
+        new = np.arange(self._highest + 1, highest + 1)
+        taken = self._taken(new, turns, frame)
+        known, counts = taken is not None, np.bincount(turns, minlength=rows)
+        area = self.flow.scene.diameters(new) ** 2
+        entered = np.bincount(turns[taken], minlength=rows) if known else np.full(rows, -1)
+        by_row = np.bincount(turns[taken], area, rows) if known else area.sum() * counts / max(1, counts.sum())
+        age = float(area @ (frame.step - steps[taken])) * self.flow.time_step if known else nan
+        self._kept.append((time, counts, entered, len(new), by_row, age, self._stream(frame)))
+        self._highest, self._step = highest, frame.step
+
+    def _turns(self, step: int) -> tuple[np.ndarray, np.ndarray]:
+        """Step and row of each turn after the frame before, in order; shape (turns,) each."""
+        steps, rows = [], []
+        for k, row in enumerate(self.rows):
+            first, last = (max(0, (s - row.first_step) // row.every_steps + 1) for s in (self._step, step))
+            if row.limit is not None:
+                last = min(last, row.limit)
+            steps.append(row.first_step + np.arange(first, last) * row.every_steps)
+            rows.append(np.full(len(steps[-1]), k))
+        order = np.argsort(np.concatenate(steps), kind="stable")
+        return np.concatenate(steps)[order], np.concatenate(rows)[order]
+
+    def _taken(self, new: np.ndarray, turns: np.ndarray, frame: Frame) -> np.ndarray | None:
+        """Turn at which each new disc entered, shape (discs,); None where that would be guessing."""
+        if len(new) == len(turns):
+            return np.arange(len(turns))
+        if len(new) > len(turns) or len(new) * len(turns) > MOST_CELLS:
+            return None
+        heights = np.full(len(new), nan)
+        here = np.flatnonzero(frame.ids >= self._highest + 1)
+        heights[frame.ids[here] - self._highest - 1] = frame.y[here]
+        return in_order(heights, np.array([row.y for row in self.rows])[turns])
+
+    def _stream(self, frame: Frame) -> np.ndarray:
+        """Depth, discharge and momentum flux behind the inlet, shape (3,).
+
+        Each disc counts with the weight 1 - cos(2 pi s) over the stretch, s from 0 to 1: equally spaced discs then give
+        their mean at every frame, where sharp ends would count one more or one less.
+        """
+        inlet, towards = self.rows[0].x, np.sign(self.rows[0].vx)
+        begin, end = (share * (self.flow.inflow_depth or nan) for share in STATION)
+        place = (towards * (frame.x - inlet) - begin) / (end - begin)
+        weight = np.where((place > 0) & (place < 1), 1.0 - np.cos(2 * np.pi * place), 0.0)
+        mass = self.flow.by_mass(weight, frame) * self.flow.scene.diameter**2 / (end - begin)
+        return np.array([mass.sum(), mass @ frame.vx, mass @ frame.vx**2])
+
+    def result(self) -> Arrivals:
+        """The history of all frames taken in."""
+        return Arrivals(*(np.array(column) for column in zip(*self._kept, strict=True)))
+
+
+def in_order(heights: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Places of `wanted` that fit `heights` best, in rising order.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (n,), m
+        NaN fits everywhere.
+    wanted : ndarray, shape (m,), m >= n
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+        With the least sum of absolute differences.
+    """
+    best, taken = np.zeros(len(wanted) + 1), []
+    for height in heights:
+        cost = best[:-1] + np.nan_to_num(np.abs(wanted - height))
+        best = np.minimum.accumulate(np.append(np.inf, cost))
+        taken.append(cost <= best[:-1])  # better than every place before it
+    places, end = [], len(wanted)
+    for better in reversed(taken):
+        end = int(np.flatnonzero(better[:end])[-1])
+        places.append(end)
+    return np.array(places[::-1], int)
+
+
+@dataclass(frozen=True)
+class RowDelivery:
+    """One row of the inflow."""
+
+    y: float = number("m", "height of the row")
+    speed: float = number("m/s", "speed of its discs")
+    interval: float = number("s", "time between turns")
+    asked: float = number("m^2/s", "discharge in whole steps")
+    delivered: float = number("m^2/s", "discharge delivered in the window", default=nan)
+    turns: int = number("", "turns in the whole record", default=0)
+    refused: int | None = number("", "turns refused: the place was occupied", default=None)
+
+
+@dataclass(frozen=True)
+class Delivery:
+    """Inflow as asked for and as delivered; means are over the window, counts over the whole record."""
+
+    asked: float = number("m^2/s", "discharge asked for, Va y₁", label="asked")
+    planned: float = number("m^2/s", "discharge of the rows, in whole steps")
+    delivered: float = number("m^2/s", "discharge delivered, discs counted", default=nan, label="delivered")
+    deviation: float = number("", "delivered over asked, less one", default=nan)
+    turns: int = number("", "turns of all rows", default=0)
+    refused: int = number("", "turns refused: the place was occupied", default=0, label="refused discs")
+    depth_asked: float = number("m", "mass depth asked for", default=nan)
+    speed_asked: float = number("m/s", "mean speed asked for", default=nan)
+    momentum_planned: float = number("m^3/s^2", "momentum flux of the rows over density", default=nan)
+    depth: float = number("m", "mass depth behind the inlet", default=nan)
+    depth_error: float = number("m", "standard error of the mass depth, within this run", default=nan)
+    speed: float = number("m/s", "mean speed behind the inlet", default=nan)
+    speed_error: float = number("m/s", "standard error of the mean speed, within this run", default=nan)
+    momentum: float = number("m^3/s^2", "momentum flux behind the inlet over density", default=nan)
+    momentum_error: float = number("m^3/s^2", "standard error of that flux, within this run", default=nan)
+    froude: float = number("", "Froude number of the delivered stream", default=nan, label="Froude")
+    froude_error: float = number("", "standard error of that number, within this run", default=nan)
+    belanger_y2: float = number("m", "sequent depth of the delivered stream, Bélanger", default=nan, label="Bélanger")
+    belanger_y2_error: float = number("m", "standard error of that depth, within this run", default=nan)
+    station: tuple[float, float] = (nan, nan)
+    rows: tuple[RowDelivery, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def analyse(gathered: Gathered) -> Delivery | None:
+    """Inflow of a run; None without rows."""
+    arrivals = gathered.histories.get("inflow")
+    if not isinstance(arrivals, Arrivals):
+        return None
+    profiles = gathered.profiles
+    return deliver(arrivals, gathered.flow, (profiles.attrs["window_begin"], profiles.attrs["window_end"]))
+
+
+def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Delivery:
+    """Numbers of the inflow from what came in; means over a window, s.
+
+    The discharge of a row is the area of its discs over the time of its turns: whole turns, so that no disc is cut off
+    at the ends of the window.
+    """
+    scene, rows = flow.scene, flow.scene.inlets
+    inside = (arrivals.time >= window[0] - 1e-9) & (arrivals.time <= window[1] + 1e-9)
+    later = inside & (np.cumsum(inside) > 1)  # what came before the window's first frame belongs to the time before
+    intervals = np.array([row.every_steps * scene.time_step for row in rows])
+    speeds = np.array([row.vx for row in rows])
+    planned = scene.mean_mass / scene.density / intervals
+    with np.errstate(invalid="ignore", divide="ignore"):
+        delivered = arrivals.area[later].sum(axis=0) / (arrivals.turns[later].sum(axis=0) * intervals)
+    turns, discs = arrivals.turns.sum(axis=0), int(arrivals.discs.sum())
+    told = not (arrivals.entered < 0).any()
+    refused = turns - arrivals.entered.sum(axis=0)
+    depth, discharge, momentum = (mean_of(series) for series in arrivals.stream[inside].T)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        speed = mean_of(arrivals.stream[inside, 1] / arrivals.stream[inside, 0])
+    y1, va = flow.inflow_depth or nan, flow.inflow_speed or nan
+    asked, total, across = y1 * abs(va), float(delivered.sum()), -scene.gravity[1]
+    u = discharge.value / depth.value if depth.value > 0 else nan
+    froude = abs(u) / sqrt(across * depth.value) if across > 0 and depth.value > 0 else nan
+    found = [
+        RowDelivery(row.y, row.vx, float(t), float(q), float(got), int(n), int(no) if told else None)
+        for row, t, q, got, n, no in zip(rows, intervals, planned, delivered, turns, refused, strict=True)
+    ]
+    ends = sorted(rows[0].x + np.sign(rows[0].vx) * share * y1 for share in STATION)
+    return Delivery(
+        asked=asked,
+        planned=float(planned.sum()),
+        delivered=total,
+        deviation=total / asked - 1.0,
+        turns=int(turns.sum()),
+        refused=int(turns.sum()) - discs,
+        depth_asked=y1,
+        speed_asked=va,
+        momentum_planned=float(planned @ np.abs(speeds)),
+        depth=depth.value,
+        depth_error=depth.error,
+        speed=u,
+        speed_error=speed.error,
+        momentum=momentum.value,
+        momentum_error=momentum.error,
+        **_sequent(froude, depth, Mean(u, speed.error)),
+        station=(float(ends[0]), float(ends[1])),
+        rows=tuple(found),
+        notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum())),
+    )
+
+
+def _sequent(froude: float, depth: Mean, speed: Mean) -> dict[str, float]:
+    """Froude number and Bélanger's depth with the errors that depth and speed, taken as independent, hand on."""
+    if not froude > 0:
+        return {}
+    a, b = speed.error / abs(speed.value), depth.error / depth.value
+    root = sqrt(1.0 + 8.0 * froude**2)
+    slope = 4.0 * froude**2 / root  # d(y2/y1) / d(ln Fr)
+    ratio = theory.belanger(froude)
+    return {
+        "froude": froude,
+        "froude_error": froude * hypot(a, 0.5 * b),
+        "belanger_y2": depth.value * ratio,
+        "belanger_y2_error": depth.value * hypot(slope * a, (ratio - 0.5 * slope) * b),
+    }
+
+
+def _notes(delivered: float, asked: float, refused: int, turns: int) -> tuple[str, ...]:
+    if not isfinite(delivered) or abs(delivered / asked - 1.0) <= LARGEST_LOSS:
+        return ()
+    cause = "no turn was refused: the rows carry no more in whole steps"
+    if refused:
+        cause = (
+            f"{refused} of {turns} turns were refused, because the place at the inlet was occupied: the rows stand too "
+            "close (inflow.spacing, schedule: thesis), or the flow backs up to the inlet"
+        )
+    return (
+        f"the inflow delivered {delivered:.4g} m2/s of the {asked:.4g} m2/s asked for "
+        f"({100 * (delivered / asked - 1):+.1f} %); {cause}",
+    )
+
+
+def section(found: Mapping) -> Section:
+    """Discharge asked for and delivered, row by row; the stream behind the inlet. `found` as in ``summary.json``."""
+    verdict = (
+        f"{shown(found['delivered'])} of {found['asked']:.4g} m²/s delivered; {found['refused']} of "
+        f"{found['turns']} discs refused."
+    )
+    stream = [
+        ("Discharge [m²/s]", found["asked"], found["delivered"], None),
+        ("Mass depth [m]", found["depth_asked"], found["depth"], found["depth_error"]),
+        ("Mean speed [m/s]", found["speed_asked"], found["speed"], found["speed_error"]),
+        ("Momentum flux over ρ [m³/s²]", found["momentum_planned"], found["momentum"], found["momentum_error"]),
+        ("Froude number", None, found["froude"], found["froude_error"]),
+        ("Bélanger depth of the delivered stream [m]", None, found["belanger_y2"], found["belanger_y2_error"]),
+    ]
+    keys = ("y", "speed", "interval", "asked", "delivered", "turns", "refused")
+    heads = ("Row at y [m]", "speed [m/s]", "every [s]", "asked [m²/s]", "delivered [m²/s]", "turns", "refused")
+    low, high = found["station"]
+    return Section(
+        "Inflow",
+        [
+            Text(verdict, "warn" if found["notes"] else "verdict", "Discharge"),
+            Table(stream, ("", "asked for", "delivered", "± within this run")),
+            Text(
+                "The discharge is the area of the discs that entered, over whole turns of their rows. Depth, speed and "
+                f"momentum are means over the window between x = {low:.3g} and {high:.3g} m."
+            ),
+            Table([[row[key] for key in keys] for row in found["rows"]], heads),
+        ],
+    )

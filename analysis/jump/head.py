@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Energy budget of a jump between two stations that move with its front, from frames.
+
+What comes in less what goes out (carried by discs, and handed on by contacts) less what is stored in between is what
+the dashpots take (docs/theory.md).
+"""
+
+# ruff: noqa: RUF001  (minus signs are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import nan
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from numba import njit
+
+from lammps_jump.analysis.contacts import touching_pairs, wall_contacts
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.analysis.statistics import mean_of
+from lammps_jump.dump.frame import Frame
+from lammps_jump.physics.law import normal_force, stored_energy, watching_law
+from lammps_jump.units import number, shown
+
+from .frame import growth_rate, move_along
+
+if TYPE_CHECKING:
+    from .result import JumpResult
+
+ROUNDS = 4
+"""Rounds in which the velocity of the half step is rebuilt: dashpots then equal the engine's ledger within 1e-4."""
+FIELDS = ("mass", "discharge", "momentum", "energy", "flux", "power", "thrust", "elastic", "elastic_flux", "dashpots")
+"""Sums over the discs and contacts of a bin, over its width and the density."""
+ODD = ("discharge", "flux", "power", "elastic_flux")
+"""Those that change their sign with the direction of x."""
+
+
+class EnergyFluxes:
+    """Collects the `FIELDS` of each frame, shape (frames, fields, bins), laboratory frame.
+
+    ``energy`` is kinetic and gravitational energy, ``flux`` is carried by discs, ``power`` is the power of contact
+    forces through vertical planes, F·(v_i + v_j)/2, ``dashpots`` what dashpots dissipate.
+    """
+
+    def __init__(self, flow: Flow, contacts: object = None):
+        self.flow, self.edges = flow, bin_edges(flow.x_range, flow.bin_width)
+        c = flow.scene.coefficients
+        self.known = flow.knows_contacts and not c.friction and flow.time_step > 0 and -flow.scene.gravity[1] > 0
+        # LAMMPS' dashpots act with the velocity of the half step, the thesis' with that of the step
+        self.rounds = ROUNDS if flow.scene.integrator == "velocity_verlet" else 0
+        self._kept: list[np.ndarray] = []
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+        if not self.known:
+            return
+        flow, low, width = self.flow, float(self.edges[0]), float(self.edges[1] - self.edges[0])
+        c, bins = flow.scene.coefficients, len(self.edges) - 1
+        x, y, u, v = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y, frame.vx, frame.vy))
+        mass = flow.scene.mass * flow.relative_masses(frame)
+        fields = np.zeros((len(FIELDS), bins))
+        place = np.floor((x - low) / width).astype(int)
+        inside = (place >= 0) & (place < bins)
+        height = y - np.nan_to_num(flow.bed_height(x))
+        energy = 0.5 * (u * u + v * v) - flow.scene.gravity[1] * height
+        for row, amount in enumerate((np.ones_like(u), u, u * u, energy, energy * u)):
+            fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)
+        faces = [face for wall in flow.walls_at(time) for face in wall_contacts(frame, wall, flow, damping=False)]
+        index = np.concatenate([face.index for face in faces]) if faces else np.zeros(0, np.int64)
+        columns = [(face.overlap, face.nx, face.ny) for face in faces]
+        overlap, nx, ny = (np.concatenate(part) for part in zip(*columns, strict=True)) if faces else np.zeros((3, 0))
+        rubber = flow.dashpots[1] * np.sqrt(flow.relative_masses(frame)[index])
+        pairs = touching_pairs(frame, flow)
+        law = c.stiffness, c.stiffness_wall, flow.touch_width
+        walls = (index, overlap, nx, ny, rubber)
+        half = 0.5 * flow.time_step / mass
+        _contact_fields(
+            x, y, u, v, half, flow.scene.gravity[1] * mass, *pairs, *walls, *law, self.rounds, low, width, fields
+        )
+        self._kept.append(fields / (width * flow.scene.density))
+
+    def result(self) -> np.ndarray | None:
+        """The fields of all frames; None where contacts are not known, or rub, which is not counted."""
+        return np.array(self._kept) if self.known else None
+
+
+def _contact_fields_py(
+    x, y, u, v, half, weight, first, second, apart, dashpot, index, overlap, nx, ny, rubber, stiffness, wall_stiffness,
+    touch, rounds, low, width, fields,
+):  # fmt: skip
+    """Add power, thrust, elastic energy, its flux and dissipation of the contacts to rows 5 to 9 of `fields`.
+
+    A pair counts half at either disc; its force acts through the planes between the centres.
+    """
+    bins = fields.shape[1]
+    hu, hv = u.copy(), v.copy()
+    for _ in range(rounds):
+        fx, fy = np.zeros_like(u), weight.copy()
+        for p in range(first.size):
+            i, j = first[p], second[p]
+            dx, dy = x[j] - x[i], y[j] - y[i]
+            apart_now = np.sqrt(dx * dx + dy * dy)
+            ex, ey = dx / apart_now, dy / apart_now
+            opening = (hu[j] - hu[i]) * ex + (hv[j] - hv[i]) * ey
+            force = normal_force(apart[p] - apart_now, opening, stiffness, dashpot[p], touch)[0]
+            fx[j] += force * ex
+            fy[j] += force * ey
+            fx[i] -= force * ex
+            fy[i] -= force * ey
+        for q in range(index.size):
+            i = index[q]
+            opening = hu[i] * nx[q] + hv[i] * ny[q]
+            force = normal_force(overlap[q], opening, wall_stiffness, rubber[q], touch)[0]
+            fx[i] += force * nx[q]
+            fy[i] += force * ny[q]
+        for i in range(u.size):
+            hu[i] = u[i] - half[i] * fx[i]
+            hv[i] = v[i] - half[i] * fy[i]
+    for p in range(first.size):
+        i, j = first[p], second[p]
+        dx, dy = x[j] - x[i], y[j] - y[i]
+        apart_now = np.sqrt(dx * dx + dy * dy)
+        ex, ey = dx / apart_now, dy / apart_now
+        depth = apart[p] - apart_now
+        before = (hu[j] - hu[i]) * ex + (hv[j] - hv[i]) * ey
+        force, dash = normal_force(depth, before, stiffness, dashpot[p], touch)
+        opening = (u[j] - u[i]) * ex + (v[j] - v[i]) * ey
+        energy = stiffness * stored_energy(depth, touch)
+        mu, mv = 0.5 * (u[i] + u[j]), 0.5 * (v[i] + v[j])
+        for disc in (i, j):
+            b = int(np.floor((x[disc] - low) / width))
+            if 0 <= b < bins:
+                fields[7, b] += 0.5 * energy
+                fields[8, b] += 0.5 * energy * u[disc]
+                fields[9, b] -= 0.5 * dash * opening
+        # what the discs left of a plane do to those right of it
+        push = force * abs(dx) / apart_now
+        power = force * (ex * mu + ey * mv) * (1.0 if dx > 0 else -1.0)
+        left, right = min(x[i], x[j]), max(x[i], x[j])
+        b = max(int(np.floor((left - low) / width)), 0)
+        while b < bins and low + b * width < right:
+            inside = min(right, low + (b + 1) * width) - max(left, low + b * width)
+            if inside > 0.0:
+                fields[5, b] += power * inside
+                fields[6, b] += push * inside
+            b += 1
+    for q in range(index.size):
+        i = index[q]
+        b = int(np.floor((x[i] - low) / width))
+        if 0 <= b < bins:
+            before, opening = hu[i] * nx[q] + hv[i] * ny[q], u[i] * nx[q] + v[i] * ny[q]
+            dash = normal_force(overlap[q], before, wall_stiffness, rubber[q], touch)[1]
+            energy = wall_stiffness * stored_energy(overlap[q], touch)
+            fields[7, b] += energy
+            fields[8, b] += energy * u[i]
+            fields[9, b] -= dash * opening
+
+
+_contact_fields = watching_law(njit(cache=True)(_contact_fields_py))
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Energy between two stations that move with the front, as heads: powers over ρ g and the discharge through it."""
+
+    start: float = number("m", "station upstream, from the toe", default=nan)
+    stop: float = number("m", "station downstream, from the toe", default=nan)
+    discharge: float = number("m^2/s", "discharge through the station upstream, front's frame", default=nan)
+    carried: float = number("m", "head that discs carry in, less out", default=nan)
+    contacts: float = number("m", "head that contacts hand on, in less out", default=nan)
+    inflow: float = number("m", "both: in less out", default=nan)
+    inflow_error: float = number("m", "standard error of in less out, within this run", default=nan)
+    storage: float = number("m", "head stored between the stations", default=nan)
+    dashpots: float = number("m", "head that dashpots take", default=nan)
+    dashpots_error: float = number("m", "standard error of what dashpots take, within this run", default=nan)
+    lost: float = number("m", "head lost between the stations: in less out, less stored", default=nan)
+    residual: float = number("m", "that less what dashpots take", default=nan)
+    residual_error: float = number("m", "standard error of the difference, within this run", default=nan)
+    frames: int = 0
+
+
+def energy_budget(fields: np.ndarray | None, result: JumpResult, edges: np.ndarray) -> Budget | None:
+    """Budget between the middles of the stretches where the states of a jump were measured.
+
+    Parameters
+    ----------
+    fields : ndarray, shape (frames, fields, bins)
+        Of `EnergyFluxes`; None where they are not known.
+    result : JumpResult
+    edges : ndarray, shape (bins + 1,), m
+    """
+    if fields is None or result.upstream is None or result.downstream is None or result.flow.scene.gravity[0]:
+        return None
+    middles = float(np.mean(result.upstream.zone)), float(np.mean(result.downstream.zone))
+    return budget_between(fields, result, edges, middles)
+
+
+def budget_between(
+    fields: np.ndarray, result: JumpResult, edges: np.ndarray, stations: tuple[float, float]
+) -> Budget | None:
+    """Budget between two stations, m from the front; other parameters as of `energy_budget`."""
+    track, c, sign = result.track, result.motion.speed, result.direction
+    used = track.found & result.in_window
+    signs = np.array([sign if name in ODD else 1 for name in FIELDS])
+    stream = (signs[:, None] * fields[used])[:, :, ::sign]
+    x = sign * 0.5 * (edges[1:] + edges[:-1])[::sign]
+    time = track.time[used]
+    fronts = result.motion.start + c * time
+    data = {name: (("time", "x"), stream[:, k]) for k, name in enumerate(FIELDS)}
+    moving = move_along(xr.Dataset(data, {"time": time, "x": x}), fronts, np.full(len(time), np.inf))
+    a = {name: moving[name] for name in FIELDS}
+    energy = a["energy"] - c * a["discharge"] + 0.5 * c * c * a["mass"]
+    carried = a["flux"] - c * a["momentum"] + 0.5 * c * c * a["discharge"] - c * energy
+    carried = carried + a["elastic_flux"] - c * a["elastic"]
+    power = a["power"] - c * a["thrust"]
+    through = a["discharge"] - c * a["mass"]
+    scale = -result.flow.scene.gravity[1] * float(np.nanmean(through.interp(xi=stations[0])))
+    discs, contacts = (
+        (field.interp(xi=stations[0]) - field.interp(xi=stations[1])).values / scale for field in (carried, power)
+    )
+    loss = _between(a["dashpots"], stations) / scale
+    net, taken = mean_of(discs + contacts), mean_of(loss)
+    storage = growth_rate(time, _between(energy + a["elastic"], stations) / scale)
+    if not np.isfinite([net.value, taken.value]).all():
+        return None
+    return Budget(
+        start=stations[0] - result.toe,
+        stop=stations[1] - result.toe,
+        discharge=scale / -result.flow.scene.gravity[1],
+        carried=float(np.nanmean(discs)),
+        contacts=float(np.nanmean(contacts)),
+        inflow=net.value,
+        inflow_error=net.error,
+        storage=storage,
+        dashpots=taken.value,
+        dashpots_error=taken.error,
+        lost=net.value - storage,
+        residual=net.value - storage - taken.value,
+        residual_error=mean_of(discs + contacts - loss).error,
+        frames=int(np.isfinite(discs).sum()),
+    )
+
+
+def _between(field: xr.DataArray, stations: tuple[float, float]) -> np.ndarray:
+    """Integral of a field between two stations, frame by frame, shape (frames,); NaN where not covered."""
+    xi = field.xi.values
+    half = 0.5 * (xi[1] - xi[0])
+    share = np.clip(np.minimum(xi + half, stations[1]) - np.maximum(xi - half, stations[0]), 0.0, None)
+    return (field.values[:, share > 0] * share[share > 0]).sum(axis=1)
+
+
+def sentence(found: Mapping) -> str:
+    """Budget in words; `found` as in ``summary.json``."""
+    if not found:
+        return ""
+    numbers = {key: f"{found[key]:.2f}" for key in ("carried", "contacts", "storage")}
+    lost, taken, rest = (
+        shown(found[key], "m", found[f"{error}_error"])
+        for key, error in (("lost", "inflow"), ("dashpots", "dashpots"), ("residual", "residual"))
+    )
+    return (
+        f"Energy between stations {found['start']:+.1f} m and {found['stop']:+.1f} m from the toe, which move with the "
+        f"front, as heads over the discharge of {found['discharge']:.2f} m²/s through them: discs carry in "
+        f"{numbers['carried']} m more than out, contacts hand on {numbers['contacts']} m, {numbers['storage']} m is "
+        f"stored. Lost: {lost}. The dashpots take {taken}; the difference is {rest} (± within this run, "
+        f"{found['frames']} frames)."
+    ).replace("-", "−")

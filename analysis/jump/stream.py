@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The stream before the jump, in the laboratory: its state along x, what it conserves, and how far it is compressed.
+
+Discs touch before they reach the jump: their contacts carry thrust upstream, and the stream slows down and thickens.
+Momentum flux plus thrust stays the same along a level floor without friction. The thrust is the whole contact force
+through a plane, so hydrostatic pressure is in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite, nan
+
+import numpy as np
+import xarray as xr
+
+from lammps_jump.analysis.statistics import mean_of
+from lammps_jump.physics import jump as theory
+from lammps_jump.units import number
+
+from .track import JumpTrack
+
+STRETCH = 5.0
+"""Length of the stretches of the table, in depths of the stream; a quarter of a stream shorter than four of them."""
+COMPRESSED = 0.04
+"""Thrust above hydrostatic pressure from which the stream counts as compressed, as a share of the momentum flux."""
+LEAST_COMPRESSED = 3.0
+"""Least length of a compressed stretch at that level, in depths: shorter ones are chance contacts."""
+NEAR_INLET = 15.0
+"""A compression front this many depths behind the inlet has reached it: it stops there, as measured."""
+
+
+@dataclass(frozen=True)
+class Stream:
+    """The stream from the inlet to the toe, means over the window; arrays have one value a stretch, NaN not known.
+
+    Attributes
+    ----------
+    start, stop : ndarray, m
+        Ends of the stretches along x.
+    mass_depth, velocity, discharge : ndarray
+        m, m/s, m^2/s.
+    momentum_flux, thrust, total, total_error : ndarray
+        Momentum flux and contact force over the density, their sum and its standard error, m^3/s^2.
+    froude, belanger_y2, deviation : ndarray
+        In the frame of the front: Froude number, sequent depth by Bélanger (m), and how far the depth behind the jump
+        lies off it, a share.
+    """
+
+    start: np.ndarray
+    stop: np.ndarray
+    mass_depth: np.ndarray
+    velocity: np.ndarray
+    discharge: np.ndarray
+    momentum_flux: np.ndarray
+    thrust: np.ndarray
+    total: np.ndarray
+    total_error: np.ndarray
+    froude: np.ndarray
+    belanger_y2: np.ndarray
+    deviation: np.ndarray
+    total_deviation: float = number("", "largest deviation of momentum flux + thrust from its mean", default=nan)
+    compression: float = number("m", "front of the compression before the toe", default=nan)
+    undisturbed: float = number("m", "stretch from the inlet to the front of the compression", default=nan)
+    at_inlet: bool = False
+
+    def turned(self, direction: int) -> Stream:
+        """The same along x, for a stream towards `direction` = +1 or -1."""
+        along = ("start", "stop", "velocity", "discharge", "compression")
+        return replace(self, **{name: direction * getattr(self, name) for name in along})
+
+
+def compression_front(stream: xr.Dataset, track: JumpTrack, gravity: float) -> np.ndarray:
+    """Where the compressed stretch before the toe begins in each frame, m; NaN where there is none; shape (frames,).
+
+    It is the place from which the thrust up to the toe, less g s^2/2 and less `COMPRESSED` of the momentum flux, adds
+    up to most: where a cumulative sum turns. Gaps do not end the stretch. Before a jump is found it goes to the end of
+    the reach.
+    """
+    x, depth, flux = (stream[name].values for name in ("x", "mass_depth", "momentum_flux"))
+    width = x[1] - x[0]
+    excess = stream["thrust"].values - 0.5 * gravity * depth**2 - COMPRESSED * flux
+    ends = np.where(np.isfinite(track.toe), track.toe, track.reach_end) - width
+    places = np.full(len(ends), nan)
+    for k, end in enumerate(ends):
+        before = np.flatnonzero(x + 0.5 * width <= end)
+        if len(before) >= 4:
+            sums = width * np.cumsum(excess[k, before][::-1])[::-1]
+            first = int(np.argmax(sums))
+            least = LEAST_COMPRESSED * COMPRESSED * np.median(flux[k, before]) * np.median(depth[k, before])
+            if sums[first] > least > 0:
+                places[k] = x[first] - 0.5 * width
+    return places
+
+
+def measure_stream(
+    stream: xr.Dataset, track: JumpTrack, used: np.ndarray, speed: float, depth: float, gravity: float
+) -> Stream | None:
+    """State of the stream by stretches, from a depth behind the inlet to the place the toe reaches in the window.
+
+    Parameters
+    ----------
+    stream : xarray.Dataset
+        Of the reach, along the stream; ``thrust`` where contacts are known.
+    track : JumpTrack
+    used : ndarray of bool, shape (frames,)
+    speed : float
+        Of the front along the stream, m/s.
+    depth : float
+        Behind the jump, m.
+    gravity : float
+        m/s^2 across the bed.
+
+    Returns
+    -------
+    Stream or None
+        None where there is no room for a stretch.
+    """
+    x = stream.x.values
+    width = x[1] - x[0]
+    window = stream.isel(time=used)
+    before = np.flatnonzero(x + 0.5 * width <= np.quantile(track.toe[used], 0.05) - width)
+    typical = float(np.median(window["mass_depth"].values[:, before])) if before.size else nan
+    before = before[x[before] - 0.5 * width >= x[0] - 0.5 * width + typical - 1e-9] if before.size else before
+    bins = max(1, min(round(STRETCH * typical / width), len(before) // 4)) if isfinite(typical) else 1
+    groups = [before[i : i + bins] for i in range(0, len(before) - bins + 1, bins)]
+    if not groups:
+        return None
+    s, q, m = (_stretches(window, name, groups) for name in ("mass_depth", "discharge", "momentum_flux"))
+    push = _stretches(window, "thrust", groups) if "thrust" in window else np.full_like(s, nan)
+    total = [mean_of(values) for values in (m + push).T]
+    mean_depth, mean_discharge = s.mean(axis=0), q.mean(axis=0)
+    velocity = mean_discharge / mean_depth
+    froude = (velocity - speed) / np.sqrt(gravity * mean_depth)
+    sequent = mean_depth * np.array([theory.belanger(value) for value in froude])
+    levels = np.array([value.value for value in total])
+    place = median_place(track.compression[used]) if track.compression is not None else nan
+    clear = place - (x[0] - 0.5 * width)
+    return Stream(
+        start=np.array([x[group[0]] - 0.5 * width for group in groups]),
+        stop=np.array([x[group[-1]] + 0.5 * width for group in groups]),
+        mass_depth=mean_depth,
+        velocity=velocity,
+        discharge=mean_discharge,
+        momentum_flux=m.mean(axis=0),
+        thrust=push.mean(axis=0),
+        total=levels,
+        total_error=np.array([value.error for value in total]),
+        froude=froude,
+        belanger_y2=sequent,
+        deviation=depth / sequent - 1.0,
+        total_deviation=float(np.abs(levels / levels.mean() - 1.0).max()),
+        compression=place,
+        undisturbed=clear,
+        at_inlet=bool(clear < NEAR_INLET * mean_depth[0]),
+    )
+
+
+def _stretches(window: xr.Dataset, name: str, groups: list[np.ndarray]) -> np.ndarray:
+    """Means over the bins of each stretch, frame by frame, shape (frames, stretches)."""
+    values = window[name].values
+    return np.array([values[:, group].mean(axis=1) for group in groups]).T
+
+
+def median_place(places: np.ndarray) -> float:
+    """Median place; NaN where fewer than half of the frames have one."""
+    known = places[np.isfinite(places)]
+    return float(np.median(known)) if known.size and known.size >= 0.5 * len(places) else nan
+
+
+def running_median(places: np.ndarray, frames: int = 9) -> np.ndarray:
+    """Median place over that many frames around each, shape (frames,): the compression front as a line."""
+    half = frames // 2
+    return np.array([median_place(places[max(0, k - half) : k + half + 1]) for k in range(len(places))])

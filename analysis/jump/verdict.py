@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The verdict on a jump in words: one sentence for the top of the page, and notes on the state before the jump."""
+
+# ruff: noqa: RUF001  (minus signs are meant for readers)
+from __future__ import annotations
+
+from dataclasses import replace
+from math import isfinite
+
+from lammps_jump.units import shown
+
+from .summary import Jump
+
+A_JUMP = ("jump", "marginal jump", "jump not developed")
+"""Verdicts on flows that have a jump, at least now and then."""
+
+
+def worded(jump: Jump) -> Jump:
+    """The jump with its headline, its notes, and a reason that names the state of Bélanger's number."""
+    if jump.verdict in A_JUMP:
+        jump = replace(jump, reason=f"{jump.reason} {belongs_to(jump)}", notes=notes(jump))
+    return replace(jump, headline=headline(jump))
+
+
+def headline(jump: Jump) -> str:
+    """What happened, what to compare with what, and how sure that is."""
+    if jump.verdict not in A_JUMP:
+        return f"No hydraulic jump to compare with Bélanger: {jump.verdict}. {_sentence(jump.reason)}"
+    name = {"jump": "Hydraulic jump", "marginal jump": "Now and then a jump"}.get(jump.verdict, "Jump not developed")
+    speed, at = shown(jump.speed, "m/s", jump.speed_error), f"{jump.frames_found} of {jump.frames_in_window} frames"
+    return f"{name}: found in {at}, front at {speed}. {compared(jump)} {_how_sure(jump)}".replace("-", "−")
+
+
+def compared(jump: Jump) -> str:
+    """The depth behind the jump against Bélanger's of a named state."""
+    tail = jump.tail
+    level = tail is not None and isfinite(tail.depth)
+    place, depth, error = ("tail water", tail.depth, tail.depth_error) if level else ("depth", jump.y2, jump.y2_error)
+    behind = f"Compare the {place} behind it, {shown(depth, 'm', error)},"
+    if tail is None or not isfinite(tail.belanger_y2):
+        state, sequent = "stream just before the toe", jump.belanger_y2
+    else:
+        state, sequent = "inflow", tail.belanger_y2
+    return (
+        f"{behind} with {shown(sequent, 'm')} by Bélanger for the {state} in the front's frame: "
+        f"{100 * (depth / sequent - 1):+.1f} %."
+    )
+
+
+def _how_sure(jump: Jump) -> str:
+    if not isfinite(jump.speed_error):
+        return "Too few frames for errors."
+    starts = jump.members
+    return (
+        f"± is within this run; y2 to 3 % takes at least {starts.y2} run(s), the speed {starts.speed}, "
+        f"the Froude number {starts.froude}."
+    )
+
+
+def belongs_to(jump: Jump) -> str:
+    """The state that the numbers of index 1, and with them Bélanger's, belong to."""
+    near, far = -jump.measured.upstream.zone[1], -jump.measured.upstream.zone[0]
+    text = (
+        f"Bélanger's ratio {jump.belanger_ratio:.2f} belongs to the stream {near:.1f} to {far:.1f} m before the front "
+        f"(s₁ = {jump.y1:.2f} m, Fr = {jump.froude:.2f})"
+    )
+    stream = jump.stream
+    if stream is None or not isfinite(stream.compression):
+        return f"{text}."
+    return (
+        f"{text}. Contacts compress that stream from x = {stream.compression:.0f} m on. The first stretch behind the "
+        f"inlet has Fr = {stream.froude[0]:.2f}: y₂ lies {100 * stream.deviation[0]:+.1f} % off its Bélanger depth "
+        f"and {100 * jump.belanger_deviation:+.1f} % off that of the compressed stream."
+    )
+
+
+def notes(jump: Jump) -> tuple[str, ...]:
+    """Warnings: the compression before the jump has reached the inlet."""
+    stream = jump.stream
+    if stream is None or not stream.at_inlet:
+        return ()
+    return (
+        f"the compression front before the jump stands {stream.undisturbed:.1f} m behind the inlet: the stream before "
+        "the jump is no longer the inflow. Compare with Bélanger's depth of the inflow, lengthen the channel or take "
+        "an earlier window.",
+    )
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the numbers of a report mean, by the key of their quantity; docs/analysis.md has all of them."""
+
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
+
+DEFINITIONS = {
+    "inflow": """\
+asked       Va y₁; in whole steps: what the rows carry where no disc is refused
+delivered   area of the discs that entered in the window over the time of their turns; discs are counted by their ids
+refused     turns of the whole record at which the place of the disc was occupied
+depth, speed, momentum   means of the window from one to six depths behind the inlet, weight 1 − cos 2πs
+Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the laboratory
+± e         standard error within this run; counted discs have none
+""",
+    "jump": """\
+front       where a sharp step between the mean depths would hold the same mass; c is its velocity
+toe, end    where the mean profile in the front's frame has made 5 % and 95 % of its rise
+s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
+1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
+Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
+head        s + (u − c)²/2g; loss of head: the energy between two stations that move with the front, carried by
+            discs and handed on by contacts, in less out less stored;  momentum function: ρ (s (u − c)² + g s²/2)
+β           ∑ m (u − c)² over the same with the mean velocity
+thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
+packing     area of the discs over that below the surface;  bulk density: ρ s/h
+± e         standard error within this run, from eight pieces of the window
+tail water  from 1.2 y₂ behind the front to 0.75 y₂ before the sill
+""",
+    "front": """\
+bulk front    right edge of the last disc in x before the first gap of two diameters between neighbours' centres
+99 % front    right edge that 99 % of the discs do not pass
+column        top of the discs within one diameter of the back wall, up to the first vertical gap of two diameters
+speed         straight line through the bulk front, from a tenth of the free path to the first obstacle
+Ritter        front of water in an endless reservoir, a + 2 √(g H) t, until its wave meets the back wall
+T, Z, n²      n t √(g/a), front/a, H/a of the column of base a and height H at the start
+errors        none: one run cannot tell; repeat it from other starts
+""",
+    "force": """\
+peak          largest mean over 0.05 s after t = 0, of the component with the larger impulse; per metre of width
+± e           standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
+impulse       ∫ F dt after t = 0
+moment        about the foot of upright faces at the bed, anticlockwise positive
+ρgh²/2        largest hydrostatic force for the mass depth in front;  with ρhu²: the oncoming momentum beside it
+""",
+    "energy": """\
+kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width
+deviation     largest |E − E₀|/|E₀|, exact for this run; it judges the engine only where nothing dissipates
+""",
+}

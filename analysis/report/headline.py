@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The sentence at the top of a report and of the screen: what happened, what to compare with what, and how sure."""
+
+# ruff: noqa: RUF001  (minus signs are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .page import percent
+
+DISCS = (-0.2, 0.0)
+"""Mean difference of fronts of frictionless discs from Martin & Moyce's water, five starts (docs/theory.md)."""
+
+
+def headline(summary: Mapping) -> str:
+    """The sentence, from what a summary holds; empty where there is nothing to be said."""
+    found = (summary.get(key) for key in ("jump", "front", "energy"))
+    jump, front, energy = (part if isinstance(part, Mapping) else {} for part in found)
+    said = [jump.get("headline") or ""]
+    said += [_front(front)] if "position" in front else []
+    if energy.get("conservative") and energy.get("max_deviation") is not None and not any(said):
+        said.append(
+            f"The energy deviates from that of the start by at most {percent(energy['max_deviation'], 4)}; exact "
+            "integration would keep it. The number is exact for this run."
+        )
+    return " ".join(filter(None, said)).replace("-", "−")
+
+
+OF_A_STEADY_JUMP = ("length", "head_lost", "energy_loss")
+"""Numbers that mean nothing where the jump comes and goes, or is still filling up."""
+OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_ratio", "sequent_ratio", "froude", "y1", "y2")
+"""Numbers that mean nothing where there is no jump."""
+
+
+def belongs(key: str, found: Mapping) -> bool:
+    """Whether a number of a quantity goes with its verdict: no length of a jump where there is none."""
+    verdict = found.get("verdict", "jump")
+    if verdict in ("marginal jump", "jump not developed"):
+        return key not in OF_A_STEADY_JUMP
+    return verdict == "jump" or key not in OF_A_JUMP
+
+
+def _front(front: Mapping) -> str:
+    if front["position"] is None:
+        return f"No front to compare: {front.get('reason') or 'none was found'}."
+    speed = f", mean speed {front['speed']:.2f} m/s" if front.get("speed") is not None else ""
+    said = [
+        f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its front is at "
+        f"{front['position']:.2f} m after {front['time']:.2f} s{speed}."
+    ]
+    water, ritter = front.get("martin_moyce") or {}, front.get("ritter") or {}
+    if water.get("mean_bulk") is not None:
+        low, high = (100 * bound for bound in DISCS)
+        inside = "as discs do" if low <= 100 * water["mean_bulk"] <= high else "unlike discs"
+        off = f"{100 * water['mean_bulk']:+.0f} % off Martin & Moyce's water (n² = 2) in the mean"
+        said.append(f"It is {off}, {inside} ({low:.0f} to {high:.0f} %).")
+    elif water.get("slope_of_table") is not None and water.get("slope") is not None:
+        said.append(
+            f"Slope dZ/dT {water['slope']:.2f}; Martin & Moyce's water of this shape has {water['slope_of_table']:.2f}."
+        )
+    elif water:
+        said.append(f"No measured curve of water belongs to its shape (n² = {water['aspect']:.2f}; measured: 1 and 2).")
+    if ritter.get("rms") is not None:
+        said.append(f"Ritter's front, until {ritter['valid_until']:.2f} s: RMS difference {percent(ritter['rms'], 0)}.")
+    return " ".join([*said, "One run cannot say how sure that is: repeat it from other starts."])

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Whether the error bars of one run hold: stated errors against the scatter between starts, and coverage.
+
+Run as ``python benchmarks/error_bars.py CASE [--starts N] [--first N] [--set PATH=VALUE]``. Starts differ by 1e-6
+diameters. Printed for each number: mean and standard deviation of the starts; root mean square of the stated errors
+over that deviation; chi2, the mean of (deviation from the mean of starts / stated error)^2; its value for perfect
+errors, k/(k - 2) with k degrees of freedom; the share of 95 % intervals that hold the mean of the starts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import lammps_jump as lj
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.jump.certainty import CANNOT_TELL
+from lammps_jump.analysis.jump.result import analyse_jump
+from lammps_jump.analysis.jump.summary import Jump, summarise_jump
+from lammps_jump.analysis.statistics import STUDENT, WAVES
+from lammps_jump.studies.measure import moved_start, observe
+from lammps_jump.studies.runs import execute
+
+KEYS = (
+    "y1", "y2", "h1", "h2", "u1", "u2", "froude", "froude_downstream", "sequent_ratio", "belanger_ratio",
+    "belanger_deviation", "density_ratio", "density_relation_ratio", "full_relation_ratio", "speed", "toe_speed",
+    "end_speed", "length", "length_mass", "head_upstream", "head_downstream", "energy_loss", "momentum_residual",
+)  # fmt: skip
+
+
+def jump_of(case: lj.Case, member: int) -> Jump:
+    """The jump of one start, without contact forces."""
+    changed = moved_start(case, member)
+    scene, asked = changed.scene(), changed.fields.analysis
+    with tempfile.TemporaryDirectory() as folder:
+        execute(scene, Path(folder), "compiled")
+        flow = from_scene(scene, bin_width=asked.bin_width, window=asked.window)
+        return summarise_jump(analyse_jump(observe(Path(folder), flow).profiles, flow))
+
+
+def row(key: str, jumps: list[Jump]) -> list[str]:
+    """One line of the table."""
+    values, errors = (np.array([getattr(jump, name) for jump in jumps], float) for name in (key, f"{key}_error"))
+    mean, deviation, n = values.mean(), values.std(ddof=1), len(values)
+    off = np.abs(values - mean)
+    chi2 = np.mean((off / errors) ** 2) * n / (n - 1)
+    covered = np.mean(off < STUDENT * errors)
+    ratio = np.sqrt(np.mean(errors**2)) / deviation
+    note = "one run cannot tell" if key in CANNOT_TELL else ("" if covered >= 0.9 else "below 0.9")
+    return [key, f"{mean:.4g}", f"{deviation:.2g}", f"{ratio:.2f}", f"{chi2:.1f}", f"{WAVES / (WAVES - 2):.1f}",
+            f"{covered:.2f}", note]  # fmt: skip
+
+
+def main() -> None:
+    """Run the starts and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("case", type=Path)
+    parser.add_argument("--starts", type=int, default=20)
+    parser.add_argument(
+        "--first", type=int, default=1000, help="number of the first start: other numbers, fresh starts"
+    )
+    parser.add_argument("--set", action="append", default=[], dest="changes", metavar="PATH=VALUE")
+    given = parser.parse_args()
+    case = lj.load_case(given.case, given.changes)
+    jumps = [jump_of(case, given.first + k) for k in range(given.starts)]
+    words = {word: sum(jump.verdict == word for jump in jumps) for word in {jump.verdict for jump in jumps}}
+    measured = [jump for jump in jumps if np.isfinite(jump.y2_error)]
+    print(f"{case.name}: {given.starts} starts, verdicts {words}\n")
+    print("| number | mean | sd of starts | rms error/sd | chi2/dof | perfect | 95 % covers | |")
+    print("|---|---:|---:|---:|---:|---:|---:|---|")
+    for key in KEYS:
+        print(f"| {' | '.join(row(key, measured))} |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Whether the frames and the force record of a run are those of its schedule: none missing, moved or torn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.errors import DumpError
+from lammps_jump.scene.scene import Scene
+
+from .find import read_forces
+from .frame import Frame
+
+NEAR = 0.01
+"""Part of a time step by which a time may differ from that of its step: it is printed with 15 digits."""
+
+
+class FrameCheck:
+    """Compares every frame with the schedule of a scene, beside other collectors of one pass over the dump.
+
+    Parameters
+    ----------
+    scene : Scene
+    steps : int
+        Steps of the run.
+    present : int
+        Discs at its end.
+    """
+
+    def __init__(self, scene: Scene, steps: int, present: int):
+        self.scene, self.present = scene, present
+        self.expected = steps // scene.output_steps + 1
+        self.at_the_end = steps % scene.output_steps == 0
+        self.frames = self.last = 0
+        self.first_trouble = ""
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in the next frame."""
+        if not self.first_trouble and (trouble := self._trouble(frame, time)):
+            self.first_trouble = f"frame {self.frames + 1}: {trouble}"
+        self.frames += 1
+        self.last = frame.n
+
+    def _trouble(self, frame: Frame, time: float) -> str:
+        scene, step = self.scene, self.frames * self.scene.output_steps
+        if frame.step != step:
+            return f"step {frame.step} stands where step {step} belongs"
+        if abs(time - scene.time(step)) > NEAR * scene.time_step:
+            return f"time {time:.10g} s, but its step is at {scene.time(step):.10g} s"
+        ids = frame.columns.get("id", np.empty(0))
+        if ids.size != frame.n or (ids < 1).any() or (ids % 1 != 0).any():
+            return "an id is no positive whole number"
+        if (np.diff(ids) <= 0).any() and np.unique(ids).size != ids.size:
+            return "an id stands there twice"
+        for axis, values, (low, high) in zip("xy", (frame.x, frame.y), scene.domain, strict=True):
+            outside = np.flatnonzero(~((values >= low - scene.largest) & (values <= high + scene.largest)))
+            if outside.size:
+                disc = outside[0]
+                return f"disc {ids[disc]:.0f} is at {axis} = {values[disc]:.6g} m, outside the domain"
+        return ""
+
+    def result(self) -> list[str]:
+        """What is wrong, in words; empty where nothing is."""
+        found = [self.first_trouble] if self.first_trouble else []
+        if self.frames != self.expected:
+            found.insert(0, f"{self.frames} of {self.expected} frames")
+        elif self.at_the_end and self.last != self.present:
+            found.append(f"{self.last} discs in the last frame, {self.present} at the end of the run")
+        return found
+
+
+def force_troubles(path: Path, scene: Scene, steps: int) -> list[str]:
+    """What is wrong with the force record of a run of so many steps, in words: a row a window and probe is right."""
+    if not scene.probes:
+        return []
+    try:
+        found = read_forces(path)
+    except DumpError as error:
+        return [str(error)]
+    windows = steps // scene.probe_steps
+    wanted = np.array([scene.time(scene.probe_steps * number) for number in range(1, windows + 1)])
+    troubles = []
+    rows = sum(len(history.time) for history in found.values())
+    if rows != windows * len(scene.probes) or (rows and set(found) != set(scene.probes)):
+        troubles.append(f"{rows} of {windows * len(scene.probes)} rows of forces")
+    for name, history in found.items():
+        if not all(np.isfinite(part).all() for part in (history.fx, history.fy, history.moment)):
+            troubles.append(f"a force on {name} is no number")
+        elif len(history.time) == windows and (np.abs(history.time - wanted) > NEAR * scene.time_step).any():
+            troubles.append(f"times of the forces on {name} are not those of the windows")
+    return [f"{path.name}: {trouble}" for trouble in troubles]

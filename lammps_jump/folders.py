@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which folders are ours, by their marker; the lock of the one process that writes to a folder."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from .errors import SetupError
+from .files import OWN_FILES, flush, read_json, write_json
+
+MARKER_FILE = ".lammps-jump"
+"""Makes a folder ours."""
+STAGING = ".analysis.new"
+"""Folder of results that are being made."""
+FORCE_TABLE = re.compile(r"force_[^/\\\n]+\.csv")
+LOCK_FILE = ".lock"
+"""Held by the one process that writes to a folder; says which."""
+ENGINE_PATIENCE = 300
+"""Tenths of a second that the engine of a killed run gets to save its state."""
+
+
+@dataclass(frozen=True)
+class Marker:
+    """What ``.lammps-jump`` says of a folder; without that file no folder is ours.
+
+    Attributes
+    ----------
+    kind : {'run', 'analysis'}
+    files : tuple of str
+        Names and patterns of our files there; nothing else is ever deleted or overwritten.
+    about : mapping
+        Of a run: ``key``, ``case`` and ``program``; of an analysis: ``dump``.
+    """
+
+    kind: str
+    files: tuple[str, ...]
+    about: Mapping[str, Any]
+
+
+def read_marker(folder: Path) -> Marker | None:
+    """The marker of a folder, None where there is none; of its names only those that this program writes.
+
+    Raises
+    ------
+    SetupError
+        The file cannot be read.
+    """
+    path = folder / MARKER_FILE
+    try:
+        stored = read_json(path)
+        names = [name for name in stored["files"] if name in OWN_FILES or FORCE_TABLE.fullmatch(name)]
+        return Marker(str(stored["kind"]), tuple(names), dict(stored["about"]))
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except (OSError, ValueError, KeyError, TypeError):
+        raise SetupError(f"{path}: is no marker that can be read; name another folder with --out") from None
+
+
+def require_ours(folder: Path, wanted: Marker) -> None:
+    """SetupError where a folder is not ours and holds files of our names, or is ours and holds something else."""
+    found = read_marker(folder)
+    if found is not None:
+        if found.kind != wanted.kind:
+            holds = {"run": "a run", "analysis": "the analysis of a dump"}.get(found.kind, "something else")
+            raise SetupError(f"{folder}: holds {holds}, which would be overwritten; name another folder with --out")
+        return
+    names = [name for pattern in (*wanted.files, STAGING) for name in standing(folder, pattern)]
+    if (folder / "figures").is_symlink():
+        names.append("figures")
+    if names:
+        more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+        raise SetupError(
+            f"{folder}: was not made by lammps-jump (no {MARKER_FILE} in it) and holds {', '.join(names[:3])}{more}; "
+            "nothing there is overwritten: name another folder with --out, or move what stands there"
+        )
+
+
+def claim(folder: Path, marker: Marker) -> bool:
+    """Make a folder ours, see `require_ours`; whether it was not before."""
+    folder.mkdir(parents=True, exist_ok=True)
+    require_ours(folder, marker)
+    try:
+        os.close(os.open(folder / MARKER_FILE, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+    except FileExistsError:
+        return False
+    write_marker(folder, marker)
+    return True
+
+
+def write_marker(folder: Path, marker: Marker) -> None:
+    """Write or renew the marker of a folder that is ours."""
+    write_json(folder / MARKER_FILE, {"format": 1, **asdict(marker)})
+
+
+def standing(folder: Path, pattern: str) -> list[str]:
+    """Names in a folder that a pattern means, links that lead nowhere included."""
+    if "*" in pattern or "[" in pattern:
+        return sorted(str(path.relative_to(folder)) for path in folder.glob(pattern))
+    return [pattern] if os.path.lexists(folder / pattern) else []
+
+
+def clear(folder: Path, patterns: Iterable[str]) -> None:
+    """Delete the files of a folder that the patterns name, where its marker lists them."""
+    marker = read_marker(folder)
+    for pattern in set(patterns) & set(marker.files if marker else ()):
+        if "/" in pattern and (folder / pattern).parent.is_symlink():
+            continue
+        for name in standing(folder, pattern):
+            if (folder / name).is_symlink() or not (folder / name).is_dir():
+                (folder / name).unlink()
+
+
+def force_tables(names: Iterable[str]) -> list[str]:
+    """Names of the tables of the force on structures, among other names."""
+    return [name for name in names if FORCE_TABLE.fullmatch(name)]
+
+
+@contextmanager
+def staging(folder: Path) -> Iterator[Path]:
+    """An empty folder in a folder that is ours, for results until they are whole; it is deleted after the block."""
+    stage = folder / STAGING
+    if stage.is_symlink():
+        stage.unlink()
+    shutil.rmtree(stage, ignore_errors=True)
+    stage.mkdir()
+    try:
+        yield stage
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
+
+
+def publish(stage: Path, folder: Path) -> list[str]:
+    """Move the files of a `staging` folder into their places, each in one move; their names. Links stay."""
+    files = sorted(path for path in stage.rglob("*") if path.is_file() and not path.is_symlink())
+    names = [str(path.relative_to(stage)) for path in files]
+    for name in names:
+        target = folder / name
+        target.parent.mkdir(exist_ok=True)
+        if target.parent.is_symlink():
+            raise SetupError(f"{target.parent}: is a link to another place, where nothing is written; delete the link")
+        flush(stage / name)
+        os.replace(stage / name, target)
+    return names
+
+
+def require_replaceable(path: Path) -> None:
+    """SetupError where a file stands at a path that this program has not made."""
+    marker = read_marker(path.parent)
+    ours = marker is not None and any(path.match(pattern) for pattern in marker.files)
+    if os.path.lexists(path) and not ours:
+        raise SetupError(f"{path}: stands there already and is not overwritten; delete it, or name another with --out")
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Be the only writer of a folder while the block runs; the lock ends with the process, however that ends.
+
+    ``.lock`` is held by flock and says which process holds it. Where the file system has no flock, what it says
+    decides: the lock of a process that is gone is taken over.
+
+    Raises
+    ------
+    SetupError
+        Another process writes to the folder, or nothing can be written there.
+    """
+    try:
+        lock = _take(folder)
+    except OSError as error:
+        raise SetupError(
+            f"{folder}: cannot be written ({error.strerror or error}); correct its permissions, or use another folder"
+        ) from None
+    try:
+        _wait_for_engine(folder)
+        yield
+    finally:
+        with suppress(OSError):
+            os.unlink(folder / LOCK_FILE)
+        os.close(lock)
+
+
+def _take(folder: Path) -> int:
+    """Descriptor of the lock file, locked, with this process named in it."""
+    path = folder / LOCK_FILE
+    while True:
+        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            taken = False
+        except OSError as error:
+            taken = isinstance(error, BlockingIOError) or bool(holder(folder))
+        if taken:
+            os.close(lock)
+            raise _in_use(folder, holder(folder))
+        with suppress(FileNotFoundError):
+            if os.stat(path).st_ino == os.fstat(lock).st_ino:  # else its holder has just deleted it
+                os.ftruncate(lock, 0)
+                os.pwrite(lock, (json.dumps(_this_process()) + "\n").encode(), 0)
+                return lock
+        os.close(lock)
+
+
+def require_unlocked(folder: Path) -> None:
+    """SetupError where another process writes to a folder; nothing is written."""
+    if text := holder(folder):
+        raise _in_use(folder, text)
+
+
+def _in_use(folder: Path, text: str) -> SetupError:
+    return SetupError(
+        f"{folder}: {text or 'another process'} writes to this folder; wait until it has ended, or use another folder"
+    )
+
+
+def holder(folder: Path) -> str:
+    """The process that writes to a folder, in words; empty where there is none. Nothing is written or locked."""
+    try:
+        lock = os.open(folder / LOCK_FILE, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW)
+    except OSError:
+        return ""
+    try:
+        held = json.loads(os.read(lock, 4096))
+        pid, begun, boot, host = int(held["pid"]), held["started"], held["boot"], str(held["host"])[:80]
+        here = _this_process()
+        if boot == here["boot"]:
+            alive = _started(pid) == begun
+        elif alive := host != here["host"]:  # flock may know; its answer is no more than a look
+            with suppress(OSError):
+                fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+                alive = False
+        return f"process {pid} on {host!r}" if alive else ""
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return ""
+    finally:
+        os.close(lock)
+
+
+def _this_process() -> dict[str, str | int]:
+    boot = Path("/proc/sys/kernel/random/boot_id")
+    return {
+        "pid": os.getpid(),
+        "started": _started(os.getpid()),
+        "boot": boot.read_text().strip() if boot.exists() else "",
+        "host": os.uname().nodename,
+    }
+
+
+def _started(pid: int) -> int:
+    """Start time of a process in ticks since the boot, 0 where there is none: a pid is given again."""
+    try:
+        return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19])
+    except OSError:
+        return 0
+
+
+@contextmanager
+def engine_at_work(folder: Path) -> Iterator[None]:
+    """Mark a folder while an engine's process writes to it: it may outlive the process that holds the lock."""
+    place = -1
+    with suppress(OSError):  # no flock here, or no folder: the engine says so
+        place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        fcntl.flock(place, fcntl.LOCK_SH)
+    try:
+        yield
+    finally:
+        if place >= 0:
+            os.close(place)
+
+
+def _wait_for_engine(folder: Path) -> None:
+    """Wait for the engine of a run whose own process was killed: it saves its state and ends."""
+    place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        for _ in range(ENGINE_PATIENCE):
+            try:
+                fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                return
+            except BlockingIOError:
+                time.sleep(0.1)
+            except OSError:
+                return
+    finally:
+        os.close(place)
+    raise _in_use(folder, "the engine of a run that was killed")

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The end of a run: what it wrote is checked and analysed, and the results are put into their places when all are made.
+
+The summary is written first without an analysis, with status 'unchecked' where the engine came to its end. Whatever
+ends the process then, the next one finds a run that is to be analysed. 'complete' is written after the check alone.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import lammps_jump.runs as runs
+from lammps_jump.case.case import ReadCase
+from lammps_jump.dump.check import FrameCheck, force_troubles
+from lammps_jump.dump.find import read_dump
+from lammps_jump.engines.interrupts import terminate_as_interrupt
+from lammps_jump.engines.result import RunResult
+from lammps_jump.engines.setting import Setting
+from lammps_jump.errors import DumpError, RunError, RunInterrupted
+from lammps_jump.files import FIGURES, checksum, write_text
+from lammps_jump.folders import clear, publish, staging
+
+from .engine import analysis_key
+from .folder import case_text
+from .state import outputs_of
+from .summary import compose, write_summary
+
+log = logging.getLogger(__name__)
+CUT = "is cut off"
+"""What the reader of dumps says of a torn frame."""
+NOT_ANALYSED = "the run is not analysed yet: `lammps-jump analyze` on its folder does that"
+
+
+@dataclass
+class Conclusion:
+    """A run that has ended, in a folder that this process holds.
+
+    Attributes
+    ----------
+    steady : str
+        Why the run was stopped as steady; empty where it was not.
+    before : mapping
+        Seconds that were spent before.
+    """
+
+    case: ReadCase
+    folder: Path
+    setting: Setting
+    result: RunResult
+    steady: str
+    before: Mapping[str, float]
+    notes: tuple[str, ...]
+    outputs: Mapping[str, Mapping[str, int | str]] = field(init=False)
+    begin: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.begin = time.perf_counter() - (self.before.get("analysis") or 0.0)
+        self.outputs = outputs_of(self.folder)
+        self.ended = self.result.status in ("complete", "unchecked")  # the engine came to its end
+        self.steps = self.result.steps if self.steady else self.case.scene().steps
+
+    def first(self) -> None:
+        """Check, analyse and summarise.
+
+        Raises
+        ------
+        RunError, RunInterrupted
+            As the run has ended; also where what it wrote is not what its schedule asks for.
+        """
+        if self.ended:
+            self.result = replace(self.result, status="unchecked")
+        self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
+        trouble = self._analyse({}, again=False)
+        result = self.result
+        if self.steady:
+            log.info(f"note: {self.steady}")
+        if result.status == "interrupted":
+            raise RunInterrupted(result.message)
+        if result.status == "failed":
+            raise RunError(result.message)
+        if trouble:
+            raise RunError(f"the run is complete, its dump could not be analysed: {trouble}")
+
+    def again(self, stored: Mapping[str, Any]) -> None:
+        """Analyse again; `stored` is the summary, empty where there is none.
+
+        Raises
+        ------
+        DumpError
+            The files are not those that the run wrote; nothing is changed.
+        RunError
+            A run that was not checked before is not what its schedule asks for.
+        """
+        if stored.get("status") == "complete" and (changed := self._changed(stored)):
+            raise DumpError(
+                f"{self.folder}: is not what the run wrote: {'; '.join(changed)}. Nothing was changed; put the files "
+                "back, or run the case again with --force"
+            )
+        was_checked = self.result.status != "unchecked"
+        self._analyse(stored, again=True)
+        if not was_checked and self.result.status == "failed":
+            raise RunError(self.result.message)
+
+    def _changed(self, stored: Mapping[str, Any]) -> list[str]:
+        """Files that are not as the summary says, and what is wrong with them."""
+        known = stored.get("outputs") or {}
+        names = [name for name, entry in known.items() if self.outputs.get(name) != entry]
+        if not names:
+            return []
+        check = FrameCheck(self.case.scene(), self.steps, self.result.present)
+        try:
+            dump = read_dump(self.folder)
+            for frame in dump:
+                check.add(frame, self.case.scene().time(frame.step) if frame.time is None else frame.time)
+            found = [*check.result(), *(text for text in dump.warnings if CUT in text)]
+        except DumpError as error:
+            found = [str(error)]
+        found += force_troubles(self.folder / "forces.csv", self.case.scene(), self.steps)
+        return [*(f"{name} {'differs' if name in self.outputs else 'is gone'}" for name in names), *found]
+
+    def _summary(self, parts: Mapping[str, Any]) -> dict[str, Any]:
+        seconds = {"build": self.before.get("build") or 0.0, "run": self.result.seconds}
+        seconds["analysis"] = time.perf_counter() - self.begin
+        told = {**parts, **({"stopped_when_steady": self.steady} if self.steady else {})}
+        return compose(self.case, self.setting, self.result, seconds=seconds, parts=told, notes=self.notes)
+
+    def _write(self, summary: Mapping[str, Any], analysis: Mapping[str, Any] | None) -> None:
+        write_summary(self.folder, {**summary, "outputs": self.outputs, "analysed": analysis})
+
+    def _analyse(self, stored: Mapping[str, Any], *, again: bool) -> str:
+        """Check and analyse; what the analysis could not do, in words."""
+        folder, note, trouble = self.folder, self.result.message if again else "", ""
+        check = FrameCheck(self.case.scene(), self.steps, self.result.present)
+        with staging(folder) as stage:
+            try:
+                with _told_how_to_go_on(folder):
+                    parts = runs.results.analyse(self.case, folder, stage, [check] if self.ended else [])
+            except DumpError as error:
+                if again:
+                    raise
+                trouble = str(error)
+                parts = {"warnings": [f"not analysed: {trouble}"]}
+            parts.setdefault("warnings", [])
+            if self.ended:
+                self._judge(check, parts["warnings"], trouble)
+            if note and self.result.status != "failed":
+                parts["warnings"].append(note)
+            summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
+            self._link_the_rest(stage)
+            runs.results.write_report(stage, summary, self.case)
+            self._write(summary, None)  # ended between here and the last line: it is analysed again
+            clear(folder, ["report.html", *stored.get("files", ())])
+            names = publish(stage, folder)
+        text, path = case_text(self.case), folder / "case.yaml"
+        if not path.exists() or path.read_text() != text:
+            write_text(path, text)
+        files = {name: checksum(folder / name) for name in names}
+        self._write(summary, None if trouble else {"key": analysis_key(self.case, self.outputs), "files": files})
+        return trouble
+
+    def _judge(self, check: FrameCheck, warnings: list[str], trouble: str) -> None:
+        """Call the run complete where it is, else failed, with what is wrong; DumpError where it was complete."""
+        result, steps = self.result, self.steps
+        found = [] if result.steps == steps else [f"{result.steps} of {steps} steps"]
+        found += [f"dump: {text}" for text in check.result()]
+        found += [text for text in warnings if CUT in text]
+        found += force_troubles(self.folder / "forces.csv", self.case.scene(), steps)
+        if result.lost:
+            found.append(f"{result.inserted} discs inserted, {result.present} present, {result.removed} removed")
+        if not found:
+            self.result = replace(result, status="complete", message="")
+            return
+        told = "; ".join([*found, *([trouble] if trouble else [])])
+        message = (
+            f"the run came to its end, but what it wrote is not whole: {told}. "
+            f"It is kept in {self.folder}; look for a full disk or a program that failed, and run again with --force"
+        )
+        if result.status == "complete":
+            raise DumpError(message)
+        self.result = replace(result, status="failed", message=message)
+
+    def _link_the_rest(self, stage: Path) -> None:
+        """Show the report a film that was made before, and pictures of the user."""
+        for made in (*self.folder.glob("animation.*"), *self.folder.glob("figures/*.png")):
+            other = stage / made.relative_to(self.folder)
+            if not other.exists() and made.name not in FIGURES:
+                other.parent.mkdir(exist_ok=True)
+                other.symlink_to(made.absolute())
+
+
+@contextmanager
+def _told_how_to_go_on(folder: Path) -> Iterator[None]:
+    """Ctrl-C and SIGTERM during the analysis of a run folder become a `RunInterrupted` that says what is left to do."""
+    try:
+        with terminate_as_interrupt():
+            yield
+    except KeyboardInterrupt:
+        raise RunInterrupted(
+            f"the analysis was stopped; the files of the run are kept, and `lammps-jump analyze {folder}` analyses them"
+        ) from None

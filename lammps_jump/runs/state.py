@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a run folder holds for a case: nothing yet, this run, or another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from lammps_jump.case.case import ReadCase
+from lammps_jump.engines.checkpoint import ANEW, CHECKPOINT_FILE, Checkpoint, read_checkpoint
+from lammps_jump.engines.setting import Setting
+from lammps_jump.errors import DumpError, ResumeError, SetupError
+from lammps_jump.files import DUMP_NAMES, OWN_FILES, checksum
+from lammps_jump.folders import Marker, force_tables, read_marker, require_ours, standing
+from lammps_jump.provenance import fingerprint
+
+from .engine import analysis_key, full_key, program_of
+from .folder import result_of_files
+from .summary import read_summary
+
+ToDo = Literal["run", "analyse", "nothing"]
+OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", "log.lammps")
+"""What an engine leaves of a run."""
+FEWEST = 3
+"""Differences that a message names."""
+
+
+def marker_of(case: ReadCase, setting: Setting) -> Marker:
+    """The marker of the folder of a run."""
+    probes = case.fields.probes.forces
+    about = {"key": full_key(case, setting), "case": case.core, "program": program_of(setting)}
+    return Marker("run", (*OWN_FILES, *force_tables(f"force_{name}.csv" for name in probes)), about)
+
+
+def to_do(case: ReadCase, folder: Path, setting: Setting) -> ToDo:
+    """What is left to be done for a case in a folder. Nothing is written.
+
+    Raises
+    ------
+    SetupError
+        The folder is not ours, or holds another run, or one that has not come to its end.
+    DumpError
+        Its summary is none.
+    """
+    require_ours(folder, marker_of(case, setting))
+    marker = read_marker(folder)
+    if marker is None or not has_output(folder):
+        return "run"
+    if found := difference(case, setting, marker):
+        raise SetupError(
+            f"{folder}: holds another run ({found}); name another folder with --out, or delete that run with --force"
+        )
+    stored = read_summary(folder)
+    status = stored.get("status") or _status_of_files(case, folder, setting)
+    if status in ("interrupted", "failed"):
+        goes_on = "--resume goes on with it, " if (folder / CHECKPOINT_FILE).exists() else ""
+        was = {"interrupted": "was interrupted", "failed": "failed"}[status]
+        raise SetupError(
+            f"{folder}: holds a run of this case that {was}; {goes_on}--force deletes it and starts anew, --out names "
+            "another folder"
+        )
+    return "nothing" if is_analysed(case, folder, stored) else "analyse"
+
+
+def _status_of_files(case: ReadCase, folder: Path, setting: Setting) -> str:
+    try:
+        return result_of_files(case.scene(), folder, setting, write=False).status
+    except DumpError:
+        return "interrupted"
+
+
+def has_output(folder: Path) -> bool:
+    """Whether an engine has written to a folder."""
+    return any(standing(folder, name) for name in (*OUTPUTS, "forces_*.raw", CHECKPOINT_FILE))
+
+
+def outputs_of(folder: Path) -> dict[str, dict[str, int | str]]:
+    """Size and SHA-256 of what the engine has left, by name."""
+    return {name: checksum(folder / name) for name in OUTPUTS if (folder / name).is_file()}
+
+
+def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool:
+    """Whether a complete run and its analysis stand in a folder as they were written, the analysis as now asked for."""
+    outputs, block = stored.get("outputs"), stored.get("analysed")
+    if stored.get("status") != "complete" or outputs is None or block is None:
+        return False
+    try:
+        same_sizes = all((folder / name).stat().st_size == entry["size"] for name, entry in outputs.items())
+        return (
+            same_sizes
+            and block["key"] == analysis_key(case, outputs)
+            and all(checksum(folder / name) == entry for name, entry in block["files"].items())
+        )
+    except OSError:
+        return False
+
+
+def difference(case: ReadCase, setting: Setting | None, marker: Marker) -> str:
+    """What differs between the run of a folder and a case (and its setting), in words; empty where nothing does."""
+    there, here = dict(_leaves(marker.about.get("case"))), dict(_leaves(case.core))
+    if setting is not None:
+        there |= dict(_leaves(marker.about.get("program")))
+        here |= program_of(setting)
+    changed = [name for name in {**there, **here} if there.get(name) != here.get(name)]
+    told = [f"{name} is {_short(there.get(name))} there, {_short(here.get(name))} here" for name in changed]
+    more = f"; {len(told) - FEWEST} more" if len(told) > FEWEST else ""
+    return "; ".join(told[:FEWEST]) + more
+
+
+def _short(value: object) -> str:
+    text = "not given" if value is None else str(value)
+    return text if len(text) <= 40 else text[:37] + "…"
+
+
+def _leaves(tree: object, path: str = "") -> Iterator[tuple[str, object]]:
+    """Dotted path and value of everything in plain data."""
+    if isinstance(tree, dict | list) and tree:
+        for key, item in tree.items() if isinstance(tree, dict) else enumerate(tree):
+            yield from _leaves(item, f"{path}.{key}".lstrip("."))
+    elif path:
+        yield path, tree
+
+
+def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
+    """The checkpoint of the interrupted run of this very case in a folder.
+
+    Raises
+    ------
+    ResumeError
+        No run there, another case, a run that is finished or failed, no checkpoint, one of another program or kernel.
+    """
+    marker = read_marker(folder)
+    if marker is None or marker.kind != "run" or not (folder / "case.yaml").exists():
+        raise ResumeError(f"{folder}: holds no run that could go on; {ANEW}")
+    if found := difference(case, None, marker):
+        raise ResumeError(
+            f"{folder}: the run there differs from the case that was asked for ({found}), so it cannot go on as that "
+            f"case; `lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
+        )
+    _require_interrupted(case, folder, setting)
+    checkpoint = read_checkpoint(folder)
+    if checkpoint is None:
+        raise ResumeError(f"{folder}: the run has no checkpoint; {ANEW}")
+    if checkpoint.scene != fingerprint(case.scene()):
+        raise ResumeError(
+            f"{folder}: this version of lammps-jump makes other numbers of the same case than the one that began the "
+            f"run; go on with that version, or start a new run"
+        )
+    if checkpoint.result.kernel == "compiled" and setting.plugin is None:
+        raise ResumeError(
+            f"{folder}: began with the compiled kernel, which cannot be used now: see `lammps-jump doctor`"
+        )
+    if checkpoint.result.engine != setting.engine:
+        raise ResumeError(f"{folder}: began on the {checkpoint.result.engine} engine; {ANEW}")
+    return checkpoint
+
+
+def _require_interrupted(case: ReadCase, folder: Path, setting: Setting) -> None:
+    stored = read_summary(folder)
+    status = stored.get("status")
+    if status == "complete" and stored.get("analysed"):
+        raise ResumeError(f"{folder}: the run is finished, nothing is left to do; {ANEW}")
+    if status is None and not (folder / CHECKPOINT_FILE).exists():
+        status = _status_of_files(case, folder, setting)
+    if status in ("complete", "unchecked"):
+        raise ResumeError(
+            f"{folder}: the run reached its end, nothing of it is left to do; only its analysis is missing: "
+            f"`lammps-jump analyze {folder}` makes it"
+        )
+    if status == "failed":
+        raise ResumeError(
+            f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
+            "new run"
+        )

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Whole steps of a run: how many, from frame to frame, and in a window of the probes."""
+
+from __future__ import annotations
+
+from math import isqrt
+from typing import NamedTuple
+
+import numpy as np
+
+TOLD = 1e-3
+"""Relative change of an asked time from which on it is told; the duration is not changed by more where that can be."""
+WIDEST = 0.02
+"""Largest relative change of the frame interval that is tried to keep the duration."""
+WINDOW_WEIGHT = 0.1
+"""Weight of a change of the window against one of the frame interval: forces are averaged over 0.05 s anyway."""
+MOST_TRIED = 401
+"""Frame intervals that are tried."""
+
+
+class Schedule(NamedTuple):
+    """Steps of the run, from frame to frame, and of a window of the probes; each divides the one before."""
+
+    run: int
+    output: int
+    probe: int
+
+
+def plan_steps(duration: float, output_interval: float, probe_interval: float | None, time_step: float) -> Schedule:
+    """Whole steps nearest to times in s; windows and frames are adapted before the duration is.
+
+    Of the frame intervals near the one asked for, those that keep the duration within `TOLD` are taken, else the one
+    that changes it least; of them the one for which frame interval and window are nearest to what was asked.
+
+    Parameters
+    ----------
+    duration, output_interval, time_step : float
+        s.
+    probe_interval : float or None
+        s; None where nothing is probed: a window is a frame interval then.
+    """
+    frames = max(1, min(round(duration / output_interval), round(duration / time_step)))
+    output = max(1, round(duration / (frames * time_step)))
+    if probe_interval is None:
+        return Schedule(frames * output, output, output)
+    asked, whole = duration / frames / time_step, duration / time_step
+    wanted = min(max(1.0, probe_interval / time_step), asked)
+    reach = min(int(WIDEST * output), MOST_TRIED // 2)
+    plans = []
+    for tried in range(output - reach, output + reach + 1):
+        number = max(1, round(whole / tried))
+        late = abs(number * tried / whole - 1.0)
+        divisors = _divisors(tried)
+        probe = int(divisors[np.argmin(np.abs(np.log(divisors / wanted)))])
+        worst = max(abs(tried / asked - 1.0), WINDOW_WEIGHT * abs(probe / wanted - 1.0))
+        plans.append((max(late, TOLD), worst, late, Schedule(number * tried, tried, probe)))
+    return min(plans)[-1]
+
+
+def _divisors(n: int) -> np.ndarray:
+    low = np.arange(1, isqrt(n) + 1)
+    low = low[n % low == 0]
+    return np.union1d(low, n // low)
+
+
+def told(asked: dict[str, tuple[float, float]], unit: str = "s") -> tuple[str, ...]:
+    """Sentences on values that differ from what was asked by more than `TOLD`.
+
+    Parameters
+    ----------
+    asked : mapping of the field's name to (asked, made)
+    """
+    return tuple(
+        f"{name}: {made:.4g} {unit} in place of {value:.4g} {unit}, because time goes in whole steps"
+        for name, (value, made) in asked.items()
+        if abs(made - value) > TOLD * abs(value)
+    )

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Energy between stations that move with a jump's front: what dashpots take, and whether the budget closes."""
+
+# ruff: noqa: RUF001  (the minus sign of the page)
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_up import INPUTS, numbers
+
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.jump.head import FIELDS, EnergyFluxes, budget_between, energy_budget, sentence
+from lammps_jump.analysis.jump.result import analyse_jump
+from lammps_jump.analysis.jump.section import section
+from lammps_jump.analysis.jump.summary import summarise_jump
+from lammps_jump.analysis.passes import feed
+from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.report.page import Table
+from lammps_jump.case import load_case
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native.engine import take_frame
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.sizes import Sizes
+from lammps_jump.scene.walls import Plane
+from lammps_jump.units import as_summary
+
+D = 0.2
+FLOOR = Plane("floor", "y", 0.0, "above")
+
+
+@pytest.mark.parametrize(("integrator", "error"), [("velocity_verlet", 1e-4), ("leapfrog_extrapolated", 0.02)])
+@pytest.mark.parametrize("sizes", [None, Sizes((1.0,), (0.14,), (0.26,), seed=3)])
+def test_dashpots_of_frames_at_every_step_are_those_of_the_ledger(integrator, error, sizes):
+    """A disc that falls onto the floor between two that lean on it: pairs and walls, both sides of a bin's edge."""
+    places = [(-0.19, 0.13), (0.0, 0.4), (0.19, 0.13)]
+    scene = handmade_scene(
+        places, [(1.0, 0.0), (0.0, -8.0), (-1.0, 0.0)], (FLOOR,), diameter=D, integrator=integrator, sizes=sizes,
+        steps=1200,
+    )  # fmt: skip
+    simulation = NativeSimulation(scene)
+    flow = from_scene(scene, x_range=(-2.0, 2.0), bin_width=0.05)
+    fluxes = EnergyFluxes(flow)
+    for _ in range(scene.steps):
+        simulation.run(1)
+        fluxes.add(take_frame(simulation), 0.0)
+    found = dict(zip(FIELDS, fluxes.result().sum(axis=2).T * 0.05 * scene.density, strict=True))
+    ledger = simulation.ledger
+    assert ledger["dissipated_dashpots"] > 0.1 * ledger["throughput"]
+    taken = found["dashpots"].sum() - 0.5 * found["dashpots"][-1]  # the ledger stops at the step, amid its kick
+    assert taken * scene.time_step == pytest.approx(ledger["dissipated_dashpots"], rel=error)
+    assert found["mass"] == pytest.approx(scene.masses(scene.diameters([1, 2, 3])).sum(), rel=1e-12)
+    energy = found["energy"][-1] + found["elastic"][-1]
+    assert energy == pytest.approx(ledger["kinetic"] + ledger["gravitational"] + ledger["elastic"], rel=1e-9)
+
+
+def jump_frames():
+    """Frames of a small jump every 0.02 s, its flow, and the jump found."""
+    changes = ["run.duration=8", "run.time_step_fraction=0.2", "run.output_interval=0.02", "probes.forces=[]",
+               "run.integrator=velocity_verlet", "engine.name=native"]  # fmt: skip
+    scene = load_case(INPUTS / "quick_jump.yaml", changes).scene()
+    flow = from_scene(scene, bin_width=0.5, window=(6.0, 8.0), inflow_depth=0.6, inflow_speed=10.0)
+    simulation = NativeSimulation(scene, ledger=False)
+    simulation.run(round(6.0 / scene.time_step / scene.output_steps) * scene.output_steps)
+    frames = []
+    while simulation.step < scene.steps:
+        frames.append(take_frame(simulation))
+        simulation.run(scene.output_steps)
+    return frames, flow
+
+
+@pytest.fixture(scope="module")
+def jump():
+    frames, flow = jump_frames()
+    fluxes = EnergyFluxes(flow)
+    result = analyse_jump(compute_profiles(feed(frames, flow, [fluxes]), flow), flow)
+    assert result.verdict == "jump"
+    return fluxes.result(), result, fluxes.edges
+
+
+def test_the_budget_of_a_jump_closes_within_its_error(jump):
+    fields, result, edges = jump
+    found = energy_budget(fields, result, edges)
+    assert abs(found.residual) < 3 * found.residual_error
+    assert abs(found.residual) < 0.12 * found.lost
+    assert found.lost == pytest.approx(found.carried + found.contacts - found.storage, rel=1e-9)
+    assert found.contacts < 0 < found.carried  # the deep side pushes back
+    assert (found.start, found.stop) == pytest.approx(
+        [np.mean(state.zone) - result.toe for state in (result.upstream, result.downstream)]
+    )
+    assert f"{found.start:+.1f} m and {found.stop:+.1f} m from the toe".replace("-", "−") in sentence(as_summary(found))
+
+
+def test_the_loss_belongs_to_its_stations(jump):
+    fields, result, edges = jump
+    near, far = (budget_between(fields, result, edges, (result.toe - a, result.toe + b)) for a, b in ((1, 3), (3, 6)))
+    assert near.dashpots < 0.9 * far.dashpots
+
+
+def test_friction_has_no_budget(jump):
+    fields, result, edges = jump
+    scene = load_case(INPUTS / "quick_jump.yaml", ["contact.friction=0.1"]).scene()
+    assert EnergyFluxes(from_scene(scene)).result() is None
+    assert energy_budget(None, result, edges) is None
+    assert energy_budget(fields, replace(result, upstream=None), edges) is None
+    assert sentence({}) == ""
+
+
+def test_the_report_names_the_stations_beside_the_loss(jump):
+    fields, result, edges = jump
+    found = energy_budget(fields, result, edges)
+    summary = numbers(replace(summarise_jump(result), budget=found, head_lost=found.lost))
+    (row,) = (row for row in _comparisons_of(summary) if "Head lost" in str(row[0]))
+    assert f"{found.start:+.1f} to {found.stop:+.1f} m from the toe".replace("-", "−") in row[0]
+
+
+def _comparisons_of(summary):
+    return [row for block in section(summary).blocks if isinstance(block, Table) for row in block.rows]

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the rows of an inflow delivered: discs counted row by row, also where some were refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_up import INPUTS, numbers
+
+from lammps_jump.analysis.budgets.inflow import InflowCounter, analyse, deliver, in_order, section
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.forces.impulse import MomentumLedger, identity_sentence, impulse_identity
+from lammps_jump.analysis.passes import Gathered
+from lammps_jump.case import load_case
+from lammps_jump.dump.find import ForceHistory
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native.engine import take_frame
+
+QUICK = ("run.duration=3", "run.time_step_fraction=0.2")
+
+
+def delivered(*changes):
+    """Numbers of the inflow of a short jet, and the simulation."""
+    case = load_case(INPUTS / "quick_jump.yaml", [*QUICK, *changes])
+    scene = case.scene()
+    inflow = case.fields.inflow
+    flow = from_scene(scene, inflow_depth=inflow.depth, inflow_speed=inflow.velocity, window=(1.0, 3.0))
+    counter, simulation = InflowCounter(flow), NativeSimulation(scene, ledger=False)
+    while True:
+        frame = take_frame(simulation)
+        counter.add(frame, flow.time(frame))
+        if simulation.step >= scene.steps:
+            return deliver(counter.result(), flow, flow.window), simulation
+        simulation.run(scene.output_steps)
+
+
+@pytest.mark.parametrize("changes", [(), ("discs.sizes=null",), ("inflow.profile=uniform",)])
+def test_the_exact_schedule_delivers_what_is_asked_and_refuses_none(changes):
+    found, _ = delivered(*changes)
+    assert found.refused == 0 and all(row.refused == 0 for row in found.rows)
+    assert found.delivered == pytest.approx(6.0, rel=5e-3) == found.asked
+    assert not found.notes
+    assert found.speed * found.depth == pytest.approx(found.delivered, rel=5e-3)
+    assert found.momentum == pytest.approx(found.momentum_planned, rel=0.03)
+
+
+def test_refused_turns_are_told_row_by_row():
+    found, simulation = delivered("discs.sizes=null", "inflow.schedule=thesis")
+    rows = simulation.boundaries.rows
+    last = simulation.step
+    turns = [(last - state.first) // state.every + 1 for state in rows]
+    assert [row.turns for row in found.rows] == turns
+    assert [row.refused for row in found.rows] == [n - state.entered for n, state in zip(turns, rows, strict=True)]
+    assert found.refused == sum(turns) - simulation.boundaries.inserted > 0
+    assert found.deviation < -0.03
+    assert "refused" in found.notes[0] and "6 m2/s asked for" in found.notes[0]
+
+
+def test_discs_are_matched_with_turns_in_order():
+    rng = np.random.default_rng(3)
+    rows = rng.integers(0, 5, 40)
+    wanted = 0.2 * rows
+    kept = np.sort(rng.permutation(40)[:33])
+    places = in_order(wanted[kept] + rng.normal(0, 0.01, 33), wanted)
+    assert np.all(np.diff(places) > 0)
+    assert np.array_equal(rows[places], rows[kept])
+    heights = np.where(np.arange(33) == 7, np.nan, wanted[kept])
+    assert np.array_equal(np.delete(rows[in_order(heights, wanted)], 7), np.delete(rows[kept], 7))
+
+
+def test_a_flow_without_rows_has_no_inflow():
+    assert analyse(Gathered(None, None, None, {}, {})) is None
+
+
+def test_the_section_says_what_came_of_the_discharge():
+    found, _ = delivered()
+    blocks = section(numbers(found)).blocks
+    assert blocks[0].text == f"{found.delivered:.4g} of 6 m²/s delivered; 0 of {found.turns} discs refused."
+    assert len(blocks[-1].rows) == 6
+
+
+@pytest.mark.parametrize("changes", [(), ("discs.sizes=null",), ("discs.sizes=null", "inflow.schedule=thesis")])
+def test_momentum_of_a_jet_that_leaves_at_an_outlet_is_accounted_for(changes):
+    """Over a low sill and out in free flight: what walls gave, and what discs brought in and carried out, adds up."""
+    near = ("walls.floor.x=[-5, 20.2]", "walls.sill.x=[20, 20.6]", "outflow.0.x_beyond=29")
+    more = ("run.duration=5", "walls.sill.y=[-5, 0.4]", *near, *changes)
+    scene = load_case(INPUTS / "quick_jump.yaml", [*QUICK, *more]).scene()
+    flow, simulation = from_scene(scene), NativeSimulation(scene, ledger=False)
+    ledger = MomentumLedger(flow)
+    while True:
+        frame = take_frame(simulation)
+        ledger.add(frame, flow.time(frame))
+        if simulation.step >= scene.steps:
+            break
+        simulation.run(scene.output_steps)
+    time, _, fx, fy, moment = zip(*simulation.forces, strict=True)
+    record = ForceHistory(*(np.array(column, float) for column in (time, fx, fy, moment)))
+    record = replace(record, time=np.array([scene.time(step) for step in time]))
+    identity = impulse_identity({"sill": record}, ledger.result(), flow, "x")
+    assert not identity.reason and (identity.start, identity.end) == (0.0, pytest.approx(5.0, rel=2e-3))
+    assert identity.carried > 0.1 * identity.brought > 0
+    assert identity.relative < 1e-5
+    assert "discs that came and went" in identity_sentence(identity)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Whole steps of a run: the duration is the user's, windows and frames adapt, and what has changed is told."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from made_up import INPUTS
+
+from lammps_jump.case import load_case
+from lammps_jump.scene.schedule import TOLD, plan_steps, told
+
+
+@given(
+    duration=st.floats(0.5, 100),
+    frames=st.integers(1, 500),
+    probe=st.floats(1e-6, 10),
+    step=st.floats(1e-5, 2e-4),
+)
+def test_windows_of_the_probes_leave_the_duration_alone(duration, frames, probe, step):
+    interval = duration / frames
+    plan, plain = plan_steps(duration, interval, probe, step), plan_steps(duration, interval, None, step)
+    assert plan.run % plan.output == 0 == plan.output % plan.probe
+    late, before = (abs(steps.run * step / duration - 1) for steps in (plan, plain))
+    assert late <= max(TOLD, before) * (1 + 1e-9)
+    assert plan.output == pytest.approx(plain.output, rel=0.02, abs=1)
+    assert plain.probe == plain.output
+
+
+@pytest.mark.parametrize("interval", [1.35e-4, 1e-3, 0.01, 0.013, 0.5])
+def test_a_dam_break_lasts_as_long_as_asked(interval):
+    scene = load_case(INPUTS / "dam_break.yaml", {"probes.interval": interval}).scene()
+    assert scene.time(scene.steps) == pytest.approx(5.0, rel=TOLD)
+    window = scene.probe_steps * scene.time_step
+    assert any("probes.interval" in text for text in scene.adapted) == (abs(window / interval - 1) > TOLD)
+
+
+def test_what_whole_steps_change_is_told():
+    assert told({"a": (1.0, 1.0009), "b": (2.0, 2.1)}) == (
+        "b: 2.1 s in place of 2 s, because time goes in whole steps",
+    )
+    case = load_case(INPUTS / "hydraulic_jump.yaml")
+    assert any(text.startswith("discharge of the inflow: 15.") for text in case.scene().adapted)  # rows of the thesis
+    assert "changed to whole steps" in str(case.check())
+    assert not set(case.scene().adapted) & set(case.check().warnings)
