@@ -91,5 +91,5 @@ def test_poured_discs_that_wait_for_their_size_get_it_after_a_resume():
     scene = parse_case(CASE.replace("SIZES", SIZES["uniform"]) + POUR).scene()
     first = script_text(scene)
     (fix,) = [line for line in first.splitlines() if " set 100 " in line]
-    goes_on = continuation_text(scene, state="checkpoint-50.restart", step=50, removed=())
+    goes_on = continuation_text(scene, step=50, removed=())
     assert goes_on.splitlines().count(fix) == 1 and " pour " not in goes_on
