@@ -41,6 +41,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], **op
     # gates that wait in a scene with inlets are gone by now; those without go on moving out of the way
     gates = [] if scene.inlets else how.style.gates(scene)
     half_step = stock.half_step(scene, how.kernel)
+    sizes = how.style.own_sizes(scene)  # the last poured discs may still wait for theirs
     sections = [
         ("settings", how.style.settings(scene, how.ranks, how.plugin)),
         ("state", [f"read_restart    {STATE.format(step=step)}", *stock.size_variables(scene), *stock.molecule(scene)]),
@@ -49,7 +50,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], **op
         *control(scene, how),
         ("output", _output(scene, how.dump_format)),
         ("log", stock.thermo(scene, removed)),
-        ("gates and inlets", [*gates, *stock.inlets(scene, how.style.own_sizes(scene))]),
+        ("gates and inlets", [*gates, *stock.inlets(scene, sizes), *(sizes if scene.pours else [])]),
         ("forces of the half step, then the velocities of the step", ["run             0 post no", *half_step]),
         ("run", [f"run             {scene.steps} upto pre no", *save_at_end(scene, how.kernel, how.ranks, step)]),
     ]

@@ -13,7 +13,7 @@ from lammps_jump import read_dump
 from lammps_jump.case import parse_case
 from lammps_jump.engines import Setting, run
 from lammps_jump.engines.lammps.loader import load_lammps
-from lammps_jump.script import write_script
+from lammps_jump.script import continuation_text, script_text, write_script
 
 pytestmark = pytest.mark.lammps
 
@@ -84,3 +84,12 @@ def test_a_pour_packs_alike_on_all_engines(tmp_path):
         # Welch's t of four starts each: 3.7 is passed by chance once in a hundred times
         assert abs(other.mean() - native.mean()) < 3.7 * np.sqrt((other.var(ddof=1) + native.var(ddof=1)) / 4)
     assert 0.5 < native.mean() < 0.7  # settled: 60 discs of 0.04 m^2 in a tank 2 m wide are 1.2 m high
+
+
+def test_poured_discs_that_wait_for_their_size_get_it_after_a_resume():
+    """`fix set` acts every hundred steps: the script that goes on must hold it, though nothing is poured any more."""
+    scene = parse_case(CASE.replace("SIZES", SIZES["uniform"]) + POUR).scene()
+    first = script_text(scene)
+    (fix,) = [line for line in first.splitlines() if " set 100 " in line]
+    goes_on = continuation_text(scene, step=50, removed=())
+    assert goes_on.splitlines().count(fix) == 1 and " pour " not in goes_on
