@@ -11,6 +11,8 @@ $(VENV)/.ready: pyproject.toml
 	@echo "setting up $(VENV): about 100 packages, 1.2 GB on disk; half a minute where they are at hand"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --editable '.[test]'
+	@echo "building the compiled contact styles for LAMMPS, if there is a C++ compiler: about ten seconds, once"
+	$(BIN)/lammps-jump kernels build || true
 	touch $@
 
 run: $(VENV)/.ready
