@@ -19,7 +19,7 @@ run: $(VENV)/.ready
 	$(BIN)/lammps-jump build-and-run $(CASE)
 
 test: lint
-	@echo "the tests take about 1.5 minutes on two free cores (2 the first time), up to 5 minutes on busy ones"
+	@echo "the tests take about 2.5 minutes on two free cores (3 the first time), 6 and more on busy ones"
 	$(BIN)/python -m pytest -n 2
 
 check: $(VENV)/.ready
