@@ -11,13 +11,15 @@ $(VENV)/.ready: pyproject.toml
 	@echo "setting up $(VENV): about 100 packages, 1.2 GB on disk; half a minute where they are at hand"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --editable '.[test]'
+	@echo "building the compiled contact styles for LAMMPS, if there is a C++ compiler: about ten seconds, once"
+	$(BIN)/lammps-jump kernels build || true
 	touch $@
 
 run: $(VENV)/.ready
 	$(BIN)/lammps-jump build-and-run $(CASE)
 
 test: lint
-	@echo "the tests take about 1.5 minutes on two free cores (2 the first time), up to 5 minutes on busy ones"
+	@echo "the tests take about 2.5 minutes on two free cores (3 the first time), 6 and more on busy ones"
 	$(BIN)/python -m pytest -n 2
 
 check: $(VENV)/.ready
