@@ -40,6 +40,7 @@ FIGURES = {
 RUN_FILES = (
     "case.yaml",
     "in.lammps",
+    "in.plugin.lammps",
     "discs.data",
     "disk.mol",
     "log.lammps",

@@ -14,6 +14,7 @@ import lammps_jump.analysis as analysis
 import lammps_jump.cli as cli
 import lammps_jump.runs as runs
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.script.stock import lacking
 
 from .options import Accuracy, CaseFile, EngineName, Force, Kernel, Out, Quiet, Ranks, Resume, Sets, assignments, told
 from .progress import ProgressLine
@@ -58,7 +59,7 @@ def build(
     runs.start.build(loaded, folder, job=slurm, force=force)
     if slurm:
         print(f"job file: {folder / 'job.slurm'}")
-    script = (folder / "in.lammps").exists()
+    script = (folder / "in.lammps").exists() and not lacking(loaded.scene())
     there = ", or there with `lmp -in in.lammps`" if script else ""
     print(f"{folder}: run it with `lammps-jump run {folder}`{there}")
 

@@ -65,7 +65,7 @@ def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
     assert result.removed > 20 and result.lost == 0
     assert result.inserted == result.present + result.removed
     assert (tmp_path / "forces.csv").read_text().count("sill") > 100
-    script = (tmp_path / "in.lammps").read_text()
+    script = (tmp_path / "in.plugin.lammps").read_text()
     assert "processors      * 1 1" in script and "shift x" in script
 
 
