@@ -72,7 +72,12 @@ def usable_kernels() -> tuple[list[str], list[str]]:
 
 
 def free_cores() -> int:
-    """Cores this process may use, less those that the load of the last minute takes; at least 1."""
+    """Cores this process may use, less those that the load of the last minute takes; at least 1.
+
+    In a Slurm job they are its tasks.
+    """
+    if (tasks := os.environ.get("SLURM_NTASKS", "")).isdigit():
+        return max(1, int(tasks))
     cores = len(os.sched_getaffinity(0))
     try:
         busy = os.getloadavg()[0]

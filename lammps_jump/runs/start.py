@@ -16,7 +16,6 @@ import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
-from lammps_jump.engines.lammps.job import write_job
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
@@ -33,6 +32,7 @@ from lammps_jump.folders import (
 from .conclude import Conclusion
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
+from .job import Site, write_job
 from .state import ToDo, difference, has_output, marker_of, resumable, to_do
 from .summary import SUMMARY_FILE, read_summary
 
@@ -127,8 +127,8 @@ def _run(
         Conclusion(case, folder, setting, result, steady, before, notes).first()
 
 
-def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = False) -> Setting:
-    """Write the run folder of a case and stop there; with `job` also a job file for a cluster. The setting chosen.
+def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:
+    """Write the run folder of a case and stop there, with the job file for a site if one is given; the setting chosen.
 
     Raises
     ------
@@ -144,8 +144,8 @@ def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = Fals
             raise SetupError(f"{folder}: holds a run; name another folder with --out, or delete that run with --force")
         write_folder(case, folder, marker)
         engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
-        if job:
-            write_job(case.scene(), folder, setting.ranks)
+        if job is not None:
+            write_job(case.scene(), folder, setting.ranks, job)
     return setting
 
 
