@@ -298,7 +298,7 @@ def test_build_with_a_job_file(tmp_path):
 
 
 def test_interruption_is_an_error_of_its_own():
-    assert issubclass(RunInterrupted, RunError) and RunInterrupted.exit_status == 1
+    assert issubclass(RunInterrupted, RunError) and RunInterrupted.exit_status == 75
 
 
 POUR = """\
