@@ -7,6 +7,7 @@ import os
 
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.scene.scene import Scene
+from lammps_jump.script.stock import lacking
 
 from .lammps.loader import check_installed
 from .plugin.build import availability, plugin_path
@@ -44,8 +45,8 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     check_installed()
     number, notes = choose_ranks(ranks, scene)
     if kernel == "stock":
-        if scene.touch == "smooth":
-            raise SetupError("kernel stock: 'touch: smooth' is not in stock LAMMPS; use the compiled kernel")
+        if missing := lacking(scene):
+            raise SetupError(f"kernel stock: {missing} is not in stock LAMMPS; use the compiled kernel")
         return Setting(ranks=number), notes
     try:
         status = availability()
@@ -53,14 +54,9 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             raise SetupError(status.reason)
         return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes
     except SetupError as error:
-        if kernel == "compiled" or needs_plugin(scene):
+        if kernel == "compiled" or lacking(scene):
             raise SetupError(f"this case needs the compiled kernel, which cannot be used: {error}") from None
         return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}"]
-
-
-def needs_plugin(scene: Scene) -> bool:
-    """Whether stock LAMMPS lacks something of a scene: a smooth touch, or the thesis' friction."""
-    return scene.touch == "smooth" or (scene.friction_law == "sign" and scene.coefficients.friction > 0)
 
 
 def usable_kernels() -> tuple[list[str], list[str]]:
@@ -76,7 +72,12 @@ def usable_kernels() -> tuple[list[str], list[str]]:
 
 
 def free_cores() -> int:
-    """Cores this process may use, less those that the load of the last minute takes; at least 1."""
+    """Cores this process may use, less those that the load of the last minute takes; at least 1.
+
+    In a Slurm job they are its tasks.
+    """
+    if (tasks := os.environ.get("SLURM_NTASKS", "")).isdigit():
+        return max(1, int(tasks))
     cores = len(os.sched_getaffinity(0))
     try:
         busy = os.getloadavg()[0]

@@ -61,27 +61,30 @@ class Conclusion:
 
     def __post_init__(self) -> None:
         self.begin = time.perf_counter() - (self.before.get("analysis") or 0.0)
-        self.outputs = outputs_of(self.folder)
         self.ended = self.result.status in ("complete", "unchecked")  # the engine came to its end
+        self.outputs = {}
         self.steps = self.result.steps if self.steady else self.case.scene().steps
 
     def first(self) -> None:
-        """Check, analyse and summarise.
+        """Check, analyse and summarise; of an interrupted run only the summary is written, for time may be short.
 
         Raises
         ------
         RunError, RunInterrupted
             As the run has ended; also where what it wrote is not what its schedule asks for.
         """
+        result = self.result
+        if result.status == "interrupted":
+            self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
+            raise RunInterrupted(result.message)
+        self.outputs = outputs_of(self.folder)
         if self.ended:
-            self.result = replace(self.result, status="unchecked")
+            self.result = replace(result, status="unchecked")
         self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
         trouble = self._analyse({}, again=False)
         result = self.result
         if self.steady:
             log.info(f"note: {self.steady}")
-        if result.status == "interrupted":
-            raise RunInterrupted(result.message)
         if result.status == "failed":
             raise RunError(result.message)
         if trouble:
@@ -97,6 +100,7 @@ class Conclusion:
         RunError
             A run that was not checked before is not what its schedule asks for.
         """
+        self.outputs = outputs_of(self.folder)
         if stored.get("status") == "complete" and (changed := self._changed(stored)):
             raise DumpError(
                 f"{self.folder}: is not what the run wrote: {'; '.join(changed)}. Nothing was changed; put the files "
@@ -196,7 +200,7 @@ class Conclusion:
 
 @contextmanager
 def _told_how_to_go_on(folder: Path) -> Iterator[None]:
-    """Ctrl-C and SIGTERM during the analysis of a run folder become a `RunInterrupted` that says what is left to do."""
+    """Signals during the analysis of a run folder become a `RunInterrupted` that says what is left to do."""
     try:
         with terminate_as_interrupt():
             yield

@@ -16,10 +16,10 @@ import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
-from lammps_jump.engines.lammps.job import write_job
+from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
-from lammps_jump.errors import CaseError, RunError, SetupError
+from lammps_jump.errors import CaseError, RunError, RunInterrupted, SetupError
 from lammps_jump.files import RESULT_FILES
 from lammps_jump.folders import (
     MARKER_FILE,
@@ -33,6 +33,7 @@ from lammps_jump.folders import (
 from .conclude import Conclusion
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
+from .job import Site, write_job
 from .state import ToDo, difference, has_output, marker_of, resumable, to_do
 from .summary import SUMMARY_FILE, read_summary
 
@@ -66,7 +67,7 @@ def start(
             "of computing): nothing to do. --force runs it again."
         )
         return
-    with run_folder(folder, marker_of(case, setting)):
+    with _signals_say(folder), run_folder(folder, marker_of(case, setting)):
         left = _left_to_do(case, folder, setting, force=force, resume=resume)  # another process may have been there
         if left == "run":
             _run(case, folder, setting, notes, resume, begin, progress, should_stop)
@@ -127,8 +128,8 @@ def _run(
         Conclusion(case, folder, setting, result, steady, before, notes).first()
 
 
-def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = False) -> Setting:
-    """Write the run folder of a case and stop there; with `job` also a job file for a cluster. The setting chosen.
+def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:
+    """Write the run folder of a case and stop there, with the job file for a site if one is given; the setting chosen.
 
     Raises
     ------
@@ -144,8 +145,8 @@ def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = Fals
             raise SetupError(f"{folder}: holds a run; name another folder with --out, or delete that run with --force")
         write_folder(case, folder, marker)
         engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
-        if job:
-            write_job(case.scene(), folder, setting.ranks)
+        if job is not None:
+            write_job(case.scene(), folder, setting.ranks, job)
     return setting
 
 
@@ -164,7 +165,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
     DumpError
         No dump that can be read.
     RunInterrupted
-        The analysis was ended by Ctrl-C or SIGTERM.
+        The analysis was ended by a signal.
     """
     for change in changes:
         if change.split("=")[0].split(".")[0].strip() != "analysis":
@@ -232,6 +233,16 @@ def _load_analysis() -> None:
     for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
         with suppress(Exception):  # a program that is ending; else the analysis says it
             importlib.import_module(name)
+
+
+@contextmanager
+def _signals_say(folder: Path) -> Iterator[None]:
+    """A signal before the engine runs, or behind it, becomes a `RunInterrupted` that says how to go on."""
+    try:
+        with terminate_as_interrupt():
+            yield
+    except KeyboardInterrupt:
+        raise RunInterrupted(f"{folder}: ended by a signal; the same command with --resume goes on") from None
 
 
 @contextmanager
