@@ -85,7 +85,7 @@ def analyse(case: ReadCase, folder: Path, out: Path, watch: Sequence[Collector] 
     asked = case.fields.analysis
     wanted = [name for name in (*quantities.QUANTITIES, "fields") if getattr(asked, name, False)]
     quiet = not log.isEnabledFor(logging.INFO)
-    options = {"film": asked.animation, "quiet": quiet, "watch": watch}
+    options = {"figures": asked.figures != "none", "film": asked.animation, "quiet": quiet, "watch": watch}
     return quantities.analyse(flow_of(case), find_dump(folder), out, wanted, **options)
 
 

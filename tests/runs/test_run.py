@@ -121,6 +121,17 @@ def test_lines_of_the_design(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.startswith("no jump") and (tmp_path / "runs/friction/report.html").exists()
 
 
+def test_a_run_without_figures_has_the_same_numbers(case, finished, tmp_path):
+    run = case.replace({"analysis.figures": "none"}).run(tmp_path / "run")
+    assert not (run.folder / "figures").exists() and not (run.folder / "report.html").exists()
+    whole = lj.open_run(finished).summary
+    assert run.summary["key"] == whole["key"] and run.summary["jump"] == whole["jump"]
+    assert run.summary["cpu_seconds"] > 0
+    made = lj.run(run.case.replace({"analysis.figures": "default"}), run.folder)  # nothing is run again
+    assert (run.folder / "report.html").exists()
+    assert made.summary["wall_seconds"]["run"] == run.summary["wall_seconds"]["run"]
+
+
 def test_the_caller_is_left_alone(case, tmp_path, capfd):
     before = caller()
     run = lj.run(case, tmp_path / "run", progress=lambda report: None)
