@@ -115,4 +115,5 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
     )
     for warning in summary.get("warnings", []):
         print(f"note: {warning}")
-    print(f"report: {folder}/report.html")
+    if (folder / "report.html").exists():
+        print(f"report: {folder}/report.html")

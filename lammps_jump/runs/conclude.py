@@ -163,8 +163,9 @@ class Conclusion:
             if note and self.result.status != "failed":
                 parts["warnings"].append(note)
             summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
-            self._link_the_rest(stage)
-            runs.results.write_report(stage, summary, self.case)
+            if self.case.fields.analysis.figures != "none":
+                self._link_the_rest(stage)
+                runs.results.write_report(stage, summary, self.case)
             self._write(summary, None)  # ended between here and the last line: it is analysed again
             clear(folder, ["report.html", *stored.get("files", ())])
             names = publish(stage, folder)

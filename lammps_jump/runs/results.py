@@ -106,7 +106,14 @@ def analyse(
     `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`.
     """
     quiet = not log.isEnabledFor(logging.INFO)
-    options = {"film": case.fields.analysis.animation, "quiet": quiet, "watch": watch, "gathered": gathered}
+    asked = case.fields.analysis
+    options = {
+        "figures": asked.figures != "none",
+        "film": asked.animation,
+        "quiet": quiet,
+        "watch": watch,
+        "gathered": gathered,
+    }
     return quantities.analyse(flow_of(case), find_dump(folder), out, _wanted(case), **options)
 
 
