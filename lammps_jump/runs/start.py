@@ -27,12 +27,12 @@ from lammps_jump.folders import (
     require_ours,
     require_unlocked,
 )
+from lammps_jump.script.job import Site, write_job
 
 from .ahead import Ahead
 from .conclude import Conclusion
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
-from .job import Site, write_job
 from .state import ToDo, difference, has_output, marker_of, resumable, to_do
 from .summary import SUMMARY_FILE, read_summary
 
