@@ -9,8 +9,8 @@ import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
-from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
-from lammps_jump.scene.schedule import Schedule, plan_steps
+from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene, Stations
+from lammps_jump.scene.schedule import Schedule, plan_stations, plan_steps
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Interval, Plane
 
@@ -126,6 +126,7 @@ def build_scene(loaded: PlacedFields) -> Scene:
         pours=_pours(case),
         outlets=outlets,
         probes=probes,
+        stations=_stations(case, source, dt, steps, settle, (inlets, outlets), largest),
         steps=settle + steps.run,
         settle_steps=settle,
         output_steps=steps.output,
@@ -369,3 +370,17 @@ def _probes(case: CaseFields, source: CaseSource, walls) -> tuple[str, ...]:
                 f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
             )
     return tuple(dict.fromkeys(case.probes.forces))
+
+
+def _stations(
+    case: CaseFields, source: CaseSource, dt: float, steps: Schedule, settle: int, ports: tuple, largest: float
+) -> Stations | None:
+    """The stations of the energy ledger; `ports` are the inlets and the outlets."""
+    asked = case.probes.stations
+    if asked is None:
+        return None
+    places = (*(row.x for row in ports[0]), *(line.at for line in ports[1] if line.axis == "x"))
+    try:
+        return plan_stations(asked.x, asked.speed, asked.window, dt, steps, settle, places, 2 * largest)
+    except ValueError as error:
+        raise source.error("probes.stations", str(error)) from None
