@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from math import isqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from .scene import Stations
+from .scene import Scene, Stations
 from .walls import Interval
 
 TOLD = 1e-3
@@ -81,37 +80,27 @@ def told(asked: dict[str, tuple[float, float]], unit: str = "s") -> tuple[str, .
     )
 
 
-def plan_stations(
-    x: Interval, speed: float, window: Interval, time_step: float, steps: Schedule, settle_steps: int,
-    barred: Iterable[float], least: float,
-) -> Stations:  # fmt: skip
+def plan_stations(x: Interval, speed: float, window: Interval, scene: Scene) -> Stations:
     """Stations at `x` (m) that move at `speed` (m/s) from the first to the last frame of a window (s).
-
-    Parameters
-    ----------
-    time_step : float
-        s.
-    barred : iterable of float
-        Places along x where discs come or go, m; they keep a distance of `least` from the stretch between the stations.
-    least : float
-        Least distance of the two stations, m.
 
     Raises
     ------
     ValueError
-        The window holds no two frames of the run, or the stations are too close, or a barred place is between them.
+        The window holds no two frames of the run, the stations are too close, or discs come or go between them.
     """
-    first, last = (round((time / time_step + settle_steps) / steps.output) * steps.output for time in window)
-    if not 0 <= first < last <= settle_steps + steps.run:
+    dt, least = scene.time_step, 2 * scene.largest
+    frames = (round((time / dt + scene.settle_steps) / scene.output_steps) for time in window)
+    first, last = (frame * scene.output_steps for frame in frames)
+    if not 0 <= first < last <= scene.steps:
         raise ValueError(
             f"window [{window[0]:g}, {window[1]:g}] s; allowed are times of two frames or more within "
-            f"[{-settle_steps * time_step:g}, {steps.run * time_step:g}] s"
+            f"[{scene.time(0):g}, {scene.time(scene.steps):g}] s"
         )
     if x[1] - x[0] < least:
         raise ValueError(f"x [{x[0]:g}, {x[1]:g}] m; allowed is a distance of {least:g} m, two discs, or more")
-    moved = speed * (last - first) * time_step
+    moved = speed * (last - first) * dt
     low, high = x[0] + min(0.0, moved), x[1] + max(0.0, moved)
-    for place in barred:
+    for place in (*(row.x for row in scene.inlets), *(line.at for line in scene.outlets if line.axis == "x")):
         if low - least < place < high + least:
             raise ValueError(
                 f"the stations pass x = {low:.4g} to {high:.4g} m, and discs come or go at {place:g} m; allowed is a "
