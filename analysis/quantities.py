@@ -17,7 +17,7 @@ from lammps_jump.files import plain
 from lammps_jump.units import as_summary, numbers_of, shown
 
 from . import energy, front
-from .budgets import inflow
+from .budgets import inflow, stations
 from .contacts import ContactCollector
 from .draw.film import NO_FFMPEG, animate
 from .draw.snapshots import snapshots
@@ -248,4 +248,4 @@ def main_numbers(summary: Mapping[str, object]) -> list[str]:
                 value = shown(found[number.key], number.unit, found.get(f"{number.key}_error"))
                 texts.append(f"{number.label} {value}")
         lines += [f"{name}: {', '.join(texts)}"] if texts else []
-    return lines
+    return [*lines, *filter(None, [stations.line(summary)])]

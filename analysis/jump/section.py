@@ -21,10 +21,10 @@ from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
 from .frame import Balance
-from .head import energy_budget, sentence
+from .head import energy_budget, no_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
-from .verdict import worded
+from .verdict import A_JUMP, worded
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
@@ -40,7 +40,8 @@ def analyse(gathered: Gathered) -> Jump:
     edges = bin_edges(gathered.flow.x_range, gathered.flow.bin_width)
     budget = energy_budget(cast("np.ndarray | None", gathered.histories.get("jump")), found.measured, edges)
     if budget is None:
-        return found
+        why = no_budget(gathered.flow) if found.verdict in A_JUMP else ""
+        return replace(found, reason=f"{found.reason} {why}".strip())
     return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
 
 

@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
@@ -59,6 +60,7 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     before += [
         _defined(key, quantity.section(summary[key])) for key, quantity in QUANTITIES.items() if summary.get(key)
     ]
+    before.append(_defined("stations", stations.section(summary)))
     numbers = numbers_of(Coefficients)
     values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
