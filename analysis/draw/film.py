@@ -21,7 +21,7 @@ from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.scene.walls import Interval, Wall
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
-from .snapshots import disc_speeds, seen, top_of
+from .scope import disc_speeds, seen, top_of
 from .style import colour_bar, style
 
 NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"

@@ -18,7 +18,7 @@ from lammps_jump.units import ABSENT, numbers_of
 
 from .definitions import DEFINITIONS
 from .headline import belongs, headline
-from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, percent, picture, render, with_error
+from .page import Box, Boxes, Code, Items, Picture, Section, Table, Text, heading, percent, picture, render, with_error
 
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
@@ -52,7 +52,11 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
     name_of_run = str(summary.get("name", "run"))
     title = name_of_run if "given" in summary else name_of_run.replace("_", " ")
     tab = f"{name_of_run}: report"
-    lead = [*_lead(summary), Boxes(_key_numbers(summary)), Items(summary.get("warnings") or (), "Notes")]
+    lead = [
+        *_lead(summary),
+        Boxes([Box(*number) for number in _key_numbers(summary)]),
+        Items(summary.get("warnings") or (), "Notes"),
+    ]
     before = [Section("", lead)]
     before += [
         _defined(key, quantity.section(summary[key])) for key, quantity in QUANTITIES.items() if summary.get(key)

@@ -84,10 +84,13 @@ class Dump(DumpFile):
         """Number of complete frames."""
         return len(self.headers())
 
+    def _open(self) -> BinaryIO:
+        return _open(self.path, self.compressed)
+
     def _pass(self, parse) -> Iterator[tuple[FrameHeader, Frame | None]]:
         self.warnings = []
         try:
-            with _open(self.path, self.compressed) as stream:
+            with self._open() as stream:
                 yield from walk(self, stream, parse)
         except OSError as error:
             raise DumpError(f"{self.path}: cannot be read ({error.strerror or error}).") from error
