@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import quote
 
 from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.budgets.inflow import Delivery
@@ -50,7 +51,8 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
         The file cannot be written.
     """
     name_of_run = str(summary.get("name", "run"))
-    title, tab = name_of_run.replace("_", " "), f"{name_of_run}: report"
+    title = name_of_run if "given" in summary else name_of_run.replace("_", " ")
+    tab = f"{name_of_run}: report"
     lead = [
         *_lead(summary),
         Boxes([Box(*number) for number in _key_numbers(summary)]),
@@ -118,7 +120,8 @@ def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
             sure += f"; for 3 % at least {starts} run(s)" if starts else ""
             boxes.append((sure, with_error(jump, key), numbers[key].unit))
     if front.get("position") is not None:
-        boxes.append((f"front at t = {front['time']:.3g} s ({UNSURE})", front["position"], "m"))
+        when = "at the last frame" if front.get("time") is None else f"at t = {front['time']:.3g} s"
+        boxes.append((f"front {when} ({UNSURE})", front["position"], "m"))
         boxes += [(f"speed of the front ({UNSURE})", front["speed"], "m/s")] if front.get("speed") is not None else []
     for name, values in force.items():
         if isinstance(values, dict) and values.get("peak") is not None:
@@ -150,11 +153,23 @@ def _figures(folder: Path, room: int) -> Section:
     return Section("Figures", [*shown, Text(tail)])
 
 
+def _command(summary: Mapping) -> list[Text | Code]:
+    """The command that makes the results again."""
+    if "given" not in summary:
+        return [Text("In this run folder, with the versions below:"), Code("lammps-jump build-and-run case.yaml")]
+    options = [
+        f"--{key.replace('_', '-')} "
+        + (",".join(f"{k}={v:g}" for k, v in value.items()) if isinstance(value, Mapping) else f"{value:g}")
+        for key, value in summary["given"].items()
+    ]
+    return [Code(" ".join(["lammps-jump analyze", quote(summary["name"]), *options]))]
+
+
 def _how(summary: Mapping) -> Section:
     seconds, discs = summary.get("wall_seconds") or {}, summary.get("discs") or {}
     speed, versions = summary.get("disc_steps_per_second"), summary.get("versions") or {}
     rows = [
-        ("Engine", f"{summary.get('engine') or ABSENT}, kernel {summary.get('kernel') or ABSENT}"),
+        ("Engine", f"{summary['engine']}, kernel {summary.get('kernel') or ABSENT}" if summary.get("engine") else None),
         *((f"Wall time, {name}", f"{value:.2f} s") for name, value in seconds.items() if value is not None),
         ("Steps", summary.get("steps")),
         ("Disc-steps per second", f"{speed / 1e6:.1f} million" if speed else None),
@@ -164,8 +179,7 @@ def _how(summary: Mapping) -> Section:
     return Section(
         "How to repeat it",
         [
-            Text("In this run folder, with the versions below:"),
-            Code("lammps-jump build-and-run case.yaml"),
+            *_command(summary),
             Table([row for row in rows if row[1] is not None]),
             Code(json.dumps(summary, indent=1), "summary.json"),
         ],

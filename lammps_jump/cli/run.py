@@ -103,17 +103,18 @@ def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force:
 
 
 def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
-    """The verdict and the main numbers of a summary, and where to look."""
+    """The verdict and the main numbers of a run or of a bare dump, and where to look."""
     for line in analysis.main_numbers(summary):
         print(line)
-    discs, seconds = summary["discs"], summary["wall_seconds"]
-    rate = summary["disc_steps_per_second"] or 0.0
-    print(
-        f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
-        f"{discs['lost']} lost\n"
-        f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
-        f"analysis {seconds['analysis']:.2f} s"
-    )
+    if "discs" in summary:
+        discs, seconds = summary["discs"], summary["wall_seconds"]
+        rate = summary["disc_steps_per_second"] or 0.0
+        print(
+            f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
+            f"{discs['lost']} lost\n"
+            f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
+            f"analysis {seconds['analysis']:.2f} s"
+        )
     for warning in summary.get("warnings", []):
         print(f"note: {warning}")
     if (folder / "report.html").exists():

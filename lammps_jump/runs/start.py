@@ -207,7 +207,7 @@ def _run_engine(
     progress: ProgressCallback | None,
     should_stop: StopCallback | None,
 ) -> tuple[RunResult, str]:
-    """Run; the text says why it was stopped as steady, and is empty where it was not."""
+    """Run; the text says why it was stopped as steady or drowned, and is empty where it was not."""
     scene, watch = case.scene(), None
     if case.fields.run.stop_when_steady:
         watch = runs.steady.SteadyWatch(scene, folder, runs.steady.studied_reach(runs.results.flow_of(case)))
