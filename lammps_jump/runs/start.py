@@ -97,8 +97,9 @@ def _run(
     """Run in a folder that this process holds."""
     scene, checkpoint = case.scene(), None
     before: Mapping[str, float] = {}
-    if resume:
-        checkpoint = resumable(case, folder, setting)
+    if resume and (checkpoint := resumable(case, folder, setting)) is None:
+        log.info(f"{folder} holds no checkpoint: the run starts from the beginning")
+    if checkpoint is not None:
         setting = replace(setting, kernel=checkpoint.result.kernel)
         before = read_summary(folder).get("wall_seconds") or {}
         said = (
