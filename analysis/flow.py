@@ -190,8 +190,7 @@ def from_scene(
         speeds.
     """
     if scene.inlets and inflow_depth is None:
-        intervals = (scene.density * row.every_steps * scene.time_step * abs(row.vx) for row in scene.inlets)
-        inflow_depth = sum(scene.mean_mass / interval for interval in intervals)
+        inflow_depth = sum(q / abs(row.vx) for q, row in zip(scene.discharges, scene.inlets, strict=True))
     if scene.inlets and inflow_speed is None:
         inflow_speed = float(np.mean([row.vx for row in scene.inlets]))
     duration = scene.time(scene.steps)

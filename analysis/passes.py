@@ -50,6 +50,8 @@ class Gathered:
         Results of the collectors, by the name of their quantity.
     forces : mapping of str to ForceHistory
         Of ``forces.csv``.
+    warnings : tuple of str
+        Notes on the flow and of the pass.
     """
 
     flow: Flow
@@ -57,6 +59,7 @@ class Gathered:
     contacts: ContactSeries | None
     histories: Mapping[str, object]
     forces: Mapping[str, ForceHistory]
+    warnings: tuple[str, ...] = ()
 
     @property
     def thinned(self) -> xr.Dataset:

@@ -210,7 +210,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     later = inside & (np.cumsum(inside) > 1)  # what came before the window's first frame belongs to the time before
     intervals = np.array([row.every_steps * scene.time_step for row in rows])
     speeds = np.array([row.vx for row in rows])
-    planned = scene.mean_mass / scene.density / intervals
+    planned = np.array(scene.discharges)
     with np.errstate(invalid="ignore", divide="ignore"):
         delivered = arrivals.area[later].sum(axis=0) / (arrivals.turns[later].sum(axis=0) * intervals)
     turns, discs = arrivals.turns.sum(axis=0), int(arrivals.discs.sum())

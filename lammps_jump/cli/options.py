@@ -55,6 +55,17 @@ Resume = Annotated[
     ),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Delete the run that the folder holds, and start anew.")]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="Runs at once (default: one for each core that may be used).")
+]
+Until = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--until",
+        metavar="PATH=SHARE",
+        help="Add members until the interval is as narrow: jump.speed=3%.",
+    ),
+]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")]
 
 

@@ -26,16 +26,6 @@ from .waves import shock_speed as shock_speed
 from .waves import shock_speed_from_mass as shock_speed_from_mass
 from .waves import stagnation_force as stagnation_force
 
-PROFILE_MOMENTUM_COEFFICIENT = 64.0 / 63.0
-"""beta = mean(u^2) / mean(u)^2 of the continuous one-seventh profile."""
-
-PROFILE_ENERGY_COEFFICIENT = 512.0 * 0.7 / 343.0
-"""alpha = mean(u^3) / mean(u)^3 of the continuous one-seventh profile."""
-
-PROFILE_MEAN_HEIGHT = (7.0 / 8.0) ** 7
-"""y/y1 where the one-seventh profile has its mean velocity."""
-
-
 # --- the jump ---------------------------------------------------------------------------------------------------
 
 

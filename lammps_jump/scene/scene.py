@@ -34,6 +34,10 @@ class InletRow:
     clearance: float
     limit: int | None = None
 
+    def discharge(self, mean_square: float, time_step: float) -> float:
+        """Discharge of the row without refused turns, m^2/s: the mean squared diameter (m^2) over the interval."""
+        return mean_square / (self.every_steps * time_step)
+
 
 @dataclass(frozen=True, slots=True)
 class Pour:
@@ -153,9 +157,19 @@ class Scene:
         return self.sizes.smallest if self.sizes else self.diameter
 
     @property
+    def mean_square(self) -> float:
+        """Mean squared diameter by number, m^2: the area that a disc stands for."""
+        return self.sizes.mean_square if self.sizes else self.diameter**2
+
+    @property
     def mean_mass(self) -> float:
         """Mean mass of a disc by number, kg/m."""
-        return self.density * self.sizes.mean_square if self.sizes else self.mass
+        return self.density * self.mean_square
+
+    @property
+    def discharges(self) -> tuple[float, ...]:
+        """Discharge of each inlet row in whole steps, m^2/s."""
+        return tuple(row.discharge(self.mean_square, self.time_step) for row in self.inlets)
 
     def diameters(self, ids: ArrayLike) -> np.ndarray:
         """Diameter of each id, m; shape of `ids`."""

@@ -6,8 +6,6 @@ Each function takes the scene and returns lines, or none where the scene does no
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
@@ -22,8 +20,15 @@ LOG_LINES_PER_FRAME = 5
 probes, gates = stock_probes, stock_gates
 
 
-def settings(scene: Scene, ranks: int, plugin: Path | None = None) -> list[str]:
-    """Units, dimension, atom style and how space is divided; the styles of LAMMPS need no plugin."""
+def lacking(scene: Scene) -> str:
+    """What the styles of LAMMPS lack of a scene, as the case says it; empty where they do."""
+    if scene.touch == "smooth":
+        return "'touch: smooth'"
+    return "'friction_law: sign'" if scene.friction_law == "sign" and scene.coefficients.friction > 0 else ""
+
+
+def settings(scene: Scene, ranks: int) -> list[str]:
+    """Units, dimension, atom style and how space is divided."""
     return [
         "units           si",
         "dimension       2",

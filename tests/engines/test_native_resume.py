@@ -23,7 +23,7 @@ from lammps_jump.cli.app import main
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, read_checkpoint
-from lammps_jump.engines.interrupts import counted_interrupts, terminate_as_interrupt
+from lammps_jump.engines.interrupts import SIGNALS, counted_interrupts, terminate_as_interrupt
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
@@ -278,7 +278,7 @@ def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypa
     status, output = run_program(
         "build-and-run", INPUTS / "energy_box_16.yaml", "--out", tmp_path, *options, signal_at=(signal.SIGTERM, 30_000)
     )
-    assert status == 1 and "--resume" in output
+    assert status == 75 and "--resume" in output
     scene = case_scene("energy_box_16", *changes)
     assert read_checkpoint(tmp_path).step == 30_000 < scene.steps
     cli.run(tmp_path, resume=True, quiet=True)
@@ -293,7 +293,7 @@ def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypa
 # --- small parts -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", SIGNALS)
 def test_signals_are_counted_or_raised(number, ctrl_c_heard):
     before = signal.getsignal(number)
     with terminate_as_interrupt():

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What looks at a run as it goes: progress line, newest frame, steady watch, log; and the job file."""
+"""What looks at a run as it goes: progress line, newest frame, steady watch and log."""
 
 from __future__ import annotations
 
 import io
-import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +17,6 @@ from lammps_jump.cli.live import SECONDS, LiveView
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.tail import Tail
 from lammps_jump.engines.choice import choose_ranks, expected_discs
-from lammps_jump.engines.lammps.job import job_text
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
@@ -269,16 +267,10 @@ def test_log_is_read(tmp_path):
 
 def test_ranks(scene):
     # one rank for a small scene whatever is free; a number is obeyed
-    assert choose_ranks("auto", scene)[0] == 1
+    small = build_scene(load_case(INPUTS / "energy_box_16.yaml"))
+    assert choose_ranks("auto", small)[0] == 1
     assert choose_ranks(3, scene)[0] == 3
     assert choose_ranks(10_000, scene)[1]
     few = replace(scene, inlets=(), steps=1)
     assert expected_discs(few) == 0
     assert expected_discs(scene) >= 2000
-
-
-def test_job_file_is_a_shell_script(scene, tmp_path):
-    path = tmp_path / "job.slurm"
-    path.write_text(job_text(scene, 4))
-    subprocess.run(["bash", "-n", path], check=True)
-    assert "--ntasks=4" in path.read_text() and "quick_jump" in path.read_text()

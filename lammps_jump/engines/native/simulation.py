@@ -26,7 +26,7 @@ from . import ledger as energies
 from . import lists as neighbours
 from . import loops as kernels
 from .constants import law_of, motion_of
-from .discs import Discs
+from .discs import discs_at_start
 from .faces import faces_of
 from .inlets import OpenBoundaries
 from .ledger import Energy
@@ -97,7 +97,7 @@ class NativeSimulation:
         self.boundaries = OpenBoundaries(scene)
         self._window_start = 0
         self._carried: dict[str, np.ndarray] = {}
-        self._load_discs()
+        self.discs = discs_at_start(scene, ledger=ledger)
         self._load_walls()
         self._rebuild()
         self._check_overlap()
@@ -108,23 +108,6 @@ class NativeSimulation:
         self._start_energy = self.energy()
 
     # --- set-up -------------------------------------------------------------------------------------------------
-
-    def _load_discs(self) -> None:
-        scene = self.scene
-        n = len(scene.positions)
-        extrapolated = scene.integrator == "leapfrog_extrapolated"
-        self.discs = discs = Discs(
-            n, extrapolated=extrapolated, spin=scene.rotation, ledger=self._ledger_on, friction=bool(self._friction),
-            sizes=scene.sizes is not None,
-        )  # fmt: skip
-        discs.n = n
-        discs.ids[:n] = np.arange(1, n + 1)
-        if scene.sizes is not None:
-            discs.radius[:n] = 0.5 * scene.diameters(discs.ids[:n])
-        discs.x[:n], discs.y[:n] = scene.positions.T
-        discs.vx[:n], discs.vy[:n] = scene.velocities.T
-        if extrapolated:
-            discs.ux[:n], discs.uy[:n] = discs.vx[:n], discs.vy[:n]
 
     def _load_walls(self) -> None:
         """Faces that are there now; sums of the window go on, also those of a gate that has just been taken away."""
