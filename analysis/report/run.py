@@ -54,8 +54,8 @@ def write_report(
         The file cannot be written.
     """
     name_of_run = str(summary.get("name", "run"))
-    name = name_of_run if "given" in summary else name_of_run.replace("_", " ")
-    title = verdict(summary) or name
+    called = name_of_run if "given" in summary else name_of_run.replace("_", " ")
+    title = verdict(summary) or called
     about = {
         "tab": f"{name_of_run}: report",
         "name": ": ".join(filter(None, (name_of_run, summary.get("description")))),
