@@ -103,7 +103,7 @@ def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
         if inflow.get(key) is not None:
             sure = "" if key == "delivered" else ", ± within this run"
             boxes.append((given[key].meaning + sure, with_error(inflow, key), given[key].unit))
-    if jump.get("share_found") is not None:
+    if jump.get("share_found") is not None and belongs("y1", jump):
         boxes.append(("of the window's frames have a jump", percent(jump["share_found"], 0), ""))
     numbers = numbers_of(Jump)
     for key in BOXES:
