@@ -22,6 +22,14 @@ from .player import STILL
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
 
+REPEAT = """\
+lammps-jump build-and-run case.yaml --out again
+
+import lammps_jump as lj
+run = lj.load_case("case.yaml").run("again")
+"""
+ANALYSE = "lammps-jump analyze {dump}"
+
 
 def write_report(
     folder: Path,
@@ -117,19 +125,23 @@ def _figures(folder: Path, room: int, player: Player | None) -> Section:
 def _how(summary: Mapping) -> Section:
     seconds, discs = summary.get("wall_seconds") or {}, summary.get("discs") or {}
     speed, versions = summary.get("disc_steps_per_second"), summary.get("versions") or {}
+    sums = {name: values.get("sha256") for name, values in (summary.get("outputs") or {}).items()}
     rows = [
-        ("Engine", f"{summary.get('engine') or ABSENT}, kernel {summary.get('kernel') or ABSENT}"),
+        ("Engine", f"{summary['engine']}, kernel {summary.get('kernel') or ABSENT}" if summary.get("engine") else None),
         *((f"Wall time, {name}", f"{value:.2f} s") for name, value in seconds.items() if value is not None),
         ("Steps", summary.get("steps")),
         ("Disc-steps per second", f"{speed / 1e6:.1f} million" if speed else None),
         ("Discs", ", ".join(f"{value} {name}" for name, value in discs.items()) or None),
         *((f"Version of {name}", value) for name, value in versions.items()),
+        ("Hash of the case", summary.get("case_hash")),
+        *((f"SHA-256 of {name}", value) for name, value in sums.items()),
     ]
+    ways = REPEAT if summary.get("engine") else ANALYSE.format(dump=summary.get("name", "dump.lammpstrj"))
     return Section(
         "How to repeat it",
         [
-            Text("In this run folder, with the versions below:"),
-            Code("lammps-jump build-and-run case.yaml"),
+            Text("In this folder, with the versions below:"),
+            Code(ways),
             Table([row for row in rows if row[1] is not None]),
             Code(json.dumps(summary, indent=1), "summary.json"),
         ],
