@@ -15,7 +15,7 @@ from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.units import numbers_of, shown
 
-from .headline import belongs
+from .headline import A_JUMP, belongs
 from .page import Box, heading
 
 MOST = 5
@@ -93,6 +93,8 @@ def _goes(wanted: Wanted, summary: Mapping) -> bool:
     quantity, _, key = wanted.path.partition(".")
     if quantity == "energy":
         return bool(_at(summary, "energy.conservative"))
+    if quantity == "front":
+        return _at(summary, "jump.verdict") not in A_JUMP
     return quantity != "jump" or belongs(key, _at(summary, "jump"))
 
 
