@@ -17,7 +17,7 @@ import numpy as np
 
 import lammps_jump as lj
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.jump.certainty import CANNOT_TELL
+from lammps_jump.analysis.jump.certainty import MISSED
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.summary import Jump, summarise_jump
 from lammps_jump.analysis.statistics import STUDENT, WAVES
@@ -29,6 +29,8 @@ KEYS = (
     "belanger_deviation", "density_ratio", "density_relation_ratio", "full_relation_ratio", "speed", "toe_speed",
     "end_speed", "length", "length_mass", "head_upstream", "head_downstream", "energy_loss", "momentum_residual",
 )  # fmt: skip
+CANNOT_TELL = (*MISSED, "h2", "u2", "length")
+"""Numbers whose error one run cannot tell: intervals cover less than 90 %, or they go with y2 (docs/analysis.md)."""
 
 
 def jump_of(case: lj.Case, member: int) -> Jump:

@@ -10,7 +10,7 @@ class JumpError(Exception):
     Attributes
     ----------
     exit_status : int
-        2 where the input is at fault, 1 where a run failed.
+        2 where the input is at fault, 1 where a run failed, 75 where it was interrupted and can go on.
     """
 
     exit_status = 1
@@ -55,4 +55,6 @@ class RunError(JumpError, RuntimeError):
 
 
 class RunInterrupted(RunError):
-    """A run that the user ended (exit status 1); what it had is kept."""
+    """A run that the user ended; what it had is kept, and it can go on (exit status 75, EX_TEMPFAIL of sysexits.h)."""
+
+    exit_status = 75

@@ -37,15 +37,17 @@ FIGURES = {
     "bed_pressure.png": "Pressure at the bed against the weight above",
 }
 """Pictures in ``figures/``, in the order of the report, with their captions there."""
+JOB_FILE = "job.slurm"
 RUN_FILES = (
     "case.yaml",
     "in.lammps",
+    "in.plugin.lammps",
     "discs.data",
     "disk.mol",
     "log.lammps",
     *DUMP_NAMES.values(),
     "forces.csv",
-    "job.slurm",
+    JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",
     "checkpoint-[0-9]*.npz",

@@ -36,21 +36,21 @@ def child(command, **options):
         process.wait()
 
 
-def run_child(command, *, signal_at: tuple[int, int] | None = None, env=None, **options) -> tuple[int, str]:
+def run_child(command, *, signal_at: tuple | None = None, env=None, **options) -> tuple[int, str]:
     """Status and output of a command; pytest shows the output where the test fails.
 
     Parameters
     ----------
     command : sequence
-    signal_at : (number, step), optional
-        The process sends itself this signal at a step of its engine.
+    signal_at : (number, step) or (number, step, who), optional
+        The process gets this signal at a step of its engine, or its engine, or both: 'first', 'engine', 'all'.
     env : dict of str, optional
         Added to the environment.
     """
     environment = {**os.environ, **(env or {})}
     environment.pop("JUMP_TEST_PROCESS", None)  # the child is the first process of its own run
     if signal_at is not None:
-        environment["JUMP_TEST_SIGNAL"] = "{:d}@{:d}".format(*signal_at)
+        environment["JUMP_TEST_SIGNAL"] = "{:d}@{:d}@{}".format(*signal_at, "first")
     environment["PYTHONPATH"] = os.pathsep.join([str(HOOK), *filter(None, [environment.get("PYTHONPATH")])])
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, **options}
     with child(command, env=environment, **pipes) as process:

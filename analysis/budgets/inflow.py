@@ -210,7 +210,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     later = inside & (np.cumsum(inside) > 1)  # what came before the window's first frame belongs to the time before
     intervals = np.array([row.every_steps * scene.time_step for row in rows])
     speeds = np.array([row.vx for row in rows])
-    planned = scene.mean_mass / scene.density / intervals
+    planned = np.array(scene.discharges)
     with np.errstate(invalid="ignore", divide="ignore"):
         delivered = arrivals.area[later].sum(axis=0) / (arrivals.turns[later].sum(axis=0) * intervals)
     turns, discs = arrivals.turns.sum(axis=0), int(arrivals.discs.sum())
@@ -247,7 +247,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         **_sequent(froude, depth, Mean(u, speed.error)),
         station=(float(ends[0]), float(ends[1])),
         rows=tuple(found),
-        notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum())),
+        notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum()), _blocked(arrivals)),
     )
 
 
@@ -267,7 +267,14 @@ def _sequent(froude: float, depth: Mean, speed: Mean) -> dict[str, float]:
     }
 
 
-def _notes(delivered: float, asked: float, refused: int, turns: int) -> tuple[str, ...]:
+def _blocked(arrivals: Arrivals) -> str:
+    """Since when no disc has entered, where all turns of the last two frames or more were refused."""
+    last = int(np.flatnonzero(arrivals.discs > 0)[-1]) if arrivals.discs.any() else 0
+    blocked = (arrivals.turns[last + 1 :].sum(axis=1) > 0).sum() > 1
+    return f"; no disc has entered since t = {arrivals.time[last]:.4g} s" if blocked else ""
+
+
+def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: str) -> tuple[str, ...]:
     if not isfinite(delivered) or abs(delivered / asked - 1.0) <= LARGEST_LOSS:
         return ()
     cause = "no turn was refused: the rows carry no more in whole steps"
@@ -278,7 +285,7 @@ def _notes(delivered: float, asked: float, refused: int, turns: int) -> tuple[st
         )
     return (
         f"the inflow delivered {delivered:.4g} m2/s of the {asked:.4g} m2/s asked for "
-        f"({100 * (delivered / asked - 1):+.1f} %); {cause}",
+        f"({100 * (delivered / asked - 1):+.1f} %); {cause}{blocked}",
     )
 
 

@@ -18,9 +18,6 @@ MISSED = {"y2": 0.60, "speed": 0.52, "froude": 0.44}
 """Largest share of the variance between starts that the window of one run missed (16 starts of a jump, windows of 3, 6
 and 13 s, each share to 0.15; docs/analysis.md)."""
 
-CANNOT_TELL = (*MISSED, "h2", "u2", "length")
-"""Numbers whose error one run cannot tell: intervals cover less than 90 %, or they go with y2 (docs/analysis.md)."""
-
 
 @dataclass(frozen=True)
 class Drift:

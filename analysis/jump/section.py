@@ -21,10 +21,10 @@ from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
 from .frame import Balance
-from .head import energy_budget, sentence
+from .head import energy_budget, no_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
-from .verdict import worded
+from .verdict import A_JUMP, untimed, worded
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
@@ -36,11 +36,15 @@ FROUDE = ("froude", "froude_downstream")
 
 def analyse(gathered: Gathered) -> Jump:
     """Jump of a run."""
-    found = worded(summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)))
+    found = summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts))
+    if not gathered.flow.timed:
+        return untimed(found)
+    found = worded(found)
     edges = bin_edges(gathered.flow.x_range, gathered.flow.bin_width)
     budget = energy_budget(cast("np.ndarray | None", gathered.histories.get("jump")), found.measured, edges)
     if budget is None:
-        return found
+        why = no_budget(gathered.flow) if found.verdict in A_JUMP else ""
+        return replace(found, reason=f"{found.reason} {why}".strip())
     return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
 
 
@@ -80,8 +84,10 @@ def tables(jump: Jump) -> Tables:
 
 def figures(jump: Jump, gathered: Gathered) -> Drawings:
     """Figures of the jump in time, in its own frame, of its momentum and of the head."""
-    return {
-        "jump_track.png": partial(track_figure, jump),
+    track = {"jump_track.png": partial(track_figure, jump)}
+    if not gathered.flow.timed:
+        return track
+    return track | {
         "jump_stream.png": partial(stream_figure, jump),
         "jump_frame.png": partial(frame_figure, jump),
         "jump_balance.png": partial(balance_figure, jump),
@@ -100,7 +106,9 @@ def section(jump: Mapping) -> Section:
                 f"length by thesis (4.27) {shown(inflow['length'])} m."
             )
         )
-    if jump.get("y1") is not None:
+    if jump.get("y1") is not None and jump["speed"] is None:
+        blocks += [_states(jump), Table(described(Jump, jump, "sequent_ratio", "length", "length_mass"))]
+    elif jump.get("y1") is not None:
         blocks += [
             _states(jump),
             _comparisons(jump),
@@ -124,6 +132,7 @@ def _states(jump: Mapping) -> Table:
         values = [with_error(jump, key, scale) for key in (one, two)]
         rows.append((heading(label.removesuffix(" upstream").removesuffix(","), unit), *values))
     rows.insert(5, (described(Jump, jump, "froude")[0][0], *(with_error(jump, key) for key in FROUDE)))
+    rows = [row for row in rows if set(row[1:]) != {ABSENT}]
     return Table(rows, ("State, measured beside the jump, ± within this run", "upstream 1", "downstream 2"))
 
 
@@ -131,7 +140,7 @@ def _comparisons(jump: Mapping) -> Table:
     ratio, from_mass = with_error(jump, "sequent_ratio"), jump["mass"]["speed_from_mass"]
     against = [
         ("Bélanger, front's frame", "belanger_ratio"),
-        (f"with density ratio {jump['density_ratio']:.3f}", "density_relation_ratio"),
+        (f"with density ratio {shown(jump['density_ratio'])}", "density_relation_ratio"),
         ("and measured bed force and β", "full_relation_ratio"),
         *([("and measured contact pressure", "pressure_relation_ratio")] if jump["pressure_relation_ratio"] else []),
     ]

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 BEHIND_FRONT = 1.2
 """Distance from the front at which a jump of discs has ended, in depths of the tail water (measured)."""
-SILL_REACH = 0.75
-"""Distance from the end of the channel at which a sill no longer draws the surface down, in the same depths."""
+SILL_REACH = 0.5
+"""Distance from the end of the channel at which the stretch ends, in the same depths: most of the fall over a sill."""
 LEAST_BINS = 3
 
 

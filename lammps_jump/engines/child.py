@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 import base64
 import json
+import logging
 import os
 import pickle
 import signal
@@ -23,12 +24,14 @@ from typing import TYPE_CHECKING
 from lammps_jump import errors
 from lammps_jump.errors import SetupError
 
+from .interrupts import SIGNALS, held_back
 from .lammps.loader import check_installed, program
 from .result import MARK, Progress, ProgressCallback, RunResult
 
 if TYPE_CHECKING:
     from .setting import Job
 
+log = logging.getLogger(__name__)
 PATIENCE = 20.0
 """Seconds that ranks of their own get to end in order."""
 ONE_SIGNAL = 1.0
@@ -77,16 +80,19 @@ class Child:
         self.jobs = 0
         self.asked = 0
         self.asked_at = 0.0
+        self.heard = 0
         self.listening = False
         self.output: list[str] = []
         self.last: Progress | None = None
         heard, said = os.pipe()
         # mpiexec also holds the end that this process reads: it would end its ranks, unsaved, where nothing reads them
         kept = (heard,) if ranks > 1 else ()
-        self.process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=said, stderr=subprocess.STDOUT, text=True, env=environment,
-            pass_fds=kept, start_new_session=True,
-        )  # fmt: skip
+        # a batch system signals every process of a job: this one alone acts; mpiexec still has to end by SIGTERM
+        with held_back(set(SIGNALS) - {signal.SIGTERM}):
+            self.process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=said, stderr=subprocess.STDOUT, text=True, env=environment,
+                pass_fds=kept, start_new_session=True,
+            )  # fmt: skip
         os.close(said)
         self.messages = os.fdopen(heard, errors="replace")
 
@@ -95,8 +101,12 @@ class Child:
     ) -> RunResult | None:
         """Run a job; None where the process ended without a result."""
         self._send(job)
-        scene, steady = job.scene, False
+        scene, steady, told = job.scene, False, False
         for line in self.messages:
+            if self.heard and not told:
+                told = True
+                name = signal.Signals(self.heard).name
+                log.info(f"{name}: the run saves its state and ends; a second signal ends it at once")
             begin, mark, text = line.partition(MARK)
             if begin.strip():
                 self.output.append(begin.strip())
@@ -124,7 +134,7 @@ class Child:
 
     def _send(self, job: Job) -> None:
         self.jobs += 1
-        self.asked, self.last, self.output = 0, None, []
+        self.asked, self.heard, self.last, self.output = 0, 0, None, []
         if self.ranks == 1:
             try:
                 self.process.stdin.write(base64.b64encode(pickle.dumps(job)).decode() + "\n")
@@ -150,9 +160,10 @@ class Child:
 
     def signalled(self, number: int, stack: object) -> None:
         """Handle a signal: the first asks, another one kills."""
+        first, self.heard = not self.heard, self.heard or number
         if not self.asked:
             self.ask()
-        elif time.monotonic() - self.asked_at > ONE_SIGNAL:
+        elif not first and time.monotonic() - self.asked_at > ONE_SIGNAL:
             self.end()
 
     def end(self) -> None:

@@ -1,19 +1,28 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Ctrl-C and SIGTERM (the time limit of a batch system) while an engine or an analysis runs: both end it in order."""
+"""Signals that end an engine or an analysis in order: Ctrl-C, and those by which batch systems and terminals say so."""
 
 from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = (
+    signal.SIGINT,
+    signal.SIGTERM,
+    signal.SIGHUP,
+    signal.SIGQUIT,
+    signal.SIGUSR1,
+    signal.SIGUSR2,
+    signal.SIGXCPU,
+)
+"""Ctrl-C, the end of a job, a closed terminal, Ctrl-\\, a time limit that comes near (two), one of processor time."""
 
 
 @contextmanager
 def handled_by(handler: Callable) -> Iterator[None]:
-    """Give both signals to `handler`; nothing changes outside the main thread, which alone receives signals.
+    """Give the `SIGNALS` to `handler`; nothing changes outside the main thread, which alone receives signals.
 
     A signal that is ignored stays ignored, as in a job that the shell has put into the background.
     """
@@ -32,7 +41,7 @@ def handled_by(handler: Callable) -> Iterator[None]:
 
 @contextmanager
 def terminate_as_interrupt() -> Iterator[None]:
-    """Let SIGTERM raise a KeyboardInterrupt, as Ctrl-C does."""
+    """Let all `SIGNALS` raise a KeyboardInterrupt, as Ctrl-C does."""
 
     def interrupt(number, stack) -> None:
         raise KeyboardInterrupt
@@ -65,6 +74,16 @@ def counted_interrupts(most: float = 1) -> Iterator[Callable[[], int]]:
 
     with handled_by(count):
         yield lambda: seen
+
+
+@contextmanager
+def held_back(numbers: Iterable[int]) -> Iterator[None]:
+    """Keep signals from this thread while the block runs; a process that it starts never gets them by default."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class StopRequest:

@@ -29,7 +29,7 @@ from lammps_jump.errors import JumpError
 from lammps_jump.folders import engine_at_work
 
 from . import lammps, native, step_hook  # the first two load on first use: LAMMPS 0.2 s, numba 0.25 s
-from .interrupts import stop_request
+from .interrupts import SIGNALS, stop_request
 from .result import MARK, Progress, RunResult
 from .setting import Job
 
@@ -152,10 +152,17 @@ def _work(engine: str, job_file: str = "") -> None:
     lammps.leave_ranks()
 
 
+def _watch_processor_time() -> None:
+    while signal.sigwait([signal.SIGXCPU]):  # the parent has held it back from every thread
+        stop_request.make()
+
+
 def main() -> None:
-    """Run the worker; the parent hears signals, and asks."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)
+    """Run the worker; the parent hears signals, and asks. A limit of processor time is told to each process alone."""
+    for number in SIGNALS:
+        if number != signal.SIGXCPU:
+            signal.signal(number, signal.SIG_IGN)
+    threading.Thread(target=_watch_processor_time, name="limit", daemon=True).start()
     status = 0
     try:
         _work(*sys.argv[1:])

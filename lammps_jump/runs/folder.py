@@ -18,7 +18,7 @@ from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError, SetupError
-from lammps_jump.files import write_text
+from lammps_jump.files import JOB_FILE, write_text
 from lammps_jump.folders import MARKER_FILE, Marker, claim, clear, locked, read_marker, write_marker
 from lammps_jump.provenance import short_hash
 from lammps_jump.scene.scene import Scene
@@ -85,7 +85,8 @@ def write_folder(case: ReadCase, folder: Path, marker: Marker) -> None:
     """Write ``case.yaml``; what an earlier run left is removed. The engine's inputs are `write_inputs`'."""
     with _writable(folder):
         earlier = read_marker(folder)
-        clear(folder, earlier.files if earlier else ())
+        # a job that runs here may be requeued: its file stays
+        clear(folder, set(earlier.files if earlier else ()) - {JOB_FILE})
         write_marker(folder, marker)
         write_text(folder / "case.yaml", case_text(case))
 

@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import importlib
 import logging
-import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,10 +14,10 @@ import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
-from lammps_jump.engines.lammps.job import write_job
+from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
-from lammps_jump.errors import CaseError, RunError, SetupError
+from lammps_jump.errors import CaseError, RunError, RunInterrupted, SetupError
 from lammps_jump.files import RESULT_FILES
 from lammps_jump.folders import (
     MARKER_FILE,
@@ -29,7 +27,9 @@ from lammps_jump.folders import (
     require_ours,
     require_unlocked,
 )
+from lammps_jump.script.job import Site, write_job
 
+from .ahead import Ahead
 from .conclude import Conclusion
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
@@ -66,7 +66,7 @@ def start(
             "of computing): nothing to do. --force runs it again."
         )
         return
-    with run_folder(folder, marker_of(case, setting)):
+    with _signals_say(folder), run_folder(folder, marker_of(case, setting)):
         left = _left_to_do(case, folder, setting, force=force, resume=resume)  # another process may have been there
         if left == "run":
             _run(case, folder, setting, notes, resume, begin, progress, should_stop)
@@ -97,8 +97,9 @@ def _run(
     """Run in a folder that this process holds."""
     scene, checkpoint = case.scene(), None
     before: Mapping[str, float] = {}
-    if resume:
-        checkpoint = resumable(case, folder, setting)
+    if resume and (checkpoint := resumable(case, folder, setting)) is None:
+        log.info(f"{folder} holds no checkpoint: the run starts from the beginning")
+    if checkpoint is not None:
         setting = replace(setting, kernel=checkpoint.result.kernel)
         before = read_summary(folder).get("wall_seconds") or {}
         said = (
@@ -118,17 +119,18 @@ def _run(
         write_folder(case, folder, marker_of(case, setting))
         before = {"build": time.perf_counter() - begin}
     with _files_at_risk(folder):
-        result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
-        if checkpoint is not None:
-            clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-        if result.status != "interrupted":
-            remove_checkpoint(folder)
-            (folder / "in.resume.lammps").unlink(missing_ok=True)
-        Conclusion(case, folder, setting, result, steady, before, notes).first()
+        with Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
+            result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
+            if checkpoint is not None:
+                clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
+            if result.status != "interrupted":
+                remove_checkpoint(folder)
+                (folder / "in.resume.lammps").unlink(missing_ok=True)
+            Conclusion(case, folder, setting, result, steady, before, notes).first(ahead)
 
 
-def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = False) -> Setting:
-    """Write the run folder of a case and stop there; with `job` also a job file for a cluster. The setting chosen.
+def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:
+    """Write the run folder of a case and stop there, with the job file for a site if one is given; the setting chosen.
 
     Raises
     ------
@@ -144,8 +146,8 @@ def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = Fals
             raise SetupError(f"{folder}: holds a run; name another folder with --out, or delete that run with --force")
         write_folder(case, folder, marker)
         engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
-        if job:
-            write_job(case.scene(), folder, setting.ranks)
+        if job is not None:
+            write_job(case.scene(), folder, setting.ranks, job)
     return setting
 
 
@@ -164,7 +166,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
     DumpError
         No dump that can be read.
     RunInterrupted
-        The analysis was ended by Ctrl-C or SIGTERM.
+        The analysis was ended by a signal.
     """
     for change in changes:
         if change.split("=")[0].split(".")[0].strip() != "analysis":
@@ -206,12 +208,11 @@ def _run_engine(
     progress: ProgressCallback | None,
     should_stop: StopCallback | None,
 ) -> tuple[RunResult, str]:
-    """Run; the text says why it was stopped as steady, and is empty where it was not."""
+    """Run; the text says why it was stopped as steady or drowned, and is empty where it was not."""
     scene, watch = case.scene(), None
     if case.fields.run.stop_when_steady:
         watch = runs.steady.SteadyWatch(scene, folder, runs.steady.studied_reach(runs.results.flow_of(case)))
     asked = [ask for ask in (watch, should_stop) if ask is not None]
-    threading.Thread(target=_load_analysis).start()  # meanwhile
     result = engines.run(
         scene,
         folder,
@@ -227,11 +228,14 @@ def _run_engine(
     return result, ""
 
 
-def _load_analysis() -> None:
-    """Import what the analysis needs, 0.7 s."""
-    for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
-        with suppress(Exception):  # a program that is ending; else the analysis says it
-            importlib.import_module(name)
+@contextmanager
+def _signals_say(folder: Path) -> Iterator[None]:
+    """A signal before the engine runs, or behind it, becomes a `RunInterrupted` that says how to go on."""
+    try:
+        with terminate_as_interrupt():
+            yield
+    except KeyboardInterrupt:
+        raise RunInterrupted(f"{folder}: ended by a signal; the same command with --resume goes on") from None
 
 
 @contextmanager

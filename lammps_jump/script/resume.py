@@ -43,7 +43,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], **op
     half_step = stock.half_step(scene, how.kernel)
     sizes = how.style.own_sizes(scene)  # the last poured discs may still wait for theirs
     sections = [
-        ("settings", how.style.settings(scene, how.ranks, how.plugin)),
+        ("settings", how.style.settings(scene, how.ranks)),
         ("state", [f"read_restart    {STATE.format(step=step)}", *stock.size_variables(scene), *stock.molecule(scene)]),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
@@ -54,7 +54,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], **op
         ("forces of the half step, then the velocities of the step", ["run             0 post no", *half_step]),
         ("run", [f"run             {scene.steps} upto pre no", *save_at_end(scene, how.kernel, how.ranks, step)]),
     ]
-    return joined(f"{scene.name}: goes on from step {step}", how, sections)
+    return joined(f"{scene.name}: goes on from step {step}", SCRIPT, how, sections)
 
 
 def _output(scene: Scene, dump_format: str) -> list[str]:

@@ -23,7 +23,7 @@ from lammps_jump.cli.app import main
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, read_checkpoint
-from lammps_jump.engines.interrupts import counted_interrupts, terminate_as_interrupt
+from lammps_jump.engines.interrupts import SIGNALS, counted_interrupts, terminate_as_interrupt
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
@@ -54,7 +54,9 @@ def pouring():
 
 
 SCENES = {
-    "inlets and outlets": lambda: case_scene("quick_jump", *JUMP),
+    "inlets and outlets": lambda: case_scene(
+        "quick_jump", *JUMP, "probes.stations={x: [2, 4], speed: 0.5, window: [0.4, 1.0]}"
+    ),
     "inlets and outlets, equal discs": lambda: case_scene("quick_jump", *JUMP, "discs.sizes=null"),
     "gate, friction, spin": lambda: case_scene(
         "wave_structure", "run.duration=0.1", "initial.0.settle=0.1", "run.output_interval=0.01",
@@ -232,7 +234,6 @@ def test_a_run_that_was_killed_in_its_analysis_can_go_on(interrupted):
     ("spoil", "message"),
     [
         (lambda folder: None, "differs from the case"),
-        (lambda folder: (folder / CHECKPOINT_FILE).unlink(), "has no checkpoint"),
         (lambda folder: (folder / CHECKPOINT_FILE).write_text("{"), "cannot be read"),
         (lambda folder: next(folder.glob("checkpoint-*.npz")).unlink(), "0 bytes, 1 or more"),
         (lambda folder: os.truncate(folder / "dump.lammpstrj", 100), "100 bytes"),
@@ -249,6 +250,20 @@ def test_what_cannot_go_on_is_refused_untouched(interrupted, spoil, message):
         resume(interrupted, changes)
     assert caught.value.exit_status == 2
     assert snapshot(interrupted) == before
+
+
+@pytest.mark.parametrize("left", ["no folder", "a built folder", "a run without a checkpoint"])
+def test_without_a_checkpoint_the_run_starts_from_the_beginning(left, tmp_path, interrupted, caplog):
+    caplog.set_level("INFO")
+    folder = interrupted
+    (folder / CHECKPOINT_FILE).unlink()
+    if left != "a run without a checkpoint":
+        folder = tmp_path / "another"
+    if left == "a built folder":
+        cli.build(INPUTS / "quick_jump.yaml", out=folder, set_=CHANGES)
+    found = resume(folder)
+    assert found["status"] == "complete" and "resumed_at" not in found
+    assert "no checkpoint: the run starts from the beginning" in caplog.text
 
 
 def set_in(path: Path, **values) -> None:
@@ -278,7 +293,7 @@ def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypa
     status, output = run_program(
         "build-and-run", INPUTS / "energy_box_16.yaml", "--out", tmp_path, *options, signal_at=(signal.SIGTERM, 30_000)
     )
-    assert status == 1 and "--resume" in output
+    assert status == 75 and "--resume" in output
     scene = case_scene("energy_box_16", *changes)
     assert read_checkpoint(tmp_path).step == 30_000 < scene.steps
     cli.run(tmp_path, resume=True, quiet=True)
@@ -293,7 +308,7 @@ def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypa
 # --- small parts -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", SIGNALS)
 def test_signals_are_counted_or_raised(number, ctrl_c_heard):
     before = signal.getsignal(number)
     with terminate_as_interrupt():

@@ -5,8 +5,8 @@ Python runs this file when it starts with this folder on its path, as the childr
 the engine's process that such a child starts. `conftest` runs it for the processes of the tests themselves. The program
 itself reads none of these variables.
 
-JUMP_TEST_SIGNAL : ``NUMBER@STEP``; the engine's process sends the first process this signal at the first step from STEP
-    on, and waits until it is asked to end.
+JUMP_TEST_SIGNAL : ``NUMBER@STEP@WHO``; the engine's process sends this signal at the first step from STEP on, and waits
+    until it is asked to end. WHO is the process that gets it: ``first``, the ``engine`` itself, or ``all``.
 JUMP_TEST_SLEEP : seconds to sleep at every step.
 JUMP_TEST_PROCESS : the first process; set here.
 """
@@ -22,12 +22,14 @@ if signal_at or sleep:
     from lammps_jump.engines.interrupts import stop_request
 
     first = int(os.environ.setdefault("JUMP_TEST_PROCESS", str(os.getpid())))
-    left = [tuple(int(part) for part in signal_at.split("@"))] if signal_at else []
+    left = [signal_at.split("@")] if signal_at else []
 
     def at_step(step):
         time.sleep(sleep)
-        if left and step >= left[0][1]:
-            os.kill(first, left.pop()[0])
+        if left and step >= int(left[0][1]):
+            number, _, who = left.pop()
+            for process in {"first": [first], "engine": [os.getpid()], "all": [first, os.getpid()]}[who]:
+                os.kill(process, int(number))
             if os.getpid() != first:
                 stop_request.wait(LIMIT)
 

@@ -65,8 +65,16 @@ def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
     assert result.removed > 20 and result.lost == 0
     assert result.inserted == result.present + result.removed
     assert (tmp_path / "forces.csv").read_text().count("sill") > 100
-    script = (tmp_path / "in.lammps").read_text()
+    script = (tmp_path / "in.plugin.lammps").read_text()
     assert "processors      * 1 1" in script and "shift x" in script
+
+
+def test_stock_discs_of_several_sizes_stay_in_the_plane(tmp_path):
+    """Sharing the discs anew moved them by 1e-17 m in z, which ended the run."""
+    scene = build_scene(load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.16"]))
+    result = run_scene(scene, tmp_path, Setting(ranks=2))
+    assert result.status == "complete", result.message
+    assert result.steps == scene.steps > 900 and result.present > 30
 
 
 def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
@@ -79,12 +87,12 @@ def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
 
 @pytest.mark.parametrize(("ranks", "number"), [(1, signal.SIGINT), (1, signal.SIGTERM), (2, signal.SIGTERM)])
 def test_a_signal_ends_a_run_and_leaves_no_rank(plugin, tmp_path, ranks, number):
-    """Ctrl-C, and SIGTERM of a batch system whose time is up: status 1, what there is is kept, nothing runs on."""
+    """Ctrl-C, and SIGTERM of a batch system whose time is up: status 75, what there is is kept, nothing runs on."""
     options = ["--kernel", "compiled", "--ranks", ranks, "--set", "run.duration=20000", "--quiet"]
     status, output = run_program(
         "build-and-run", INPUTS / "energy_box_16.yaml", "--out", tmp_path, *options, signal_at=(number, 1000)
     )
-    assert status == 1
+    assert status == 75
     assert "the run was ended at t =" in output and "kept" in output
     assert read_log(tmp_path / "log.lammps").step >= 1000
     assert not running_in(tmp_path)
