@@ -225,6 +225,7 @@ def _about_profiles(gathered: Gathered) -> dict[str, object]:
     return {
         "file": "profiles.nc",
         "frames": profiles.sizes["time"],
+        "axis": "time" if gathered.flow.timed else "step",
         "bins": profiles.sizes["x"],
         "bin_width": profiles.attrs["bin_width"],
         "first_time": float(profiles["time"][0]),

@@ -246,7 +246,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         **_sequent(depth, Mean(u, speed.error), across),
         station=(float(ends[0]), float(ends[1])),
         rows=tuple(found),
-        notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum())),
+        notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum()), _blocked(arrivals)),
     )
 
 
@@ -264,7 +264,14 @@ def _sequent(depth: Mean, speed: Mean, gravity: float) -> dict[str, float]:
     }
 
 
-def _notes(delivered: float, asked: float, refused: int, turns: int) -> tuple[str, ...]:
+def _blocked(arrivals: Arrivals) -> str:
+    """Since when no disc has entered, where all turns of the last two frames or more were refused."""
+    last = int(np.flatnonzero(arrivals.discs > 0)[-1]) if arrivals.discs.any() else 0
+    blocked = (arrivals.turns[last + 1 :].sum(axis=1) > 0).sum() > 1
+    return f"; no disc has entered since t = {arrivals.time[last]:.4g} s" if blocked else ""
+
+
+def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: str) -> tuple[str, ...]:
     if not isfinite(delivered) or abs(delivered / asked - 1.0) <= LARGEST_LOSS:
         return ()
     cause = "no turn was refused: the rows carry no more in whole steps"
@@ -275,7 +282,7 @@ def _notes(delivered: float, asked: float, refused: int, turns: int) -> tuple[st
         )
     return (
         f"the inflow delivered {delivered:.4g} m2/s of the {asked:.4g} m2/s asked for "
-        f"({100 * (delivered / asked - 1):+.1f} %); {cause}",
+        f"({100 * (delivered / asked - 1):+.1f} %); {cause}{blocked}",
     )
 
 

@@ -145,6 +145,8 @@ class JumpResult:
             names = [field.name for field in fields(self.track) if field.name not in left_out]
             signs = {name: 1 if name == "time" or "depth" in name else self.direction for name in names}
             columns = {name: sign * getattr(self.track, name) for name, sign in signs.items()}
+            if not self.flow.timed:
+                columns = {"step": columns.pop("time"), **columns}
             result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
         if self.moving is not None:
             means = {name: values.values for name, values in mean_profile(self.moving).items()}

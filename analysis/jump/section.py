@@ -26,7 +26,7 @@ from .frame import Balance
 from .head import energy_budget, no_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
-from .verdict import A_JUMP, worded
+from .verdict import A_JUMP, untimed, worded
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
@@ -41,8 +41,10 @@ def analyse(gathered: Gathered) -> Jump:
     inlet = inflow.analyse(gathered)
     known = inlet is not None and isfinite(inlet.speed)
     delivered = (Mean(inlet.depth, inlet.depth_error), Mean(inlet.speed, inlet.speed_error)) if known else None
-    measured = analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)
-    found = worded(summarise_jump(measured, delivered))
+    found = summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts), delivered)
+    if not gathered.flow.timed:
+        return untimed(found)
+    found = worded(found)
     edges = bin_edges(gathered.flow.x_range, gathered.flow.bin_width)
     budget = energy_budget(cast("np.ndarray | None", gathered.histories.get("jump")), found.measured, edges)
     if budget is None:
@@ -88,8 +90,10 @@ def tables(jump: Jump) -> Tables:
 
 def figures(jump: Jump, gathered: Gathered) -> Drawings:
     """Figures of the jump in time, in its own frame, of its momentum and of the head."""
-    return {
-        "jump_track.png": partial(track_figure, jump),
+    track = {"jump_track.png": partial(track_figure, jump)}
+    if not gathered.flow.timed:
+        return track
+    return track | {
         "jump_stream.png": partial(stream_figure, jump),
         "jump_frame.png": partial(frame_figure, jump),
         "jump_balance.png": partial(balance_figure, jump),
@@ -108,7 +112,9 @@ def section(jump: Mapping) -> Section:
                 f"{asked['belanger_y2']:.2f} m, length by thesis (4.27) {shown(asked['length'])} m."
             )
         )
-    if jump.get("y1") is not None and belongs("y1", jump):
+    if jump.get("y1") is not None and jump["speed"] is None:
+        blocks += [_states(jump), Table(described(Jump, jump, "sequent_ratio", "length", "length_mass"))]
+    elif jump.get("y1") is not None and belongs("y1", jump):
         steady = belongs("length", jump)
         blocks += [
             _states(jump),
@@ -133,6 +139,7 @@ def _states(jump: Mapping) -> Table:
         values = [with_error(jump, key, scale) for key in (one, two)]
         rows.append((heading(label.removesuffix(" upstream").removesuffix(","), unit), *values))
     rows.insert(5, (described(Jump, jump, "froude")[0][0], *(with_error(jump, key) for key in FROUDE)))
+    rows = [row for row in rows if set(row[1:]) != {ABSENT}]
     return Table(rows, ("State, measured beside the jump, ± within this run", "upstream 1", "downstream 2"))
 
 

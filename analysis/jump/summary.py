@@ -193,7 +193,8 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
 
 def _measured(jump: Jump) -> Jump:
     """The numbers of what was measured in a window, or in a piece of it."""
-    return _against_theory(_states(_places(jump)))
+    found = _states(_places(jump))
+    return _against_theory(found) if jump.measured.flow.timed else found
 
 
 def _places(jump: Jump) -> Jump:
@@ -237,6 +238,8 @@ def _states(jump: Jump) -> Jump:
         froude=one.froude_relative,
         froude_lab=one.froude,
         froude_downstream=two.froude_relative,
+        sequent_ratio=found["y2"] / found["y1"],
+        length_over_y2=jump.length / found["y2"],
         density_ratio=share(two.bulk_density, one.bulk_density),
         head_upstream=one.head,
         head_downstream=two.head,
@@ -258,7 +261,7 @@ def _against_theory(jump: Jump) -> Jump:
     """
     one, two, terms = jump.measured.upstream, jump.measured.downstream, jump.measured.balance
     froude, s1, s2 = jump.froude, jump.y1, jump.y2
-    ratio, belanger = s2 / s1, theory.belanger(froude)
+    ratio, belanger = jump.sequent_ratio, theory.belanger(froude)
     # forces over g s1^2/2, the unit of the relations
     unit = one.still(one.mass_depth) / terms.downstream
     push = (terms.bed + terms.slope) / unit
@@ -275,14 +278,12 @@ def _against_theory(jump: Jump) -> Jump:
         jump,
         **found,
         jump_class=theory.jump_class(froude),
-        sequent_ratio=ratio,
         belanger_ratio=belanger,
         belanger_y2=s1 * belanger,
         belanger_deviation=share(ratio, belanger) - 1,
         density_relation_ratio=expected,
         density_relation_deviation=ratio / expected - 1,
         full_relation_ratio=full,
-        length_over_y2=jump.length / s2,
         length_theory=theory.silvester_jump_length(froude, s1),
         length_usbr=theory.usbr_jump_length(froude, s1),
         energy_loss_theory=theory.energy_loss(s1, s1 * belanger),

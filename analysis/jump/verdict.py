@@ -4,7 +4,7 @@
 # ruff: noqa: RUF001  (minus signs are meant for readers)
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import isfinite
 
 from lammps_jump.analysis.statistics import Mean, propagated
@@ -21,6 +21,30 @@ def worded(jump: Jump) -> Jump:
     if jump.verdict in A_JUMP:
         jump = replace(jump, reason=f"{jump.reason} {belongs_to(jump)}", notes=notes(jump))
     return replace(jump, headline=headline(jump))
+
+
+WITHOUT_TIMES = (
+    "y1", "y2", "h1", "h2", "u1", "u2", "packing_1", "packing_2", "sequent_ratio", "density_ratio", "length",
+    "length_mass", "length_ramp", "length_over_y2", "position", "toe", "end", "share_found",
+)  # fmt: skip
+"""Numbers of a jump that follow from the discs' places and, where the file has them, velocities."""
+
+
+def untimed(jump: Jump) -> Jump:
+    """The jump of a dump without times: no velocity of the front, hence no Froude number, no head and no theory."""
+    given = {field.name for field in fields(jump)}
+    kept = {name for key in WITHOUT_TIMES for name in (key, f"{key}_error")} | {"window", "frames_found", "heap"}
+    known = {name: getattr(jump, name) for name in given & (kept | {"frames_in_window"})}
+    held = jump.measured and replace(jump.measured, motion=None, moving=None, stream=None)
+    if jump.verdict not in A_JUMP:
+        return Jump(jump.verdict, jump.reason, headline(jump), measured=held, **known)
+    said = (
+        f"A step in depth is found in {jump.frames_found} of {jump.frames_in_window} frames: mass depth "
+        f"{shown(jump.y1, 'm', jump.y1_error)} before it, {shown(jump.y2, 'm', jump.y2_error)} behind. Without times "
+        "its speed, Froude number and head are not known, and nothing says that it is a hydraulic jump."
+    )
+    verdict = "marginal jump" if jump.verdict == "marginal jump" else "jump"
+    return Jump(verdict, said, said, measured=held, **known)
 
 
 def headline(jump: Jump) -> str:

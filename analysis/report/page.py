@@ -24,6 +24,7 @@ from lammps_jump.files import plain
 from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
 KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
+SCRIPTS = ("frames.js", "discs.js", "player.js", "curves.js")
 Value = float | int | str | None
 
 
@@ -127,7 +128,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     data = {"players": [player.header for player in players], "curves": [curve.data for curve in curves]}
-    style, scripts = _own("page.css"), [_own("player.js"), _own("curves.js")] if players or curves else []
+    style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
     return _template().render(
         title=title,
         tab=tab or title,

@@ -16,9 +16,11 @@ from lammps_jump.analysis import quantities
 from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
-from lammps_jump.analysis.passes import Collector, Gathered
+from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
 from lammps_jump.analysis.profiles import bin_frame
 from lammps_jump.analysis.report import run as report
+from lammps_jump.analysis.report.frames import FramePacker
+from lammps_jump.analysis.report.player import make_player
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.case.checks import MOST_BINS
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
@@ -37,6 +39,8 @@ from lammps_jump.folders import (
     require_replaceable,
     staging,
 )
+from lammps_jump.provenance import versions
+from lammps_jump.quoting import visible
 
 from .folder import require_case
 from .summary import write_summary
@@ -128,51 +132,57 @@ def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
 def analyse_dump(
     target: Path,
     case: ReadCase | None,
-    diameter: float | None,
+    diameter: float | Mapping[int, float] | None,
     density: float | None,
     bin_width: float | None,
     out: Path | None,
-) -> None:
-    """Analyse a dump that is no run's.
+    time_step: float | None = None,
+) -> tuple[dict[str, Any], Path]:
+    """Analyse a dump that is no run's; its summary, and the folder that holds the results.
 
     Parameters
     ----------
     target : Path
-        The dump, or a folder that holds one.
+        The dump, a folder that holds one, or the pattern of its files.
     case : ReadCase, optional
         The case that belongs to it.
     diameter, bin_width : float, optional
-        m.
+        m; the diameter of each type where it is a mapping.
     density : float, optional
         kg/m^3; default 1000.
     out : Path, optional
         Folder of the results; default beside the dump.
+    time_step : float, optional
+        s; for a dump without times.
 
     Raises
     ------
     CaseError, DumpError
     """
     path = find_dump(target)
-    flow = _flow(path, case, diameter, density)
+    flow = _flow(path, case, diameter, density, time_step)
     low, high = flow.x_range
     if bin_width is not None and not (high - low) / MOST_BINS <= bin_width <= high - low:
         raise CaseError(
             f"--bin-width {bin_width}: allowed is {(high - low) / MOST_BINS:.2g} to {high - low:.4g} m, the length of "
             f"the channel in {path}"
         )
-    folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
+    stem = path.name.split(".")[0].replace("*", "").strip("_-")
+    folder = out or path.parent / f"{stem or 'dump'}_analysis"
     flow = replace(flow, bin_width=bin_width or flow.bin_width)
-    parts: dict[str, Any] = {}
+    given = {"diameter": diameter, "density": density, "time_step": time_step, "bin_width": bin_width}
+    known = {name: value for name, value in given.items() if value is not None}
+    summary: dict[str, Any] = {"name": visible(path.name), "given": known, "versions": versions()}
     with _results_folder(folder, path) as stage:
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
-        parts = quantities.analyse(flow, path, stage, ("jump", "front"))
-        write_summary(stage, {"name": path.name, **parts})
+        packer = FramePacker(flow)
+        summary |= quantities.analyse(flow, path, stage, ("jump", "front"), watch=[packer])
+        report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
+        write_summary(stage, summary)
         clear(folder, RESULT_FILES)
         publish(stage, folder)
-    for note in parts["warnings"]:  # what was guessed is among them
-        log.info(f"note: {note}")
-    log.info(f"results are in {folder}")
+    return summary, folder
 
 
 @contextmanager
@@ -197,10 +207,16 @@ def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
         raise
 
 
-def _flow(path: Path, case: ReadCase | None, diameter: float | None = None, density: float | None = None) -> Flow:
+def _flow(
+    path: Path,
+    case: ReadCase | None,
+    diameter: float | Mapping[int, float] | None = None,
+    density: float | None = None,
+    time_step: float | None = None,
+) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is None:
-        return from_dump(open_dump(path), diameter=diameter, density=density or 1000.0)
+        return from_dump(open_dump(path), diameter=diameter, density=density or 1000.0, time_step=time_step)
     return from_scene(case.scene())
 
 
@@ -241,7 +257,31 @@ def draw(found: Found, folder: Path, name: str) -> Figure:
     return figure
 
 
-def write_report(folder: Path, summary: Mapping[str, Any], case: ReadCase, path: str | Path | None = None) -> Path:
+def packer_for(case: ReadCase) -> FramePacker:
+    """What takes in the frames of a run for the player of its report."""
+    return FramePacker(flow_of(case))
+
+
+def packed(case: ReadCase, folder: Path) -> FramePacker:
+    """The frames of a run folder for the player of its report; none where the dump cannot be read."""
+    packer = packer_for(case)
+    try:
+        dump = read_dump(folder)
+        for _ in feed(with_velocities(dump, packer.flow, []), packer.flow, [packer]):
+            pass
+    except DumpError as error:
+        log.info(f"note: the report has no player: {error}")
+    return packer
+
+
+def write_report(
+    folder: Path,
+    summary: Mapping[str, Any],
+    case: ReadCase,
+    packer: FramePacker,
+    path: str | Path | None = None,
+) -> Path:
     """Write the report of a run folder, by default as its ``report.html``."""
     name = "report.html" if path is None else str(Path(path).absolute())
-    return report.write_report(folder, dict(summary), case.to_yaml(), name=name)
+    player = make_player(packer, folder)
+    return report.write_report(folder, dict(summary), case.to_yaml(), name=name, player=player)

@@ -180,6 +180,13 @@ class Scene:
         return self.density * self.mean_square
 
     @property
+    def expected_discs(self) -> int:
+        """Discs in play at the end if none leaves: those at the start and all that the inlets can bring."""
+        steps = self.steps - self.settle_steps
+        brought = sum(row.limit or steps // row.every_steps for row in self.inlets)
+        return len(self.positions) + brought + sum(item.count for item in self.pours)
+
+    @property
     def discharges(self) -> tuple[float, ...]:
         """Discharge of each inlet row in whole steps, m^2/s."""
         return tuple(row.discharge(self.mean_square, self.time_step) for row in self.inlets)

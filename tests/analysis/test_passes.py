@@ -191,7 +191,7 @@ def test_plain():
 
 def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path, capsys):
     dump_of(tmp_path / "dump.flow", [bore(20.0)] * 2)
-    analyze(tmp_path, density=1000.0)
+    analyze([tmp_path], density=1000.0)
     said = capsys.readouterr().out.splitlines()
     notes = [text for text in said if text.startswith("note: ")]
     parts = json.loads((tmp_path / "dump_analysis" / "summary.json").read_text())
