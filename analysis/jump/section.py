@@ -41,7 +41,8 @@ def analyse(gathered: Gathered) -> Jump:
     inlet = inflow.analyse(gathered)
     known = inlet is not None and isfinite(inlet.speed)
     delivered = (Mean(inlet.depth, inlet.depth_error), Mean(inlet.speed, inlet.speed_error)) if known else None
-    found = summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts), delivered)
+    measured = analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)
+    found = summarise_jump(measured, delivered)
     if not gathered.flow.timed:
         return untimed(found)
     found = worded(found)

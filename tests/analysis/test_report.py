@@ -148,6 +148,7 @@ def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
         ({"jump": {"verdict": "locked heap"}}, "No hydraulic jump: locked heap."),
         ({"jump": {"verdict": "marginal jump"}}, "Now and then a jump."),
         ({}, ""),
+        ({"jump": {"verdict": "jump"}, "front": {"position": 30.0, "time": 5.0}}, "A hydraulic jump."),
     ],
 )
 def test_verdict_in_a_sentence(summary, said):
