@@ -72,6 +72,9 @@ def table(name: str, verdicts: list[str], starts: list[Numbers]) -> bool:
     """Print the table of a scene; whether every number holds."""
     counts = {word: verdicts.count(word) for word in dict.fromkeys(verdicts)}
     measured = [start for start in starts if "jump.y2" in start]
+    if not measured:
+        print(f"{name}: no start has a jump with errors: {counts}")
+        return True
     known = [key for key in measured[0] if all(key in start for start in measured)]
     print(f"{name}: {len(starts)} starts, verdicts {counts}\n")
     print("| number | mean | sd of starts | rms error/sd | chi2 | perfect | 95 % covers | report says |")
