@@ -55,9 +55,8 @@ function setUp(p) {
   listenToEvents(p);
   new ResizeObserver(() => layOut(p)).observe(p.element);
   darkness.addEventListener("change", () => layOut(p));
-  const thin = p.run.one_in > 1;
-  part(p, "thin").hidden = !thin;
-  if (thin) part(p, "thin").textContent = `One of ${p.run.one_in} discs is shown.`;
+  part(p, "thin").hidden = p.run.share === 1;
+  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * p.run.share)} % of them are shown.`;
   layOut(p);
 }
 
