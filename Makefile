@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/hydraulic_jump_graded.yaml
 
-.PHONY: run test check browser bench stress cross-validation sensitivity calibrate lint doctor test-repeat clean
+.PHONY: run test check browser bench stress cross-validation sensitivity calibrate lint doctor test-repeat slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -33,6 +33,11 @@ test-repeat: $(VENV)/.ready
 # reports of all scenes in Chromium (Debian's package chromium): they load, play, and show what the dump holds
 browser: $(VENV)/.ready
 	$(BIN)/python -m pytest -m browser tests/integration/test_browser.py
+
+# job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
+slurm: $(VENV)/.ready
+	@command -v sbatch >/dev/null || { apt-get update -q && apt-get install -q -y --no-install-recommends slurm-wlm munge; }
+	$(BIN)/python -m pytest -m slurm
 
 bench: $(VENV)/.ready
 	for scene in energy_box_16 dam_break hydraulic_jump_frictionless; do $(BIN)/lammps-jump bench inputs/$$scene.yaml || exit 1; done

@@ -57,7 +57,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
             first = first or axes
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")
             axes.grid(False)
-            axes.set_title(f"t = {flow.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=3)
+            axes.set_title(f"{flow.clock(flow.time(frame))}   {frame.n} discs", fontsize=8, pad=3)
             lowest, leftmost = place.num1 + place.get_gridspec().ncols >= len(chosen), place.is_first_col()
             axes.tick_params(labelsize=7, labelbottom=lowest, labelleft=leftmost)
             axes.set_xlabel("x [m]" if lowest else "", fontsize=8)

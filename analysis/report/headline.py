@@ -93,10 +93,11 @@ def belongs(key: str, found: Mapping) -> bool:
 def _front(front: Mapping) -> str:
     if front["position"] is None:
         return f"No front to compare: {front.get('reason') or 'none was found'}."
+    after = front.get("time")
     speed = f", mean speed {front['speed']:.2f} m/s" if front.get("speed") is not None else ""
     said = [
         f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its front is at "
-        f"{front['position']:.2f} m after {front['time']:.2f} s{speed}."
+        f"{front['position']:.2f} m {'at the last frame' if after is None else f'after {after:.2f} s'}{speed}."
     ]
     water, ritter = front.get("martin_moyce") or {}, front.get("ritter") or {}
     if water.get("mean_bulk") is not None:

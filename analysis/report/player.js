@@ -14,7 +14,7 @@ const PICKED_WITHIN = 14;
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
   size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) },
-  age: { label: "time since it came in", unit: "s", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
+  age: { label: "time since it came in", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
 };
 
 const players = [];
@@ -286,7 +286,7 @@ function drawLegend(p) {
     context.fillStyle = `rgb(${p.colours[Math.floor(k / wide * SHADES)]})`;
     context.fillRect(MARGIN.left + k, 4, 1.5, 9);
   }
-  const { label, unit } = COLOURS[p.colour];
+  const { label, unit = p.run.unit } = COLOURS[p.colour];
   write(p, `${label} ${short(low)} to ${short(high)} ${unit}`, MARGIN.left + wide + 8, 9);
   drawScaleBar(p);
 }
@@ -469,11 +469,11 @@ function step(p, frames) {
 }
 
 function showClock(p) {
-  part(p, "clock").textContent = `${p.time.toFixed(2)} / ${p.end.toFixed(2)} s`;
+  part(p, "clock").textContent = `${p.time.toFixed(2)} / ${p.end.toFixed(2)} ${p.run.unit}`;
   const bar = part(p, "time"), first = p.run.times[0];
   bar.value = p.time;
   bar.style.setProperty("--done", `${100 * (p.time - first) / (p.end - first || 1)}%`);
-  bar.setAttribute("aria-valuetext", `${p.time.toFixed(2)} seconds`);
+  bar.setAttribute("aria-valuetext", `${p.time.toFixed(2)} ${p.run.unit}`);
 }
 
 // ---- buttons and keys ----

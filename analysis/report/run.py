@@ -6,7 +6,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import quote
 
+from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
 from lammps_jump.files import FIGURES, write_text
@@ -28,7 +30,6 @@ lammps-jump build-and-run case.yaml --out again
 import lammps_jump as lj
 run = lj.load_case("case.yaml").run("again")
 """
-ANALYSE = "lammps-jump analyze {dump}"
 
 
 def write_report(
@@ -60,7 +61,8 @@ def write_report(
         The file cannot be written.
     """
     name_of_run = str(summary.get("name", "run"))
-    title = verdict(summary) or name_of_run.replace("_", " ")
+    called = name_of_run if "given" in summary else name_of_run.replace("_", " ")
+    title = verdict(summary) or called
     about = {
         "tab": f"{name_of_run}: report",
         "name": ": ".join(filter(None, (name_of_run, summary.get("description")))),
@@ -68,6 +70,7 @@ def write_report(
     before = [Section("", _lead(summary))]
     after = [Section("", [Items(summary.get("warnings") or (), "Notes")])]
     after += [_defined(key, quantity.section(summary[key])) for key, quantity in QUANTITIES.items() if summary.get(key)]
+    after.append(_defined("stations", stations.section(summary)))
     numbers = numbers_of(Coefficients)
     values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
@@ -122,6 +125,18 @@ def _figures(folder: Path, room: int, player: Player | None) -> Section:
     return Section("Figures", [*shown, Text(tail)])
 
 
+def _command(summary: Mapping) -> list[Text | Code]:
+    """The command that makes the results again."""
+    if "given" not in summary:
+        return [Text("In this run folder, with the versions below:"), Code(REPEAT)]
+    options = [
+        f"--{key.replace('_', '-')} "
+        + (",".join(f"{k}={v:g}" for k, v in value.items()) if isinstance(value, Mapping) else f"{value:g}")
+        for key, value in summary["given"].items()
+    ]
+    return [Code(" ".join(["lammps-jump analyze", quote(summary["name"]), *options]))]
+
+
 def _how(summary: Mapping) -> Section:
     seconds, discs = summary.get("wall_seconds") or {}, summary.get("discs") or {}
     speed, versions = summary.get("disc_steps_per_second"), summary.get("versions") or {}
@@ -136,12 +151,10 @@ def _how(summary: Mapping) -> Section:
         ("Hash of the case", summary.get("case_hash")),
         *((f"SHA-256 of {name}", value) for name, value in sums.items()),
     ]
-    ways = REPEAT if summary.get("engine") else ANALYSE.format(dump=summary.get("name", "dump.lammpstrj"))
     return Section(
         "How to repeat it",
         [
-            Text("In this folder, with the versions below:"),
-            Code(ways),
+            *_command(summary),
             Table([row for row in rows if row[1] is not None]),
             Code(json.dumps(summary, indent=1), "summary.json"),
         ],

@@ -116,13 +116,13 @@ class DumpSeries(Dump):
                             "one run, whose numbers go with their steps: name its files with a pattern in quotes."
                         )
                     last, done = header.step, done + 1
+                    self.columns, self.units = self.columns or part.columns, self.units or part.units
                     yield header, frame
             except NoFrame as cut_off:  # a run that was killed leaves such a file
                 if file != self.files[-1] or not done:
                     raise
                 self.warn(f"{cut_off} It was skipped.")
                 continue
-            self.columns, self.units = self.columns or part.columns, self.units or part.units
             for warning in part.warnings:
                 self.warn(warning)
 

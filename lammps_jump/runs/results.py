@@ -36,9 +36,12 @@ from lammps_jump.folders import (
     locked,
     publish,
     read_marker,
+    require_ours,
     require_replaceable,
     staging,
 )
+from lammps_jump.provenance import versions
+from lammps_jump.quoting import visible
 
 from .folder import require_case
 from .summary import write_summary
@@ -130,54 +133,57 @@ def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
 def analyse_dump(
     target: Path,
     case: ReadCase | None,
-    diameter: float | None,
+    diameter: float | Mapping[int, float] | None,
     density: float | None,
     bin_width: float | None,
     out: Path | None,
-) -> None:
-    """Analyse a dump that is no run's.
+    time_step: float | None = None,
+) -> tuple[dict[str, Any], Path]:
+    """Analyse a dump that is no run's; its summary, and the folder that holds the results.
 
     Parameters
     ----------
     target : Path
-        The dump, or a folder that holds one.
+        The dump, a folder that holds one, or the pattern of its files.
     case : ReadCase, optional
         The case that belongs to it.
     diameter, bin_width : float, optional
-        m.
+        m; the diameter of each type where it is a mapping.
     density : float, optional
         kg/m^3; default 1000.
     out : Path, optional
         Folder of the results; default beside the dump.
+    time_step : float, optional
+        s; for a dump without times.
 
     Raises
     ------
     CaseError, DumpError
     """
     path = find_dump(target)
-    flow = _flow(path, case, diameter, density)
+    flow = _flow(path, case, diameter, density, time_step)
     low, high = flow.x_range
     if bin_width is not None and not (high - low) / MOST_BINS <= bin_width <= high - low:
         raise CaseError(
             f"--bin-width {bin_width}: allowed is {(high - low) / MOST_BINS:.2g} to {high - low:.4g} m, the length of "
             f"the channel in {path}"
         )
-    folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
+    stem = path.name.split(".")[0].replace("*", "").strip("_-")
+    folder = out or path.parent / f"{stem or 'dump'}_analysis"
     flow = replace(flow, bin_width=bin_width or flow.bin_width)
-    parts: dict[str, Any] = {}
+    given = {"diameter": diameter, "density": density, "time_step": time_step, "bin_width": bin_width}
+    known = {name: value for name, value in given.items() if value is not None}
+    summary: dict[str, Any] = {"name": visible(path.name), "given": known, "versions": versions()}
     with _results_folder(folder, path) as stage:
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
         packer = FramePacker(flow)
-        parts = quantities.analyse(flow, path, stage, ("jump", "front"), watch=[packer])
-        summary = {"name": path.name, **parts}
+        summary |= quantities.analyse(flow, path, stage, ("jump", "front"), watch=[packer])
+        report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
         write_summary(stage, summary)
-        report.write_report(stage, summary, player=make_player(packer, stage))
         clear(folder, RESULT_FILES)
         publish(stage, folder)
-    for note in parts["warnings"]:  # what was guessed is among them
-        log.info(f"note: {note}")
-    log.info(f"results are in {folder}")
+    return summary, folder
 
 
 @contextmanager
@@ -186,12 +192,15 @@ def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
     marker = Marker("analysis", RESULT_FILES, {"dump": str(dump.absolute())})
     new, fresh = not folder.exists(), False
     try:
-        fresh = claim(folder, marker)
-        found = read_marker(folder)
-        if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
-            raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
-        with locked(folder), staging(folder) as stage:
-            yield stage
+        require_ours(folder, marker)
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder):
+            fresh = claim(folder, marker)
+            found = read_marker(folder)
+            if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
+                raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
+            with staging(folder) as stage:
+                yield stage
     except BaseException as error:
         if fresh:
             (folder / MARKER_FILE).unlink(missing_ok=True)
@@ -202,10 +211,16 @@ def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
         raise
 
 
-def _flow(path: Path, case: ReadCase | None, diameter: float | None = None, density: float | None = None) -> Flow:
+def _flow(
+    path: Path,
+    case: ReadCase | None,
+    diameter: float | Mapping[int, float] | None = None,
+    density: float | None = None,
+    time_step: float | None = None,
+) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is None:
-        return from_dump(open_dump(path), diameter=diameter, density=density or 1000.0)
+        return from_dump(open_dump(path), diameter=diameter, density=density or 1000.0, time_step=time_step)
     return from_scene(case.scene())
 
 

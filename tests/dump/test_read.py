@@ -280,9 +280,10 @@ def test_files_of_a_frame_each_are_one_dump(tmp_path):
     folder = series(tmp_path)
     for place in (folder, folder / "dump.*.lammps"):
         dump = read_dump(place)
+        assert dump.columns == ("id", "x", "y")
         # 1000 comes after 500, though not in the alphabet
         assert [header.step for header in dump.headers()] == [frame.step for frame in dump] == [0, 500, 1000]
-        assert dump[1].step == 500 and len(dump) == 3 and dump.columns == ("id", "x", "y")
+        assert dump[1].step == 500 and len(dump) == 3
         assert dump.path == folder / "dump.*.lammps" and not dump.warnings
     files = [folder / f"dump.{step}.lammps" for step in (1000, 0, 500)]
     assert find_dump(*files) == folder / "dump.*.lammps"
