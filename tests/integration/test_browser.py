@@ -61,11 +61,11 @@ def made_frames(count=6):
 FLOOR = (Block("floor", (-1, 7), (-1, 0)),)
 
 
-def made_report(folder, *, name="made-up", walls=FLOOR):
+def made_report(folder, *, name="made-up", walls=FLOOR, timed=True):
     """A report of made-up frames and the summary in it."""
     inlet = InletRow(x=0.0, y=0.1, vx=2.0, vy=0.0, first_step=0, every_steps=1, clearance=0.2)
     flow = flow_context(
-        domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=walls, name=name, sized=True, diameter=0.2,
+        domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=walls, name=name, sized=True, diameter=0.2, timed=timed,
         inlets=(inlet,), outlets=(Outlet("x", 9.0, "above", 1),),
     )  # fmt: skip
     packer = FramePacker(flow)
@@ -239,6 +239,15 @@ def test_without_scripts_the_pictures_stand(browser, tmp_path):
     player = page.call("DOM.querySelector", nodeId=root, selector=".player[hidden]")["nodeId"]
     with pytest.raises(RuntimeError, match="box model"):
         page.call("DOM.getBoxModel", nodeId=player)
+
+
+def test_a_dump_without_times_plays_by_steps(browser, tmp_path):
+    page = Page(browser, made_report(tmp_path, timed=False))
+    page.run("Object.assign(players[0], {playing: true, last: 1000}); 0")
+    page.run("advance(players[0], 1100); setPlaying(players[0], false)")
+    assert page.run("players[0].time") == pytest.approx(0.5)  # steps are 0.5 apart, ten of them a second
+    assert "/ 3 steps" in page.run("document.body.innerText")
+    assert page.troubles() == []
 
 
 def test_phone(browser, tmp_path):
