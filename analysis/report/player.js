@@ -12,9 +12,10 @@ const NARROWEST = 420;
 const CLOSEST = 90;
 const PICKED_WITHIN = 14;
 const FRAMES_A_SECOND = 10;
+const HALF = 0.5;
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
-  size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) },
+  size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) / p.grown },
   age: { label: "time since it came in", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
 };
 
@@ -41,6 +42,7 @@ async function startPlayer(element, index) {
     deep: run.gravity.some((part) => part !== 0), // without gravity there is no depth
     time: run.times[0], playing: false, rate: 1, colour: "speed", picked: null, pointers: new Map(),
     pace: run.unit === "s" ? 1 : FRAMES_A_SECOND * (run.times[1] - run.times[0] || 1), // steps have no duration
+    grown: run.share < HALF ? 1 / Math.sqrt(run.share) : 1, // few discs stand for the area of all
     digits: run.unit === "s" ? 2 : 0,
     oldest: oldest(run), found: roomFor(run), depth: new Float64Array(run.bins.count), end: run.times[run.times.length - 1],
   };
@@ -59,7 +61,8 @@ function setUp(p) {
   new ResizeObserver(() => layOut(p)).observe(p.element);
   darkness.addEventListener("change", () => layOut(p));
   part(p, "thin").hidden = p.run.share === 1;
-  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * p.run.share)} % of them are shown.`;
+  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * p.run.share)} % of them are shown` +
+    (p.grown > 1 ? ", each as large as all that it stands for." : ".");
   layOut(p);
 }
 
@@ -192,8 +195,9 @@ function draw(p) {
   showPicked(p);
 }
 
+// Radius of a disc as it is drawn, m.
 function radiusOf(p, k) {
-  return p.run.radii[p.run.shade[p.found.disc[k]]];
+  return p.grown * p.run.radii[p.run.shade[p.found.disc[k]]];
 }
 
 // Lower and upper end of the colours.
@@ -615,7 +619,7 @@ function showPicked(p) {
   if (k < 0) return;
   const speed = Math.hypot(found.u[k], found.v[k]), place = (value) => value.toFixed(2).replace("-", "\u2212");
   tip.textContent = `disc ${p.run.ids[p.picked]}\nx ${place(found.x[k])}, y ${place(found.y[k])} m\n` +
-    `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k))} m`;
+    `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k) / p.grown)} m`;
   placeTip(p, tip, MARGIN.left + column(p, found.x[k]), MARGIN.legend + row(p, found.y[k]), radiusOf(p, k) * p.view.scale);
 }
 

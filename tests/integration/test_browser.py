@@ -15,6 +15,7 @@ from PIL import Image
 
 from lammps_jump import load_case
 from lammps_jump.analysis.profiles import read_profiles
+from lammps_jump.analysis.report import frames
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.analysis.report.run import write_report
@@ -247,6 +248,17 @@ def test_a_dump_without_times_plays_by_steps(browser, tmp_path):
     page.run("advance(players[0], 1100); setPlaying(players[0], false)")
     assert page.run("players[0].time") == pytest.approx(0.5)  # steps are 0.5 apart, ten of them a second
     assert "/ 3 steps" in page.run("document.body.innerText")
+    assert page.troubles() == []
+
+
+@pytest.mark.parametrize(("most", "said"), [(50, " % of them are shown."), (12, "as large as all that it stands for.")])
+def test_thinned_discs_stand_for_all(browser, tmp_path, monkeypatch, most, said):
+    monkeypatch.setattr(frames, "MOST_DISCS", most)
+    page = Page(browser, made_report(tmp_path))
+    assert said in page.run("document.querySelector('.thin').innerText")
+    own = "p.run.radii[p.run.shade[p.found.disc[0]]]"
+    share, drawn, own = page.run(f"((p) => [p.run.share, radiusOf(p, 0), {own}])(players[0])")
+    assert drawn == pytest.approx(own if share > 0.5 else own / share**0.5)
     assert page.troubles() == []
 
 
