@@ -13,13 +13,28 @@ from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES, write_text
+from lammps_jump.files import CURVES, FIGURES, read_json, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
 from .definitions import DEFINITIONS
 from .headline import belongs, headline
-from .page import Box, Boxes, Code, Items, Picture, Section, Table, Text, heading, percent, picture, render, with_error
+from .page import (
+    Box,
+    Boxes,
+    Code,
+    Curve,
+    Items,
+    Picture,
+    Section,
+    Table,
+    Text,
+    heading,
+    percent,
+    picture,
+    render,
+    with_error,
+)
 
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
@@ -134,9 +149,19 @@ def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
     return boxes
 
 
+def curves(folder: Path) -> dict[str, Curve]:
+    """What the page draws of a run folder, by the name of the figure's file, in the order of `FIGURES`."""
+    try:
+        found = read_json(folder / CURVES)
+        return {name: Curve(text, found[Path(name).stem]) for name, text in FIGURES.items() if Path(name).stem in found}
+    except (OSError, ValueError, TypeError):
+        return {}  # of a version before, or damaged: the page is whole without
+
+
 def _figures(folder: Path, room: int) -> Section:
-    """The film, then figures in a fixed order, as long as there is room; the film gives way to the figures."""
-    found = {path.name: path for path in sorted((folder / "figures").glob("*.png"))}
+    """The film, curves and pictures in a fixed order, as long as there is room; the film gives way to the pictures."""
+    drawn = curves(folder)
+    found = {path.name: path for path in sorted((folder / "figures").glob("*.png")) if path.name not in drawn}
     order = [name for name in FIGURES if name in found] + [name for name in found if name not in FIGURES]
     files = [(found[name], FIGURES.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
     films = [folder / f"animation.{kind}" for kind in ("mp4", "gif")]
@@ -150,7 +175,7 @@ def _figures(folder: Path, room: int) -> Section:
         room -= len(block.source) + 200
         shown.insert(0 if path in films else len(shown), block)
     tail = f"Too large for this page, beside it in the run folder: {', '.join(left_out)}." if left_out else ""
-    return Section("Figures", [*shown, Text(tail)])
+    return Section("Figures", [*drawn.values(), *shown, Text(tail)])
 
 
 def _command(summary: Mapping) -> list[Text | Code]:

@@ -325,7 +325,7 @@ class Analysis(Strict):
     front: bool = False
     fields: bool = False
     animation: bool = False
-    figures: Literal["default", "none"] = Field(default="default", description="none: no pictures and no report")
+    figures: Literal["default", "all", "none"] = Field(default="default", description="none: no pictures and no report")
 
 
 class Engine(Strict):
