@@ -99,6 +99,7 @@ def analyse(
     quiet: bool = False,
     watch: Sequence[Collector] = (),
     gathered: Gathered | None = None,
+    told: Callable[[str], None] | None = None,
 ) -> dict[str, object]:
     """Analyse a dump file.
 
@@ -122,6 +123,8 @@ def analyse(
         Are also shown every frame.
     gathered : Gathered, optional
         Of `collect` for the same quantities, where the frames were read before.
+    told : callable(str), optional
+        Called with what is done next: results, tables, figures.
 
     Returns
     -------
@@ -138,7 +141,8 @@ def analyse(
         known = ", ".join(name for name in QUANTITIES if name != "inflow")
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
-    warnings = list(gathered.warnings)
+    told, warnings = told or (lambda phase: None), list(gathered.warnings)
+    told("results")
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
     asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, *ALWAYS}}
     results = {name: result for name, result in asked.items() if result is not None}
@@ -148,6 +152,7 @@ def analyse(
     shown = drawings(gathered, results)
     drawn = {"none": (), "default": MAIN, "all": (*shown, DISCS)}[figures]
     with aside(draw_figures, drawn, shown, out / "figures", dump, flow) if drawn else nullcontext():
+        told("tables")
         files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
         for name, result in results.items():
             tables = QUANTITIES[name].tables(result)
@@ -158,6 +163,7 @@ def analyse(
         if "fields" in wanted:
             written, parts["fields"] = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out, bool(drawn))
             files += written
+        told("figures")
     files += [f"figures/{name}.png" for name in drawn]
     if film:
         files += _film(gathered, dump, out, warnings, quiet)

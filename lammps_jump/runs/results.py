@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -101,11 +101,17 @@ def collect(case: ReadCase, folder: Path, dump: Dump, *watch: Collector) -> Gath
 
 
 def analyse(
-    case: ReadCase, folder: Path, out: Path, watch: Sequence[Collector] = (), gathered: Gathered | None = None
+    case: ReadCase,
+    folder: Path,
+    out: Path,
+    watch: Sequence[Collector] = (),
+    gathered: Gathered | None = None,
+    told: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Analyse the dump of a run folder as its case asks; the parts of the summary. Tables and figures go to `out`.
 
-    `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`.
+    `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`. `told` is called with
+    what is done.
     """
     quiet = not log.isEnabledFor(logging.INFO)
     asked = case.fields.analysis
@@ -115,6 +121,7 @@ def analyse(
         "quiet": quiet,
         "watch": watch,
         "gathered": gathered,
+        "told": told,
     }
     return quantities.analyse(flow_of(case), find_dump(folder), out, _wanted(case), **options)
 
