@@ -162,7 +162,7 @@ function entering(run, row, until, found) {
 
 // Mass depth of each bin at an instant, m: the share of each disc's area that lies in the bin counts, as in profiles.nc.
 function massDepth(run, found, depth) {
-  const { low, width, count } = run.bins, scale = run.one_in * run.area / width;
+  const { low, width, count } = run.bins, scale = run.area / run.share / width;
   depth.fill(0);
   for (let k = 0; k < found.count; k++) {
     const r = run.radii[run.shade[found.disc[k]]], x = found.x[k], mass = scale * r * r;

@@ -11,6 +11,7 @@ const NARROWEST = 420;
 // A disc is shown at most as large, in pixels.
 const CLOSEST = 90;
 const PICKED_WITHIN = 14;
+const FRAMES_A_SECOND = 10;
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
   size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) },
@@ -39,6 +40,8 @@ async function startPlayer(element, index) {
     element, run, canvas, index, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }),
     deep: run.gravity.some((part) => part !== 0), // without gravity there is no depth
     time: run.times[0], playing: false, rate: 1, colour: "speed", picked: null, pointers: new Map(),
+    pace: run.unit === "s" ? 1 : FRAMES_A_SECOND * (run.times[1] - run.times[0] || 1), // steps have no duration
+    digits: run.unit === "s" ? 2 : 0,
     oldest: oldest(run), found: roomFor(run), depth: new Float64Array(run.bins.count), end: run.times[run.times.length - 1],
   };
   players.push(p);
@@ -55,9 +58,8 @@ function setUp(p) {
   listenToEvents(p);
   new ResizeObserver(() => layOut(p)).observe(p.element);
   darkness.addEventListener("change", () => layOut(p));
-  const thin = p.run.one_in > 1;
-  part(p, "thin").hidden = !thin;
-  if (thin) part(p, "thin").textContent = `One of ${p.run.one_in} discs is shown.`;
+  part(p, "thin").hidden = p.run.share === 1;
+  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * p.run.share)} % of them are shown.`;
   layOut(p);
 }
 
@@ -449,7 +451,7 @@ function setPlaying(p, on) {
 
 function advance(p, now) {
   if (!p.playing) return;
-  if (p.last !== null) setTime(p, p.time + (now - p.last) / 1000 * p.rate);
+  if (p.last !== null) setTime(p, p.time + (now - p.last) / 1000 * p.rate * p.pace);
   p.last = now;
   if (p.time >= p.end) return finish(p);
   requestAnimationFrame((next) => advance(p, next));
@@ -470,11 +472,12 @@ function step(p, frames) {
 }
 
 function showClock(p) {
-  part(p, "clock").textContent = `${p.time.toFixed(2)} / ${p.end.toFixed(2)} ${p.run.unit}`;
+  const clock = `${p.time.toFixed(p.digits)} / ${p.end.toFixed(p.digits)} ${p.run.unit}`;
+  part(p, "clock").textContent = clock;
   const bar = part(p, "time"), first = p.run.times[0];
   bar.value = p.time;
   bar.style.setProperty("--done", `${100 * (p.time - first) / (p.end - first || 1)}%`);
-  bar.setAttribute("aria-valuetext", `${p.time.toFixed(2)} ${p.run.unit}`);
+  bar.setAttribute("aria-valuetext", clock);
 }
 
 // ---- buttons and keys ----
@@ -629,7 +632,7 @@ function placeTip(p, tip, x, y, radius) {
 function save(p, blob, ending) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
-  link.download = `${p.run.name}_${p.time.toFixed(2)}s.${ending}`;
+  link.download = `${p.run.name}_${p.time.toFixed(p.digits)}${p.run.unit}.${ending}`;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
