@@ -101,7 +101,8 @@
     const xs = panel.x ? known(panel) : chart.panels.flatMap(known);
     const ys = panel.lines.filter((line) => !["faint", "dots"].includes(line.look) || panel.lines.length === 1)
       .flatMap((line) => line.error ? line.y.flatMap((y, i) => y === null ? [] : [y - 2 * (line.error[i] ?? 0), y + 2 * (line.error[i] ?? 0)]) : line.y);
-    const [x0, x1] = range(xs, panel.xlim, 0), [y0, y1] = range(ys.concat(panel.levels.map(([, value]) => value)), panel.ylim, 0.05);
+    const first = chart.time && !panel.x ? Math.min(0, ...xs.filter((x) => x !== null)) : null;
+    const [x0, x1] = range(xs, [panel.xlim[0] ?? first, panel.xlim[1]], 0), [y0, y1] = range(ys.concat(panel.levels.map(([, value]) => value)), panel.ylim, 0.05);
     const right = width - RIGHT, X = (x) => LEFT + (x - x0) / (x1 - x0) * (right - LEFT), Y = (y) => height - (y - y0) / (y1 - y0) * (height - TOP);
     add(add(svg, "clipPath", { id: name }), "rect", { x: LEFT, y: TOP, width: right - LEFT, height: height - TOP });
     if (chart.window && !panel.x) {
@@ -208,12 +209,14 @@
     add(caption, "button", { type: "button" }, "CSV").addEventListener("click", () => save(chart.caption, columns(chart)));
     const body = add(figure, "div");
     let width = 0, panels = [];
-    new ResizeObserver(() => {
+    const fit = () => {
       const now = Math.floor(figure.clientWidth);
       if (!now || now === width) return;
       width = now;
       panels = draw(body, chart, number, width) || [];
-    }).observe(figure);
+    };
+    fit();
+    new ResizeObserver(fit).observe(figure);
     if (chart.time) linked.push((seconds) => panels.forEach((panel) => panel.put(seconds)));
   });
   document.addEventListener("time", (event) => linked.forEach((show) => show(event.detail)));
