@@ -32,7 +32,7 @@ test-repeat: $(VENV)/.ready
 
 # reports of all scenes in Chromium (Debian's package chromium): they load, play, and show what the dump holds
 browser: $(VENV)/.ready
-	$(BIN)/python -m pytest -m browser tests/integration/test_browser.py
+	$(BIN)/python -m pytest -m browser tests/integration
 
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
 slurm: $(VENV)/.ready
