@@ -16,7 +16,7 @@ from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.units import numbers_of, shown
 
 from .headline import A_JUMP, belongs
-from .page import Box, heading
+from .page import Box, heading, with_error
 
 MOST = 5
 WITHIN = "± is one standard error within this run."
@@ -109,10 +109,11 @@ def _at(summary: Mapping, path: str) -> object:
 def _box(wanted: Wanted, key: str, found: Mapping, other: object, name: str) -> Box:
     number = numbers_of(wanted.result)[key]
     unit = number.unit if wanted.unit is None else wanted.unit
-    error = found.get(f"{key}_error")
-    text = shown(found[key] / wanted.scale, error=None if error is None else error / wanted.scale).replace("-", "−")
-    value, _, sure = text.partition(" ± ")
+    value, _, sure = with_error(found, key, wanted.scale).partition(" ± ")
+    sure, more, _ = sure.partition(" or more")
     told = wanted.words if not wanted.other else wanted.without
     if isinstance(other, float | int):
         told = f"{wanted.words} {shown(other / wanted.scale, wanted.beside or unit)}".replace("-", "−")
-    return Box(heading((wanted.label or number.meaning).format(name=name), ""), value, unit, sure, told)
+    return Box(
+        heading((wanted.label or number.meaning).format(name=name), ""), value, f"{unit}{more}".strip(), sure, told
+    )
