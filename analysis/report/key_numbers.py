@@ -22,6 +22,8 @@ MOST = 5
 WITHIN = "± is one standard error within this run."
 EXACT = ("energy", "inflow.delivered")
 """Numbers that are counted, or exact for this run."""
+MORE = "†"
+BOUND = "† Or more: one run cannot tell."
 UNSURE = "Without ±: no error from one run; repeat it from other starts."
 
 
@@ -47,7 +49,7 @@ OFF_WATER = "front against Martin & Moyce’s water"
 PERCENT = {"scale": 0.01, "unit": "%"}
 FOUND = (
     Wanted("jump.sequent_ratio", Jump, "Bélanger", "jump.belanger_ratio"),
-    Wanted("jump.tail.depth", Tail, "inflow’s Bélanger depth", "jump.tail.belanger_y2", "mass depth of the tail water"),
+    Wanted("jump.tail.depth", Tail, "Bélanger, inflow", "jump.tail.belanger_y2", "mass depth of the tail water"),
     Wanted("jump.y1", Jump, "inflow", "jump.inflow.depth"),
     Wanted("jump.speed", Jump, "from mass", "jump.mass.speed_from_mass"),
     Wanted("front.position", Front, "at t =", "front.time", beside="s", without="at the last frame"),
@@ -74,7 +76,8 @@ def key_numbers(summary: Mapping) -> tuple[list[Box], str]:
     discs = summary.get("discs") or {}
     if len(boxes) < MOST and discs.get("inserted") is not None:
         boxes.append(Box("Discs", discs["inserted"], against=f"{shown(discs.get('present'))} at the end"))
-    return boxes, " ".join(([WITHIN] if True in errors else []) + ([UNSURE] if False in errors else []))
+    said = {WITHIN: True in errors, BOUND: any(MORE in box.error for box in boxes), UNSURE: False in errors}
+    return boxes, " ".join(text for text, goes in said.items() if goes)
 
 
 def _boxes(wanted: Wanted, summary: Mapping) -> Iterator[Box]:
@@ -110,10 +113,8 @@ def _box(wanted: Wanted, key: str, found: Mapping, other: object, name: str) -> 
     number = numbers_of(wanted.result)[key]
     unit = number.unit if wanted.unit is None else wanted.unit
     value, _, sure = with_error(found, key, wanted.scale).partition(" ± ")
-    sure, more, _ = sure.partition(" or more")
+    sure = sure.replace(" or more", MORE)
     told = wanted.words if not wanted.other else wanted.without
     if isinstance(other, float | int):
         told = f"{wanted.words} {shown(other / wanted.scale, wanted.beside or unit)}".replace("-", "−")
-    return Box(
-        heading((wanted.label or number.meaning).format(name=name), ""), value, f"{unit}{more}".strip(), sure, told
-    )
+    return Box(heading((wanted.label or number.meaning).format(name=name), ""), value, unit, sure, told)

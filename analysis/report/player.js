@@ -7,6 +7,7 @@ const MARGIN = { left: 44, right: 2, legend: 30, caption: 50, depth: 104, axis: 
 const NARROW = 640;
 const TALLEST = 460;
 const LOWEST = 170;
+const GROWN = 330;
 const NARROWEST = 420;
 // A disc is shown at most as large, in pixels.
 const CLOSEST = 90;
@@ -80,17 +81,24 @@ function layOut(p) {
   p.whole = Math.min(room / (x1 - x0), TALLEST / (y1 - y0));
   p.home = narrow ? Math.min(2 * p.whole, TALLEST / (y1 - y0)) : p.whole;
   p.wide = Math.min(room, Math.max(NARROWEST, p.whole * (x1 - x0)));
-  p.high = Math.round(Math.max(LOWEST, p.home * (y1 - y0)));
-  const below = p.deep ? MARGIN.caption + MARGIN.depth : 0;
-  p.sized = { width, height: MARGIN.legend + p.high + below + MARGIN.axis };
   p.dots = Math.min(3, Math.max(1, window.devicePixelRatio || 1));
-  p.canvas.width = Math.round(width * p.dots);
-  p.canvas.height = Math.round(p.sized.height * p.dots);
-  p.canvas.style.height = p.sized.height + "px";
-  p.painter = new Painter(Math.round(p.wide * p.dots), Math.round(p.high * p.dots));
+  p.sized = { width, height: 0 };
   takeColours(p);
   if (!p.view || p.view.untouched) showHome(p);
   else moveView(p, 0, 0);
+}
+
+// A closer view of a long channel gets more height.
+function fitHeight(p) {
+  const [low, high] = p.run.seen[1], least = Math.max(LOWEST, p.home * (high - low));
+  p.high = Math.round(Math.min(Math.max(least, p.view.scale * (high - low)), Math.max(least, GROWN)));
+  const height = MARGIN.legend + p.high + (p.deep ? MARGIN.caption + MARGIN.depth : 0) + MARGIN.axis;
+  if (height === p.sized.height) return;
+  p.sized.height = height;
+  p.canvas.width = Math.round(p.sized.width * p.dots);
+  p.canvas.height = Math.round(height * p.dots);
+  p.canvas.style.height = height + "px";
+  p.painter = new Painter(Math.round(p.wide * p.dots), Math.round(p.high * p.dots));
 }
 
 function takeColours(p) {
@@ -128,6 +136,7 @@ function zoom(p, factor, x = p.view.x, y = p.view.y) {
 // Move what is shown by pixels, within what there is.
 function moveView(p, right, down) {
   const { view, run } = p;
+  fitHeight(p);
   view.x = within(view.x - right / view.scale, run.seen[0], p.wide / view.scale / 2);
   view.y = within(view.y + down / view.scale, run.seen[1], p.high / view.scale / 2, true);
   if (right || down) view.untouched = false;
@@ -496,13 +505,20 @@ function listenToButtons(p) {
   on("on", "click", () => step(p, 1));
   on("rate", "change", () => tell("play", { on: p.playing, rate: Number(part(p, "rate").value) }));
   on("colour", "change", () => { p.colour = part(p, "colour").value; draw(p); });
-  on("out", "click", () => zoom(p, 1 / 1.5));
-  on("in", "click", () => zoom(p, 1.5));
-  on("whole", "click", () => showWhole(p));
+  on("out", "click", () => keepingPlace(p, () => zoom(p, 1 / 1.5)));
+  on("in", "click", () => keepingPlace(p, () => zoom(p, 1.5)));
+  on("whole", "click", () => keepingPlace(p, () => showWhole(p)));
   on("save", "click", () => savePicture(p));
   part(p, "film").hidden = !filmKind(p);
   on("film", "click", () => (p.film ? p.film.stop() : saveFilm(p)));
   if (p.index === 0) document.addEventListener("keydown", (event) => key(p, event));
+}
+
+// The buttons stay under the pointer where the drawing above them changes its height.
+function keepingPlace(p, act) {
+  const before = p.sized.height;
+  act();
+  window.scrollBy(0, p.sized.height - before);
 }
 
 function listenToEvents(p) {

@@ -110,11 +110,11 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
     title = "A hydraulic jump. Its depth ratio is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
     assert content.index(title) < content.index("Compare this − with that.") < content.index('class="numbers"')
     assert tiles(content) == {
-        "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04 or more||Bélanger 5.2|"),
+        "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04†||Bélanger 5.2|"),
         "Velocity of the front": ("−1", " m/s|"),
         "Peak force on the sill": ("4.20", " ± 0.3 kN/m||ρgh²/2 2.1 kN/m|"),
     }
-    sure = "± is one standard error within this run. Without ±: no error from one run; repeat it from other starts."
+    sure = "± is one standard error within this run. † Or more: one run cannot tell. Without ±: no error from one run;"
     assert sure in content
     assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
     jump |= {"verdict": "no jump found"}
