@@ -12,6 +12,7 @@ const NARROWEST = 420;
 // A disc is shown at most as large, in pixels.
 const CLOSEST = 90;
 const PICKED_WITHIN = 14;
+const LONGEST = 1000;
 const FRAMES_A_SECOND = 10;
 const HALF = 0.5;
 const COLOURS = {
@@ -464,7 +465,8 @@ function setPlaying(p, on) {
 
 function advance(p, now) {
   if (!p.playing) return;
-  if (p.last !== null) setTime(p, p.time + (now - p.last) / 1000 * p.rate * p.pace);
+  const passed = p.last === null ? 0 : Math.min(now - p.last, LONGEST); // a hidden page is not drawn for a while
+  setTime(p, p.time + passed / 1000 * p.rate * p.pace);
   p.last = now;
   if (p.time >= p.end) return finish(p);
   requestAnimationFrame((next) => advance(p, next));
@@ -533,26 +535,24 @@ function listenToEvents(p) {
 function key(p, event) {
   if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("select, textarea, summary")) return;
   if (event.key === " " && event.target.closest("button")) return;
-  const shift = event.shiftKey ? 60 : 0;
+  const focused = players.filter(({ element }) => element.contains(document.activeElement));
+  const each = (act) => () => (focused.length ? focused : players).forEach(act);
+  const shift = event.shiftKey ? 60 : 0, move = (right, down) => each((one) => moveView(one, right, down));
   const acts = {
     " ": () => tell("play", { on: !p.playing }),
-    ArrowLeft: () => (shift ? touched(p, shift, 0) : step(p, -1)),
-    ArrowRight: () => (shift ? touched(p, -shift, 0) : step(p, 1)),
-    ArrowUp: shift && (() => touched(p, 0, shift)),
-    ArrowDown: shift && (() => touched(p, 0, -shift)),
+    ArrowLeft: shift ? move(shift, 0) : () => step(p, -1),
+    ArrowRight: shift ? move(-shift, 0) : () => step(p, 1),
+    ArrowUp: shift && move(0, shift),
+    ArrowDown: shift && move(0, -shift),
     Home: () => tell("seek", p.run.times[0]),
     End: () => tell("seek", p.end),
-    "+": () => zoom(p, 1.5),
-    "-": () => zoom(p, 1 / 1.5),
-    0: () => showWhole(p),
+    "+": each((one) => zoom(one, 1.5)),
+    "-": each((one) => zoom(one, 1 / 1.5)),
+    0: each(showWhole),
   };
   if (!acts[event.key]) return;
   event.preventDefault();
   acts[event.key]();
-}
-
-function touched(p, right, down) {
-  moveView(p, right, down);
 }
 
 // ---- pointer ----
@@ -580,7 +580,7 @@ function pointerMove(p, event) {
   const other = [...p.pointers].find(([id]) => id !== event.pointerId);
   p.pointers.set(event.pointerId, now);
   if (other) return pinch(p, before, now, other[1]);
-  return touched(p, now[0] - before[0], now[1] - before[1]);
+  return moveView(p, now[0] - before[0], now[1] - before[1]);
 }
 
 function pinch(p, before, now, other) {
