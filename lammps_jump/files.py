@@ -17,6 +17,8 @@ from pydantic_core import to_jsonable_python
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
+CURVES = "curves.json"
+"""What the page draws, by the name of the figure."""
 FIGURES = {
     "depth_profile.png": "Depth and velocity along the channel, mean of the window",
     "depth_map.png": "Depth of the free surface over distance and time",
@@ -61,6 +63,7 @@ RUN_FILES = (
 RESULT_FILES = (
     "profiles.nc",
     "summary.json",
+    CURVES,
     "animation.mp4",
     "animation.gif",
     "report.html",
@@ -156,7 +159,7 @@ def flush(path: Path) -> None:
         os.close(place)
 
 
-def write_json(path: Path, data: object, indent: int = 1) -> Path:
+def write_json(path: Path, data: object, indent: int | None = 1) -> Path:
     """Write plain data as JSON, NaN and infinities as null; see `plain` and `write_text`."""
     return write_text(path, json.dumps(plain(data), indent=indent, allow_nan=False) + "\n")
 

@@ -13,15 +13,17 @@ from lammps_jump.analysis.forces.history import Force
 from lammps_jump.analysis.front import Front, MartinMoyce
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.jump.tail import Tail
-from lammps_jump.units import is_bound, numbers_of, shown
+from lammps_jump.units import numbers_of, shown
 
 from .headline import A_JUMP, belongs
-from .page import Box, heading
+from .page import Box, heading, with_error
 
 MOST = 5
 WITHIN = "± is one standard error within this run."
 EXACT = ("energy", "inflow.delivered")
 """Numbers that are counted, or exact for this run."""
+MORE = "†"
+BOUND = "† Or more: one run cannot tell."
 UNSURE = "Without ±: no error from one run; repeat it from other starts."
 
 
@@ -47,7 +49,7 @@ OFF_WATER = "front against Martin & Moyce’s water"
 PERCENT = {"scale": 0.01, "unit": "%"}
 FOUND = (
     Wanted("jump.sequent_ratio", Jump, "Bélanger", "jump.belanger_ratio"),
-    Wanted("jump.tail.depth", Tail, "inflow’s Bélanger depth", "jump.tail.belanger_y2", "mass depth of the tail water"),
+    Wanted("jump.tail.depth", Tail, "Bélanger, inflow", "jump.tail.belanger_y2", "mass depth of the tail water"),
     Wanted("jump.y1", Jump, "behind the inlet", "inflow.depth"),
     Wanted("jump.speed", Jump, "from mass", "jump.mass.speed_from_mass"),
     Wanted("front.position", Front, "at t =", "front.time", beside="s", without="at the last frame"),
@@ -75,7 +77,8 @@ def key_numbers(summary: Mapping) -> tuple[list[Box], str]:
     discs = summary.get("discs") or {}
     if len(boxes) < MOST and discs.get("inserted") is not None:
         boxes.append(Box("Discs", discs["inserted"], against=f"{shown(discs.get('present'))} at the end"))
-    return boxes, " ".join(([WITHIN] if True in errors else []) + ([UNSURE] if False in errors else []))
+    said = {WITHIN: True in errors, BOUND: any(MORE in box.error for box in boxes), UNSURE: False in errors}
+    return boxes, " ".join(text for text, goes in said.items() if goes)
 
 
 def _boxes(wanted: Wanted, summary: Mapping) -> Iterator[Box]:
@@ -112,14 +115,10 @@ def _box(wanted: Wanted, key: str, found: Mapping, other: tuple[object, object],
     """A box; `other` is the number it is compared with, and the error of that."""
     number = numbers_of(wanted.result)[key]
     unit = number.unit if wanted.unit is None else wanted.unit
-    error = found.get(f"{key}_error")
-    error = None if error is None else error / wanted.scale
-    text = shown(found[key] / wanted.scale, error=error).replace("-", "−")
-    value, _, sure = text.partition(" ± ")
+    value, _, sure = with_error(found, key, wanted.scale).partition(" ± ")
     told, (beside, off) = wanted.words if not wanted.other else wanted.without, other
     if isinstance(beside, float | int):
         off = off / wanted.scale if isinstance(off, float | int) else None
         told = f"{wanted.words} {shown(beside / wanted.scale, wanted.beside or unit, off)}".replace("-", "−")
-    more = " or more" if sure and is_bound(found, key) else ""
     label = heading((wanted.label or number.meaning).format(name=name), "")
-    return Box(label, value, f"{unit}{more}".strip(), sure, told)
+    return Box(label, value, unit, sure.replace(" or more", MORE), told)

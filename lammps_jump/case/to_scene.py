@@ -198,7 +198,7 @@ def _stiffness(case: CaseFields) -> tuple[float, float, float]:
 def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:
     """Steps of the run, and steps behind the gate before it: whole frames."""
     asked = case.run
-    steps = plan_steps(asked.duration, asked.output_interval, case.probes.interval if case.probes.forces else None, dt)
+    steps = plan_steps(asked.duration, case.output_interval, case.probes.interval if case.probes.forces else None, dt)
     settle = math.ceil(math.ceil(_settle(case) / dt - 1e-9) / steps.output) * steps.output
     checks.check_size(case, source, settle, steps.run, steps.output, sizes)
     return steps, settle

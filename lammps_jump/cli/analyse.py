@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands that look at a run or a dump: analyze, animate, export."""
+"""Commands that look at a run or a dump: analyze, animate, figures, export."""
 
 from __future__ import annotations
 
@@ -92,6 +92,13 @@ def animate(
     """Write a film of a run: discs coloured by speed, forces on structures, time."""
     with told(quiet=False):
         print(runs.results.animate(folder, out, fps))
+
+
+@app.command()
+def figures(folder: Annotated[Path, typer.Argument(help="Run folder.", show_default=False)]) -> None:
+    """Draw every figure of a run as a PNG file; prints their names."""
+    for path in lj.open_run(folder).figures():
+        print(path)
 
 
 @app.command()

@@ -6,7 +6,7 @@ from __future__ import annotations
 import importlib
 import os
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
@@ -70,11 +70,16 @@ class Ahead:
                 watch = (self.packer, self.check)
                 self._gathered = runs.results.collect(self._case, self._folder, self._dump, *watch)
 
-    def result(self, outputs: Mapping[str, Mapping[str, int | str]]) -> Gathered | None:
-        """What was gathered of a run that has ended; None where the dump among its `outputs` is still to be read."""
+    def result(self, outputs: Mapping[str, Mapping[str, int | str]], waiting: Callable[[int], None]) -> Gathered | None:
+        """What was gathered of a run that has ended; None where the dump among its `outputs` is still to be read.
+
+        `waiting` is called with the number of frames read so far.
+        """
         found = outputs.get(self._dump.path.name)
         self._dump.given_up = found is None
         self._ended.set()
-        self._thread.join()
+        while self._thread.is_alive():
+            waiting(self.check.frames)
+            self._thread.join(0.2)
         same = found is not None and found["sha256"] == self._dump.read.hexdigest()
         return self._gathered if same else None

@@ -280,6 +280,11 @@ class Run:
         """
         return runs.results.draw(self._found, self.folder, name)
 
+    def figures(self) -> list[Path]:
+        """Draw every figure of the run as a PNG file into ``figures`` of its folder; the paths."""
+        with locked(self.folder):
+            return runs.results.draw_all(self._found, self.folder)
+
     def report(self, path: str | Path | None = None) -> Path:
         """Write the report page; into the run folder where no `path` is given. Figures are those of the folder."""
         if path is None:

@@ -126,7 +126,7 @@ def _run(
             if result.status != "interrupted":
                 remove_checkpoint(folder)
                 (folder / "in.resume.lammps").unlink(missing_ok=True)
-            Conclusion(case, folder, setting, result, steady, before, notes).first(ahead)
+            Conclusion(case, folder, setting, result, steady, before, notes, progress).first(ahead)
 
 
 def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:

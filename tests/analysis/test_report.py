@@ -105,17 +105,17 @@ def made_jump(**given):
 
 def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_comparison(tmp_path):
     jump = made_jump(speed=-1.0, speed_error=None, u1=9.0, sequent_ratio=5.0, sequent_ratio_error=0.04)
-    jump |= {"belanger_ratio": 5.2, "belanger_deviation": -0.038, "length": 7.0}
+    jump |= {"belanger_ratio": 5.2, "belanger_deviation": -0.038, "length": 7.0, "lower_bounds": ["sequent_ratio"]}
     force = {"sill": {"peak": 4200.0, "peak_error": 300.0, "hydrostatic": 2100.0, "mean_fx": 1.0}}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump, "force": force}))
     title = "A hydraulic jump. Its depth ratio is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
     assert content.index(title) < content.index("Compare this − with that.") < content.index('class="numbers"')
     assert tiles(content) == {
-        "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04||Bélanger 5.2|"),
+        "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04†||Bélanger 5.2|"),
         "Velocity of the front": ("−1", " m/s|"),
         "Peak force on the sill": ("4.20", " ± 0.3 kN/m||ρgh²/2 2.1 kN/m|"),
     }
-    sure = "± is one standard error within this run. Without ±: no error from one run; repeat it from other starts."
+    sure = "± is one standard error within this run. † Or more: one run cannot tell. Without ±: no error from one run;"
     assert sure in content
     assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
     jump |= {"verdict": "no jump found"}
