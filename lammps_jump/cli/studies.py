@@ -133,6 +133,9 @@ def bench(
     speed: Annotated[
         bool, typer.Option("--speed", help="Compare the speed of kernels and skins with stock, on the developed flow.")
     ] = False,
+    overhead: Annotated[
+        bool, typer.Option("--overhead", help="Time the whole command around its engine, by phase.")
+    ] = False,
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
     diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
     fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
@@ -142,7 +145,8 @@ def bench(
     quiet: QuietStudy = False,
 ) -> None:
     """Measure run time against error for steps, kernels, contacts and stiffnesses. Continues where it stopped."""
-    part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), "bench")
+    parts = {"cells": cells, "skips": skips, "speed": speed, "overhead": overhead}
+    part = next((name for name, wanted in parts.items() if wanted), "bench")
     varied = studies.bench.read_axes(axes, fractions, kernels, diameters, members)
     if table and part == "bench":
         return studies.table.show(studies.bench.stored_table(case, out))

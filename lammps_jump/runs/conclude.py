@@ -191,6 +191,7 @@ class Conclusion:
                 self._link_the_rest(stage)
                 runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
             self._phase("")
+            summary["analysis_seconds"] = dict(self.phases)
             self._write(summary, None)  # ended between here and the last line: it is analysed again
             clear(folder, ["report.html", *stored.get("files", ())])
             names = publish(stage, folder)

@@ -12,6 +12,7 @@ from lammps_jump.studies.store import Say, Store
 
 from .cells import cell_page, time_cells
 from .collision import collision_page, compare_collisions
+from .overhead import overhead_page, time_commands
 from .page import draw_quantity, page
 from .skips import measure_skips, skip_page
 from .speed import speed_page, time_kernels
@@ -22,6 +23,7 @@ PARTS = {
     "cells": (time_cells, cell_page),
     "skips": (measure_skips, skip_page),
     "speed": (time_kernels, speed_page),
+    "overhead": (time_commands, overhead_page),
     "collision": (compare_collisions, collision_page),
 }
 """Benchmarks beside that of the settings by the stem of their JSON file: what measures, and what makes the page."""
