@@ -1,28 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Whether the error bars of one run hold: stated errors against the scatter between starts, and coverage.
 
-Run as ``python benchmarks/error_bars.py CASE [--starts N] [--first N] [--set PATH=VALUE]``. Starts differ by 1e-6
-diameters. Printed for each number: mean and standard deviation of the starts; root mean square of the stated errors
-over that deviation; chi2, the mean of (deviation from the mean of starts / stated error)^2; its value for perfect
+Run as ``python benchmarks/error_bars.py CASE [--starts N] [--first N] [--set PATH=VALUE] [--out DIR]``. The starts are
+members of a study, which is kept. Printed for each number: mean and standard deviation of the starts; root mean square
+of the stated errors over that deviation; chi2, the mean of (deviation from the mean of starts / stated error)^2; its value for perfect
 errors, k/(k - 2) with k degrees of freedom; the share of 95 % intervals that hold the mean of the starts.
 """
 
 from __future__ import annotations
 
 import argparse
-import tempfile
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 import lammps_jump as lj
-from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.jump.certainty import MISSED
-from lammps_jump.analysis.jump.result import analyse_jump
-from lammps_jump.analysis.jump.summary import Jump, summarise_jump
 from lammps_jump.analysis.statistics import STUDENT, WAVES
-from lammps_jump.studies.measure import moved_start, observe
-from lammps_jump.studies.runs import execute
 
 KEYS = (
     "y1", "y2", "h1", "h2", "u1", "u2", "froude", "froude_downstream", "sequent_ratio", "belanger_ratio",
@@ -33,19 +28,9 @@ CANNOT_TELL = (*MISSED, "h2", "u2", "length")
 """Numbers whose error one run cannot tell: intervals cover less than 90 %, or they go with y2 (docs/analysis.md)."""
 
 
-def jump_of(case: lj.Case, member: int) -> Jump:
-    """The jump of one start, without contact forces."""
-    changed = moved_start(case, member)
-    scene, asked = changed.scene(), changed.fields.analysis
-    with tempfile.TemporaryDirectory() as folder:
-        execute(scene, Path(folder), "compiled")
-        flow = from_scene(scene, bin_width=asked.bin_width, window=asked.window)
-        return summarise_jump(analyse_jump(observe(Path(folder), flow).profiles, flow))
-
-
-def row(key: str, jumps: list[Jump]) -> list[str]:
+def row(key: str, table: pd.DataFrame) -> list[str]:
     """One line of the table."""
-    values, errors = (np.array([getattr(jump, name) for jump in jumps], float) for name in (key, f"{key}_error"))
+    values, errors = (table[f"jump.{name}"].to_numpy() for name in (key, f"{key}_error"))
     mean, deviation, n = values.mean(), values.std(ddof=1), len(values)
     off = np.abs(values - mean)
     chi2 = np.mean((off / errors) ** 2) * n / (n - 1)
@@ -65,11 +50,13 @@ def main() -> None:
         "--first", type=int, default=1000, help="number of the first start: other numbers, fresh starts"
     )
     parser.add_argument("--set", action="append", default=[], dest="changes", metavar="PATH=VALUE")
+    parser.add_argument("--out", type=Path, default=Path("runs/error_bars"))
     given = parser.parse_args()
-    case = lj.load_case(given.case, given.changes)
-    jumps = [jump_of(case, given.first + k) for k in range(given.starts)]
-    words = {word: sum(jump.verdict == word for jump in jumps) for word in {jump.verdict for jump in jumps}}
-    measured = [jump for jump in jumps if np.isfinite(jump.y2_error)]
+    case, last = lj.load_case(given.case, given.changes), given.first + given.starts - 1
+    collect = [f"jump.{key}" for key in KEYS]
+    found = lj.sweep(case, given.out, members=f"{given.first}-{last}", collect=collect)
+    measured = found.values.dropna(subset="jump.y2_error")
+    words = found.values["jump.verdict"].value_counts().to_dict()
     print(f"{case.name}: {given.starts} starts, verdicts {words}\n")
     print("| number | mean | sd of starts | rms error/sd | chi2/dof | perfect | 95 % covers | |")
     print("|---|---:|---:|---:|---:|---:|---:|---|")

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,7 +13,7 @@ import lammps_jump.studies as studies
 import lammps_jump.sweeps as sweeps
 
 from .options import CaseFile, Fresh, Jobs, Quiet, QuietStudy, Sets, Until, place, sayer, told
-from .progress import ProgressLine, StudyLine
+from .progress import StudyLine
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -101,7 +100,6 @@ def cross_validate(
         members=members,
         kernel=kernel,
         quick=quick,
-        line=partial(ProgressLine, quiet=quiet),
         say=sayer(quiet),
     )
     if not quiet or not report["passed"]:
