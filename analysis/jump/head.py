@@ -306,7 +306,8 @@ def sentence(found: Mapping) -> str:
         f"{found['speed']:+.2f} m/s, as heads over the discharge of {found['discharge']:.2f} m²/s through them: discs "
         f"carry in {numbers['carried']} m more than out, contacts hand on {numbers['contacts']} m, "
         f"{numbers['storage']} m is stored. Lost: {lost}. The dashpots take {taken}; the difference is {rest} "
-        f"(± within this run, {found['frames']} frames). In a case for the native engine, which counts every step: "
+        f"(± within this run, {found['frames']} frames; the single parts have no errors). In a case for the "
+        "native engine, which counts every step: "
         "probes.stations = "
     ).replace("-", "−") + (
         f"{{x: [{found['x'][0]:.2f}, {found['x'][1]:.2f}], speed: {found['speed']:.3f}, window: "

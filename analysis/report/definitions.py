@@ -23,8 +23,8 @@ head        s + (u − c)²/2g; loss of head: the energy between two stations th
 β           ∑ m (u − c)² over the same with the mean velocity
 thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
 packing     area of the discs over that below the surface;  bulk density: ρ s/h
-± e         standard error within this run, from eight pieces of the window
-tail water  from 1.2 y₂ behind the front to 0.75 y₂ before the sill
+± e         standard error within this run, from eight pieces of the window; "or more": one run cannot tell it
+tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
 """,
     "stations": """\
 carried     m [((u − c)² + v²)/2 + g y] of each disc that crosses a station; c is the velocity of the stations

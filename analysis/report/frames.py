@@ -103,7 +103,7 @@ class FramePacker:
         rows["id"] = ids
         for name, value in (("x", frame.x), ("y", frame.y)):
             rows[name] = np.clip(np.rint(value[order] / self.q), -FARTHEST, FARTHEST)
-        rows["u"], rows["v"] = frame.vx[order], frame.vy[order]
+        rows["u"], rows["v"] = (frame.vx[order], frame.vy[order]) if self.flow.timed else (0, 0)
         rows["radius"] = self.flow.radii(frame)[order]
         return rows
 

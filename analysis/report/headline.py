@@ -8,6 +8,8 @@ from collections.abc import Mapping
 
 from .page import percent
 
+A_JUMP = {"jump": "A hydraulic jump", "marginal jump": "Now and then a jump", "jump not developed": "A growing jump"}
+"""Verdicts on flows that have a jump, in words."""
 DISCS = (-0.2, 0.0)
 """Mean difference of fronts of frictionless discs from Martin & Moyce's water, five starts (docs/theory.md)."""
 
@@ -36,8 +38,7 @@ def _collapse(front: Mapping) -> str:
 
 
 def _jump(jump: Mapping) -> str:
-    names = {"jump": "A hydraulic jump", "marginal jump": "Now and then a jump", "jump not developed": "A growing jump"}
-    if jump["verdict"] not in names:
+    if jump["verdict"] not in A_JUMP:
         return (
             "No hydraulic jump." if jump["verdict"].startswith("no jump") else f"No hydraulic jump: {jump['verdict']}."
         )
@@ -53,12 +54,13 @@ def _jump(jump: Mapping) -> str:
         way = "upstream" if speed * (jump.get("u1") or 1.0) < 0 else "downstream"
         said.append(f"its front moves {way} at {abs(speed):#.2g} m/s")
     tail = " and ".join(said)
-    return f"{names[jump['verdict']]}. {tail[:1].upper()}{tail[1:]}." if tail else f"{names[jump['verdict']]}."
+    return " ".join(filter(None, (f"{A_JUMP[jump['verdict']]}.", f"{tail[:1].upper()}{tail[1:]}." if tail else "")))
 
 
 def _parts(summary: Mapping) -> list[Mapping]:
     found = (summary.get(key) for key in ("jump", "front", "energy"))
-    return [part if isinstance(part, Mapping) else {} for part in found]
+    jump, front, energy = (part if isinstance(part, Mapping) else {} for part in found)
+    return [jump, {} if jump.get("verdict") in A_JUMP else front, energy]  # a jump is no collapsing column
 
 
 def headline(summary: Mapping) -> str:

@@ -15,7 +15,7 @@ from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.units import numbers_of, shown
 
-from .headline import belongs
+from .headline import A_JUMP, belongs
 from .page import Box, heading
 
 MOST = 5
@@ -28,8 +28,8 @@ UNSURE = "Without ±: no error from one run; repeat it from other starts."
 class Wanted(NamedTuple):
     """A number of ``summary.json`` by its path, as described by `result`; compared with the number at `other`.
 
-    Without a number to compare with, `words` stand alone. `scale` and `unit` replace those of the description;
-    `beside` is the unit of the other number where it is not the same.
+    Without a path to compare with, `words` stand alone; `without` stands where that number is not known. `scale` and
+    `unit` replace those of the description; `beside` is the unit of the other number where it is not the same.
     """
 
     path: str
@@ -40,6 +40,7 @@ class Wanted(NamedTuple):
     scale: float = 1.0
     unit: str | None = None
     beside: str | None = None
+    without: str = ""
 
 
 OFF_WATER = "front against Martin & Moyce’s water"
@@ -49,7 +50,7 @@ FOUND = (
     Wanted("jump.tail.depth", Tail, "inflow’s Bélanger depth", "jump.tail.belanger_y2", "mass depth of the tail water"),
     Wanted("jump.y1", Jump, "inflow", "jump.inflow.depth"),
     Wanted("jump.speed", Jump, "from mass", "jump.mass.speed_from_mass"),
-    Wanted("front.position", Front, "at t =", "front.time", beside="s"),
+    Wanted("front.position", Front, "at t =", "front.time", beside="s", without="at the last frame"),
     Wanted("front.speed", Front, "Ritter’s front, 2 √(g H)", "front.ritter.front_speed"),
     Wanted(
         "front.martin_moyce.mean_bulk", MartinMoyce, "discs: −20 to 0 %", label="off Martin & Moyce’s water", **PERCENT
@@ -92,6 +93,8 @@ def _goes(wanted: Wanted, summary: Mapping) -> bool:
     quantity, _, key = wanted.path.partition(".")
     if quantity == "energy":
         return bool(_at(summary, "energy.conservative"))
+    if quantity == "front":
+        return _at(summary, "jump.verdict") not in A_JUMP
     return quantity != "jump" or belongs(key, _at(summary, "jump"))
 
 
@@ -109,7 +112,7 @@ def _box(wanted: Wanted, key: str, found: Mapping, other: object, name: str) -> 
     error = found.get(f"{key}_error")
     text = shown(found[key] / wanted.scale, error=None if error is None else error / wanted.scale).replace("-", "−")
     value, _, sure = text.partition(" ± ")
-    told = wanted.words if not wanted.other else ""
+    told = wanted.words if not wanted.other else wanted.without
     if isinstance(other, float | int):
         told = f"{wanted.words} {shown(other / wanted.scale, wanted.beside or unit)}".replace("-", "−")
     return Box(heading((wanted.label or number.meaning).format(name=name), ""), value, unit, sure, told)

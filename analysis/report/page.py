@@ -21,7 +21,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain
-from lammps_jump.units import ABSENT, numbers_of, shown
+from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
 KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
 SCRIPTS = ("frames.js", "discs.js", "player.js", "curves.js")
@@ -210,12 +210,13 @@ def percent(share: float | None, digits: int = 1) -> str:
     return f"{100 * share:{'+' if digits > 1 else ''}.{digits}f} %"
 
 
-def with_error(found: Mapping, key: str, scale: float = 1.0) -> str:
+def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> str:
     """A number of ``summary.json`` with its standard error within this run, where it has one."""
     value, error = found[key], found.get(f"{key}_error")
     if value is None:
         return ABSENT
-    return shown(value / scale, error=None if error is None else error / scale).replace("-", "−")
+    error = None if error is None else error / scale
+    return shown(value / scale, unit, error, bound=is_bound(found, key)).replace("-", "−")
 
 
 def picture(path: Path, caption: str) -> Picture:

@@ -6,7 +6,7 @@
 const MARGIN = { left: 44, right: 2, legend: 30, caption: 50, depth: 104, axis: 24 };
 const NARROW = 640;
 const TALLEST = 460;
-const LOWEST = 120;
+const LOWEST = 170;
 const NARROWEST = 420;
 // A disc is shown at most as large, in pixels.
 const CLOSEST = 90;
@@ -14,7 +14,7 @@ const PICKED_WITHIN = 14;
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
   size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) },
-  age: { label: "time since it came in", unit: "s", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
+  age: { label: "time since it came in", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
 };
 
 const players = [];
@@ -124,14 +124,16 @@ function zoom(p, factor, x = p.view.x, y = p.view.y) {
 function moveView(p, right, down) {
   const { view, run } = p;
   view.x = within(view.x - right / view.scale, run.seen[0], p.wide / view.scale / 2);
-  view.y = within(view.y + down / view.scale, run.seen[1], p.high / view.scale / 2);
+  view.y = within(view.y + down / view.scale, run.seen[1], p.high / view.scale / 2, true);
   if (right || down) view.untouched = false;
   paintBackground(p);
   draw(p);
 }
 
-function within(value, [low, high], half) {
-  return low + half >= high - half ? (low + high) / 2 : Math.min(Math.max(value, low + half), high - half);
+// A centre so that half a window lies within two ends; where it does not fit, in the middle or on the lower end.
+function within(value, [low, high], half, onLower = false) {
+  if (low + half >= high - half) return onLower ? low + half : (low + high) / 2;
+  return Math.min(Math.max(value, low + half), high - half);
 }
 
 function column(p, x) {
@@ -285,7 +287,7 @@ function drawLegend(p) {
     context.fillStyle = `rgb(${p.colours[Math.floor(k / wide * SHADES)]})`;
     context.fillRect(MARGIN.left + k, 4, 1.5, 9);
   }
-  const { label, unit } = COLOURS[p.colour];
+  const { label, unit = p.run.unit } = COLOURS[p.colour];
   write(p, `${label} ${short(low)} to ${short(high)} ${unit}`, MARGIN.left + wide + 8, 9);
   drawScaleBar(p);
 }
@@ -468,11 +470,11 @@ function step(p, frames) {
 }
 
 function showClock(p) {
-  part(p, "clock").textContent = `${p.time.toFixed(2)} / ${p.end.toFixed(2)} s`;
+  part(p, "clock").textContent = `${p.time.toFixed(2)} / ${p.end.toFixed(2)} ${p.run.unit}`;
   const bar = part(p, "time"), first = p.run.times[0];
   bar.value = p.time;
   bar.style.setProperty("--done", `${100 * (p.time - first) / (p.end - first || 1)}%`);
-  bar.setAttribute("aria-valuetext", `${p.time.toFixed(2)} seconds`);
+  bar.setAttribute("aria-valuetext", `${p.time.toFixed(2)} ${p.run.unit}`);
 }
 
 // ---- buttons and keys ----
@@ -611,9 +613,15 @@ function showPicked(p) {
   const speed = Math.hypot(found.u[k], found.v[k]), place = (value) => value.toFixed(2).replace("-", "\u2212");
   tip.textContent = `disc ${p.run.ids[p.picked]}\nx ${place(found.x[k])}, y ${place(found.y[k])} m\n` +
     `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k))} m`;
-  const left = MARGIN.left + column(p, found.x[k]), half = tip.offsetWidth / 2;
-  tip.style.left = Math.min(Math.max(left, half), p.sized.width - half) - half + "px";
-  tip.style.top = MARGIN.legend + row(p, found.y[k]) + radiusOf(p, k) * p.view.scale + 10 + "px";
+  placeTip(p, tip, MARGIN.left + column(p, found.x[k]), MARGIN.legend + row(p, found.y[k]), radiusOf(p, k) * p.view.scale);
+}
+
+// Right of the disc, or left of it where there is no room.
+function placeTip(p, tip, x, y, radius) {
+  const right = x + radius + 12, left = x - radius - 12 - tip.offsetWidth;
+  tip.hidden = x < MARGIN.left || x > MARGIN.left + p.wide || y < MARGIN.legend || y > MARGIN.legend + p.high;
+  tip.style.left = `${right + tip.offsetWidth > p.sized.width ? left : right}px`;
+  tip.style.top = `${Math.max(0, y - tip.offsetHeight / 2)}px`;
 }
 
 // ---- saving ----

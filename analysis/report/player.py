@@ -42,6 +42,7 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
     header = {
         **packed.header,
         "name": scene.name,
+        "unit": "s" if flow.timed else "steps",
         "gravity": scene.gravity,
         "seen": (x, y),
         "fastest": top_of([disc_speeds(frame) for frame in sample], 0.1),
@@ -82,7 +83,7 @@ def _sequent(flow: Flow, folder: Path, times: np.ndarray) -> list[list[float] | 
     It belongs to mass depth and velocity before the front at that instant, seen from the front. It goes from the front
     to where the bed rises or the channel ends.
     """
-    if not (folder / TRACK).is_file():
+    if not (flow.timed and (folder / TRACK).is_file()):
         return [None] * len(times)
     track = np.genfromtxt(folder / TRACK, delimiter=",", names=True, ndmin=1)
     lines: list[list[float] | None] = []

@@ -24,6 +24,13 @@ from .player import STILL
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
 
+REPEAT = """\
+lammps-jump build-and-run case.yaml --out again
+
+import lammps_jump as lj
+run = lj.load_case("case.yaml").run("again")
+"""
+
 
 def write_report(
     folder: Path,
@@ -54,8 +61,8 @@ def write_report(
         The file cannot be written.
     """
     name_of_run = str(summary.get("name", "run"))
-    name = name_of_run if "given" in summary else name_of_run.replace("_", " ")
-    title = verdict(summary) or name
+    called = name_of_run if "given" in summary else name_of_run.replace("_", " ")
+    title = verdict(summary) or called
     about = {
         "tab": f"{name_of_run}: report",
         "name": ": ".join(filter(None, (name_of_run, summary.get("description")))),
@@ -121,7 +128,7 @@ def _figures(folder: Path, room: int, player: Player | None) -> Section:
 def _command(summary: Mapping) -> list[Text | Code]:
     """The command that makes the results again."""
     if "given" not in summary:
-        return [Text("In this run folder, with the versions below:"), Code("lammps-jump build-and-run case.yaml")]
+        return [Text("In this run folder, with the versions below:"), Code(REPEAT)]
     options = [
         f"--{key.replace('_', '-')} "
         + (",".join(f"{k}={v:g}" for k, v in value.items()) if isinstance(value, Mapping) else f"{value:g}")
@@ -133,6 +140,7 @@ def _command(summary: Mapping) -> list[Text | Code]:
 def _how(summary: Mapping) -> Section:
     seconds, discs = summary.get("wall_seconds") or {}, summary.get("discs") or {}
     speed, versions = summary.get("disc_steps_per_second"), summary.get("versions") or {}
+    sums = {name: values.get("sha256") for name, values in (summary.get("outputs") or {}).items()}
     rows = [
         ("Engine", f"{summary['engine']}, kernel {summary.get('kernel') or ABSENT}" if summary.get("engine") else None),
         *((f"Wall time, {name}", f"{value:.2f} s") for name, value in seconds.items() if value is not None),
@@ -140,6 +148,8 @@ def _how(summary: Mapping) -> Section:
         ("Disc-steps per second", f"{speed / 1e6:.1f} million" if speed else None),
         ("Discs", ", ".join(f"{value} {name}" for name, value in discs.items()) or None),
         *((f"Version of {name}", value) for name, value in versions.items()),
+        ("Hash of the case", summary.get("case_hash")),
+        *((f"SHA-256 of {name}", value) for name, value in sums.items()),
     ]
     return Section(
         "How to repeat it",

@@ -165,7 +165,7 @@ class Conclusion:
             summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
             if self.case.fields.analysis.figures != "none":
                 self._link_the_rest(stage)
-                runs.results.write_report(stage, summary, self.case, packer)
+                runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
             self._write(summary, None)  # ended between here and the last line: it is analysed again
             clear(folder, ["report.html", *stored.get("files", ())])
             names = publish(stage, folder)

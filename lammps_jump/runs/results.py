@@ -36,6 +36,7 @@ from lammps_jump.folders import (
     locked,
     publish,
     read_marker,
+    require_ours,
     require_replaceable,
     staging,
 )
@@ -191,12 +192,15 @@ def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
     marker = Marker("analysis", RESULT_FILES, {"dump": str(dump.absolute())})
     new, fresh = not folder.exists(), False
     try:
-        fresh = claim(folder, marker)
-        found = read_marker(folder)
-        if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
-            raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
-        with locked(folder), staging(folder) as stage:
-            yield stage
+        require_ours(folder, marker)
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder):
+            fresh = claim(folder, marker)
+            found = read_marker(folder)
+            if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
+                raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
+            with staging(folder) as stage:
+                yield stage
     except BaseException as error:
         if fresh:
             (folder / MARKER_FILE).unlink(missing_ok=True)

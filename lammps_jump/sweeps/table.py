@@ -124,15 +124,15 @@ def kinds(group: pd.DataFrame) -> str:
 
 def flat(table: xr.Dataset, study: Study) -> pd.DataFrame:
     """The table as rows, one a point: values of the axes, ``<path>`` and ``<path>_<statistic>`` of each number."""
-    frame = pd.DataFrame(study.points)
+    cells: dict[str, Any] = {}
     for item in study.collect:
-        cells = table[item.path].values.reshape(-1, len(STATISTICS))
-        for index, name in enumerate(STATISTICS):
-            frame[item.path if name == "mean" else f"{item.path}_{name}"] = cells[:, index]
-        frame[f"{item.path}_n"] = frame[f"{item.path}_n"].astype(int)
-    frame["members"] = table["members"].values.ravel()
-    frame["verdicts"] = table["verdicts"].values.ravel()
-    return frame
+        for name in STATISTICS:
+            values = table[item.path].sel(statistic=name).values.ravel()
+            cells[item.path if name == "mean" else f"{item.path}_{name}"] = (
+                values if name != "n" else values.astype(int)
+            )
+    cells |= {name: table[name].values.ravel() for name in ("members", "verdicts")}
+    return pd.concat([pd.DataFrame(study.points), pd.DataFrame(cells)], axis=1)
 
 
 def members_needed(found: Mapping[str, float], share: float) -> int | None:

@@ -148,6 +148,7 @@ def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
         ({"jump": {"verdict": "locked heap"}}, "No hydraulic jump: locked heap."),
         ({"jump": {"verdict": "marginal jump"}}, "Now and then a jump."),
         ({}, ""),
+        ({"jump": {"verdict": "jump"}, "front": {"position": 30.0, "time": 5.0}}, "A hydraulic jump."),
     ],
 )
 def test_verdict_in_a_sentence(summary, said):
@@ -225,3 +226,19 @@ def test_only_its_own_style_and_scripts_may_act_in_a_page():
 
 def test_page_without_anything_to_draw_has_no_script():
     assert "<script" not in render("plain", [Section("", [Text("words")])])
+
+
+def test_a_number_without_an_error_is_said_to_have_none():
+    """Fronts, forces and energies of one run; the jump and the inflow have tests of their own."""
+    moyce = dict.fromkeys(("aspect", "slope", "slope_of_table"), 3.0) | {"comparable": False}
+    front = dict.fromkeys(("column_base", "column_depth", "position", "position_99", "column_height"), 4.0)
+    front |= {"speed": 9.9, "arrival_time": None, "martin_moyce": moyce}
+    force = {"structure": {"peak": 3e5, "peak_time": 4.4, "impulse": 2e5}}
+    energy = dict.fromkeys(("initial", "final", "kinetic", "potential", "elastic"), 1.0)
+    for key, found, said in (
+        ("front", front, "One run has no errors for these numbers"),
+        ("force", force, "one run has no error for a number without"),
+        ("energy", energy, "exact for this run"),
+    ):
+        texts = [block.text for block in QUANTITIES[key].section(found).blocks if isinstance(block, Text)]
+        assert said in " ".join(texts), key
