@@ -4,9 +4,9 @@
 Run as ``python benchmarks/error_bars.py CASE [--starts N] [--first N] [--set PATH=VALUE] [--out DIR]``. The starts are
 members of a study, which is kept. Printed for each number of ``summary.json`` that has an error: mean and standard
 deviation of the starts; root mean square of the stated errors over that deviation; chi2, the mean of (deviation from
-the mean of starts / stated error)^2; its value for perfect errors, k/(k - 2) with k degrees of freedom; the share of 95 % intervals that hold the
-mean of the starts; what the report says of the number. The exit status is 1 where a number covers less than 0.9 and
-the report does not say that one run cannot tell.
+the mean of starts / stated error)^2; its value for perfect errors, k/(k - 2) with k degrees of freedom; the share of
+95 % intervals that hold the mean of the starts; what the report says of the number. The exit status is 1 where a number
+covers less than 0.9 and the report does not say that one run cannot tell.
 """
 
 from __future__ import annotations
