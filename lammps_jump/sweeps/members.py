@@ -72,7 +72,7 @@ class State(NamedTuple):
 
 def started(case: Case, seed: int) -> Case:
     """The case with another start, the same on every engine; seed 0 is the case without any shift."""
-    changes: dict[str, object] = {"run.seed": seed}
+    changes: dict[str, object] = {"run.seed": seed, "run.members": None}
     if seed:
         changes |= {f"initial.{i}.jitter": max(item.jitter, JITTER) for i, item in enumerate(case.fields.initial)}
     return case.replace(changes)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from lammps_jump.analysis.report.headline import belongs
 
@@ -45,7 +46,7 @@ def row_of(summary: Mapping[str, Any], study: Study) -> dict[str, float | str]:
     return row
 
 
-def statistics(values: Sequence[float], errors: Sequence[float], confidence: float) -> dict[str, float]:
+def statistics(values: ArrayLike, errors: ArrayLike, confidence: float) -> dict[str, float]:
     """`STATISTICS` of one number over members; NaN values are left out.
 
     The interval is that of Student's t with n - 1 degrees of freedom. For right errors of single runs with k degrees
