@@ -150,7 +150,8 @@ class Conclusion:
                     gathered = ahead.result(self.outputs if self.ended and not self.steady else {}) if ahead else None
                     if ahead and gathered is not None:
                         check, packer = ahead.check, ahead.packer
-                    watch = [packer, *([check] if self.ended else [])]
+                    page = runs.results.has_page(self.case)
+                    watch = [*([packer] if page else []), *([check] if self.ended else [])]
                     parts = runs.results.analyse(self.case, folder, stage, watch, gathered)
             except DumpError as error:
                 if ahead is None:
@@ -163,7 +164,7 @@ class Conclusion:
             if note and self.result.status != "failed":
                 parts["warnings"].append(note)
             summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
-            if self.case.fields.analysis.figures != "none":
+            if runs.results.has_page(self.case):
                 self._link_the_rest(stage)
                 runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
             self._write(summary, None)  # ended between here and the last line: it is analysed again

@@ -113,7 +113,7 @@ def analyse(
     quiet = not log.isEnabledFor(logging.INFO)
     asked = case.fields.analysis
     options = {
-        "figures": asked.figures != "none",
+        "figures": has_page(case),
         "film": asked.animation,
         "quiet": quiet,
         "watch": watch,
@@ -259,6 +259,11 @@ def draw(found: Found, folder: Path, name: str) -> Figure:
     if figure is None:
         raise DumpError(f"figure '{name}': the run in {folder} holds no data for it; use another of {', '.join(known)}")
     return figure
+
+
+def has_page(case: ReadCase) -> bool:
+    """Whether a case asks for pictures and a report."""
+    return case.fields.analysis.figures != "none"
 
 
 def packer_for(case: ReadCase) -> FramePacker:
