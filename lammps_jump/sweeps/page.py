@@ -138,7 +138,7 @@ def _doubts(found: Sweep) -> list[str]:
     said = [
         f"{name}: members differ in kind: {words}. Only numbers that go with a verdict are counted."
         for name, words in zip(names, frame["verdicts"], strict=True)
-        if words
+        if ", " in words
     ]
     said += [
         f"{item.path}: members scatter more than single runs say of themselves (chi2/dof {chi2:.1f}): use the interval "

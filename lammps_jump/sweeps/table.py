@@ -81,7 +81,7 @@ def table_of(study: Study, values: pd.DataFrame) -> xr.Dataset:
     -------
     xarray.Dataset
         Dimensions are the axes, and ``statistic``; one variable for each collected number. ``members`` is the number
-        of runs that are done, ``verdicts`` what they found, in words, where they differ in kind.
+        of runs that are done, ``verdicts`` what they found, in words.
     """
     import xarray as xr  # 0.3 s
 
@@ -114,12 +114,11 @@ def _coordinate(values: Sequence[Any]) -> list[Any]:
 
 
 def kinds(group: pd.DataFrame) -> str:
-    """What members of a point found, where they differ in kind: ``jump 5, marginal jump 3``; else empty."""
+    """What the members of a point found, with their number: ``jump 5, marginal jump 3``; empty without a verdict."""
     said = []
     for name in (column for column in group if column.endswith(".verdict")):
         counts = group[name].fillna("none").value_counts()
-        if len(counts) > 1:
-            said.append(", ".join(f"{word} {count}" for word, count in counts.items()))
+        said.append(", ".join(f"{word} {count}" for word, count in counts.items()))
     return "; ".join(said)
 
 
