@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from fault_table import many
 from made_up import INPUTS, columns_of_discs, disc_frame
 
 import lammps_jump as lj
@@ -18,8 +19,10 @@ from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.runs import results
 
+pytestmark = pytest.mark.fault("mutants of dumps")
+
 ANALYSE = quantities.analyse
-MUTANTS = 40
+MUTANTS = many(30, 500)
 
 
 @pytest.fixture(scope="module")
@@ -140,12 +143,13 @@ def mutants(data: bytes, number: int):
         yield seed, bytes(changed)
 
 
-def test_mutants_are_analysed_or_refused(whole, tmp_path):
+def test_mutants_are_analysed_or_refused(whole, tmp_path, tried):
     refused = 0
     for seed, data in mutants(whole, MUTANTS):
         print(f"seed {seed}")
         refused += bool(outcome(data, tmp_path, figures=seed % 8 == 0))
     assert 0 < refused < MUTANTS
+    tried(MUTANTS)
 
 
 def test_a_bare_dump_of_a_young_jump(tmp_path):
