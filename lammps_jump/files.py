@@ -81,6 +81,8 @@ RESULT_FILES = (
     *(f"figures/{name}" for name in FIGURES),
 )
 """What is made of them; ``force_<structure>.csv`` of each probe besides."""
+SWEEP_FILES = ("study.yaml", "points.json", "table.csv", "table.nc", "sweep.html", "figures/sweep_*.png")
+"""What the folder of a study holds beside ``runs/`` (names and patterns)."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv``."""
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
+from pathlib import Path
 
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.scene.scene import Scene
@@ -71,26 +73,34 @@ def usable_kernels() -> tuple[list[str], list[str]]:
     return ["stock", "native"], [f"compiled kernel left out: {status.reason}"]
 
 
+def usable_cores(root: Path = Path("/sys/fs/cgroup")) -> int:
+    """Cores this process may use by its affinity and by the limits of its control groups (version 2); at least 1."""
+    cores = float(len(os.sched_getaffinity(0)))
+    try:
+        own = Path("/proc/self/cgroup").read_text().rpartition("::")[2].strip().lstrip("/")
+    except OSError:
+        own = ""
+    for folder in (root / own, *(root / own).parents):
+        with suppress(OSError, ValueError, IndexError):
+            quota, period = (folder / "cpu.max").read_text().split()  # "max 100000" is no limit, and no number
+            cores = min(cores, float(quota) / float(period))
+        if folder == root:
+            break
+    return max(1, round(cores))
+
+
 def free_cores() -> int:
-    """Cores this process may use, less those that the load of the last minute takes; at least 1.
+    """`usable_cores`, less those that the load of the last minute takes; at least 1.
 
     In a Slurm job they are its tasks.
     """
     if (tasks := os.environ.get("SLURM_NTASKS", "")).isdigit():
         return max(1, int(tasks))
-    cores = len(os.sched_getaffinity(0))
     try:
         busy = os.getloadavg()[0]
     except OSError:
         busy = 0.0
-    return max(1, cores - round(busy))
-
-
-def expected_discs(scene: Scene) -> int:
-    """Discs in play at the end if none leaves: those at the start and all that the inlets can bring."""
-    steps = scene.steps - scene.settle_steps
-    brought = sum(row.limit or steps // row.every_steps for row in scene.inlets)
-    return len(scene.positions) + brought + sum(item.count for item in scene.pours)
+    return max(1, usable_cores() - round(busy))
 
 
 def choose_ranks(wanted: int | str, scene: Scene) -> tuple[int, list[str]]:
@@ -99,8 +109,8 @@ def choose_ranks(wanted: int | str, scene: Scene) -> tuple[int, list[str]]:
     ``auto``: one for small scenes, never more than free cores. A number is obeyed, with a note where cores lack.
     """
     if wanted == "auto":
-        return max(1, min(free_cores(), expected_discs(scene) // DISCS_PER_RANK)), []
-    cores = len(os.sched_getaffinity(0))
+        return max(1, min(free_cores(), scene.expected_discs // DISCS_PER_RANK)), []
+    cores = usable_cores()
     if int(wanted) > cores:
         return int(wanted), [f"{wanted} ranks on {cores} cores: ranks spin while they wait, fewer would be faster"]
     return int(wanted), []

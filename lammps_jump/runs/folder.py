@@ -130,6 +130,7 @@ def result_of(
         **stored["discs"],
         message=stored["message"] or "",
         seconds=stored["wall_seconds"].get("run", 0.0),
+        cpu_seconds=stored.get("cpu_seconds", 0.0),
         breakdown=stored["breakdown_seconds"] or {},
         resumed=tuple(stored.get("resumed_at", ())),
     )

@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import importlib
 import logging
-import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,11 +27,12 @@ from lammps_jump.folders import (
     require_ours,
     require_unlocked,
 )
+from lammps_jump.script.job import Site, write_job
 
+from .ahead import Ahead
 from .conclude import Conclusion
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
-from .job import Site, write_job
 from .state import ToDo, difference, has_output, marker_of, resumable, to_do
 from .summary import SUMMARY_FILE, read_summary
 
@@ -120,13 +119,14 @@ def _run(
         write_folder(case, folder, marker_of(case, setting))
         before = {"build": time.perf_counter() - begin}
     with _files_at_risk(folder):
-        result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
-        if checkpoint is not None:
-            clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-        if result.status != "interrupted":
-            remove_checkpoint(folder)
-            (folder / "in.resume.lammps").unlink(missing_ok=True)
-        Conclusion(case, folder, setting, result, steady, before, notes).first()
+        with Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
+            result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
+            if checkpoint is not None:
+                clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
+            if result.status != "interrupted":
+                remove_checkpoint(folder)
+                (folder / "in.resume.lammps").unlink(missing_ok=True)
+            Conclusion(case, folder, setting, result, steady, before, notes).first(ahead)
 
 
 def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:
@@ -208,12 +208,11 @@ def _run_engine(
     progress: ProgressCallback | None,
     should_stop: StopCallback | None,
 ) -> tuple[RunResult, str]:
-    """Run; the text says why it was stopped as steady, and is empty where it was not."""
+    """Run; the text says why it was stopped as steady or drowned, and is empty where it was not."""
     scene, watch = case.scene(), None
     if case.fields.run.stop_when_steady:
         watch = runs.steady.SteadyWatch(scene, folder, runs.steady.studied_reach(runs.results.flow_of(case)))
     asked = [ask for ask in (watch, should_stop) if ask is not None]
-    threading.Thread(target=_load_analysis).start()  # meanwhile
     result = engines.run(
         scene,
         folder,
@@ -227,13 +226,6 @@ def _run_engine(
     if watch is not None and watch.reason and result.status == "interrupted":
         return replace(result, status="complete", message=""), watch.reason
     return result, ""
-
-
-def _load_analysis() -> None:
-    """Import what the analysis needs, 0.7 s."""
-    for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
-        with suppress(Exception):  # a program that is ending; else the analysis says it
-            importlib.import_module(name)
 
 
 @contextmanager

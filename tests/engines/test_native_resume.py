@@ -54,7 +54,9 @@ def pouring():
 
 
 SCENES = {
-    "inlets and outlets": lambda: case_scene("quick_jump", *JUMP),
+    "inlets and outlets": lambda: case_scene(
+        "quick_jump", *JUMP, "probes.stations={x: [2, 4], speed: 0.5, window: [0.4, 1.0]}"
+    ),
     "inlets and outlets, equal discs": lambda: case_scene("quick_jump", *JUMP, "discs.sizes=null"),
     "gate, friction, spin": lambda: case_scene(
         "wave_structure", "run.duration=0.1", "initial.0.settle=0.1", "run.output_interval=0.01",
