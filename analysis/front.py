@@ -348,8 +348,7 @@ def section(found: Mapping) -> Section:
     """The front of a collapsing column against Ritter and Martin & Moyce."""
     if found.get("position") is None:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])
-    start = f"{found['column_base']:.3g} × {found['column_depth']:.3g}"
-    rows = [("Column at the start, base × height [m]", start)]
+    rows = [("Column at the start, base × height [m]", f"{found['column_base']:.3g} × {found['column_depth']:.3g}")]
     rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
     if ritter := found.get("ritter"):
         until = f"Ritter's front, holds until t = {ritter['valid_until']:.2g} s: RMS difference"
@@ -359,7 +358,8 @@ def section(found: Mapping) -> Section:
         for key in ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ():
             rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, key)]
         rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
-    return Section("Front", [Table(rows)])
+    sure = "One run has no errors for these numbers: repeat it from other starts. Theory and table are exact."
+    return Section("Front", [Table(rows), Text(sure)])
 
 
 def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:

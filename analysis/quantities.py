@@ -14,10 +14,10 @@ from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import plain
-from lammps_jump.units import as_summary, numbers_of, shown
+from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import energy, front
-from .budgets import inflow
+from .budgets import inflow, stations
 from .contacts import ContactCollector
 from .draw.film import NO_FFMPEG, animate
 from .draw.snapshots import snapshots
@@ -246,7 +246,12 @@ def main_numbers(summary: Mapping[str, object]) -> list[str]:
         texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
         for number in numbers_of(quantity.result).values():
             if number.label != number.meaning and found.get(number.key) is not None and belongs(number.key, found):
-                value = shown(found[number.key], number.unit, found.get(f"{number.key}_error"))
+                value = shown(
+                    found[number.key],
+                    number.unit,
+                    found.get(f"{number.key}_error"),
+                    bound=is_bound(found, number.key),
+                )
                 texts.append(f"{number.label} {value}")
         lines += [f"{name}: {', '.join(texts)}"] if texts else []
-    return lines
+    return [*lines, *filter(None, [stations.line(summary)])]

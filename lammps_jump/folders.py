@@ -88,12 +88,9 @@ def require_ours(folder: Path, wanted: Marker) -> None:
 
 
 def claim(folder: Path, marker: Marker) -> bool:
-    """Make a folder ours, see `require_ours`; whether it was not before."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Make a folder ours that this process holds (`locked`), see `require_ours`; whether it was not before."""
     require_ours(folder, marker)
-    try:
-        os.close(os.open(folder / MARKER_FILE, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
-    except FileExistsError:
+    if read_marker(folder) is not None:
         return False
     write_marker(folder, marker)
     return True

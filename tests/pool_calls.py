@@ -8,10 +8,10 @@ from lammps_jump.errors import CaseError
 from lammps_jump.sweeps import worker
 
 
-def stop_parent() -> bool:
-    """Send Ctrl-C to the process of the test, and tell whether this worker is asked to stop."""
+def stop_parent() -> None:
+    """Send Ctrl-C to the process of the test, and wait until this worker is asked to stop."""
     os.kill(os.getppid(), signal.SIGINT)
-    return worker._pipe.poll(600)
+    worker._pipe.poll(600)
 
 
 def refuse(text: str) -> None:

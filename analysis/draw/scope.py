@@ -22,15 +22,18 @@ def disc_speeds(frame: Frame) -> np.ndarray:
     return np.zeros(frame.n)
 
 
-def top_of(speeds: Sequence[np.ndarray]) -> float:
-    """End of a colour scale: a rounded 99.5 % quantile of all speeds, so that one fast disc does not darken all."""
+def top_of(speeds: Sequence[np.ndarray], step: float = 0.5) -> float:
+    """End of a colour scale: the 99.5 % quantile of all speeds, so that one fast disc does not darken all.
+
+    It is rounded up to a multiple of `step` of its power of ten.
+    """
     together = np.concatenate(list(speeds)) if speeds else np.zeros(0)
     together = together[np.isfinite(together)]
     high = float(np.quantile(together, 0.995)) if together.size else 0.0
     if not high > 0:
         return 1.0
-    unit = 10.0 ** np.floor(np.log10(high))
-    return float(np.ceil(2 * high / unit) / 2 * unit)
+    unit = step * 10.0 ** np.floor(np.log10(high))
+    return float(np.ceil(high / unit) * unit)
 
 
 def seen(frames: Sequence[Frame], flow: Flow) -> tuple[Interval, Interval]:

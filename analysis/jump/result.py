@@ -17,7 +17,7 @@ import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.statistics import piece_bounds
-from lammps_jump.units import number
+from lammps_jump.units import number, shown
 
 from .frame import (
     END_SHARE,
@@ -337,7 +337,7 @@ def _judge(result: JumpResult, used: np.ndarray, gravity: float, to_inlet: float
     if abs(motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * result.track.mass_depth_2[used].mean())):
         words = "stands still within the error"
     tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
-    return "jump", f"the front {words} at {result.speed:+.2f} m/s.{tail}"
+    return "jump", f"the front {words} at {shown(result.speed, 'm/s', motion.error, bound=True)}.{tail}"
 
 
 def _why_none(track, in_window, stream, heap, gravity, inflow) -> tuple[str, str]:

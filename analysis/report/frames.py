@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.frame import Frame, make_frame, ten_indices
 
 PARTS = 128
 """Quanta of position in the smallest diameter: no place is wrong by more than 1/256 of it."""
@@ -103,7 +103,7 @@ class FramePacker:
         rows["id"] = ids
         for name, value in (("x", frame.x), ("y", frame.y)):
             rows[name] = np.clip(np.rint(value[order] / self.q), -FARTHEST, FARTHEST)
-        rows["u"], rows["v"] = frame.vx[order], frame.vy[order]
+        rows["u"], rows["v"] = (frame.vx[order], frame.vy[order]) if self.flow.timed else (0, 0)
         rows["radius"] = self.flow.radii(frame)[order]
         return rows
 
@@ -113,6 +113,14 @@ class FramePacker:
             return rows
         mixed = rows["id"].astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)  # the golden ratio: well spread
         return rows[mixed >> np.uint64(64 - self._halvings) == 0]
+
+    def sample(self) -> list[Frame]:
+        """Ten frames at equal times, of what is kept of them."""
+        found = []
+        for time, rows in (self._kept[index] for index in ten_indices(len(self._kept))):
+            columns = {"x": rows["x"] * self.q, "y": rows["y"] * self.q, "vx": rows["u"], "vy": rows["v"]}
+            found.append(make_frame(0, time, self.flow.scene.domain, columns))
+        return found
 
     def result(self) -> Packed | None:
         """The packed frames; None where no frame holds a disc."""

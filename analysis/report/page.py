@@ -21,9 +21,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain
-from lammps_jump.units import ABSENT, numbers_of, shown
+from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
 KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
+SCRIPTS = ("frames.js", "discs.js", "player.js", "curves.js")
 Value = float | int | str | None
 
 
@@ -127,7 +128,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     data = {"players": [player.header for player in players], "curves": [curve.data for curve in curves]}
-    style, scripts = _own("page.css"), [_own("player.js"), _own("curves.js")] if players or curves else []
+    style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
     return _template().render(
         title=title,
         tab=tab or title,
@@ -209,12 +210,13 @@ def percent(share: float | None, digits: int = 1) -> str:
     return f"{100 * share:{'+' if digits > 1 else ''}.{digits}f} %"
 
 
-def with_error(found: Mapping, key: str, scale: float = 1.0) -> str:
+def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> str:
     """A number of ``summary.json`` with its standard error within this run, where it has one."""
     value, error = found[key], found.get(f"{key}_error")
     if value is None:
         return ABSENT
-    return shown(value / scale, error=None if error is None else error / scale).replace("-", "−")
+    error = None if error is None else error / scale
+    return shown(value / scale, unit, error, bound=is_bound(found, key)).replace("-", "−")
 
 
 def picture(path: Path, caption: str) -> Picture:

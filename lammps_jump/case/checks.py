@@ -140,6 +140,10 @@ def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Int
 def check_engine(case: CaseFields, source: CaseSource) -> None:
     """Refuse what the engine or kernel of the case cannot do."""
     engine, kernel = case.engine.name, case.engine.kernel
+    if engine == "lammps" and case.probes.stations:
+        raise source.error(
+            "probes.stations", "the energy between stations is kept by the native engine alone; use engine.name: native"
+        )
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
         raise source.error("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
     if engine == "lammps" and kernel == "stock":

@@ -10,8 +10,8 @@ import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
-from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
-from lammps_jump.scene.schedule import Schedule, fitted_step, plan_steps
+from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene, Stations
+from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Interval, Plane, Wall
 
@@ -167,7 +167,7 @@ def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Sce
     checks.check_pour(case, source, scene.domain, scene.largest)
     probes = _probes(case, source, walls)
     kept = tuple(wall for wall in walls if reachable(wall, scene.domain, scene.largest) or wall.name in probes)
-    return replace(scene, walls=kept, probes=probes), walls
+    return replace(scene, walls=kept, probes=probes, stations=_stations(case, source, scene)), walls
 
 
 def _gravity(case: CaseFields) -> tuple[float, float]:
@@ -373,3 +373,14 @@ def _probes(case: CaseFields, source: CaseSource, walls) -> tuple[str, ...]:
                 f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
             )
     return tuple(dict.fromkeys(case.probes.forces))
+
+
+def _stations(case: CaseFields, source: CaseSource, scene: Scene) -> Stations | None:
+    """The stations of the energy ledger."""
+    asked = case.probes.stations
+    if asked is None:
+        return None
+    try:
+        return plan_stations(asked.x, asked.speed, asked.window, scene)
+    except ValueError as error:
+        raise source.error("probes.stations", str(error)) from None

@@ -76,7 +76,7 @@ QuietStudy = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and
 Resume = Annotated[
     bool,
     typer.Option(
-        "--resume", help="Continue the interrupted run in the folder; the results are those of the whole run."
+        "--resume", help="Continue the interrupted run in the folder; without a checkpoint, start from the beginning."
     ),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Delete the run that the folder holds, and start anew.")]

@@ -10,10 +10,11 @@ from math import isnan
 from typing import TYPE_CHECKING, Any, TextIO
 
 from lammps_jump.engines.result import Progress
-from lammps_jump.sweeps import SweepProgress
 
 if TYPE_CHECKING:
     import rich.progress
+
+    from lammps_jump.sweeps import SweepProgress
 
 PLAIN_INTERVAL = 10.0
 """Seconds between lines where the output is no terminal, so that a log file is not filled with them."""

@@ -14,6 +14,7 @@ import lammps_jump.analysis as analysis
 import lammps_jump.cli as cli
 import lammps_jump.runs as runs
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.script import job as job_file
 from lammps_jump.script.stock import lacking
 
 from .options import Accuracy, CaseFile, EngineName, Force, Kernel, Out, Quiet, Ranks, Resume, Sets, assignments, told
@@ -59,7 +60,7 @@ def build(
     """Write the run folder (case and LAMMPS script) without running it."""
     loaded = lj.load_case(case, assignments(set_, kernel=kernel, ranks=ranks))
     folder = out or runs.folder.default_folder(loaded)
-    job = runs.job.read_site(site) if site else runs.job.Site() if slurm else None
+    job = job_file.read_site(site) if site else job_file.Site() if slurm else None
     runs.start.build(loaded, folder, job=job, force=force)
     if job is not None:
         print(f"job file: {folder / 'job.slurm'}")

@@ -103,20 +103,13 @@ def free_cores() -> int:
     return max(1, usable_cores() - round(busy))
 
 
-def expected_discs(scene: Scene) -> int:
-    """Discs in play at the end if none leaves: those at the start and all that the inlets can bring."""
-    steps = scene.steps - scene.settle_steps
-    brought = sum(row.limit or steps // row.every_steps for row in scene.inlets)
-    return len(scene.positions) + brought + sum(item.count for item in scene.pours)
-
-
 def choose_ranks(wanted: int | str, scene: Scene) -> tuple[int, list[str]]:
     """Number of ranks, and notes for the user.
 
     ``auto``: one for small scenes, never more than free cores. A number is obeyed, with a note where cores lack.
     """
     if wanted == "auto":
-        return max(1, min(free_cores(), expected_discs(scene) // DISCS_PER_RANK)), []
+        return max(1, min(free_cores(), scene.expected_discs // DISCS_PER_RANK)), []
     cores = usable_cores()
     if int(wanted) > cores:
         return int(wanted), [f"{wanted} ranks on {cores} cores: ranks spin while they wait, fewer would be faster"]

@@ -2,9 +2,8 @@
 """Open-channel hydraulics that runs are judged by: jump, inflow, sill (and, re-exported, waves and columns).
 
 Pure functions of floats, one equation each. "thesis (4.26)" is equation 4.26 of T-4359, Colorado School of Mines.
-Depths are measured normal to a horizontal bed, quantities are per metre of width, SI. A function whose source could
-not be looked up says "from memory of the literature". Waves, dam breaks and columns: `lammps_jump.physics.waves`,
-available here under the same names.
+Depths are measured normal to a horizontal bed, quantities are per metre of width, SI. Waves, dam breaks and columns:
+`lammps_jump.physics.waves`, available here under the same names.
 """
 
 from __future__ import annotations
@@ -206,7 +205,7 @@ def sill_depth(froude_1: float, depth_1: float, height: float) -> float:
     """Depth y3 in m on an abrupt rise of `height` (m) whose foot the jump has just reached (A-jump).
 
     Largest root of ``(y3/y1)^2 = 1 + 2 Fr1^2 (1 - y1/y3) + (D/y1)(D/y1 + 1 - sqrt(1 + 8 Fr1^2))``: momentum with the
-    hydrostatic face force of `sill_face_force` (derived; Forster & Skrinde 1950 from memory of the literature).
+    hydrostatic face force of `sill_face_force` (derived).
 
     Raises
     ------

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import engine as engine
 from . import folder as folder
-from . import job as job
 from . import results as results
 from . import start as start
 from . import steady as steady

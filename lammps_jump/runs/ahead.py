@@ -21,6 +21,7 @@ from lammps_jump.files import DUMP_NAMES
 
 if TYPE_CHECKING:
     from lammps_jump.analysis.passes import Gathered
+    from lammps_jump.analysis.report.frames import FramePacker
 
 
 class Ahead:
@@ -42,6 +43,7 @@ class Ahead:
         self.check = FrameCheck(case.scene())
         self._case, self._folder = case, folder
         self._gathered: Gathered | None = None
+        self.packer: FramePacker
         self._ended = threading.Event()
         kind = setting.dump_format
         self._dump = GrowingDump(folder / DUMP_NAMES[kind], kind, self._ended)
@@ -64,7 +66,9 @@ class Ahead:
         with suppress(JumpError, OSError):  # what is wrong with the files is said when they are read again
             runs.results.prepare()
             if self._follows:
-                self._gathered = runs.results.collect(self._case, self._folder, self._dump, self.check)
+                self.packer = runs.results.packer_for(self._case)
+                watch = (self.packer, self.check)
+                self._gathered = runs.results.collect(self._case, self._folder, self._dump, *watch)
 
     def result(self, outputs: Mapping[str, Mapping[str, int | str]]) -> Gathered | None:
         """What was gathered of a run that has ended; None where the dump among its `outputs` is still to be read."""

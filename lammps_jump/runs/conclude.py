@@ -143,14 +143,14 @@ class Conclusion:
     def _analyse(self, stored: Mapping[str, Any], ahead: Ahead | None = None) -> str:
         """Check and analyse, for the first time with `ahead`; what the analysis could not do, in words."""
         folder, note, trouble = self.folder, self.result.message if ahead is None else "", ""
-        check = FrameCheck(self.case.scene())
+        check, packer = FrameCheck(self.case.scene()), runs.results.packer_for(self.case)
         with staging(folder) as stage:
             try:
                 with _told_how_to_go_on(folder):
                     gathered = ahead.result(self.outputs if self.ended and not self.steady else {}) if ahead else None
                     if ahead and gathered is not None:
-                        check = ahead.check
-                    watch = [check] if self.ended else []
+                        check, packer = ahead.check, ahead.packer
+                    watch = [packer, *([check] if self.ended else [])]
                     parts = runs.results.analyse(self.case, folder, stage, watch, gathered)
             except DumpError as error:
                 if ahead is None:
@@ -165,7 +165,7 @@ class Conclusion:
             summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
             if self.case.fields.analysis.figures != "none":
                 self._link_the_rest(stage)
-                runs.results.write_report(stage, summary, self.case)
+                runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
             self._write(summary, None)  # ended between here and the last line: it is analysed again
             clear(folder, ["report.html", *stored.get("files", ())])
             names = publish(stage, folder)

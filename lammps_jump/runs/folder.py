@@ -19,7 +19,7 @@ from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.files import JOB_FILE, write_text
-from lammps_jump.folders import MARKER_FILE, Marker, claim, clear, locked, read_marker, write_marker
+from lammps_jump.folders import MARKER_FILE, Marker, claim, clear, locked, read_marker, require_ours, write_marker
 from lammps_jump.provenance import short_hash
 from lammps_jump.scene.scene import Scene
 
@@ -53,8 +53,11 @@ def run_folder(folder: Path, marker: Marker) -> Iterator[None]:
         The folder cannot be made or written, is not ours, or another process writes to it.
     """
     with _writable(folder):
-        claim(folder, marker)
+        require_ours(folder, marker)
+        folder.mkdir(parents=True, exist_ok=True)
     with locked(folder):
+        with _writable(folder):
+            claim(folder, marker)
         yield
 
 

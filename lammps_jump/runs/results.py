@@ -16,9 +16,11 @@ from lammps_jump.analysis import quantities
 from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
-from lammps_jump.analysis.passes import Collector, Gathered
+from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
 from lammps_jump.analysis.profiles import bin_frame
 from lammps_jump.analysis.report import run as report
+from lammps_jump.analysis.report.frames import FramePacker
+from lammps_jump.analysis.report.player import make_player
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.case.checks import MOST_BINS
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
@@ -34,6 +36,7 @@ from lammps_jump.folders import (
     locked,
     publish,
     read_marker,
+    require_ours,
     require_replaceable,
     staging,
 )
@@ -174,8 +177,9 @@ def analyse_dump(
     with _results_folder(folder, path) as stage:
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
-        summary |= quantities.analyse(flow, path, stage, ("jump", "front"))
-        report.write_report(stage, summary, case.to_yaml() if case else "")
+        packer = FramePacker(flow)
+        summary |= quantities.analyse(flow, path, stage, ("jump", "front"), watch=[packer])
+        report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
         write_summary(stage, summary)
         clear(folder, RESULT_FILES)
         publish(stage, folder)
@@ -188,12 +192,15 @@ def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
     marker = Marker("analysis", RESULT_FILES, {"dump": str(dump.absolute())})
     new, fresh = not folder.exists(), False
     try:
-        fresh = claim(folder, marker)
-        found = read_marker(folder)
-        if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
-            raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
-        with locked(folder), staging(folder) as stage:
-            yield stage
+        require_ours(folder, marker)
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder):
+            fresh = claim(folder, marker)
+            found = read_marker(folder)
+            if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
+                raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
+            with staging(folder) as stage:
+                yield stage
     except BaseException as error:
         if fresh:
             (folder / MARKER_FILE).unlink(missing_ok=True)
@@ -254,7 +261,31 @@ def draw(found: Found, folder: Path, name: str) -> Figure:
     return figure
 
 
-def write_report(folder: Path, summary: Mapping[str, Any], case: ReadCase, path: str | Path | None = None) -> Path:
+def packer_for(case: ReadCase) -> FramePacker:
+    """What takes in the frames of a run for the player of its report."""
+    return FramePacker(flow_of(case))
+
+
+def packed(case: ReadCase, folder: Path) -> FramePacker:
+    """The frames of a run folder for the player of its report; none where the dump cannot be read."""
+    packer = packer_for(case)
+    try:
+        dump = read_dump(folder)
+        for _ in feed(with_velocities(dump, packer.flow, []), packer.flow, [packer]):
+            pass
+    except DumpError as error:
+        log.info(f"note: the report has no player: {error}")
+    return packer
+
+
+def write_report(
+    folder: Path,
+    summary: Mapping[str, Any],
+    case: ReadCase,
+    packer: FramePacker,
+    path: str | Path | None = None,
+) -> Path:
     """Write the report of a run folder, by default as its ``report.html``."""
     name = "report.html" if path is None else str(Path(path).absolute())
-    return report.write_report(folder, dict(summary), case.to_yaml(), name=name)
+    player = make_player(packer, folder)
+    return report.write_report(folder, dict(summary), case.to_yaml(), name=name, player=player)

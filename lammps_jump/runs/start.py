@@ -27,12 +27,12 @@ from lammps_jump.folders import (
     require_ours,
     require_unlocked,
 )
+from lammps_jump.script.job import Site, write_job
 
 from .ahead import Ahead
 from .conclude import Conclusion
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
-from .job import Site, write_job
 from .state import ToDo, difference, has_output, marker_of, resumable, to_do
 from .summary import SUMMARY_FILE, read_summary
 
@@ -97,8 +97,9 @@ def _run(
     """Run in a folder that this process holds."""
     scene, checkpoint = case.scene(), None
     before: Mapping[str, float] = {}
-    if resume:
-        checkpoint = resumable(case, folder, setting)
+    if resume and (checkpoint := resumable(case, folder, setting)) is None:
+        log.info(f"{folder} holds no checkpoint: the run starts from the beginning")
+    if checkpoint is not None:
         setting = replace(setting, kernel=checkpoint.result.kernel)
         before = read_summary(folder).get("wall_seconds") or {}
         said = (

@@ -122,16 +122,18 @@ def _leaves(tree: object, path: str = "") -> Iterator[tuple[str, object]]:
         yield path, tree
 
 
-def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
-    """The checkpoint of the interrupted run of this very case in a folder.
+def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint | None:
+    """The checkpoint of the interrupted run of this very case in a folder, None where it has not left any yet.
 
     Raises
     ------
     ResumeError
-        No run there, another case, a run that is finished or failed, no checkpoint, one of another program or kernel.
+        Another case, a run that is finished or failed, a checkpoint that is damaged or of another program or kernel.
     """
     marker = read_marker(folder)
-    if marker is None or marker.kind != "run" or not (folder / "case.yaml").exists():
+    if marker is None or marker.kind != "run" or not has_output(folder):
+        return None
+    if not (folder / "case.yaml").exists():
         raise ResumeError(f"{folder}: holds no run that could go on; {ANEW}")
     if found := difference(case, None, marker):
         raise ResumeError(
@@ -141,7 +143,7 @@ def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint:
     _require_interrupted(case, folder, setting)
     checkpoint = read_checkpoint(folder)
     if checkpoint is None:
-        raise ResumeError(f"{folder}: the run has no checkpoint; {ANEW}")
+        return None
     if checkpoint.scene != fingerprint(case.scene()):
         raise ResumeError(
             f"{folder}: this version of lammps-jump makes other numbers of the same case than the one that began the "

@@ -71,6 +71,16 @@ class Gate:
     release_step: int
 
 
+@dataclass(frozen=True, slots=True)
+class Stations:
+    """Two upright planes at `x` (m) at `first_step`, which move at `speed` (m/s) along x until `last_step`."""
+
+    x: Interval
+    speed: float
+    first_step: int
+    last_step: int
+
+
 @dataclass(frozen=True)
 class Scene:
     """A case in engine-neutral numbers (SI).
@@ -92,6 +102,8 @@ class Scene:
         Permanent walls; walls that are taken away.
     probes : tuple of str
         Names of walls whose force is recorded every step and averaged over `probe_steps`.
+    stations : Stations, optional
+        Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
         Diameters where discs are not equal.
     size_steps : int
@@ -121,6 +133,7 @@ class Scene:
     pours: tuple[Pour, ...] = ()
     outlets: tuple[Outlet, ...] = ()
     probes: tuple[str, ...] = ()
+    stations: Stations | None = None
     steps: int = 0
     settle_steps: int = 0
     output_steps: int = 1
@@ -165,6 +178,13 @@ class Scene:
     def mean_mass(self) -> float:
         """Mean mass of a disc by number, kg/m."""
         return self.density * self.mean_square
+
+    @property
+    def expected_discs(self) -> int:
+        """Discs in play at the end if none leaves: those at the start and all that the inlets can bring."""
+        steps = self.steps - self.settle_steps
+        brought = sum(row.limit or steps // row.every_steps for row in self.inlets)
+        return len(self.positions) + brought + sum(item.count for item in self.pours)
 
     @property
     def discharges(self) -> tuple[float, ...]:

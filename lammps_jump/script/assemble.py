@@ -150,7 +150,7 @@ def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
 def data_text(scene: Scene) -> str:
     """Data file with the discs at the start (full precision)."""
     (xlo, xhi), (ylo, yhi) = scene.domain
-    half = number(0.5 * scene.largest)
+    half = number(stock.half_depth(scene))
     name = lammps_comment(scene.name)
     lines = [
         f"{len(scene.positions)} discs of {name}; the density column is of spheres, the script sets the mass",

@@ -6,6 +6,8 @@ Each function takes the scene and returns lines, or none where the scene does no
 
 from __future__ import annotations
 
+from math import ceil, log2
+
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
@@ -46,10 +48,19 @@ def box_and_discs(scene: Scene) -> list[str]:
         what = SIZE if scene.sizes else f"mass {number(scene.mass)}"
         lines = [f"read_data       {DATA_FILE}", *size_variables(scene), f"set             group all {what}"]
     else:
-        half = 0.5 * scene.largest
+        half = half_depth(scene)
         extent = numbers(*scene.domain[0], *scene.domain[1], -half, half)
         lines = [f"region          domain block {extent}", "create_box      1 domain", *size_variables(scene)]
     return lines + molecule(scene)
+
+
+def half_depth(scene: Scene) -> float:
+    """Half the size of the box in z, m: a power of two, no less than the largest radius.
+
+    Ranks that share their discs anew scale positions to the box and back. With another size that moves discs by 1e-17 m
+    out of the plane, and collisions amplify it.
+    """
+    return 2.0 ** ceil(log2(0.5 * scene.largest))
 
 
 SIZE = "diameter v_diameter mass v_mass"

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from multiprocessing.connection import wait
 from typing import Any, NamedTuple
@@ -60,17 +62,14 @@ class Worker:
     def start(self, number: int, call: partial[Any], patience: float) -> None:
         """Begin a call."""
         self.number, self.deadline = number, time.monotonic() + patience
-        try:
+        with suppress(OSError):  # it has ended: the pool finds that out
             self.pipe.send((call.func, call.args))
-        except OSError:
-            return  # it has ended: the pool finds that out
 
     def ask(self) -> None:
-        """Ask the call at work to stop in order."""
-        try:
+        """Ask the call at work to stop in order: by a signal, and by a word in case it does not listen yet."""
+        self.process.send_signal(signal.SIGINT)
+        with suppress(OSError):
             self.pipe.send(None)
-        except OSError:
-            return
 
     def end(self, *, kill: bool = False) -> int:
         """End the process, at once or when it is idle; its exit status."""

@@ -185,8 +185,8 @@ class Study:
         data |= {"case": yaml.safe_load(self.case.to_yaml())}
         axes = {axis.name: list(axis.values) for axis in self.axes if len(axis.columns) == 1}
         zipped = next(({ZIP: axis.columns} for axis in self.axes if len(axis.columns) > 1), {})
-        layout = {"sort_keys": False, "allow_unicode": True, "width": 110, "default_flow_style": None}
-        return yaml.safe_dump(plain({**data, "axes": {**axes, **zipped}}), **layout)
+        whole = plain({**data, "axes": {**axes, **zipped}})
+        return yaml.safe_dump(whole, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
 
 
 def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: Any) -> Study:

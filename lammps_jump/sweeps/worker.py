@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import gc
 import importlib
+import os
+import select
 import signal
 import sys
+import threading
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 
@@ -46,7 +49,13 @@ def serve(pipe: Connection) -> None:
 
 def _answer(function: Callable[..., object], arguments: tuple[object, ...]) -> tuple[str, object]:
     try:
-        return "done", function(*arguments)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        try:
+            return "done", function(*arguments)
+        finally:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except KeyboardInterrupt:
+        return "RunInterrupted", "was ended"
     except JumpError as error:
         return type(error).__name__, str(error)
     except OSError as error:
@@ -56,11 +65,21 @@ def _answer(function: Callable[..., object], arguments: tuple[object, ...]) -> t
 
 
 def main() -> None:
-    """Serve the parent; it alone hears signals."""
+    """Serve the parent, which alone hears the terminal and sends SIGINT to end a call."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     gc.set_threshold(50_000, 20, 50)
-    serve(Connection(int(sys.argv[1])))
+    place = int(sys.argv[1])
+    threading.Thread(target=_end_with_parent, args=(place,), daemon=True).start()
+    serve(Connection(place))
+
+
+def _end_with_parent(place: int) -> None:
+    """Interrupt the call at work when the other end of the pipe is closed."""
+    end = select.poll()
+    end.register(place, 0)  # nothing but the end
+    end.poll()
+    os.kill(os.getpid(), signal.SIGINT)
 
 
 if __name__ == "__main__":

@@ -27,9 +27,9 @@ from lammps_jump.dump.exports import write_table
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import CaseError
 from lammps_jump.runs import results
-from lammps_jump.runs.job import job_text
 from lammps_jump.runs.view import case_html
 from lammps_jump.script.assemble import data_text, molecule_text, script_text
+from lammps_jump.script.job import job_text
 
 CASE = {
     "discs": {"diameter": 0.2},

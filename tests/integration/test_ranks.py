@@ -69,6 +69,14 @@ def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
     assert "processors      * 1 1" in script and "shift x" in script
 
 
+def test_stock_discs_of_several_sizes_stay_in_the_plane(tmp_path):
+    """Sharing the discs anew moved them by 1e-17 m in z, which ended the run."""
+    scene = build_scene(load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.16"]))
+    result = run_scene(scene, tmp_path, Setting(ranks=2))
+    assert result.status == "complete", result.message
+    assert result.steps == scene.steps > 900 and result.present > 30
+
+
 def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
     scene, result = run("energy_box_16", tmp_path, plugin, 2, stop_at=2000)
     assert result.status == "interrupted" and "kept" in result.message

@@ -17,7 +17,7 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli.live import SECONDS, LiveView
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.tail import Tail
-from lammps_jump.engines.choice import choose_ranks, expected_discs
+from lammps_jump.engines.choice import choose_ranks
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
@@ -291,5 +291,5 @@ def test_ranks(scene):
     assert choose_ranks(3, scene)[0] == 3
     assert choose_ranks(10_000, scene)[1]
     few = replace(scene, inlets=(), steps=1)
-    assert expected_discs(few) == 0
-    assert expected_discs(scene) >= 2000
+    assert few.expected_discs == 0
+    assert scene.expected_discs >= 2000

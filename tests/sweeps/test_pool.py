@@ -63,7 +63,7 @@ def test_ctrl_c_asks_the_calls_at_work_and_begins_no_other(ctrl_c_heard):
     heard = []
     with Pool(1) as pool, pytest.raises(RunInterrupted, match="continues from there"):
         pool.run([partial(pool_calls.stop_parent), partial(int, "1")], done=lambda *found: heard.append(found))
-    assert heard == [(0, ("done", True))]
+    assert heard == [(0, ("RunInterrupted", "was ended"))]
 
 
 def test_news_come_with_the_number_of_their_call():

@@ -13,7 +13,7 @@ import lammps_jump as lj
 from lammps_jump.cli.run import build
 from lammps_jump.engines.choice import choose_ranks
 from lammps_jump.errors import CaseError
-from lammps_jump.runs.job import job_text, read_site, write_job
+from lammps_jump.script.job import job_text, read_site, write_job
 
 SIGNALLED = """#!/bin/bash
 echo lammps-jump "$@"

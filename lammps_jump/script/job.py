@@ -10,7 +10,6 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, StringConstraints, ValidationError
 
 from lammps_jump.case.text import nearest, read_source
-from lammps_jump.engines.choice import expected_discs
 from lammps_jump.files import JOB_FILE, write_text
 from lammps_jump.quoting import one_line, shell_word
 from lammps_jump.scene.scene import Scene
@@ -89,7 +88,7 @@ def read_site(path: Path) -> Site:
 
 def job_text(scene: Scene, ranks: int, site: Site | None = None) -> str:
     """The job file of a run folder: one task a rank, memory and time from the size of the scene."""
-    discs, site = expected_discs(scene), site or Site()
+    discs, site = scene.expected_discs, site or Site()
     minutes = -(-int(1.5 * discs * scene.steps / (DISC_STEPS_PER_SECOND * ranks)) // 60) + 5
     megabytes = MEGABYTES + MEGABYTES_OF_RANK * ranks + BYTES_PER_DISC * discs // 1_000_000
     options = f"--ntasks={ranks}", f"--mem={megabytes}M", f"--time={minutes}", "--output=slurm-%j.out"
