@@ -128,6 +128,7 @@ def result_of(
         seconds=stored["wall_seconds"].get("run", 0.0),
         breakdown=stored["breakdown_seconds"] or {},
         resumed=tuple(stored.get("resumed_at", ())),
+        outside=stored.get("can_go_on", False),
     )
 
 

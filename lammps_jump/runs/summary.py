@@ -65,6 +65,7 @@ class Stored(BaseModel, strict=True):
     breakdown_seconds: dict[str, float | None] | None
     ledger: dict[str, float | None] | None
     resumed_at: list[FiniteFloat] = []
+    can_go_on: bool = False
     warnings: list[str] = []
     jump: dict[str, Any] | None = None
     front: dict[str, Any] | None = None
@@ -119,6 +120,7 @@ def compose(
             "steps": result.steps,
             "simulated_time": scene.time(result.steps),
             **({"resumed_at": result.resumed} if result.resumed else {}),
+            **({"can_go_on": True} if result.outside else {}),
             "wall_seconds": seconds,
             "disc_steps": result.disc_steps,
             "disc_steps_per_second": result.disc_steps / result.seconds if result.seconds > 0 else None,
