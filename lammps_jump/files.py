@@ -17,6 +17,8 @@ from pydantic_core import to_jsonable_python
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
+BINARY_PART = "dump.resume.lammpsbin"
+"""Binary dump of a part that goes on: LAMMPS appends to text and gzip dumps only."""
 FIGURES = {
     "depth_profile.png": "Depth and velocity along the channel, mean of the window",
     "depth_map.png": "Depth of the free surface over distance and time",
@@ -50,11 +52,11 @@ RUN_FILES = (
     JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",
+    "checkpoint_previous.json",
     "checkpoint-[0-9]*.npz",
     "checkpoint-[0-9]*.restart",
     "in.resume.lammps",
-    "log.resume.lammps",
-    "dump.resume.lammpsbin",
+    BINARY_PART,
     "stop.request",
 )
 """What the engines read and write in a run folder (names and patterns)."""
