@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/hydraulic_jump_graded.yaml
 
-.PHONY: run test check bench stress cross-validation sensitivity calibrate lint doctor test-repeat clean
+.PHONY: run test check bench stress cross-validation sensitivity calibrate lint doctor test-repeat slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -29,6 +29,11 @@ check: $(VENV)/.ready
 N ?= 20
 test-repeat: $(VENV)/.ready
 	$(BIN)/python tests/repeat.py $(N)
+
+# job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
+slurm: $(VENV)/.ready
+	@command -v sbatch >/dev/null || { apt-get update -q && apt-get install -q -y --no-install-recommends slurm-wlm munge; }
+	$(BIN)/python -m pytest -m slurm
 
 bench: $(VENV)/.ready
 	for scene in energy_box_16 dam_break hydraulic_jump_frictionless; do $(BIN)/lammps-jump bench inputs/$$scene.yaml || exit 1; done

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import wraps
+from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 from numba import njit
@@ -18,6 +19,28 @@ from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
 from .flow import Flow
+
+Asked = ParamSpec("Asked")
+Answer = TypeVar("Answer")
+
+
+def once_a_frame(function: Callable[Asked, Answer]) -> Callable[Asked, Answer]:
+    """The same function of a frame and more, which keeps its answers for the last frame: several analyses ask alike."""
+    kept: dict[tuple, tuple] = {}
+    last: list[object] = [None]
+
+    @wraps(function)
+    def answer(*asked: Asked.args, **options: Asked.kwargs) -> Answer:
+        if last[0] is not asked[0]:
+            kept.clear()
+            last[0] = asked[0]
+        key = (*map(id, asked), *options.items())
+        found = kept.get(key)
+        if found is None:
+            found = kept[key] = function(*asked, **options), asked  # what was asked is held: no other has its id
+        return found[0]
+
+    return answer
 
 
 @dataclass(frozen=True)
@@ -54,12 +77,13 @@ class WallContacts(NamedTuple):
     force: np.ndarray
 
 
-def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True) -> Iterator[WallContacts]:
+@once_a_frame
+def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True) -> tuple[WallContacts, ...]:
     """Contacts of a frame's discs with each face of a wall; faces that no disc touches are left out.
 
     As in the engines a disc behind a plane is pushed back, and one with its centre inside a block feels nothing.
     """
-    radius, relative_mass = flow.radii(frame), flow.relative_masses(frame)
+    radius, relative_mass, found = flow.radii(frame), flow.relative_masses(frame), []
     for distance, nx, ny in wall.contacts(frame.x, frame.y):
         index = np.flatnonzero((distance < radius) & ((nx != 0) | (ny != 0)))
         if index.size:
@@ -67,9 +91,11 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True)
             leaving = frame.vx[index] * nx + frame.vy[index] * ny if damping else np.zeros_like(overlap)
             dashpot = flow.dashpots[1] * np.sqrt(relative_mass[index])
             force = normal_forces(overlap, leaving, flow.scene.coefficients.stiffness_wall, dashpot, flow.touch_width)
-            yield WallContacts(index, overlap, nx, ny, force)
+            found.append(WallContacts(index, overlap, nx, ny, force))
+    return tuple(found)
 
 
+@once_a_frame
 def touching_pairs(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Indices of both discs of each pair in contact, the sum of their radii (m) and their dashpot (N s/m)."""
     x, y = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y))
@@ -253,6 +279,7 @@ class WallSums:
     sideways: bool
 
 
+@once_a_frame
 def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) -> WallSums:
     """Contacts of a frame's discs with one wall, from positions (and velocities where `velocity`).
 
@@ -260,7 +287,7 @@ def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) ->
     (4.18-4.21) of the `sign` law.
     """
     c, energy = flow.scene.coefficients, 0.0
-    faces = list(wall_contacts(frame, wall, flow, damping=velocity))
+    faces = wall_contacts(frame, wall, flow, damping=velocity)
     if not faces:
         empty = np.zeros(0)
         return WallSums(0.0, (0.0, 0.0), np.zeros(0, int), empty, empty, False)

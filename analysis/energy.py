@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing
-from lammps_jump.analysis.report.page import Section, Table, described, percent
+from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
 
@@ -175,7 +175,8 @@ def section(found: Mapping[str, float | None]) -> Section | None:
     if found.get("conservative"):
         rows += [("Largest deviation", percent(found["max_deviation"], 4)),
                  ("Drift over the record", percent(found["drift"], 4))]  # fmt: skip
-    return Section("Energy", [Table([*rows, *described(Energy, found, "kinetic", "potential", "elastic")])])
+    table = Table([*rows, *described(Energy, found, "kinetic", "potential", "elastic")])
+    return Section("Energy", [table, Text("Sums over all discs of a frame: exact for this run.")])
 
 
 def energy_figure(energy: Energy, name: str) -> Figure | None:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import hypot, isfinite
 
 import numpy as np
 
 from lammps_jump.dump.frame import Frame
+from lammps_jump.errors import DumpError
 from lammps_jump.quoting import figure_text
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Floor, Interval, Wall
@@ -33,7 +35,13 @@ class Flow:
     notes : tuple of str
         What was guessed, in sentences.
     sized : bool
-        Discs differ in size, and the frames tell each one's radius.
+        Discs differ in size, and the frames tell each one's radius or type.
+    diameters : mapping of int to float
+        Diameter of each type, m, where a bare dump has types in place of radii.
+    timed : bool
+        Times are known. Step numbers stand in their place in a bare dump without; nothing is made of them.
+    velocities : bool
+        Velocities are in the frames, or follow from positions and times.
     """
 
     scene: Scene
@@ -44,11 +52,16 @@ class Flow:
     inflow_speed: float | None = None
     notes: tuple[str, ...] = ()
     sized: bool = False
+    diameters: Mapping[int, float] = field(default_factory=dict)
+    timed: bool = True
+    velocities: bool = True
 
     def radii(self, frame: Frame) -> np.ndarray:
         """Radius of each disc, m, shape (n,), read-only; one number seen n times where discs are equal."""
         radii = frame.radii if self.sized else self.scene.radius
-        if radii is None:
+        if self.diameters:
+            radii = radii_of_types(frame, self.diameters)
+        elif radii is None:
             radii = 0.5 * self.scene.diameters(frame.ids)
         return np.broadcast_to(radii, frame.n)
 
@@ -105,9 +118,20 @@ class Flow:
 
     def time(self, frame: Frame) -> float:
         """Simulated time of a frame, s: the file's own, else from the step, else the step number itself."""
-        if frame.time is not None:
+        if self.timed and frame.time is not None:
             return frame.time
         return self.scene.time(frame.step) if self.time_step else float(frame.step)
+
+    def clock(self, time: float, until: float | None = None) -> str:
+        """A time or a span of times (s) in words, for figures; steps where there are no times."""
+        if not self.timed:
+            return f"step {time:.0f}" if until is None else f"steps {time:.0f} … {until:.0f}"
+        return f"t = {time:.2f} s" if until is None else f"t = {time:g} … {until:g} s"
+
+    @property
+    def time_axis(self) -> str:
+        """Label of an axis of times."""
+        return "Time t [s]" if self.timed else "Step"
 
     def shut_gates(self, time: float) -> tuple[Wall, ...]:
         """Gates that are still there at a time, s."""
@@ -165,6 +189,20 @@ class Flow:
         return total / np.bincount(index, width, len(edges) - 1)
 
 
+def radii_of_types(frame: Frame, diameters: Mapping[int, float]) -> np.ndarray:
+    """Radius of each disc, m, shape (n,), from the diameter of its type (m); DumpError for a type without one."""
+    types = frame.column("type")
+    radii = np.full(frame.n, np.nan)
+    for kind, diameter in diameters.items():
+        radii[types == kind] = 0.5 * diameter
+    if np.isnan(radii).any():
+        raise DumpError(
+            f"step {frame.step}: a disc has type {types[np.isnan(radii)][0]:g}; a diameter is given for "
+            f"{', '.join(map(str, diameters))} only: give one for each type."
+        )
+    return radii
+
+
 def from_scene(
     scene: Scene,
     *,
@@ -190,8 +228,7 @@ def from_scene(
         speeds.
     """
     if scene.inlets and inflow_depth is None:
-        intervals = (scene.density * row.every_steps * scene.time_step * abs(row.vx) for row in scene.inlets)
-        inflow_depth = sum(scene.mean_mass / interval for interval in intervals)
+        inflow_depth = sum(q / abs(row.vx) for q, row in zip(scene.discharges, scene.inlets, strict=True))
     if scene.inlets and inflow_speed is None:
         inflow_speed = float(np.mean([row.vx for row in scene.inlets]))
     duration = scene.time(scene.steps)

@@ -53,6 +53,8 @@ class FrontHistory:
         Position of the back wall, m.
     column : (float, float)
         Base a and height H of the column at the start, m.
+    timed : bool
+        Times are known; else steps stand in their place.
     """
 
     time: np.ndarray
@@ -63,6 +65,7 @@ class FrontHistory:
     tip_speed: np.ndarray
     back: float
     column: tuple[float, float]
+    timed: bool = True
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,7 @@ class FrontTracker:
         front = bulk_front(x, d)
         top, tip = nan, nan
         bulk = np.flatnonzero(x + 0.5 * d <= front + 1e-12)
-        if bulk.size and {"vx"} <= set(frame.columns):
+        if bulk.size and self.flow.velocities and "vx" in frame.columns:
             strip = ((x[bulk] - self.back) / d).astype(int)
             order = np.lexsort((y[bulk], strip))
             highest = order[np.flatnonzero(np.diff(strip[order], append=strip.max() + 1))]
@@ -186,7 +189,7 @@ class FrontTracker:
         """The history of all frames added."""
         rows = np.array(self._rows, float).reshape(-1, 6)
         back = nan if self.back is None else self.back
-        return FrontHistory(*rows.T, back, self._column or (nan, nan))
+        return FrontHistory(*rows.T, back, self._column or (nan, nan), self.flow.timed)
 
 
 @dataclass(frozen=True)
@@ -258,8 +261,7 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
     base, depth = history.column
     if not good.any() or not base > 0:
         return Front(reason="no frame holds a disc, so there is no front", history=history)
-    last = np.flatnonzero(good)[-1]
-    gravity = -flow.scene.gravity[1]
+    last, gravity = np.flatnonzero(good)[-1], -flow.scene.gravity[1]
     free = free_length(flow, history)
     live = good & (history.time >= 0)
     running = live & (history.bulk > base + 0.1 * (free - base if np.isfinite(free) else base))
@@ -269,10 +271,10 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
         running[hit[0] :] = False
     # once the front meets an obstacle, neither theory holds any more
     end = arrival if hit.size else np.inf
-    compared = gravity > 0 and depth > 0
+    compared = gravity > 0 and depth > 0 and flow.timed
     speed = np.polyfit(history.time[running], history.bulk[running], 1)[0] if running.sum() >= 3 else nan
     return Front(
-        time=float(history.time[last]),
+        time=float(history.time[last]) if flow.timed else nan,
         position=float(history.back + history.bulk[last]),
         position_99=float(history.back + history.quantile[last]),
         column_height=float(history.height[last]),
@@ -280,8 +282,8 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
         column_depth=depth,
         highest_surface_speed=float(np.nanmax(history.top_speed)) if np.isfinite(history.top_speed).any() else nan,
         free_length=float(free),
-        speed=float(speed),
-        arrival_time=arrival,
+        speed=float(speed) if flow.timed else nan,
+        arrival_time=arrival if flow.timed else nan,
         ritter=_ritter(history, base, depth, gravity, end) if compared else None,
         martin_moyce=_martin_moyce(history, gravity, end) if compared else None,
         history=history,
@@ -329,8 +331,8 @@ def analyse(gathered: Gathered) -> Front:
 
 def tables(front: Front) -> Tables:
     """Front and column against time, m and m/s."""
-    names = ("time", "bulk", "quantile", "height", "top_speed", "tip_speed")
-    return {"front.csv": {name: getattr(front.history, name) for name in names}}
+    columns = {name: getattr(front.history, name) for name in "bulk quantile height top_speed tip_speed".split()}
+    return {"front.csv": {"time" if front.history.timed else "step": front.history.time, **columns}}
 
 
 def figures(front: Front, gathered: Gathered) -> Drawings:
@@ -346,8 +348,7 @@ def section(found: Mapping) -> Section:
     """The front of a collapsing column against Ritter and Martin & Moyce."""
     if found.get("position") is None:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])
-    start = f"{found['column_base']:.3g} × {found['column_depth']:.3g}"
-    rows = [("Column at the start, base × height [m]", start)]
+    rows = [("Column at the start, base × height [m]", f"{found['column_base']:.3g} × {found['column_depth']:.3g}")]
     rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
     if ritter := found.get("ritter"):
         until = f"Ritter's front, holds until t = {ritter['valid_until']:.2g} s: RMS difference"
@@ -357,7 +358,8 @@ def section(found: Mapping) -> Section:
         for key in ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ():
             rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, key)]
         rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
-    return Section("Front", [Table(rows)])
+    sure = "One run has no errors for these numbers: repeat it from other starts. Theory and table are exact."
+    return Section("Front", [Table(rows), Text(sure)])
 
 
 def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
@@ -370,7 +372,7 @@ def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
     with drawing(7.2, 6.4, 3, 1, sharex=True, height_ratios=[1.5, 1, 1]) as (figure, (upper, middle, lower)):
         upper.plot(history.time, history.bulk, color=BLUE, label="bulk front")
         upper.plot(history.time, history.quantile, color=GOLD, ls="--", label="99 % of the discs")
-        if gravity > 0 and depth > 0:
+        if gravity > 0 and depth > 0 and flow.timed:
             limit = theory.ritter_wall_time(base, depth, gravity)
             t = np.linspace(0, max(min(limit, history.time.max()), 1e-9), 20)
             label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
@@ -382,7 +384,7 @@ def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
         lower.plot(history.time, history.top_speed, color=BLUE, label="surface, mean")
         lower.plot(history.time, history.tip_speed, color=GOLD, ls="--", label="tip (last 5 d)")
         lower.axhline(0, color=GREY, lw=0.8)
-        lower.set(xlabel="Time t [s]", ylabel="Velocity u [m/s]")
+        lower.set(xlabel=flow.time_axis, ylabel="Velocity u [m/s]")
         lower.legend()
     return figure
 
@@ -391,7 +393,7 @@ def martin_moyce_figure(history: FrontHistory, flow: Flow) -> Figure | None:
     """Front and column height in Martin & Moyce's variables with their measurements beside them."""
     gravity = -flow.scene.gravity[1]
     base, depth = history.column
-    if not np.isfinite(history.bulk).any() or gravity <= 0 or not base > 0 or not depth > 0:
+    if not (flow.timed and np.isfinite(history.bulk).any() and gravity > 0 and base > 0 and depth > 0):
         return None
     values = dimensionless(history, gravity)
     live = history.time >= 0

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from math import cos, nan, radians, sin
 
@@ -17,14 +17,14 @@ from lammps_jump.quoting import visible
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Plane, Wall
 
-from .flow import Flow
+from .flow import Flow, radii_of_types
 
 
 def from_dump(
     dump: Dump,
     *,
     name: str | None = None,
-    diameter: float | None = None,
+    diameter: float | Mapping[int, float] | None = None,
     density: float | None = None,
     mass: float | None = None,
     gravity: float | tuple[float, float] | None = None,
@@ -43,10 +43,11 @@ def from_dump(
     Parameters
     ----------
     dump : Dump
-    diameter : float, optional
-        m, of all discs; default from a ``radius`` or ``diameter`` column, else the 1 % quantile of nearest-neighbour
-        distances of the frame with the most discs (a lower bound where discs overlap, too large in a dilute gas).
-        Where the column's values differ each disc has its own; the nominal diameter is then that of the mean mass.
+    diameter : float or mapping of int to float, optional
+        m, of all discs or of each type; default from a ``radius`` or ``diameter`` column, else the 1 % quantile of
+        nearest-neighbour distances of the frame with the most discs (a lower bound where discs overlap, too large in a
+        dilute gas).
+        Where diameters differ each disc has its own; the nominal diameter is then that of the mean mass.
     density, mass : float, optional
         kg/m^3 (default 1000) and kg per metre of width (default a ``mass`` column, else density diameter^2).
         With unequal discs, of the nominal one: masses go with the square of the diameter.
@@ -58,61 +59,44 @@ def from_dump(
     stiffness, stiffness_wall : float, optional
         N/m; without them no elastic energy and no contact stress.
     time_step : float, optional
-        s, for dumps without ``ITEM: TIME``.
+        s, for dumps without ``ITEM: TIME``. Without either, steps stand in place of times, and nothing is made of them.
 
     Raises
     ------
     DumpError
         A dump without any disc, or a value that is not positive.
     """
-    given = (("diameter", diameter), ("density", density), ("mass", mass), ("time_step", time_step))
-    for what, value in (*given, ("stiffness", stiffness), ("bin_width", bin_width)):
+    types = dict(diameter) if isinstance(diameter, Mapping) else {}
+    given = [("density", density), ("mass", mass), ("time_step", time_step), ("stiffness", stiffness)]
+    given += [("bin_width", bin_width), *(("diameter", value) for value in (types.values() if types else [diameter]))]
+    for what, value in given:
         if value is not None and not (np.isfinite(value) and value > 0):
             raise DumpError(f"{what} = {value}: it must be a number above 0.")
     notes: list[str] = []
-    headers = dump.headers()
-    if not any(header.n for header in headers):
-        raise DumpError(f"{dump.path}: no frame holds a disc; there is nothing to analyse.")
-    fullest = max(range(len(headers)), key=lambda i: headers[i].n)
-    frames = list(dump.select({0, fullest, len(headers) - 1}))
-    for looked_at in frames:
-        require_finite(looked_at, dump.path)
+    frames = _looked_at(dump)
     frame = max(frames, key=lambda f: f.n)
-    sized = diameter is None and _differ(frame)
-    if diameter is None:
-        diameter = _guess_diameter(frame, notes)
+    nominal, sized = _diameter(frame, diameter, notes)
     if density is None:
         density = 1000.0
         notes.append("Density taken as 1000 kg/m3.")
-    if mass is None and "mass" in frame.columns:
-        mass = float(np.mean(frame.columns["mass"]) if sized else np.median(frame.columns["mass"]))
-        notes.append(f"Mass {mass:.6g} kg from the dump's mass column ({'mean' if sized else 'median'}).")
-    elif mass is None:
-        mass = density * diameter**2
-        notes.append(f"Mass taken as density x diameter^2 = {mass:.6g} kg per metre of width.")
+    if mass is None:
+        mass = _mass(frame, density * nominal**2, sized, notes)
     if gravity is None:
         gravity = 9.81
         notes.append("Gravity taken as 9.81 m/s2.")
     if np.isscalar(gravity):
         gravity = (gravity * sin(radians(slope)), -gravity * cos(radians(slope)))
-    occupied = [(f, f.radii if sized else 0.5 * diameter) for f in frames if f.n]
+    occupied = [(f, _radii(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
     if walls is None:
-        if floor is None:
-            floor = float(min((f.y - radius).min() for f, radius in occupied))
-            notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
-        walls = (Plane("floor", "y", floor, "above"),)
-    if x_range is None:
-        low, high = min((f.x - r).min() for f, r in occupied), max((f.x + r).max() for f, r in occupied)
-        x_range = (float(low), float(high))
-        notes.append(f"Profiles from x = {x_range[0]:.6g} to {x_range[1]:.6g} m: as far as discs were seen.")
-    if all(header.time is None for header in headers) and time_step is None:
-        notes.append("The dump carries no times and no time step was given: times are step numbers.")
+        walls = (Plane("floor", "y", _floor(occupied, notes) if floor is None else floor, "above"),)
+    x_range = x_range or _seen(occupied, notes)
+    timed = _timed(dump, time_step, notes)
     at_wall = stiffness if stiffness_wall is None else stiffness_wall
     known = {"mass": mass, "stiffness": stiffness, "stiffness_wall": at_wall, "time_step": time_step}
     scene = Scene(
-        name=name or visible(dump.path.name.split(".")[0]),
+        name=name or visible(dump.path.name),
         description="",
-        diameter=float(diameter),
+        diameter=nominal,
         density=float(density),
         gravity=(float(gravity[0]), float(gravity[1])),
         coefficients=known_coefficients(**known),
@@ -124,7 +108,17 @@ def from_dump(
         velocities=np.empty((0, 2)),
         walls=tuple(walls),
     )
-    return Flow(scene, x_range, bin_width or 5 * scene.diameter, window, notes=tuple(notes), sized=sized)
+    return Flow(
+        scene,
+        x_range,
+        bin_width or 5 * scene.diameter,
+        window,
+        notes=tuple(notes),
+        sized=sized,
+        diameters=types if sized else {},
+        timed=timed,
+        velocities=timed or {"vx", "vy"} <= set(dump.columns),
+    )
 
 
 def known_coefficients(**known: float | None) -> Coefficients:
@@ -134,22 +128,81 @@ def known_coefficients(**known: float | None) -> Coefficients:
     return Coefficients(**values | {name: float(value) for name, value in known.items() if value is not None})
 
 
-def _differ(frame: Frame) -> bool:
-    """Whether the file tells radii that differ."""
-    return frame.radii is not None and bool(np.ptp(frame.radii) > 1e-6 * np.max(frame.radii))
+def _looked_at(dump: Dump) -> list[Frame]:
+    """The first frame, the last, and the one with the most discs."""
+    headers = dump.headers()
+    if not any(header.n for header in headers):
+        raise DumpError(f"{dump.path}: no frame holds a disc; there is nothing to analyse.")
+    fullest = max(range(len(headers)), key=lambda i: headers[i].n)
+    return [require_finite(frame, dump.path) for frame in dump.select({0, fullest, len(headers) - 1})]
+
+
+def _floor(occupied: Sequence[tuple[Frame, np.ndarray | float]], notes: list[str]) -> float:
+    """Lower edge of the lowest disc, m, of frames with the radii of their discs (m)."""
+    floor = float(min((frame.y - radius).min() for frame, radius in occupied))
+    notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
+    return floor
+
+
+def _seen(occupied: Sequence[tuple[Frame, np.ndarray | float]], notes: list[str]) -> Interval:
+    """How far the same discs go along x, m."""
+    low = float(min((frame.x - radius).min() for frame, radius in occupied))
+    high = float(max((frame.x + radius).max() for frame, radius in occupied))
+    notes.append(f"Profiles from x = {low:.6g} to {high:.6g} m: as far as discs were seen.")
+    return low, high
+
+
+def _timed(dump: Dump, time_step: float | None, notes: list[str]) -> bool:
+    """Whether the times of the frames are known."""
+    clocked = all(header.time is not None for header in dump.headers())
+    if clocked and time_step is not None:
+        notes.append("The dump carries its own times: the time step that was given is not used.")
+    elif time_step is None and not clocked:
+        notes.append(
+            "The dump carries no times and no time step was given: step numbers stand in their place, and no speed, "
+            "Froude number or head is made. Give the time step (--time-step)."
+        )
+    if dump.units not in (None, "si"):
+        notes.append(f"The dump is in LAMMPS' units '{visible(dump.units)}': its numbers are taken for m, s and kg.")
+    return clocked or time_step is not None
+
+
+def _mass(frame: Frame, by_density: float, sized: bool, notes: list[str]) -> float:
+    """Mass of the nominal disc, kg per metre of width: from the dump, else by density and diameter."""
+    if "mass" in frame.columns:
+        mass = float(np.mean(frame.columns["mass"]) if sized else np.median(frame.columns["mass"]))
+        notes.append(f"Mass {mass:.6g} kg from the dump's mass column ({'mean' if sized else 'median'}).")
+        return mass
+    notes.append(f"Mass taken as density x diameter^2 = {by_density:.6g} kg per metre of width.")
+    return by_density
+
+
+def _radii(frame: Frame, types: Mapping[int, float]) -> np.ndarray | None:
+    """Radius of each disc, m, by its type or from the file; None where neither tells."""
+    return radii_of_types(frame, types) if types else frame.radii
+
+
+def _diameter(frame: Frame, diameter: float | Mapping[int, float] | None, notes: list[str]) -> tuple[float, bool]:
+    """Nominal diameter, m, and whether discs differ in size."""
+    types = diameter if isinstance(diameter, Mapping) else {}
+    if diameter is not None and not types:
+        return float(diameter), False
+    radii = _radii(frame, types)
+    if radii is None:
+        return _guess_diameter(frame, notes), False
+    if not types:
+        notes.append(f"Diameter from the dump's {'radius' if 'radius' in frame.columns else 'diameter'} column.")
+    sizes = np.array(list(types.values())) if types else 2 * radii
+    if np.ptp(sizes) <= 1e-6 * np.max(sizes):
+        return float(np.mean(sizes)), False
+    notes.append(
+        f"Discs differ in size ({sizes.min():.6g} to {sizes.max():.6g} m): each has its own; the nominal diameter "
+        "is that of the mean mass."
+    )
+    return 2 * float(np.sqrt(np.mean(radii**2))), True
 
 
 def _guess_diameter(frame: Frame, notes: list[str]) -> float:
-    if frame.radii is not None:
-        sizes = 2 * frame.radii
-        notes.append(f"Diameter from the dump's {'radius' if 'radius' in frame.columns else 'diameter'} column.")
-        if not _differ(frame):
-            return float(np.mean(sizes))
-        notes.append(
-            f"Discs differ in size ({sizes.min():.6g} to {sizes.max():.6g} m): each has its own; the nominal diameter "
-            "is that of the mean mass."
-        )
-        return float(np.sqrt(np.mean(sizes**2)))
     if frame.n < 2:
         raise DumpError("one disc and no diameter or radius column: give the diameter.")
     from scipy.spatial import cKDTree

@@ -50,6 +50,8 @@ class Gathered:
         Results of the collectors, by the name of their quantity.
     forces : mapping of str to ForceHistory
         Of ``forces.csv``.
+    warnings : tuple of str
+        Notes on the flow and of the pass.
     """
 
     flow: Flow
@@ -57,6 +59,7 @@ class Gathered:
     contacts: ContactSeries | None
     histories: Mapping[str, object]
     forces: Mapping[str, ForceHistory]
+    warnings: tuple[str, ...] = ()
 
     @property
     def thinned(self) -> xr.Dataset:
@@ -108,16 +111,17 @@ def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Fra
     if {"vx", "vy"} <= set(dump.columns):
         yield from dump
         return
+    made = "velocities are backward differences between frames (0 for discs that were not there before)"
     warnings.append(
-        "The dump has no vx, vy: velocities are backward differences between frames (0 for discs that were not there "
-        "before); write 'dump … custom … id x y vx vy' for better ones."
+        f"The dump has no vx, vy: {made if flow.velocities else 'without times there are no velocities'}; write "
+        "'dump … custom … id x y vx vy' for better ones."
     )
     before: tuple[np.ndarray, np.ndarray, np.ndarray, float] | None = None
     for frame in dump:
         ids, time = frame.ids, flow.time(frame)
         order = np.argsort(ids, kind="stable")
         vx, vy = np.zeros(frame.n), np.zeros(frame.n)
-        if before is not None and time > before[3]:
+        if flow.velocities and before is not None and time > before[3]:
             _, now, then = np.intersect1d(ids, before[0], return_indices=True)
             vx[now] = (frame.x[now] - before[1][then]) / (time - before[3])
             vy[now] = (frame.y[now] - before[2][then]) / (time - before[3])

@@ -143,7 +143,7 @@ def _values(sums, surface, top_speed, bed, width, flow) -> dict[str, np.ndarray]
     some, wet = mass > 1e-12, surface > 0
     safe, disc_area = np.where(some, mass, 1.0), np.pi * flow.scene.radius**2
     depth_unit = flow.scene.mass / (flow.scene.density * width)
-    return {
+    values = {
         "surface_depth": surface,
         "mass_depth": mass * depth_unit,
         "velocity": np.where(some, speed / safe, np.nan),
@@ -155,6 +155,9 @@ def _values(sums, surface, top_speed, bed, width, flow) -> dict[str, np.ndarray]
         "centroid_height": np.where(some, height / safe, np.nan) - bed,
         "count": count.copy(),  # no view, which would keep all sums
     }
+    if not flow.velocities:
+        values |= {name: np.full_like(mass, np.nan) for name in values if "s-" in VARIABLES[name][0]}
+    return values
 
 
 def _dataset(values, times, steps, discs, masses, edges, bed, flow) -> xr.Dataset:
@@ -162,6 +165,7 @@ def _dataset(values, times, steps, discs, masses, edges, bed, flow) -> xr.Datase
         return dims, array, {"units": units, "long_name": long_name}
 
     total, left, right = masses
+    when = ("s", "simulated time") if flow.timed else ("1", "step")
     variables = {name: described(values[name], *VARIABLES[name], ("time", "x")) for name in VARIABLES}
     variables |= {
         "bed": described(bed, "m", "height of the bed (mean over the bin)", ("x",)),
@@ -174,7 +178,7 @@ def _dataset(values, times, steps, discs, masses, edges, bed, flow) -> xr.Datase
     return xr.Dataset(
         variables,
         coords={
-            "time": ("time", times.astype(float), {"units": "s", "long_name": "simulated time"}),
+            "time": described(times.astype(float), *when),
             "x": ("x", 0.5 * (edges[1:] + edges[:-1]), {"units": "m", "long_name": "distance along the channel"}),
         },
         attrs={

@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lammps_jump.dump.exports import write_table
-from lammps_jump.dump.find import ForceHistory, read_forces
-from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.find import read_forces
+from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import plain
-from lammps_jump.units import as_summary, numbers_of, shown
+from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import energy, front
-from .budgets import inflow
+from .budgets import inflow, stations
 from .contacts import ContactCollector
 from .draw.film import NO_FFMPEG, animate
 from .draw.snapshots import snapshots
@@ -89,6 +89,7 @@ def analyse(
     film: bool = False,
     quiet: bool = False,
     watch: Sequence[Collector] = (),
+    gathered: Gathered | None = None,
 ) -> dict[str, object]:
     """Analyse a dump file.
 
@@ -108,6 +109,8 @@ def analyse(
         Print nothing while the film is made.
     watch : sequence of Collector
         Are also shown every frame.
+    gathered : Gathered, optional
+        Of `collect` for the same quantities, where the frames were read before.
 
     Returns
     -------
@@ -123,8 +126,8 @@ def analyse(
     if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
         known = ", ".join(name for name in QUANTITIES if name != "inflow")
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
-    warnings = list(flow.notes)
-    gathered = collect(flow, dump, out, wanted, warnings, watch)
+    gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
+    warnings = list(gathered.warnings)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
     asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, *ALWAYS}}
     results = {name: result for name, result in asked.items() if result is not None}
@@ -146,13 +149,14 @@ def analyse(
 
 
 def collect(
-    flow: Flow, dump: Path, out: Path, wanted: Collection[str], warnings: list[str], watch: Sequence[Collector] = ()
+    flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Collector] = ()
 ) -> Gathered:
-    """One pass over a dump with the collectors of the wanted quantities; notes are added to `warnings`."""
-    forces_found = _find_forces((out, dump.parent), warnings) if "force" in wanted or flow.scene.probes else {}
+    """One pass over a dump with the collectors of the wanted quantities; ``forces.csv`` is looked for in `places`."""
+    warnings = list(flow.notes)
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
-    there = {"inflow": bool(flow.scene.inlets), "force": bool(forces_found)}
+    forces_asked = bool(flow.scene.probes) or ("force" in wanted and _forces_file(places) is not None)
+    there = {"inflow": bool(flow.scene.inlets), "force": forces_asked}
     collectors = {
         name: quantity.collector(flow, contacts)
         for name, quantity in QUANTITIES.items()
@@ -160,18 +164,19 @@ def collect(
     }
     # contacts first: the energy takes each frame's elastic energy from them
     fed = [*watch, *([contacts] if contacts else []), *collectors.values()]
-    profiles = gather(open_dump(dump), flow, fed, warnings)
+    profiles = gather(dump, flow, fed, warnings)
     histories = {name: collector.result() for name, collector in collectors.items()}
-    return Gathered(flow, profiles, contacts.result() if contacts else None, histories, forces_found)
+    forces = {}
+    if forces_asked and (table := _forces_file(places)):  # of a run that goes on it is whole only now
+        try:
+            forces = read_forces(table)
+        except DumpError as error:
+            warnings.append(str(error))
+    return Gathered(flow, profiles, contacts.result() if contacts else None, histories, forces, tuple(warnings))
 
 
-def _find_forces(places: tuple[Path, ...], warnings: list[str]) -> dict[str, ForceHistory]:
-    found = next((place / "forces.csv" for place in places if (place / "forces.csv").is_file()), None)
-    try:
-        return read_forces(found) if found else {}
-    except DumpError as error:
-        warnings.append(str(error))
-        return {}
+def _forces_file(places: Sequence[Path]) -> Path | None:
+    return next((place / "forces.csv" for place in places if (place / "forces.csv").is_file()), None)
 
 
 def drawings(gathered: Gathered, results: Mapping[str, object], dump: Path) -> Drawings:
@@ -220,6 +225,7 @@ def _about_profiles(gathered: Gathered) -> dict[str, object]:
     return {
         "file": "profiles.nc",
         "frames": profiles.sizes["time"],
+        "axis": "time" if gathered.flow.timed else "step",
         "bins": profiles.sizes["x"],
         "bin_width": profiles.attrs["bin_width"],
         "first_time": float(profiles["time"][0]),
@@ -240,7 +246,12 @@ def main_numbers(summary: Mapping[str, object]) -> list[str]:
         texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
         for number in numbers_of(quantity.result).values():
             if number.label != number.meaning and found.get(number.key) is not None and belongs(number.key, found):
-                value = shown(found[number.key], number.unit, found.get(f"{number.key}_error"))
+                value = shown(
+                    found[number.key],
+                    number.unit,
+                    found.get(f"{number.key}_error"),
+                    bound=is_bound(found, number.key),
+                )
                 texts.append(f"{number.label} {value}")
         lines += [f"{name}: {', '.join(texts)}"] if texts else []
-    return lines
+    return [*lines, *filter(None, [stations.line(summary)])]

@@ -8,6 +8,7 @@ independent and then stays level.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import nan
 
@@ -129,3 +130,15 @@ def mean_of(series: np.ndarray) -> Mean:
         return Mean(nan, nan)
     pieces = np.array_split(good, PIECES) if piece_bounds(len(good)) else []
     return Mean(float(good.mean()), piece_error(np.array([piece.mean() for piece in pieces])))
+
+
+STEP = 1e-3
+"""Errors by which `propagated` moves an argument: small, so that the function is straight there."""
+
+
+def propagated(function: Callable[..., float], *measured: Mean) -> Mean:
+    """A function of measured numbers, and the error that theirs, taken as independent, hand on."""
+    values = np.array([number.value for number in measured])
+    moves = STEP * np.diag([number.error for number in measured])
+    changes = [(function(*(values + move)) - function(*(values - move))) / (2 * STEP) for move in moves]
+    return Mean(float(function(*values)), float(np.sqrt(np.sum(np.square(changes)))))

@@ -22,3 +22,5 @@ from .runs.run import load_case as load_case
 from .runs.run import open_run as open_run
 from .runs.run import run as run
 from .scene.scene import Scene as Scene
+from .sweeps.sweep import Sweep as Sweep
+from .sweeps.sweep import sweep as sweep

@@ -39,15 +39,17 @@ FIGURES = {
     "bed_pressure.png": "Pressure at the bed against the weight above",
 }
 """Pictures in ``figures/``, in the order of the report, with their captions there."""
+JOB_FILE = "job.slurm"
 RUN_FILES = (
     "case.yaml",
     "in.lammps",
+    "in.plugin.lammps",
     "discs.data",
     "disk.mol",
     "log.lammps",
     *DUMP_NAMES.values(),
     "forces.csv",
-    "job.slurm",
+    JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",
     "checkpoint_previous.json",
@@ -81,6 +83,8 @@ RESULT_FILES = (
     *(f"figures/{name}" for name in FIGURES),
 )
 """What is made of them; ``force_<structure>.csv`` of each probe besides."""
+SWEEP_FILES = ("study.yaml", "points.json", "table.csv", "table.nc", "sweep.html", "figures/sweep_*.png")
+"""What the folder of a study holds beside ``runs/`` (names and patterns)."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv``."""
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)

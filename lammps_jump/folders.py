@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import SetupError
-from .files import OWN_FILES, flush, read_json, write_json
+from .files import OWN_FILES, SWEEP_FILES, flush, read_json, write_json
 
 MARKER_FILE = ".lammps-jump"
 """Makes a folder ours."""
@@ -35,7 +35,7 @@ class Marker:
 
     Attributes
     ----------
-    kind : {'run', 'analysis'}
+    kind : {'run', 'analysis', 'sweep'}
     files : tuple of str
         Names and patterns of our files there; nothing else is ever deleted or overwritten.
     about : mapping
@@ -58,7 +58,7 @@ def read_marker(folder: Path) -> Marker | None:
     path = folder / MARKER_FILE
     try:
         stored = read_json(path)
-        names = [name for name in stored["files"] if name in OWN_FILES or FORCE_TABLE.fullmatch(name)]
+        names = [name for name in stored["files"] if name in (*OWN_FILES, *SWEEP_FILES) or FORCE_TABLE.fullmatch(name)]
         return Marker(str(stored["kind"]), tuple(names), dict(stored["about"]))
     except (FileNotFoundError, NotADirectoryError):
         return None
@@ -71,7 +71,9 @@ def require_ours(folder: Path, wanted: Marker) -> None:
     found = read_marker(folder)
     if found is not None:
         if found.kind != wanted.kind:
-            holds = {"run": "a run", "analysis": "the analysis of a dump"}.get(found.kind, "something else")
+            holds = {"run": "a run", "analysis": "the analysis of a dump", "sweep": "a study"}.get(
+                found.kind, "something else"
+            )
             raise SetupError(f"{folder}: holds {holds}, which would be overwritten; name another folder with --out")
         return
     names = [name for pattern in (*wanted.files, STAGING) for name in standing(folder, pattern)]
@@ -86,12 +88,9 @@ def require_ours(folder: Path, wanted: Marker) -> None:
 
 
 def claim(folder: Path, marker: Marker) -> bool:
-    """Make a folder ours, see `require_ours`; whether it was not before."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Make a folder ours that this process holds (`locked`), see `require_ours`; whether it was not before."""
     require_ours(folder, marker)
-    try:
-        os.close(os.open(folder / MARKER_FILE, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
-    except FileExistsError:
+    if read_marker(folder) is not None:
         return False
     write_marker(folder, marker)
     return True

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from collections.abc import Mapping
 from functools import lru_cache
 from math import floor, inf, isfinite, log10
 from typing import Annotated, Any, NamedTuple
@@ -80,7 +81,13 @@ def as_summary(result: object) -> dict[str, object]:
     return found
 
 
-def shown(value: object, unit: str = "", error: float | None = None, *, digits: int = 4) -> str:
+LARGE = 99.0
+"""Errors from here on are written as whole numbers: 100, not 1e+02."""
+ROUND_OFF = 1e-12
+"""Errors below this share of a number are those of arithmetic and are not shown."""
+
+
+def shown(value: object, unit: str = "", error: float | None = None, *, digits: int = 4, bound: bool = False) -> str:
     """A value as text, for the screen, the report, ``check`` and the docs.
 
     Parameters
@@ -93,6 +100,8 @@ def shown(value: object, unit: str = "", error: float | None = None, *, digits: 
         Standard error in the same unit. The value is rounded to the error's second digit.
     digits : int
         Significant digits of a number without an error.
+    bound : bool
+        The error is a lower bound; "or more" is put behind it.
     """
     if value is None or (isinstance(value, float) and value != value):
         return ABSENT
@@ -100,11 +109,17 @@ def shown(value: object, unit: str = "", error: float | None = None, *, digits: 
         return "yes" if value else "no"
     if not isinstance(value, int | float):
         return str(value)
-    if error is not None and isfinite(error) and error > 0:
-        text = f"{value:.{max(0, 1 - floor(log10(error)))}f} ± {error:.2g}"
+    if error is not None and isfinite(error) and error > ROUND_OFF * abs(value):
+        sure = f"{error:.2g}" if error < LARGE else f"{error:.0f}"
+        text, more = f"{value:.{max(0, 1 - floor(log10(error)))}f} ± {sure}", " or more" if bound else ""
     else:
-        text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
-    return f"{text} {unit}" if unit else text
+        text, more = f"{value:.{digits}g}" if isinstance(value, float) else str(value), ""
+    return f"{text} {unit}{more}" if unit else f"{text}{more}"
+
+
+def is_bound(found: Mapping, key: str) -> bool:
+    """Whether the error of a number of a result, as in ``summary.json``, is a lower bound: one run cannot tell it."""
+    return key in (found.get("lower_bounds") or ())
 
 
 _FACTOR = r"(?:[^\W\d_]\w*|°|%)(?:(?:\^|\*\*)[+-]?[0-9]+)?"

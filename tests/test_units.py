@@ -6,7 +6,7 @@ from math import nan
 
 import pytest
 
-from lammps_jump.units import ABSENT, Number, as_summary, number, numbers_of, shown
+from lammps_jump.units import ABSENT, Number, as_summary, is_bound, number, numbers_of, shown
 
 
 @dataclass(frozen=True)
@@ -55,3 +55,13 @@ def test_the_summary_holds_the_fields_by_name():
 )
 def test_one_formatter_shows_every_value(arguments, text):
     assert shown(*arguments) == text
+
+
+def test_errors_of_every_size_are_told():
+    assert shown(3.4, "m", 0.06, bound=True) == "3.400 ± 0.06 m or more"
+    assert shown(3.4, error=0.06, bound=True) == "3.400 ± 0.06 or more"
+    assert shown(3.4, "m", bound=True) == "3.4 m"
+    assert shown(506.3, "kN/m", 99.6) == "506 ± 100 kN/m"
+    assert shown(6.0, "m", 1e-15) == "6 m"  # arithmetic, no error
+    assert is_bound({"lower_bounds": ["y2"]}, "y2") and not is_bound({"lower_bounds": ["y2"]}, "y1")
+    assert not is_bound({}, "y2")

@@ -6,14 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot, isfinite, nan, sqrt
+from math import isfinite, nan
 
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.report.page import Section, Table, Text
-from lammps_jump.analysis.statistics import Mean, mean_of
+from lammps_jump.analysis.statistics import Mean, mean_of, propagated
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number, shown
@@ -210,7 +210,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     later = inside & (np.cumsum(inside) > 1)  # what came before the window's first frame belongs to the time before
     intervals = np.array([row.every_steps * scene.time_step for row in rows])
     speeds = np.array([row.vx for row in rows])
-    planned = scene.mean_mass / scene.density / intervals
+    planned = np.array(scene.discharges)
     with np.errstate(invalid="ignore", divide="ignore"):
         delivered = arrivals.area[later].sum(axis=0) / (arrivals.turns[later].sum(axis=0) * intervals)
     turns, discs = arrivals.turns.sum(axis=0), int(arrivals.discs.sum())
@@ -222,7 +222,6 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     y1, va = flow.inflow_depth or nan, flow.inflow_speed or nan
     asked, total, across = y1 * abs(va), float(delivered.sum()), -scene.gravity[1]
     u = discharge.value / depth.value if depth.value > 0 else nan
-    froude = abs(u) / sqrt(across * depth.value) if across > 0 and depth.value > 0 else nan
     found = [
         RowDelivery(row.y, row.vx, float(t), float(q), float(got), int(n), int(no) if told else None)
         for row, t, q, got, n, no in zip(rows, intervals, planned, delivered, turns, refused, strict=True)
@@ -244,30 +243,35 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         speed_error=speed.error,
         momentum=momentum.value,
         momentum_error=momentum.error,
-        **_sequent(froude, depth, Mean(u, speed.error)),
+        **_sequent(depth, Mean(u, speed.error), across),
         station=(float(ends[0]), float(ends[1])),
         rows=tuple(found),
-        notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum())),
+        notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum()), _blocked(arrivals)),
     )
 
 
-def _sequent(froude: float, depth: Mean, speed: Mean) -> dict[str, float]:
-    """Froude number and Bélanger's depth with the errors that depth and speed, taken as independent, hand on."""
-    if not froude > 0:
+def _sequent(depth: Mean, speed: Mean, gravity: float) -> dict[str, float]:
+    """Froude number and Bélanger's depth in the laboratory, with their errors."""
+    if not (depth.value > 0 and gravity > 0):
         return {}
-    a, b = speed.error / abs(speed.value), depth.error / depth.value
-    root = sqrt(1.0 + 8.0 * froude**2)
-    slope = 4.0 * froude**2 / root  # d(y2/y1) / d(ln Fr)
-    ratio = theory.belanger(froude)
+    froude = propagated(lambda s, u: theory.froude(abs(u), s, gravity), depth, speed)
+    sequent = propagated(lambda s, u: theory.sequent_depth(abs(u), s, gravity), depth, speed)
     return {
-        "froude": froude,
-        "froude_error": froude * hypot(a, 0.5 * b),
-        "belanger_y2": depth.value * ratio,
-        "belanger_y2_error": depth.value * hypot(slope * a, (ratio - 0.5 * slope) * b),
+        "froude": froude.value,
+        "froude_error": froude.error,
+        "belanger_y2": sequent.value,
+        "belanger_y2_error": sequent.error,
     }
 
 
-def _notes(delivered: float, asked: float, refused: int, turns: int) -> tuple[str, ...]:
+def _blocked(arrivals: Arrivals) -> str:
+    """Since when no disc has entered, where all turns of the last two frames or more were refused."""
+    last = int(np.flatnonzero(arrivals.discs > 0)[-1]) if arrivals.discs.any() else 0
+    blocked = (arrivals.turns[last + 1 :].sum(axis=1) > 0).sum() > 1
+    return f"; no disc has entered since t = {arrivals.time[last]:.4g} s" if blocked else ""
+
+
+def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: str) -> tuple[str, ...]:
     if not isfinite(delivered) or abs(delivered / asked - 1.0) <= LARGEST_LOSS:
         return ()
     cause = "no turn was refused: the rows carry no more in whole steps"
@@ -278,7 +282,7 @@ def _notes(delivered: float, asked: float, refused: int, turns: int) -> tuple[st
         )
     return (
         f"the inflow delivered {delivered:.4g} m2/s of the {asked:.4g} m2/s asked for "
-        f"({100 * (delivered / asked - 1):+.1f} %); {cause}",
+        f"({100 * (delivered / asked - 1):+.1f} %); {cause}{blocked}",
     )
 
 
@@ -305,8 +309,9 @@ def section(found: Mapping) -> Section:
             Text(verdict, "warn" if found["notes"] else "verdict", "Discharge"),
             Table(stream, ("", "asked for", "delivered", "± within this run")),
             Text(
-                "The discharge is the area of the discs that entered, over whole turns of their rows. Depth, speed and "
-                f"momentum are means over the window between x = {low:.3g} and {high:.3g} m."
+                "The discharge is the area of the discs that entered, over whole turns of their rows: a count, "
+                "which has no error. Depth, speed and momentum are means over the window between "
+                f"x = {low:.3g} and {high:.3g} m."
             ),
             Table([[row[key] for key in keys] for row in found["rows"]], heads),
         ],

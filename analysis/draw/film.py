@@ -21,7 +21,7 @@ from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.scene.walls import Interval, Wall
 
 from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
-from .snapshots import disc_speeds, seen, top_of
+from .scope import disc_speeds, seen, top_of
 from .style import colour_bar, style
 
 NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
@@ -157,7 +157,7 @@ class _Painter:
             start = float(view.column(x)), float(view.row(y))
             end = start[0] + fx, start[1] - fy
             paint_arrow(picture[self.inside], start, end, max(3.0, view.height / 90), ARROW)
-        self._write(picture[9:29, LEFT:], f"t = {time:.2f} s   {frame.n} discs")
+        self._write(picture[9:29, LEFT:], f"{self.flow.clock(time)}   {frame.n} discs")
         return picture
 
     def _write(self, strip: np.ndarray, text: str) -> None:

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Ten pictures of the discs at equal times (the thesis' picture0 … picture9), and what of the plane a picture shows."""
+"""Ten pictures of the discs at equal times (the thesis' picture0 … picture9)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
@@ -15,19 +14,15 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame, ten_indices
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.walls import Interval
 
 from .painter import View, blank, colour_table, coloured, paint_discs, paint_walls
+from .scope import disc_speeds, seen, top_of
 from .style import STYLE, colour_bar, style
 
 SIDE, GAP, RIGHT, TOP, HEAD, FOOT = 0.6, 0.22, 0.2, 0.24, 0.24, 1.04
 """Room for labels left of the pictures, between and right of them, above all, above each and below, inches."""
 BAR = 0.52, 0.12
 """Bottom and height of the colour bar, inches."""
-
-
-TALLEST = 20
-"""Most height of what is shown, in its lengths."""
 
 
 def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
@@ -62,7 +57,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
             first = first or axes
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")
             axes.grid(False)
-            axes.set_title(f"t = {flow.time(frame):.2f} s   {frame.n} discs", fontsize=8, pad=3)
+            axes.set_title(f"{flow.clock(flow.time(frame))}   {frame.n} discs", fontsize=8, pad=3)
             lowest, leftmost = place.num1 + place.get_gridspec().ncols >= len(chosen), place.is_first_col()
             axes.tick_params(labelsize=7, labelbottom=lowest, labelleft=leftmost)
             axes.set_xlabel("x [m]" if lowest else "", fontsize=8)
@@ -90,47 +85,3 @@ def layout(pictures: int, wide: float) -> tuple[Figure, list[SubplotSpec], float
     sides = {"left": SIDE / across, "right": 1 - RIGHT / across, "bottom": FOOT / high, "top": 1 - (TOP + HEAD) / high}
     grid = figure.add_gridspec(rows, columns, wspace=GAP / width, hspace=HEAD / height, **sides)
     return figure, [grid[divmod(index, columns)] for index in range(pictures)], width
-
-
-def disc_speeds(frame: Frame) -> np.ndarray:
-    """Speeds, m/s; zero where the dump has no velocities."""
-    if "vx" in frame.columns and "vy" in frame.columns:
-        return np.hypot(frame.vx, frame.vy)
-    return np.zeros(frame.n)
-
-
-def top_of(speeds: Sequence[np.ndarray]) -> float:
-    """End of a colour scale: a rounded 99.5 % quantile of all speeds, so that one fast disc does not darken all."""
-    together = np.concatenate(list(speeds)) if speeds else np.zeros(0)
-    together = together[np.isfinite(together)]
-    high = float(np.quantile(together, 0.995)) if together.size else 0.0
-    if not high > 0:
-        return 1.0
-    unit = 10.0 ** np.floor(np.log10(high))
-    return float(np.ceil(2 * high / unit) / 2 * unit)
-
-
-def seen(frames: Sequence[Frame], flow: Flow) -> tuple[Interval, Interval]:
-    """What of the plane is worth showing, m.
-
-    Along x the studied stretch, cut short where the frames hold neither a disc nor a block; along y from just below the
-    floor to just above nearly all discs there.
-    """
-    (low, high), diameter = flow.x_range, flow.scene.diameter
-    blocks = [wall.extent for wall in flow.scene.walls if wall.finite]
-    parts = [frame.x[(frame.x >= low) & (frame.x <= high)] for frame in frames]
-    ends = [float(np.quantile(part, q)) for part in parts if part.size for q in (0.0, 0.999)]
-    ends += [end for sides, _ in blocks for end in sides if low < end < high]
-    if ends:
-        margin = 0.02 * (max(ends) - min(ends)) + 2 * diameter
-        low, high = max(low, min(ends) - margin), min(high, max(ends) + margin)
-    floors = flow.bed_height(np.linspace(low, high, 200))
-    bottom = float(np.min(floors[np.isfinite(floors)], initial=np.inf))
-    bottom = bottom if np.isfinite(bottom) else flow.scene.domain[1][0]
-    heights = [frame.y[(frame.x >= low) & (frame.x <= high)] for frame in frames]
-    tops = [float(np.quantile(part, 0.995)) for part in heights if part.size]
-    tops += [highest for (start, end), (_, highest) in blocks if end > low and start < high]
-    top = max([*tops, bottom + 5 * diameter])
-    top = min(top, bottom + TALLEST * (high - low))  # a disc that flew away does not make the picture
-    margin = 0.06 * (top - bottom) + diameter
-    return (low, high), (bottom - margin, top + margin)

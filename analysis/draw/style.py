@@ -169,7 +169,7 @@ def depth_profile(
             )  # fmt: skip
         upper.legend(loc="upper left", bbox_to_anchor=(0, 0.97), frameon=True, edgecolor="none", framealpha=0.95)
         begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
-        title = f"{flow.title}: mean of {frames} frames, t = {begin:g} … {end:g} s"
+        title = f"{flow.title}: mean of {frames} frames, {flow.clock(begin, end)}"
         upper.set(ylabel="Height above y = 0 [m]", title=title)
         _mean(lower, profiles, "velocity", 0.0, color=BLUE, label="mean velocity")
         lower.plot(profiles.x, profiles.surface_velocity_mean, color=GOLD, ls="--", lw=1.2, label="at the surface")
@@ -246,7 +246,8 @@ def xt_map(
             axes.set_xlim(x[seen[0]], x[seen[-1] + 1])
         name = figure_text(profiles.attrs.get("title", "").removeprefix("depth profiles of "))
         title = title or f"{name}: {variable.replace('_', ' ')} over distance and time"
-        axes.set(xlabel="Distance x [m]", ylabel="Time t [s]", title=title)
+        timed = profiles.time.attrs.get("units") != "1"
+        axes.set(xlabel="Distance x [m]", ylabel="Time t [s]" if timed else "Step", title=title)
     return figure
 
 

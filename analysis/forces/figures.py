@@ -54,7 +54,11 @@ def section(found: Mapping) -> Section:
             rows.append((name, *row))
     units = [numbers[key].unit if key == "peak_time" else f"k{numbers[key].unit}" for key in keys]
     heads = [f"{numbers[key].label} [{unit}]" for key, unit in zip(keys, units, strict=True)]
-    notes = [Text(note) for note in found.get("notes") or []]
+    sure = Text(
+        "Means and sums over every step. ± is within this run; one run has no error for a number without: repeat it "
+        "from other starts."
+    )
+    notes = [sure, *(Text(note) for note in found.get("notes") or [])]
     return Section("Forces", [Table(rows, ("Structure", *heads)), *notes])
 
 

@@ -68,7 +68,7 @@ class ReflectedWave:
         return (
             f"The wave thrown back by '{self.structure}' runs at {speed}; the oncoming stream of {self.depth:.2f} m "
             f"and {self.velocity:.2f} m/s stopped by a wall would throw back a bore of {self.bore_depth:.2f} m at "
-            f"{self.bore_speed:+.2f} m/s."
+            f"{self.bore_speed:+.2f} m/s (no errors of the stream from one run)."
         )
 
 

@@ -43,7 +43,7 @@ def track_figure(jump: Jump) -> Figure | None:
             label = f"c = {result.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
             axes.plot(ends, line, color=RED, lw=2.2, alpha=0.8, label=label)
         axes.axvspan(*result.window, color="#eeeeee", zorder=0)
-        axes.set(xlabel="Time t [s]", ylabel="Distance x [m]", title=f"{result.flow.title}: {result.verdict}")
+        axes.set(xlabel=result.flow.time_axis, ylabel="Distance x [m]", title=f"{result.flow.title}: {result.verdict}")
         axes.legend(fontsize=8)
     return figure
 

@@ -9,7 +9,7 @@ the dashpots take (docs/theory.md).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from typing import TYPE_CHECKING
 
@@ -164,10 +164,16 @@ _contact_fields = watching_law(njit(cache=True)(_contact_fields_py))
 
 @dataclass(frozen=True)
 class Budget:
-    """Energy between two stations that move with the front, as heads: powers over ρ g and the discharge through it."""
+    """Energy between two stations that move with the front, as heads: powers over ρ g and the discharge through it.
+
+    `x` are the places of the two at the begin of `window` (m, s), the smaller one first.
+    """
 
     start: float = number("m", "station upstream, from the toe", default=nan)
     stop: float = number("m", "station downstream, from the toe", default=nan)
+    x: tuple[float, float] = (nan, nan)
+    speed: float = number("m/s", "velocity of the stations", default=nan)
+    window: tuple[float, float] = (nan, nan)
     discharge: float = number("m^2/s", "discharge through the station upstream, front's frame", default=nan)
     carried: float = number("m", "head that discs carry in, less out", default=nan)
     contacts: float = number("m", "head that contacts hand on, in less out", default=nan)
@@ -183,7 +189,7 @@ class Budget:
 
 
 def energy_budget(fields: np.ndarray | None, result: JumpResult, edges: np.ndarray) -> Budget | None:
-    """Budget between the middles of the stretches where the states of a jump were measured.
+    """Budget between the stations that the case names, else the middles of the stretches of the states of a jump.
 
     Parameters
     ----------
@@ -194,21 +200,44 @@ def energy_budget(fields: np.ndarray | None, result: JumpResult, edges: np.ndarr
     """
     if fields is None or result.upstream is None or result.downstream is None or result.flow.scene.gravity[0]:
         return None
-    middles = float(np.mean(result.upstream.zone)), float(np.mean(result.downstream.zone))
-    return budget_between(fields, result, edges, middles)
+    asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
+    if asked is None:
+        middles = float(np.mean(result.upstream.zone)), float(np.mean(result.downstream.zone))
+        return budget_between(fields, result, edges, middles)
+    first, last = (result.flow.scene.time(step) for step in (asked.first_step, asked.last_step))
+    half = 0.5 * float(np.diff(time).min())
+    used, speed = (time > first - half) & (time < last + half), sign * asked.speed
+    start = sign * asked.x[0 if sign > 0 else 1] - speed * first  # of the station upstream, along the stream
+    found = budget_between(fields, result, edges, (0.0, asked.x[1] - asked.x[0]), (start, speed), used)
+    off = result.motion.start - start + (result.motion.speed - speed) * 0.5 * (first + last)  # the front, half-way
+    return found and replace(found, start=found.start - off, stop=found.stop - off)
 
 
 def budget_between(
-    fields: np.ndarray, result: JumpResult, edges: np.ndarray, stations: tuple[float, float]
+    fields: np.ndarray,
+    result: JumpResult,
+    edges: np.ndarray,
+    stations: tuple[float, float],
+    line: tuple[float, float] | None = None,
+    used: np.ndarray | None = None,
 ) -> Budget | None:
-    """Budget between two stations, m from the front; other parameters as of `energy_budget`."""
-    track, c, sign = result.track, result.motion.speed, result.direction
-    used = track.found & result.in_window
+    """Budget between two stations, m from the front; other parameters as of `energy_budget`.
+
+    Parameters
+    ----------
+    line : (float, float), optional
+        Place along the stream at t = 0 (m) and speed (m/s) of another moving origin than the front.
+    used : ndarray of bool, shape (frames,), optional
+        Other frames than those of the window that have a jump.
+    """
+    track, sign = result.track, result.direction
+    begin, c = line or (result.motion.start, result.motion.speed)
+    used = track.found & result.in_window if used is None else used
     signs = np.array([sign if name in ODD else 1 for name in FIELDS])
     stream = (signs[:, None] * fields[used])[:, :, ::sign]
     x = sign * 0.5 * (edges[1:] + edges[:-1])[::sign]
     time = track.time[used]
-    fronts = result.motion.start + c * time
+    fronts = begin + c * time
     data = {name: (("time", "x"), stream[:, k]) for k, name in enumerate(FIELDS)}
     moving = move_along(xr.Dataset(data, {"time": time, "x": x}), fronts, np.full(len(time), np.inf))
     a = {name: moving[name] for name in FIELDS}
@@ -229,6 +258,9 @@ def budget_between(
     return Budget(
         start=stations[0] - result.toe,
         stop=stations[1] - result.toe,
+        x=tuple(sorted(sign * float(fronts[0] + station) for station in stations)),
+        speed=sign * c,
+        window=(float(time[0]), float(time[-1])),
         discharge=scale / -result.flow.scene.gravity[1],
         carried=float(np.nanmean(discs)),
         contacts=float(np.nanmean(contacts)),
@@ -252,6 +284,14 @@ def _between(field: xr.DataArray, stations: tuple[float, float]) -> np.ndarray:
     return (field.values[:, share > 0] * share[share > 0]).sum(axis=1)
 
 
+def no_budget(flow: Flow) -> str:
+    """Why frames give no budget, as a sentence; empty where another reason than friction or a slope holds."""
+    if not flow.knows_contacts or not (flow.scene.coefficients.friction or flow.scene.gravity[0]):
+        return ""
+    cause = "friction is not counted there" if flow.scene.coefficients.friction else "the bed slopes"
+    return f"Frames give no head lost: {cause}. The native engine counts it at every step (probes.stations)."
+
+
 def sentence(found: Mapping) -> str:
     """Budget in words; `found` as in ``summary.json``."""
     if not found:
@@ -262,9 +302,14 @@ def sentence(found: Mapping) -> str:
         for key, error in (("lost", "inflow"), ("dashpots", "dashpots"), ("residual", "residual"))
     )
     return (
-        f"Energy between stations {found['start']:+.1f} m and {found['stop']:+.1f} m from the toe, which move with the "
-        f"front, as heads over the discharge of {found['discharge']:.2f} m²/s through them: discs carry in "
-        f"{numbers['carried']} m more than out, contacts hand on {numbers['contacts']} m, {numbers['storage']} m is "
-        f"stored. Lost: {lost}. The dashpots take {taken}; the difference is {rest} (± within this run, "
-        f"{found['frames']} frames)."
-    ).replace("-", "−")
+        f"Energy between stations {found['start']:+.1f} m and {found['stop']:+.1f} m from the toe, which move at "
+        f"{found['speed']:+.2f} m/s, as heads over the discharge of {found['discharge']:.2f} m²/s through them: discs "
+        f"carry in {numbers['carried']} m more than out, contacts hand on {numbers['contacts']} m, "
+        f"{numbers['storage']} m is stored. Lost: {lost}. The dashpots take {taken}; the difference is {rest} "
+        f"(± within this run, {found['frames']} frames; the single parts have no errors). In a case for the "
+        "native engine, which counts every step: "
+        "probes.stations = "
+    ).replace("-", "−") + (
+        f"{{x: [{found['x'][0]:.2f}, {found['x'][1]:.2f}], speed: {found['speed']:.3f}, window: "
+        f"[{found['window'][0]:.3g}, {found['window'][1]:.3g}]}}."
+    )

@@ -17,7 +17,7 @@ import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.statistics import piece_bounds
-from lammps_jump.units import number
+from lammps_jump.units import number, shown
 
 from .frame import (
     END_SHARE,
@@ -145,6 +145,8 @@ class JumpResult:
             names = [field.name for field in fields(self.track) if field.name not in left_out]
             signs = {name: 1 if name == "time" or "depth" in name else self.direction for name in names}
             columns = {name: sign * getattr(self.track, name) for name, sign in signs.items()}
+            if not self.flow.timed:
+                columns = {"step": columns.pop("time"), **columns}
             result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
         if self.moving is not None:
             means = {name: values.values for name, values in mean_profile(self.moving).items()}
@@ -335,7 +337,7 @@ def _judge(result: JumpResult, used: np.ndarray, gravity: float, to_inlet: float
     if abs(motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * result.track.mass_depth_2[used].mean())):
         words = "stands still within the error"
     tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
-    return "jump", f"the front {words} at {result.speed:+.2f} m/s.{tail}"
+    return "jump", f"the front {words} at {shown(result.speed, 'm/s', motion.error, bound=True)}.{tail}"
 
 
 def _why_none(track, in_window, stream, heap, gravity, inflow) -> tuple[str, str]:

@@ -13,18 +13,20 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
+from lammps_jump.analysis.budgets import inflow
 from lammps_jump.analysis.passes import Drawings, Gathered, Tables
 from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.analysis.report.headline import belongs
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
-from lammps_jump.analysis.statistics import STUDENT
-from lammps_jump.units import ABSENT, numbers_of, shown
+from lammps_jump.analysis.statistics import STUDENT, Mean, propagated
+from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
 from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
 from .frame import Balance
-from .head import energy_budget, sentence
+from .head import energy_budget, no_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
-from .verdict import worded
+from .verdict import A_JUMP, untimed, worded
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
@@ -36,11 +38,19 @@ FROUDE = ("froude", "froude_downstream")
 
 def analyse(gathered: Gathered) -> Jump:
     """Jump of a run."""
-    found = worded(summarise_jump(analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)))
+    inlet = inflow.analyse(gathered)
+    known = inlet is not None and isfinite(inlet.speed)
+    delivered = (Mean(inlet.depth, inlet.depth_error), Mean(inlet.speed, inlet.speed_error)) if known else None
+    measured = analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)
+    found = summarise_jump(measured, delivered)
+    if not gathered.flow.timed:
+        return untimed(found)
+    found = worded(found)
     edges = bin_edges(gathered.flow.x_range, gathered.flow.bin_width)
     budget = energy_budget(cast("np.ndarray | None", gathered.histories.get("jump")), found.measured, edges)
     if budget is None:
-        return found
+        why = no_budget(gathered.flow) if found.verdict in A_JUMP else ""
+        return replace(found, reason=f"{found.reason} {why}".strip())
     return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
 
 
@@ -62,10 +72,11 @@ class Marks(NamedTuple):
 
 def marks(jump: Jump) -> Marks:
     """Depths of the inflow's theory, toe and end, and the track of the toe."""
-    lines, inflow = {}, jump.inflow
-    if inflow:
-        lines[f"inflow y₁ = {inflow.depth:.3g} m"] = inflow.depth
-        lines[f"Bélanger of the inflow y₂ = {inflow.belanger_y2:.3g} m"] = inflow.belanger_y2
+    lines, asked, tail = {}, jump.inflow, jump.tail
+    if asked:
+        lines[f"inflow asked for y₁ = {asked.depth:.3g} m"] = asked.depth
+    if tail and isfinite(tail.belanger_y2):
+        lines[f"Bélanger of the inflow, front's frame, y₂ = {tail.belanger_y2:.3g} m"] = tail.belanger_y2
     places = {"toe": jump.toe, "end": jump.end} if isfinite(jump.toe) else {}
     track, direction = jump.measured.track, jump.measured.direction
     if track is None or not track.found.any():
@@ -80,8 +91,10 @@ def tables(jump: Jump) -> Tables:
 
 def figures(jump: Jump, gathered: Gathered) -> Drawings:
     """Figures of the jump in time, in its own frame, of its momentum and of the head."""
-    return {
-        "jump_track.png": partial(track_figure, jump),
+    track = {"jump_track.png": partial(track_figure, jump)}
+    if not gathered.flow.timed:
+        return track
+    return track | {
         "jump_stream.png": partial(stream_figure, jump),
         "jump_frame.png": partial(frame_figure, jump),
         "jump_balance.png": partial(balance_figure, jump),
@@ -92,21 +105,24 @@ def figures(jump: Jump, gathered: Gathered) -> Drawings:
 def section(jump: Mapping) -> Section:
     """Verdict, states, ratios, momentum balance, lengths; `jump` as in ``summary.json``."""
     blocks = [Text(jump["reason"], "verdict" if jump["verdict"] == "jump" else "warn", jump["verdict"])]
-    if inflow := jump.get("inflow"):
+    if asked := jump.get("inflow"):
         blocks.append(
             Text(
-                f"Theory for the inflow (y₁ = {shown(inflow['depth'])} m, {shown(inflow['velocity'])} m/s): Froude "
-                f"number {inflow['froude']:.2f} ({inflow['class']}), Bélanger depth {inflow['belanger_y2']:.2f} m, "
-                f"length by thesis (4.27) {shown(inflow['length'])} m."
+                f"Theory for the inflow as asked for (y₁ = {shown(asked['depth'])} m, {shown(asked['velocity'])} m/s), "
+                f"exact: Froude number {asked['froude']:.2f} ({asked['class']}), Bélanger depth "
+                f"{asked['belanger_y2']:.2f} m, length by thesis (4.27) {shown(asked['length'])} m."
             )
         )
-    if jump.get("y1") is not None:
+    if jump.get("y1") is not None and jump["speed"] is None:
+        blocks += [_states(jump), Table(described(Jump, jump, "sequent_ratio", "length", "length_mass"))]
+    elif jump.get("y1") is not None and belongs("y1", jump):
+        steady = belongs("length", jump)
         blocks += [
             _states(jump),
             _comparisons(jump),
-            Text(SHORT),
+            Text(SHORT if steady else ""),
             certainty(jump),
-            Text(sentence(jump.get("budget") or {})),
+            Text(sentence((jump.get("budget") or {}) if steady else {})),
             _momentum(jump),
             _roller(jump),
             *_tail(jump.get("tail")),
@@ -124,43 +140,51 @@ def _states(jump: Mapping) -> Table:
         values = [with_error(jump, key, scale) for key in (one, two)]
         rows.append((heading(label.removesuffix(" upstream").removesuffix(","), unit), *values))
     rows.insert(5, (described(Jump, jump, "froude")[0][0], *(with_error(jump, key) for key in FROUDE)))
+    rows = [row for row in rows if set(row[1:]) != {ABSENT}]
     return Table(rows, ("State, measured beside the jump, ± within this run", "upstream 1", "downstream 2"))
 
 
 def _comparisons(jump: Mapping) -> Table:
-    ratio, from_mass = with_error(jump, "sequent_ratio"), jump["mass"]["speed_from_mass"]
     against = [
         ("Bélanger, front's frame", "belanger_ratio"),
-        (f"with density ratio {jump['density_ratio']:.3f}", "density_relation_ratio"),
+        (f"with density ratio {with_error(jump, 'density_ratio')}", "density_relation_ratio"),
         ("and measured bed force and β", "full_relation_ratio"),
         *([("and measured contact pressure", "pressure_relation_ratio")] if jump["pressure_relation_ratio"] else []),
     ]
-    rows = [
-        ("s₂/s₁", ratio, words, with_error(jump, key), _deviation(jump["sequent_ratio"], jump[key]))
-        for words, key in against
+    rows = [("s₂/s₁", "sequent_ratio", words, key) for words, key in against]
+    rows += [
+        ("", "length", "thesis (4.27)", "length_theory"),
+        ("", "length", "USBR curve", "length_usbr"),
+        ("", "head_lost", "Bélanger", "energy_loss_theory"),
+        ("", "energy_loss", "Bélanger", "energy_loss_theory"),
     ]
-    rows[0] = (*rows[0][:4], _share(jump["belanger_deviation"], jump["belanger_deviation_error"]))
-    words = "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁)"
-    speed = with_error(jump, "speed")
-    rows.append(("Velocity of the front [m/s]", speed, words, from_mass, _deviation(jump["speed"], from_mass)))
-    for key, words, other in (
-        ("length", "thesis (4.27)", "length_theory"),
-        ("length", "USBR curve", "length_usbr"),
-        ("head_lost", "Bélanger", "energy_loss_theory"),
-        ("energy_loss", "Bélanger", "energy_loss_theory"),
-    ):
-        head, value = described(Jump, jump, key)[0][0], with_error(jump, key)
-        if key == "head_lost" and (budget := jump.get("budget")):
-            head += f", {budget['start']:+.1f} to {budget['stop']:+.1f} m from the toe".replace("-", "−")
-        rows.append((head, value, words, jump[other], _deviation(jump[key], jump[other])))
-    return Table(rows, ("Measured, ± within this run", "", "against", "", "difference"))
+    cells = [
+        (name or _place(jump, key), with_error(jump, key), words, with_error(jump, other), _deviation(jump, key, other))
+        for name, key, words, other in rows
+        if belongs(key, jump)
+    ]
+    cells[0] = (*cells[0][:4], _share(jump["belanger_deviation"], jump["belanger_deviation_error"]))
+    from_mass = jump | {"from_mass": jump["mass"]["speed_from_mass"]}
+    words = "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁), no error from one run"
+    speed = with_error(jump, "speed"), words, from_mass["from_mass"], _deviation(from_mass, "speed", "from_mass")
+    cells.insert(len(against), ("Velocity of the front [m/s]", *speed))
+    return Table(cells, ("Measured, ± within this run", "", "against", "", "difference"))
 
 
-def _share(value: float | None, error: float | None) -> str:
-    """A share in per cent with its error."""
+def _place(jump: Mapping, key: str) -> str:
+    """Head of a row: the meaning, of the head lost with its stations."""
+    head = described(Jump, jump, key)[0][0]
+    if key == "head_lost" and (budget := jump.get("budget")):
+        head += f", {budget['start']:+.1f} to {budget['stop']:+.1f} m from the toe".replace("-", "−")
+    return head
+
+
+def _share(value: float | None, error: float | None, bound: bool = False) -> str:
+    """A share in per cent with its error, which may be a lower bound."""
     if value is None:
         return ABSENT
-    return f"{100 * value:+.1f}{'' if error is None else f' ± {100 * error:.1f}'} %".replace("-", "−")
+    sure = "" if error is None else f" ± {100 * error:.1f}"
+    return f"{100 * value:+.1f}{sure} %{' or more' if bound and sure else ''}".replace("-", "−")
 
 
 def certainty(jump: Mapping) -> Text:
@@ -176,28 +200,31 @@ def certainty(jump: Mapping) -> Text:
         f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors. From the first half "
         f"of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
         f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. "
-        "One run cannot tell the errors of y2, h2, u2, length, velocity of the front and Froude number: it misses up "
-        "to 60 % of their variance between starts. For a standard error of 3 %, average at least "
+        '"Or more": one run cannot tell this error, it misses up to 60 % of the variance between starts. '
+        "For a standard error of 3 %, average at least "
         f"{starts['y2']} run(s) for y2, {starts['speed']} for the velocity of the front, {starts['froude']} for the "
         "Froude number."
     )
 
 
-def _deviation(measured: float | None, expected: float | None) -> str:
-    if measured is None or not expected:
+def _deviation(found: Mapping, key: str, other: str) -> str:
+    """How far a number lies off another, in per cent, with the errors of both taken as independent."""
+    if found[key] is None or not found[other]:
         return ABSENT
-    return f"{100 * (measured / expected - 1):+.1f} %".replace("-", "−")
+    two = (Mean(found[name], found.get(f"{name}_error") or 0.0) for name in (key, other))
+    off = propagated(lambda measured, expected: measured / expected - 1.0, *two)
+    return _share(off.value, off.error or None, is_bound(found, key))
 
 
 def _momentum(jump: Mapping) -> Text:
     terms, names = jump["momentum_terms"], numbers_of(Balance)
     known = [key for key in names if key != "pressure_error" and terms[key] is not None]
-    explained = "; ".join(f"{names[key].meaning} {100 * terms[key]:+.1f} %" for key in known)
+    explained = "; ".join(f"{names[key].meaning} {_share(terms[key], terms.get(f'{key}_error'))}" for key in known)
     return Text(
         f"Mass flux through the moving front: downstream minus upstream {100 * jump['mass']['closure']:+.2f} %, "
         f"{100 * jump['mass']['closure_with_storage']:+.2f} % with what is stored in between. Momentum function "
-        f"upstream minus downstream: {100 * jump['momentum_residual']:+.1f} % of the downstream one; measured parts: "
-        f"{explained}."
+        f"upstream minus downstream: {_share(jump['momentum_residual'], jump['momentum_residual_error'])} of the "
+        f"downstream one; measured parts: {explained}. ± is within this run; one run has no error for the others."
     )
 
 
@@ -205,14 +232,13 @@ def _tail(tail: Mapping | None) -> list[Text]:
     if not tail or tail["depth"] is None:
         return []
     text = (
-        f"Tail water over {tail['length']:.1f} m: mass depth {with_error(tail, 'depth')} m, "
+        f"Tail water over {tail['length']:.1f} m: mass depth {with_error(tail, 'depth', unit='m')}, "
         f"slope of its surface {with_error(tail, 'slope')}."
     )
     if tail["belanger_y2"] is not None:
-        text += (
-            f" Bélanger gives {tail['belanger_y2']:.3f} m for the inflow in the front's frame: "
-            f"{_deviation(tail['depth'], tail['belanger_y2'])}."
-        )
+        off = _share(tail["belanger_deviation"], tail["belanger_deviation_error"], bound=True)
+        expected = with_error(tail, "belanger_y2", unit="m")
+        text += f" Bélanger gives {expected} for the delivered inflow in the front's frame: {off}."
     return [Text(text)]
 
 
@@ -240,9 +266,12 @@ def _stream(stream: Mapping | None) -> list[Text | Table]:
         )
         for i in chosen
     ]
-    head = ("Stream, x [m]", "s [m]", "u [m/s]", "flux [m³/s²]", "thrust [m³/s²]", "sum", "Fr", "Bélanger [m]",
+    head = ("Stream, x [m]", "s [m]", "u [m/s]", "flux [m³/s²]", "thrust [m³/s²]", "sum [m³/s²]", "Fr", "Bélanger [m]",
             "y₂ off it")  # fmt: skip
-    text = "The stream before the jump, laboratory; Fr and Bélanger in the front's frame."
+    text = (
+        "The stream before the jump, laboratory; Fr and Bélanger in the front's frame. ± of the sum is within this "
+        "run; one run has no errors for the other columns."
+    )
     if stream["total_deviation"] is not None:
         text += f" Momentum flux + thrust stays within {100 * stream['total_deviation']:.1f} % of its mean."
     return [Text(text), Table(rows, head)]
@@ -257,7 +286,7 @@ def _roller(jump: Mapping) -> Text:
         length, start = roller["length_in_jump_frame"], roller["start_in_jump_frame"]
         said = (
             f"Roller: in the front's frame the mean surface runs upstream over {length:.1f} m "
-            f"({length / depth:.1f} y₂), from {start:.1f} m behind the toe."
+            f"({length / depth:.1f} y₂), from {start:.1f} m behind the toe (no error from one run)."
         )
     if roller["length"] is not None:
         said += f" In the laboratory, where the front's own speed is in it: over {roller['length']:.1f} m."

@@ -10,10 +10,11 @@ from math import isfinite, nan
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.statistics import Mean
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
-from .certainty import Drift, Members, drift, errors, members
+from .certainty import LOWER_BOUNDS, Drift, Members, drift, errors, members
 from .frame import Balance, Mass, Roller, share
 from .head import Budget
 from .result import Heap, JumpResult
@@ -115,7 +116,9 @@ class Jump:
     length_over_y2: float = number("", "length over y2", default=nan)
     length_over_y2_error: float = number("", "standard error of the length over y2", default=nan)
     length_theory: float = number("m", "length by thesis (4.27)", default=nan)
+    length_theory_error: float = number("m", "standard error of the length by the thesis", default=nan)
     length_usbr: float = number("m", "length by the USBR curve", default=nan)
+    length_usbr_error: float = number("m", "standard error of the length by the USBR curve", default=nan)
     head_upstream: float = number("m", "head, front's frame, upstream", default=nan)
     head_upstream_error: float = number("m", "standard error of the head upstream", default=nan)
     head_downstream: float = number("m", "head, front's frame, downstream", default=nan)
@@ -126,6 +129,7 @@ class Jump:
     energy_loss: float = number("m", "difference of s + (u − c)²/2g", default=nan)
     energy_loss_error: float = number("m", "standard error of that difference", default=nan)
     energy_loss_theory: float = number("m", "head lost by Bélanger", default=nan)
+    energy_loss_theory_error: float = number("m", "standard error of the head lost by Bélanger", default=nan)
     energy_loss_depths: float = number("m", "head lost by the two depths", default=nan)
     momentum_upstream: float = number("N/m", "momentum function upstream", default=nan)
     momentum_upstream_error: float = number("N/m", "standard error of the momentum function upstream", default=nan)
@@ -140,6 +144,7 @@ class Jump:
     stream: Stream | None = None
     drift: Drift | None = None
     members: Members | None = None
+    lower_bounds: tuple[str, ...] = LOWER_BOUNDS
     measured: JumpResult | None = field(default=None, metadata={"summary": False})
 
 
@@ -152,8 +157,16 @@ def inflow_theory(flow: Flow) -> theory.Inflow | None:
     return theory.inflow_theory(depth, speed, gravity)
 
 
-def summarise_jump(result: JumpResult) -> Jump:
-    """Numbers of a measured jump."""
+def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = None) -> Jump:
+    """Numbers of a measured jump.
+
+    Parameters
+    ----------
+    result : JumpResult
+    delivered : (Mean, Mean), optional
+        Depth (m) and mean velocity (m/s) behind the inlet, which the tail water is held against; by default those that
+        were asked for.
+    """
     jump = Jump(result.verdict, result.reason, inflow=inflow_theory(result.flow), window=result.window,
                 heap=result.heap, measured=result)  # fmt: skip
     if result.track is None:
@@ -167,6 +180,10 @@ def summarise_jump(result: JumpResult) -> Jump:
     pieces = [_measured(replace(jump, measured=piece)) for piece in result.pieces]
     jump = replace(jump, **errors(jump, pieces), drift=drift(pieces))
     jump = replace(jump, members=members(jump))
+    if jump.inflow is not None:
+        stream = delivered or (Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0))
+        front = Mean(result.motion.speed, jump.speed_error)
+        jump = replace(jump, tail=against_inflow(result.tail, stream, front, -result.flow.scene.gravity[1]))
     if jump.verdict == "jump" and jump.sequent_ratio < DEVELOPED_SHARE * jump.belanger_ratio:
         share = 100 * jump.sequent_ratio / jump.belanger_ratio
         also = f" The depth ratio is {share:.0f} % of Bélanger's: the flow behind is still filling up."
@@ -176,7 +193,8 @@ def summarise_jump(result: JumpResult) -> Jump:
 
 def _measured(jump: Jump) -> Jump:
     """The numbers of what was measured in a window, or in a piece of it."""
-    return _against_theory(_states(_places(jump)))
+    found = _states(_places(jump))
+    return _against_theory(found) if jump.measured.flow.timed else found
 
 
 def _places(jump: Jump) -> Jump:
@@ -200,17 +218,9 @@ def _places(jump: Jump) -> Jump:
         length_ramp=float(np.median(track.end[used] - track.toe[used])),
         developed=result.developed,
         roller=result.roller,
-        tail=_tail(result, jump.inflow),
+        tail=result.tail,
         stream=result.stream,
     )
-
-
-def _tail(result: JumpResult, inflow: theory.Inflow | None) -> Tail:
-    """Tail water, held against the inflow where there is one."""
-    if inflow is None:
-        return result.tail
-    found = against_inflow(result.tail.depth, inflow, result.motion.speed, -result.flow.scene.gravity[1])
-    return replace(result.tail, belanger_y2=found[0], belanger_deviation=found[1])
 
 
 def _states(jump: Jump) -> Jump:
@@ -228,6 +238,8 @@ def _states(jump: Jump) -> Jump:
         froude=one.froude_relative,
         froude_lab=one.froude,
         froude_downstream=two.froude_relative,
+        sequent_ratio=found["y2"] / found["y1"],
+        length_over_y2=jump.length / found["y2"],
         density_ratio=share(two.bulk_density, one.bulk_density),
         head_upstream=one.head,
         head_downstream=two.head,
@@ -249,7 +261,7 @@ def _against_theory(jump: Jump) -> Jump:
     """
     one, two, terms = jump.measured.upstream, jump.measured.downstream, jump.measured.balance
     froude, s1, s2 = jump.froude, jump.y1, jump.y2
-    ratio, belanger = s2 / s1, theory.belanger(froude)
+    ratio, belanger = jump.sequent_ratio, theory.belanger(froude)
     # forces over g s1^2/2, the unit of the relations
     unit = one.still(one.mass_depth) / terms.downstream
     push = (terms.bed + terms.slope) / unit
@@ -266,14 +278,12 @@ def _against_theory(jump: Jump) -> Jump:
         jump,
         **found,
         jump_class=theory.jump_class(froude),
-        sequent_ratio=ratio,
         belanger_ratio=belanger,
         belanger_y2=s1 * belanger,
         belanger_deviation=share(ratio, belanger) - 1,
         density_relation_ratio=expected,
         density_relation_deviation=ratio / expected - 1,
         full_relation_ratio=full,
-        length_over_y2=jump.length / s2,
         length_theory=theory.silvester_jump_length(froude, s1),
         length_usbr=theory.usbr_jump_length(froude, s1),
         energy_loss_theory=theory.energy_loss(s1, s1 * belanger),

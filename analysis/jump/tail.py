@@ -3,23 +3,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lammps_jump.analysis.statistics import mean_of
+from lammps_jump.analysis.statistics import Mean, mean_of, propagated
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
+
+from .certainty import TAIL_BOUNDS
 
 if TYPE_CHECKING:
     import xarray as xr
 
 BEHIND_FRONT = 1.2
 """Distance from the front at which a jump of discs has ended, in depths of the tail water (measured)."""
-SILL_REACH = 0.75
-"""Distance from the end of the channel at which a sill no longer draws the surface down, in the same depths."""
+SILL_REACH = 0.5
+"""Distance from the end of the channel at which the stretch ends, in the same depths: most of the fall over a sill."""
 LEAST_BINS = 3
 
 
@@ -33,7 +35,10 @@ class Tail:
     depth: float = number("m", "its mass depth", default=nan)
     depth_error: float = number("m", "standard error of its mass depth", default=nan)
     belanger_y2: float = number("m", "sequent depth of the inflow by Bélanger, front's frame", default=nan)
+    belanger_y2_error: float = number("m", "standard error of that sequent depth", default=nan)
     belanger_deviation: float = number("", "its mass depth over Bélanger's, less one", default=nan)
+    belanger_deviation_error: float = number("", "standard error of that deviation", default=nan)
+    lower_bounds: tuple[str, ...] = TAIL_BOUNDS
 
 
 def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
@@ -62,19 +67,30 @@ def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
     return Tail(float(length.mean()), slopes.value, slopes.error, depths.value, depths.error)
 
 
-def against_inflow(depth: float, inflow: theory.Inflow, speed: float, gravity: float) -> tuple[float, float]:
-    """Bélanger's sequent depth of the inflow in the frame of the front (m), and how far `depth` lies off it, a share.
+def against_inflow(tail: Tail, inflow: tuple[Mean, Mean], speed: Mean, gravity: float) -> Tail:
+    """The tail water with Bélanger's sequent depth of the inflow in the frame of the front.
 
     Parameters
     ----------
-    depth : float
-        Mass depth of the tail water, m.
-    inflow : Inflow
-        Depth y1 and mean velocity Va of the inflow.
-    speed : float
+    tail : Tail
+    inflow : (Mean, Mean)
+        Depth (m) and mean velocity (m/s) of the stream behind the inlet.
+    speed : Mean
         Velocity of the front along the stream, m/s.
     gravity : float
         m/s^2.
     """
-    sequent = inflow.depth * theory.belanger(theory.froude(abs(inflow.velocity) - speed, inflow.depth, gravity))
-    return sequent, depth / sequent - 1.0
+
+    def sequent(depth: float, velocity: float, front: float) -> float:
+        return theory.sequent_depth(abs(velocity) - front, depth, gravity)
+
+    level = Mean(tail.depth, tail.depth_error)
+    expected = propagated(sequent, *inflow, speed)
+    off = propagated(lambda found, *stream: found / sequent(*stream) - 1.0, level, *inflow, speed)
+    return replace(
+        tail,
+        belanger_y2=expected.value,
+        belanger_y2_error=expected.error,
+        belanger_deviation=off.value,
+        belanger_deviation_error=off.error,
+    )

@@ -4,9 +4,10 @@
 # ruff: noqa: RUF001  (minus signs are meant for readers)
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import isfinite
 
+from lammps_jump.analysis.statistics import Mean, propagated
 from lammps_jump.units import shown
 
 from .summary import Jump
@@ -22,12 +23,39 @@ def worded(jump: Jump) -> Jump:
     return replace(jump, headline=headline(jump))
 
 
+WITHOUT_TIMES = (
+    "y1", "y2", "h1", "h2", "u1", "u2", "packing_1", "packing_2", "sequent_ratio", "density_ratio", "length",
+    "length_mass", "length_ramp", "length_over_y2", "position", "toe", "end", "share_found",
+)  # fmt: skip
+"""Numbers of a jump that follow from the discs' places and, where the file has them, velocities."""
+
+
+def untimed(jump: Jump) -> Jump:
+    """The jump of a dump without times: no velocity of the front, hence no Froude number, no head and no theory."""
+    given = {field.name for field in fields(jump)}
+    kept = {name for key in WITHOUT_TIMES for name in (key, f"{key}_error")} | {"window", "frames_found", "heap"}
+    known = {name: getattr(jump, name) for name in given & (kept | {"frames_in_window"})}
+    held = jump.measured and replace(jump.measured, motion=None, moving=None, stream=None)
+    if jump.verdict not in A_JUMP:
+        return Jump(jump.verdict, jump.reason, headline(jump), measured=held, **known)
+    said = (
+        f"A step in depth is found in {jump.frames_found} of {jump.frames_in_window} frames: mass depth "
+        f"{shown(jump.y1, 'm', jump.y1_error)} before it, {shown(jump.y2, 'm', jump.y2_error)} behind. Without times "
+        "its speed, Froude number and head are not known, and nothing says that it is a hydraulic jump."
+    )
+    verdict = "marginal jump" if jump.verdict == "marginal jump" else "jump"
+    return Jump(verdict, said, said, measured=held, **known)
+
+
 def headline(jump: Jump) -> str:
     """What happened, what to compare with what, and how sure that is."""
     if jump.verdict not in A_JUMP:
         return f"No hydraulic jump to compare with Bélanger: {jump.verdict}. {_sentence(jump.reason)}"
     name = {"jump": "Hydraulic jump", "marginal jump": "Now and then a jump"}.get(jump.verdict, "Jump not developed")
-    speed, at = shown(jump.speed, "m/s", jump.speed_error), f"{jump.frames_found} of {jump.frames_in_window} frames"
+    speed, at = (
+        shown(jump.speed, "m/s", jump.speed_error, bound=True),
+        f"{jump.frames_found} of {jump.frames_in_window} frames",
+    )
     return f"{name}: found in {at}, front at {speed}. {compared(jump)} {_how_sure(jump)}".replace("-", "−")
 
 
@@ -36,14 +64,17 @@ def compared(jump: Jump) -> str:
     tail = jump.tail
     level = tail is not None and isfinite(tail.depth)
     place, depth, error = ("tail water", tail.depth, tail.depth_error) if level else ("depth", jump.y2, jump.y2_error)
-    behind = f"Compare the {place} behind it, {shown(depth, 'm', error)},"
+    behind = f"Compare the {place} behind it, {shown(depth, 'm', error, bound=True)},"
     if tail is None or not isfinite(tail.belanger_y2):
-        state, sequent = "stream just before the toe", jump.belanger_y2
+        state, sequent, off = "stream just before the toe", jump.belanger_y2, jump.belanger_y2_error
     else:
-        state, sequent = "inflow", tail.belanger_y2
+        state, sequent, off = "delivered inflow", tail.belanger_y2, tail.belanger_y2_error
+    by_bound = state == "delivered inflow"  # its front is one of the numbers that one run cannot tell
+    by = propagated(lambda found, expected: 100 * (found / expected - 1), Mean(depth, error), Mean(sequent, off))
+    more = f" ± {by.error:.1f}" if isfinite(by.error) else ""
     return (
-        f"{behind} with {shown(sequent, 'm')} by Bélanger for the {state} in the front's frame: "
-        f"{100 * (depth / sequent - 1):+.1f} %."
+        f"{behind} with {shown(sequent, 'm', off, bound=by_bound)} by Bélanger for the {state} in the front's frame: "
+        f"{by.value:+.1f}{more} %{' or more' * bool(more)}."
     )
 
 
@@ -60,9 +91,12 @@ def _how_sure(jump: Jump) -> str:
 def belongs_to(jump: Jump) -> str:
     """The state that the numbers of index 1, and with them Bélanger's, belong to."""
     near, far = -jump.measured.upstream.zone[1], -jump.measured.upstream.zone[0]
+    ratio, depth, froude = (
+        _rounded(getattr(jump, key), getattr(jump, f"{key}_error")) for key in ("belanger_ratio", "y1", "froude")
+    )
     text = (
-        f"Bélanger's ratio {jump.belanger_ratio:.2f} belongs to the stream {near:.1f} to {far:.1f} m before the front "
-        f"(s₁ = {jump.y1:.2f} m, Fr = {jump.froude:.2f})"
+        f"Bélanger's ratio {ratio} belongs to the stream {near:.1f} to {far:.1f} m before the front (s₁ = {depth} m, "
+        f"Fr = {froude} or more; ± within this run)"
     )
     stream = jump.stream
     if stream is None or not isfinite(stream.compression):
@@ -72,6 +106,11 @@ def belongs_to(jump: Jump) -> str:
         f"inlet has Fr = {stream.froude[0]:.2f}: y₂ lies {100 * stream.deviation[0]:+.1f} % off its Bélanger depth "
         f"and {100 * jump.belanger_deviation:+.1f} % off that of the compressed stream."
     )
+
+
+def _rounded(value: float, error: float) -> str:
+    text = shown(value, error=error)
+    return text if "±" in text else f"{value:.2f}"
 
 
 def notes(jump: Jump) -> tuple[str, ...]:

@@ -23,8 +23,16 @@ head        s + (u − c)²/2g; loss of head: the energy between two stations th
 β           ∑ m (u − c)² over the same with the mean velocity
 thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
 packing     area of the discs over that below the surface;  bulk density: ρ s/h
-± e         standard error within this run, from eight pieces of the window
-tail water  from 1.2 y₂ behind the front to 0.75 y₂ before the sill
+± e         standard error within this run, from eight pieces of the window; "or more": one run cannot tell it
+tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
+""",
+    "stations": """\
+carried     m [((u − c)² + v²)/2 + g y] of each disc that crosses a station; c is the velocity of the stations
+contacts    F · [(v_i + v_j)/2 − c] of each contact that a station cuts;  walls: −c times their force along x
+stored      change of kinetic and gravitational energy between the stations
+lost        what dashpots and friction take: every contact between the stations, those that a station cuts by half
+left over   elastic energy stored and carried away, and the error of its integration
+frames      the same from the frames, where nothing rubs; elastic energy is in carried and stored there
 """,
     "front": """\
 bulk front    right edge of the last disc in x before the first gap of two diameters between neighbours' centres

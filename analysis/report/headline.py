@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The sentence at the top of a report and of the screen: what happened, what to compare with what, and how sure."""
+"""The sentences at the top of a report and of the screen: what happened, what to compare with what, and how sure."""
 
 # ruff: noqa: RUF001  (minus signs are meant for readers)
 from __future__ import annotations
@@ -8,14 +8,64 @@ from collections.abc import Mapping
 
 from .page import percent
 
+A_JUMP = {"jump": "A hydraulic jump", "marginal jump": "Now and then a jump", "jump not developed": "A growing jump"}
+"""Verdicts on flows that have a jump, in words."""
 DISCS = (-0.2, 0.0)
 """Mean difference of fronts of frictionless discs from Martin & Moyce's water, five starts (docs/theory.md)."""
 
 
-def headline(summary: Mapping) -> str:
-    """The sentence, from what a summary holds; empty where there is nothing to be said."""
+def verdict(summary: Mapping) -> str:
+    """One short sentence on what happened, the title of a report; empty where there is nothing to be said."""
+    status = summary.get("status") or "complete"
+    if status != "complete":
+        return f"The run is {status}."
+    jump, front, energy = _parts(summary)
+    said = ""
+    if jump:
+        said = _jump(jump)
+    elif front.get("position") is not None:
+        said = _collapse(front)
+    elif energy.get("conservative") and energy.get("max_deviation") is not None:
+        said = f"The energy stays within {percent(energy['max_deviation'])} of that of the start."
+    return said.replace("-", "−")
+
+
+def _collapse(front: Mapping) -> str:
+    ritter = (front.get("ritter") or {}).get("front_speed")
+    if front.get("speed") is None or ritter is None:
+        return f"The front of the column is at {front['position']:.3g} m after {front['time']:.3g} s."
+    return f"The front of the column runs at {front['speed']:#.2g} m/s; Ritter’s would run at {ritter:#.2g} m/s."
+
+
+def _jump(jump: Mapping) -> str:
+    if jump["verdict"] not in A_JUMP:
+        return (
+            "No hydraulic jump." if jump["verdict"].startswith("no jump") else f"No hydraulic jump: {jump['verdict']}."
+        )
+    said = []
+    off = (jump.get("tail") or {}).get("belanger_deviation")
+    of, off = ("tail water", off) if off is not None else ("depth ratio", jump.get("belanger_deviation"))
+    if off is not None:
+        said.append(f"its {of} is {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} Bélanger’s")
+    speed, error = jump.get("speed"), jump.get("speed_error") or 0.0
+    if speed is not None and abs(speed) <= 2 * error:
+        said.append("its front stands")
+    elif speed is not None:
+        way = "upstream" if speed * (jump.get("u1") or 1.0) < 0 else "downstream"
+        said.append(f"its front moves {way} at {abs(speed):#.2g} m/s")
+    tail = " and ".join(said)
+    return " ".join(filter(None, (f"{A_JUMP[jump['verdict']]}.", f"{tail[:1].upper()}{tail[1:]}." if tail else "")))
+
+
+def _parts(summary: Mapping) -> list[Mapping]:
     found = (summary.get(key) for key in ("jump", "front", "energy"))
     jump, front, energy = (part if isinstance(part, Mapping) else {} for part in found)
+    return [jump, {} if jump.get("verdict") in A_JUMP else front, energy]  # a jump is no collapsing column
+
+
+def headline(summary: Mapping) -> str:
+    """The sentence, from what a summary holds; empty where there is nothing to be said."""
+    jump, front, energy = _parts(summary)
     said = [jump.get("headline") or ""]
     said += [_front(front)] if "position" in front else []
     if energy.get("conservative") and energy.get("max_deviation") is not None and not any(said):
@@ -43,10 +93,11 @@ def belongs(key: str, found: Mapping) -> bool:
 def _front(front: Mapping) -> str:
     if front["position"] is None:
         return f"No front to compare: {front.get('reason') or 'none was found'}."
+    after = front.get("time")
     speed = f", mean speed {front['speed']:.2f} m/s" if front.get("speed") is not None else ""
     said = [
         f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its front is at "
-        f"{front['position']:.2f} m after {front['time']:.2f} s{speed}."
+        f"{front['position']:.2f} m {'at the last frame' if after is None else f'after {after:.2f} s'}{speed}."
     ]
     water, ritter = front.get("martin_moyce") or {}, front.get("ritter") or {}
     if water.get("mean_bulk") is not None:

@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Page of a report: sections of blocks, put into one HTML file that needs no network and no script."""
+"""Page of a report: sections of blocks, put into one HTML file that needs no network.
+
+Scripts of the page add the player and the curves; without them the page is whole but for what they draw. The policy of
+the page names the hashes of its own style and scripts: no other script or style can act in it, whatever a text holds.
+"""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
 import base64
+import hashlib
 import io
+import json
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -14,9 +20,11 @@ from typing import NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from lammps_jump.units import ABSENT, numbers_of, shown
+from lammps_jump.files import plain
+from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
 KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
+SCRIPTS = ("frames.js", "discs.js", "player.js", "curves.js")
 Value = float | int | str | None
 
 
@@ -48,10 +56,20 @@ class Table(NamedTuple):
         return [any(len(row) > i and _is_number(row[i]) for row in self.rows) for i in range(columns)]
 
 
-class Boxes(NamedTuple):
-    """Numbers in boxes: (label, value, unit) of each."""
+class Box(NamedTuple):
+    """One of the few numbers at the top, its standard error as text, and what it is compared with."""
 
-    numbers: Sequence[tuple[str, Value, str]]
+    label: str
+    value: Value
+    unit: str = ""
+    error: str = ""
+    against: str = ""
+
+
+class Boxes(NamedTuple):
+    """Numbers at the top of a page."""
+
+    numbers: Sequence[Box]
 
 
 class Items(NamedTuple):
@@ -75,23 +93,77 @@ class Picture(NamedTuple):
     source: str
 
 
+class Curve(NamedTuple):
+    """Curves over a common axis, drawn by the page from `data`."""
+
+    caption: str
+    data: Mapping[str, object]
+
+
+class Player(NamedTuple):
+    """The discs in time: header and packed frames of `frames.pack`, and a picture for browsers without script."""
+
+    header: Mapping[str, object]
+    frames: str
+    still: Picture | None = None
+
+
 class Section(NamedTuple):
     """Part of a page under a heading; without a title the blocks follow what stands before."""
 
     title: str
-    blocks: Sequence[Text | Table | Boxes | Items | Code | Picture]
+    blocks: Sequence[Text | Table | Boxes | Items | Code | Picture | Curve | Player]
 
 
-def render(title: str, sections: Sequence[Section | None], *, tab: str = "") -> str:
-    """One self-contained HTML page; `tab` is the browser's title.
+def render(title: str, sections: Sequence[Section | None], *, tab: str = "", name: str = "") -> str:
+    """One self-contained HTML page; `tab` is the browser's title, `name` stands above the title.
 
     None among the sections, blocks that hold nothing, and sections of such blocks only are left out.
     """
     full = [
-        Section(name, [block for block in blocks if block[0] or isinstance(block, Picture)])
-        for name, blocks in filter(None, sections)
+        Section(heading, [block for block in blocks if block[0] or isinstance(block, Picture)])
+        for heading, blocks in filter(None, sections)
     ]
-    return _template().render(title=title, tab=tab or title, sections=[section for section in full if section.blocks])
+    blocks = [block for section in full for block in section.blocks]
+    players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
+    curves = [block for block in blocks if isinstance(block, Curve)]
+    data = {"players": [player.header for player in players], "curves": [curve.data for curve in curves]}
+    style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
+    return _template().render(
+        title=title,
+        tab=tab or title,
+        name=name,
+        sections=[section for section in full if section.blocks],
+        players=players,
+        data=as_json(data) if players or curves else "",
+        style=style,
+        scripts=scripts,
+        policy=policy(style, scripts),
+    )
+
+
+def as_json(data: object) -> Markup:
+    """Data for a script element: without `<` no text in it can end the element; NaN and infinities are null."""
+    return Markup(json.dumps(plain(data), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"))
+
+
+def policy(style: str, scripts: Sequence[str]) -> str:
+    """Content security policy of a page that runs these scripts and this style, and asks no network for anything."""
+    run = f"script-src {' '.join(map(_hash, scripts))}; " if scripts else ""
+    return (
+        f"default-src 'none'; img-src data: blob:; media-src data: blob:; {run}style-src {_hash(style)}; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+@lru_cache
+def _own(file: str) -> Markup:
+    """The text of a style or script of this folder."""
+    return Markup((Path(__file__).parent / file).read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=1)
@@ -138,12 +210,13 @@ def percent(share: float | None, digits: int = 1) -> str:
     return f"{100 * share:{'+' if digits > 1 else ''}.{digits}f} %"
 
 
-def with_error(found: Mapping, key: str, scale: float = 1.0) -> str:
+def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> str:
     """A number of ``summary.json`` with its standard error within this run, where it has one."""
     value, error = found[key], found.get(f"{key}_error")
     if value is None:
         return ABSENT
-    return shown(value / scale, error=None if error is None else error / scale).replace("-", "−")
+    error = None if error is None else error / scale
+    return shown(value / scale, unit, error, bound=is_bound(found, key)).replace("-", "−")
 
 
 def picture(path: Path, caption: str) -> Picture:

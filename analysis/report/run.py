@@ -6,9 +6,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import quote
 
-from lammps_jump.analysis.budgets.inflow import Delivery
-from lammps_jump.analysis.jump.summary import Jump
+from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
 from lammps_jump.files import FIGURES, write_text
@@ -16,20 +16,30 @@ from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
 from .definitions import DEFINITIONS
-from .headline import belongs, headline
-from .page import Boxes, Code, Items, Picture, Section, Table, Text, heading, percent, picture, render, with_error
+from .headline import headline, verdict
+from .key_numbers import key_numbers
+from .page import Boxes, Code, Items, Picture, Player, Section, Table, Text, heading, picture, render
+from .player import STILL
 
 LARGEST = 5_000_000
 """Bytes of a report; figures come first, the film only where it still fits."""
-BOXES = ("sequent_ratio", "belanger_ratio", "froude", "speed", "length", "head_lost")
-"""Numbers of a jump that stand in boxes at the top."""
-INFLOW = ("delivered", "froude", "belanger_y2")
-"""Numbers of the inflow there."""
-REMARKS = {"length": "; discs make a short one"}
-UNSURE = "no error from one run"
+
+REPEAT = """\
+lammps-jump build-and-run case.yaml --out again
+
+import lammps_jump as lj
+run = lj.load_case("case.yaml").run("again")
+"""
 
 
-def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: str = "report.html") -> Path:
+def write_report(
+    folder: Path,
+    summary: Mapping,
+    case_yaml: str = "",
+    *,
+    name: str = "report.html",
+    player: Player | None = None,
+) -> Path:
     """Write the report of a run folder from its summary, its figures and its film.
 
     Parameters
@@ -42,6 +52,8 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
         The case as run.
     name : str
         File name.
+    player : Player, optional
+        Of `player.make_player`.
 
     Raises
     ------
@@ -49,24 +61,29 @@ def write_report(folder: Path, summary: Mapping, case_yaml: str = "", *, name: s
         The file cannot be written.
     """
     name_of_run = str(summary.get("name", "run"))
-    title, tab = name_of_run.replace("_", " "), f"{name_of_run}: report"
-    lead = [*_lead(summary), Boxes(_key_numbers(summary)), Items(summary.get("warnings") or (), "Notes")]
-    before = [Section("", lead)]
-    before += [
-        _defined(key, quantity.section(summary[key])) for key, quantity in QUANTITIES.items() if summary.get(key)
-    ]
+    called = name_of_run if "given" in summary else name_of_run.replace("_", " ")
+    title = verdict(summary) or called
+    about = {
+        "tab": f"{name_of_run}: report",
+        "name": ": ".join(filter(None, (name_of_run, summary.get("description")))),
+    }
+    before = [Section("", _lead(summary))]
+    after = [Section("", [Items(summary.get("warnings") or (), "Notes")])]
+    after += [_defined(key, quantity.section(summary[key])) for key, quantity in QUANTITIES.items() if summary.get(key)]
+    after.append(_defined("stations", stations.section(summary)))
     numbers = numbers_of(Coefficients)
     values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
-    after = [
-        Section("Coefficients", [Table(coefficients, ("", "value", "unit"))]),
-        Section("What this case did not need", [Items(summary.get("skipped") or ())]),
+    last = [
         Section("The case", [Code(case_yaml, "case.yaml, every default filled in")]),
+        Section("", [Table(coefficients, ("Coefficients", "value", "unit"))]),
+        Section("What this case did not need", [Items(summary.get("skipped") or ())]),
         _how(summary),
     ]
-    room = LARGEST - len(render(title, [*before, *after], tab=tab).encode(errors="replace"))
+    room = LARGEST - len(render(title, [*before, *after, *last], **about).encode(errors="replace"))
+    before += [Section("", [player])] if player else []
     path = Path(folder) / name
-    page = render(title, [*before, _figures(Path(folder), room), *after], tab=tab)
+    page = render(title, [*before, *after, _figures(Path(folder), room, player), *last], **about)
     try:
         write_text(path, page)
     except OSError as error:
@@ -81,53 +98,17 @@ def _defined(key: str, section: Section | None) -> Section | None:
     return section._replace(blocks=[*section.blocks, Code(DEFINITIONS[key], "What these numbers mean")])
 
 
-def _lead(summary: Mapping) -> list[Text]:
-    status = summary.get("status", "complete")
-    said = "" if status == "complete" else f"The run is {status}. {summary.get('message') or ''}"
-    return [Text(summary.get("description", ""), "lead"), Text(said, "bad"), Text(headline(summary), "verdict")]
+def _lead(summary: Mapping) -> list[Text | Boxes]:
+    numbers, sure = key_numbers(summary)
+    said = [Text(summary.get("message") or "", "bad"), Text(headline(summary), "lead")]
+    return [*said, Boxes(numbers), Text(sure, "small")]
 
 
-def _key_numbers(summary: Mapping) -> list[tuple[str, float | str, str]]:
-    """The few numbers that readers look for first."""
-    parts = ("inflow", "jump", "front", "energy", "force")
-    inflow, jump, front, energy, force = (summary.get(key) or {} for key in parts)
-    boxes: list[tuple[str, float | str, str]] = [("verdict", jump["verdict"], "")] if jump else []
-    given = numbers_of(Delivery)
-    for key in INFLOW:
-        if inflow.get(key) is not None:
-            sure = "" if key == "delivered" else ", ± within this run"
-            boxes.append((given[key].meaning + sure, with_error(inflow, key), given[key].unit))
-    if jump.get("share_found") is not None:
-        boxes.append(("of the window's frames have a jump", percent(jump["share_found"], 0), ""))
-    numbers = numbers_of(Jump)
-    for key in BOXES:
-        if jump.get(key) is not None and belongs(key, jump):
-            error = jump.get(f"{key}_error")
-            sure = (
-                numbers[key].meaning
-                + REMARKS.get(key, "")
-                + (", ± within this run" if error is not None else f" ({UNSURE})")
-            )
-            starts = (jump.get("members") or {}).get(key)
-            sure += f"; for 3 % at least {starts} run(s)" if starts else ""
-            boxes.append((sure, with_error(jump, key), numbers[key].unit))
-    if front.get("position") is not None:
-        boxes.append((f"front at t = {front['time']:.3g} s ({UNSURE})", front["position"], "m"))
-        boxes += [(f"speed of the front ({UNSURE})", front["speed"], "m/s")] if front.get("speed") is not None else []
-    for name, values in force.items():
-        if isinstance(values, dict) and values.get("peak") is not None:
-            sure = ", ± within this run" if values.get("peak_error") is not None else f" ({UNSURE})"
-            boxes.append((f"peak force on {name}{sure}", with_error(values, "peak", 1e3), "kN/m"))
-    if energy.get("conservative") and energy.get("max_deviation") is not None:
-        boxes.append(("largest energy deviation, exact", 100 * energy["max_deviation"], "%"))
-    discs = summary.get("discs") or {}
-    boxes += [("discs in all", discs["inserted"], "")] if discs.get("inserted") is not None else []
-    return boxes
-
-
-def _figures(folder: Path, room: int) -> Section:
+def _figures(folder: Path, room: int, player: Player | None) -> Section:
     """The film, then figures in a fixed order, as long as there is room; the film gives way to the figures."""
     found = {path.name: path for path in sorted((folder / "figures").glob("*.png"))}
+    if player and player.still:
+        del found[STILL]
     order = [name for name in FIGURES if name in found] + [name for name in found if name not in FIGURES]
     files = [(found[name], FIGURES.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
     films = [folder / f"animation.{kind}" for kind in ("mp4", "gif")]
@@ -144,22 +125,36 @@ def _figures(folder: Path, room: int) -> Section:
     return Section("Figures", [*shown, Text(tail)])
 
 
+def _command(summary: Mapping) -> list[Text | Code]:
+    """The command that makes the results again."""
+    if "given" not in summary:
+        return [Text("In this run folder, with the versions below:"), Code(REPEAT)]
+    options = [
+        f"--{key.replace('_', '-')} "
+        + (",".join(f"{k}={v:g}" for k, v in value.items()) if isinstance(value, Mapping) else f"{value:g}")
+        for key, value in summary["given"].items()
+    ]
+    return [Code(" ".join(["lammps-jump analyze", quote(summary["name"]), *options]))]
+
+
 def _how(summary: Mapping) -> Section:
     seconds, discs = summary.get("wall_seconds") or {}, summary.get("discs") or {}
     speed, versions = summary.get("disc_steps_per_second"), summary.get("versions") or {}
+    sums = {name: values.get("sha256") for name, values in (summary.get("outputs") or {}).items()}
     rows = [
-        ("Engine", f"{summary.get('engine') or ABSENT}, kernel {summary.get('kernel') or ABSENT}"),
+        ("Engine", f"{summary['engine']}, kernel {summary.get('kernel') or ABSENT}" if summary.get("engine") else None),
         *((f"Wall time, {name}", f"{value:.2f} s") for name, value in seconds.items() if value is not None),
         ("Steps", summary.get("steps")),
         ("Disc-steps per second", f"{speed / 1e6:.1f} million" if speed else None),
         ("Discs", ", ".join(f"{value} {name}" for name, value in discs.items()) or None),
         *((f"Version of {name}", value) for name, value in versions.items()),
+        ("Hash of the case", summary.get("case_hash")),
+        *((f"SHA-256 of {name}", value) for name, value in sums.items()),
     ]
     return Section(
         "How to repeat it",
         [
-            Text("In this run folder, with the versions below:"),
-            Code("lammps-jump build-and-run case.yaml"),
+            *_command(summary),
             Table([row for row in rows if row[1] is not None]),
             Code(json.dumps(summary, indent=1), "summary.json"),
         ],

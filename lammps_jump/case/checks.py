@@ -13,8 +13,8 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
-from lammps_jump.scene.scene import Gate, InletRow
-from lammps_jump.scene.schedule import Schedule, told
+from lammps_jump.scene.scene import Gate, InletRow, Scene
+from lammps_jump.scene.schedule import told
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval, Wall
 
@@ -140,6 +140,10 @@ def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Int
 def check_engine(case: CaseFields, source: CaseSource) -> None:
     """Refuse what the engine or kernel of the case cannot do."""
     engine, kernel = case.engine.name, case.engine.kernel
+    if engine == "lammps" and case.probes.stations:
+        raise source.error(
+            "probes.stations", "the energy between stations is kept by the native engine alone; use engine.name: native"
+        )
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
         raise source.error("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
     if engine == "lammps" and kernel == "stock":
@@ -190,27 +194,19 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
     return notes
 
 
-def adapted(
-    case: CaseFields,
-    dt: float,
-    steps: Schedule,
-    settle: float,
-    settle_steps: int,
-    inlets: tuple[InletRow, ...],
-    sizes: Sizes | None,
-) -> tuple[str, ...]:
-    """Sentences on asked values that whole steps of `dt` (s) have changed; `settle` is the time asked for, s."""
+def adapted(case: CaseFields, scene: Scene, settle: float) -> tuple[str, ...]:
+    """Sentences on asked values that whole steps have changed; `settle` is the time asked for, s."""
+    dt = scene.time_step
     asked = {
-        "run.duration": (case.run.duration, steps.run * dt),
-        "run.output_interval": (min(case.run.output_interval, case.run.duration), steps.output * dt),
-        "settle": (settle, settle_steps * dt),
+        "run.duration": (case.run.duration, scene.time(scene.steps)),
+        "run.output_interval": (min(case.run.output_interval, case.run.duration), scene.output_steps * dt),
+        "settle": (settle, scene.settle_steps * dt),
     }
     if case.probes.forces:
-        asked["probes.interval"] = case.probes.interval, steps.probe * dt
+        asked["probes.interval"] = case.probes.interval, scene.probe_steps * dt
     if not isinstance(case.inflow, RowsInflow):
         return told(asked)
-    area = sizes.mean_square if sizes else case.discs.diameter**2
-    carried = sum(area / (row.every_steps * dt) for row in inlets)
+    carried = sum(scene.discharges)
     return told(asked) + told({"discharge of the inflow": (case.inflow.velocity * case.inflow.depth, carried)}, "m^2/s")
 
 
@@ -257,30 +253,11 @@ def check_stability(
     return found
 
 
-def check_places(
-    case: CaseFields,
-    source: CaseSource,
-    positions: np.ndarray,
-    sizes: Sizes | None,
-    walls: tuple[Wall, ...],
-    gates: tuple[Gate, ...],
-    inlets: tuple[InletRow, ...],
-    domain: tuple[Interval, Interval],
-    allowed: float,
-) -> None:
-    """Refuse discs and inlets outside the domain or in a wall, and discs that overlap too deeply.
-
-    Parameters
-    ----------
-    positions : ndarray, shape (n, 2), m
-    sizes : Sizes or None
-        Where discs are not equal.
-    allowed : float
-        Largest overlap at the start, with discs, walls and gates, m.
-    """
-    _check_in_domain(case, source, positions, inlets, domain)
-    ids = np.arange(1, len(positions) + 1)
-    diameters = sizes.diameters(ids) if sizes else np.full(len(positions), case.discs.diameter)
+def check_places(case: CaseFields, source: CaseSource, scene: Scene, walls: tuple[Wall, ...]) -> None:
+    """Refuse discs and inlets outside the domain or in a wall, and discs that overlap by more than d/n."""
+    _check_in_domain(case, source, scene.positions, scene.inlets, scene.domain)
+    positions, allowed = scene.positions, 0.5 * scene.overlap_limit
+    diameters = scene.diameters(np.arange(1, len(positions) + 1))
     found = deepest_overlap(positions, diameters)
     if found is not None and found[0] > allowed * (1 + 1e-9):
         overlap, i, j = found
@@ -292,8 +269,8 @@ def check_places(
         )
     for index, wall in enumerate(walls):
         _check_discs_free_of(wall, ("walls", index), source, positions, diameters, allowed)
-        _check_inlets_free_of(wall, source, inlets, sizes.largest if sizes else case.discs.diameter)
-    for gate in gates:
+        _check_inlets_free_of(wall, source, scene.inlets, scene.largest)
+    for gate in scene.gates:
         _check_discs_free_of(gate.wall, "initial", source, positions, diameters, allowed)
 
 

@@ -191,8 +191,7 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     found = theory.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
     number, y1 = found.froude, found.depth
     low, high = theory.velocity_range(y1, case.gravity)
-    mean_square = scene.mean_mass / scene.density
-    carried = sum(mean_square / (row.every_steps * scene.time_step) for row in scene.inlets)
+    carried = sum(scene.discharges)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
         ("jump_class", "class of jump", found.jump_class if number > 1 else "none: the inflow is subcritical", ""),

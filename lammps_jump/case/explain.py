@@ -24,15 +24,15 @@ SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Bounds as pydantic calls them."""
 
 
-def explain(error: ValidationError, source: CaseSource) -> CaseError:
-    """The first problem as a `CaseError` with its place in the file, and the number of others."""
+def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] = CaseFields) -> CaseError:
+    """The first problem as a `CaseError` with its place in the file, and the number of others; fields of `model`."""
     problems = error.errors(include_url=False)
     # an unknown key often explains a missing one: say the unknown key first
     problems.sort(key=lambda problem: problem["type"] not in UNKNOWN)
     first = problems[0]
     path = _data_path(first["loc"], source.data)
     more = f" ({len(problems) - 1} more after this one)" if len(problems) > 1 else ""
-    return CaseError(f"{source.place(path)}: {_sentence(first, path)}{more}")
+    return CaseError(f"{source.place(path)}: {_sentence(first, path, model)}{more}")
 
 
 def _data_path(location: tuple, data: Any) -> PathKey:
@@ -50,15 +50,15 @@ def _data_path(location: tuple, data: Any) -> PathKey:
     return tuple(path)
 
 
-def _sentence(problem: dict, path: PathKey) -> str:
+def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     kind, context, value = problem["type"], problem.get("ctx", {}), problem.get("input")
     if kind in UNKNOWN:
-        return f"unknown field; {nearest(str(path[-1]), _known_fields(problem['loc']))}"
+        return f"unknown field; {nearest(str(path[-1]), _known_fields(problem['loc'], model))}"
     if kind == "missing":
         return "is required and not there; `lammps-jump new hydraulic_jump` shows a whole case"
     if kind.startswith(("greater_than", "less_than")):
         broken = " and ".join(f"{SIGNS[key]} {context[key]}" for key in SIGNS if key in context)
-        return f"{value!r} is out of range; allowed is {_limits(problem['loc']) or broken}"
+        return f"{value!r} is out of range; allowed is {_limits(problem['loc'], model) or broken}"
     if kind == "literal_error":
         return f"{value!r} is not known; allowed is {context['expected']}"
     if kind in ("union_tag_not_found", "union_tag_invalid"):
@@ -97,9 +97,9 @@ def _tag(model: type) -> str:
     return get_args(fields_of(model)["kind"].annotation)[0]
 
 
-def _model_at(location: tuple) -> type:
-    """The model that owns the last part of pydantic's location."""
-    model, union = CaseFields, None
+def _model_at(location: tuple, model: type) -> type:
+    """The model that owns the last part of pydantic's location, from `model` on."""
+    union = None
     for part in location[:-1]:
         union = UNIONS.get(part, union)
         if isinstance(part, str):
@@ -122,12 +122,12 @@ def _submodel(field: FieldInfo) -> type[BaseModel] | None:
     return None
 
 
-def _known_fields(location: tuple) -> list[str]:
-    return list(fields_of(_model_at(location)))
+def _known_fields(location: tuple, model: type) -> list[str]:
+    return list(fields_of(_model_at(location, model)))
 
 
-def _limits(location: tuple) -> str:
-    field = fields_of(_model_at(location)).get(location[-1])
+def _limits(location: tuple, model: type) -> str:
+    field = fields_of(_model_at(location, model)).get(location[-1])
     if field is None:
         return ""
     bounds = ((sign, getattr(item, key, None)) for item in field.metadata for key, sign in SIGNS.items())

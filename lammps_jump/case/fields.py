@@ -300,11 +300,20 @@ class Run(Strict):
     dump_format: Literal["text", "gz", "binary"] = "text"
 
 
+class StationPair(Strict):
+    """Two upright planes that move along x at one speed, and the time between which their budget is kept."""
+
+    x: Extent = Field(description="places of the two at the beginning of the window")
+    speed: Component = 0.0
+    window: Annotated[tuple[Moment, Moment], AfterValidator(ordered)]
+
+
 class Probes(Strict):
-    """Forces on walls, recorded at every step."""
+    """What is recorded at every step: forces on walls, and the energy between two stations."""
 
     forces: tuple[Name, ...] = ()
     interval: Second = Field(default=0.01, **TIME, description="forces are averaged over this time, every step counted")
+    stations: StationPair | None = Field(default=None, description="energy budget between them; native engine only")
 
 
 class Analysis(Strict):
@@ -317,6 +326,7 @@ class Analysis(Strict):
     front: bool = False
     fields: bool = False
     animation: bool = False
+    figures: Literal["default", "none"] = Field(default="default", description="none: no pictures and no report")
 
 
 class Engine(Strict):

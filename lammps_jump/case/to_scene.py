@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
-from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene
-from lammps_jump.scene.schedule import Schedule, plan_steps
+from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene, Stations
+from lammps_jump.scene.schedule import Schedule, plan_stations, plan_steps
 from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Block, Interval, Plane
+from lammps_jump.scene.walls import Block, Interval, Plane, Wall
 
 from . import checks
 from .derived import doubts, reachable, skipped
@@ -43,7 +44,7 @@ LAW = {"restitution", "friction", "correct_restitution", "rotation", "tangential
 
 
 def contact_coefficients(
-    case: CaseFields, integrator: str, time_step_fraction: float | None = None
+    case: CaseFields, integrator: str, sizes: Sizes | None, time_step_fraction: float | None = None
 ) -> contact.Coefficients:
     """Contact coefficients of a case, with its own step or another (as a share of 2/omega)."""
     _, impact_speed, stiffness = _stiffness(case)
@@ -55,7 +56,7 @@ def contact_coefficients(
         impact_speed=impact_speed,
         time_step_fraction=time_step_fraction or case.run.time_step_fraction,
         integrator=integrator,
-        smallest=sizes.smallest if (sizes := disc_sizes(case)) else None,
+        smallest=sizes.smallest if sizes else None,
     )
 
 
@@ -87,26 +88,31 @@ def build_scene(loaded: PlacedFields) -> Scene:
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
     case, source = loaded.fields, loaded.source
-    integrator = _integrator(case, source)
-    coefficients = contact_coefficients(case, integrator)
-    penetration, impact_speed, _ = _stiffness(case)
+    scene, walls = _with_walls(_discs_and_steps(case, source), case, source)
+    return replace(
+        scene,
+        skipped=skipped(case, walls, scene.walls, scene.probes, scene.sizes),
+        warnings=(
+            *scene.warnings,
+            *checks.check_stop(case, source),
+            *doubts(case, _stiffness(case)[1], scene.inlets),
+        ),
+        adapted=checks.adapted(case, scene, _settle(case)),
+    )
+
+
+def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
+    """The discs at the start, their contacts and the steps of the run; without walls, inlets, outlets and domain."""
+    checks.check_engine(case, source)
+    integrator = INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
     sizes = disc_sizes(case)
+    coefficients = contact_coefficients(case, integrator, sizes)
+    penetration, impact_speed, _ = _stiffness(case)
     warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
     warnings += checks.check_sizes(case, source, sizes)
     d, dt = case.discs.diameter, coefficients.time_step
-    largest = sizes.largest if sizes else d
     steps, settle = _steps(case, source, dt, sizes)
     positions, velocities = _discs(case, source, coefficients, sizes)
-    inlets, raster = _inlets(case, source, dt, settle, sizes)
-    speed = _largest_speed(case, impact_speed, velocities, inlets)
-    domain = _domain(case, source, positions, inlets, speed, largest)
-    outlets = _outlets(case, source, domain, speed, dt, steps.output, largest)
-    walls, gates = case.walls + _inlet_back(case), _gates(case, positions, settle, domain)
-    checks.check_names(case, source, walls, gates)
-    checks.check_places(case, source, positions, sizes, walls, gates, inlets, domain, d / penetration)
-    checks.check_pour(case, source, domain, largest)
-    probes = _probes(case, source, walls)
-    kept = tuple(wall for wall in walls if reachable(wall, domain, largest) or wall.name in probes)
     return Scene(
         name=case.name,
         description=case.description,
@@ -117,15 +123,10 @@ def build_scene(loaded: PlacedFields) -> Scene:
         friction_law=case.contact.friction_law,
         rotation=case.contact.rotation and case.contact.friction > 0,
         integrator=integrator,
-        domain=domain,
+        domain=((math.nan, math.nan), (math.nan, math.nan)),
         positions=_frozen(positions),
         velocities=_frozen(velocities),
-        walls=kept,
-        gates=gates,
-        inlets=inlets,
-        pours=_pours(case),
-        outlets=outlets,
-        probes=probes,
+        walls=(),
         steps=settle + steps.run,
         settle_steps=settle,
         output_steps=steps.output,
@@ -136,16 +137,24 @@ def build_scene(loaded: PlacedFields) -> Scene:
         touch=case.contact.touch,
         touch_width=_touch_width(case, impact_speed, dt),
         sizes=sizes,
-        size_steps=raster if inlets else POUR_RASTER,
-        skipped=skipped(case, walls, kept, probes, sizes),
-        warnings=(*warnings, *checks.check_stop(case, source), *doubts(case, impact_speed, inlets)),
-        adapted=checks.adapted(case, dt, steps, _settle(case), settle, inlets, sizes),
+        warnings=tuple(warnings),
     )
 
 
-def _integrator(case: CaseFields, source: CaseSource) -> str:
-    checks.check_engine(case, source)
-    return INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
+def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Scene, tuple[Wall, ...]]:
+    """The scene with inlets, outlets, domain, and the walls in its reach; and all walls that the case has."""
+    inlets, raster = _inlets(case, source, scene)
+    scene = replace(scene, inlets=inlets, size_steps=raster if inlets else POUR_RASTER, pours=_pours(case))
+    speed = _largest_speed(case, scene)
+    scene = replace(scene, domain=_domain(case, source, scene, speed))
+    scene = replace(scene, outlets=_outlets(case, source, scene, speed), gates=_gates(case, scene))
+    walls = case.walls + _inlet_back(case, scene.largest)
+    checks.check_names(case, source, walls, scene.gates)
+    checks.check_places(case, source, scene, walls)
+    checks.check_pour(case, source, scene.domain, scene.largest)
+    probes = _probes(case, source, walls)
+    kept = tuple(wall for wall in walls if reachable(wall, scene.domain, scene.largest) or wall.name in probes)
+    return replace(scene, walls=kept, probes=probes, stations=_stations(case, source, scene)), walls
 
 
 def _gravity(case: CaseFields) -> tuple[float, float]:
@@ -162,14 +171,12 @@ def _touch_width(case: CaseFields, impact_speed: float, dt: float) -> float:
     return case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
 
 
-def _largest_speed(
-    case: CaseFields, impact_speed: float, velocities: np.ndarray, inlets: tuple[InletRow, ...]
-) -> float:
+def _largest_speed(case: CaseFields, scene: Scene) -> float:
     """Largest speed that the case implies, m/s: at the start, at the inlet, of an impact, of a column's fall."""
     columns = [item.y[1] - item.y[0] for item in case.initial if isinstance(item, Column)]
     falls = [math.sqrt(2 * case.gravity * height) for height in columns]
-    start = float(np.hypot(*velocities.T).max(initial=0.0))
-    return max([*(row.vx for row in inlets), impact_speed, start, *falls])
+    start = float(np.hypot(*scene.velocities.T).max(initial=0.0))
+    return max([*(row.vx for row in scene.inlets), _stiffness(case)[1], start, *falls])
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:
@@ -207,29 +214,25 @@ INLET_CLEARANCE = 0.51
 """Distance from the inlet to the wall behind it, in largest diameters: a disc that enters does not touch the wall."""
 
 
-def _inlet_back(case: CaseFields) -> tuple[Plane, ...]:
+def _inlet_back(case: CaseFields, largest: float) -> tuple[Plane, ...]:
     """The wall behind a jet: without it a drowned inlet pushes discs upstream, out of the domain."""
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or inflow.back == "open":
         return ()
-    sizes = disc_sizes(case)
-    largest = sizes.largest if sizes else case.discs.diameter
     return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * largest, "above"),)
 
 
-def _gates(
-    case: CaseFields, positions: np.ndarray, settle_steps: int, domain: tuple[Interval, Interval]
-) -> tuple[Gate, ...]:
+def _gates(case: CaseFields, scene: Scene) -> tuple[Gate, ...]:
     """Gates of settling columns. A gate with discs beyond it is a block without thickness, which both sides feel."""
     gates = []
     for index, item in enumerate(case.initial):
-        if not (isinstance(item, Column) and item.gate and settle_steps):
+        if not (isinstance(item, Column) and item.gate and scene.settle_steps):
             continue
         name, x = f"gate_{index}" if index else "gate", item.x[1]
-        if len(positions) and positions[:, 0].max() > x:
-            gates.append(Gate(Block(name, (x, x), domain[1]), settle_steps))
+        if scene.positions[:, 0].max(initial=x) > x:
+            gates.append(Gate(Block(name, (x, x), scene.domain[1]), scene.settle_steps))
         else:
-            gates.append(Gate(Plane(name, "x", x, "below"), settle_steps))
+            gates.append(Gate(Plane(name, "x", x, "below"), scene.settle_steps))
     return tuple(gates)
 
 
@@ -251,14 +254,12 @@ def _discs(
     return np.concatenate(positions), np.concatenate(velocities)
 
 
-def _inlets(
-    case: CaseFields, source: CaseSource, dt: float, settle_steps: int, sizes: Sizes | None
-) -> tuple[tuple[InletRow, ...], int]:
+def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[InletRow, ...], int]:
     """Rows of the inflow, and the raster of their steps."""
-    inflow, d = case.inflow, case.discs.diameter
+    inflow, d, dt = case.inflow, scene.diameter, scene.time_step
     if not isinstance(inflow, RowsInflow):
         return (), 1
-    largest, mean_square = (sizes.largest, sizes.mean_square) if sizes else (d, d * d)
+    largest, mean_square = scene.largest, scene.mean_square
     if inflow.depth < d * (1 - 1e-9):
         raise source.error(
             "inflow.depth", f"{inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
@@ -277,7 +278,7 @@ def _inlets(
             f"{checks.MOST_STEPS:.0e}: raise it or lower the stiffness",
         )
     if inflow.schedule == "thesis":
-        if sizes:
+        if scene.sizes:
             raise source.error(
                 "inflow.schedule", "'thesis' is for equal discs; allowed is exact where discs.sizes is given"
             )
@@ -291,9 +292,9 @@ def _inlets(
             largest=largest,
             profile=inflow.profile,
             least_gap=inflow.spacing,
-            coarsest=COARSEST_RASTER if sizes else 1,
+            coarsest=COARSEST_RASTER if scene.sizes else 1,
         )
-    first = (settle_steps // plan.raster + 1) * plan.raster
+    first = (scene.settle_steps // plan.raster + 1) * plan.raster
     rows = zip(plan.heights, seeded_speeds(plan.speeds, case.run.seed), plan.steps, strict=True)
     return tuple(
         InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, 0.999 * largest)
@@ -308,30 +309,23 @@ def _pours(case: CaseFields) -> tuple[Pour, ...]:
     return (Pour(inflow.x, inflow.y, inflow.count, inflow.volume_fraction, inflow.speed_down),)
 
 
-def _domain(
-    case: CaseFields,
-    source: CaseSource,
-    positions: np.ndarray,
-    inlets: tuple[InletRow, ...],
-    speed: float,
-    largest: float,
-) -> tuple[Interval, Interval]:
+def _domain(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -> tuple[Interval, Interval]:
     """The given domain, or one around all that the case names."""
     if case.domain is not None:
         domain = case.domain.x, case.domain.y
     else:
         closed = any(wall.hollow for wall in case.walls)
-        margin = 2 * largest if closed else 10 * largest + speed * min(case.run.duration, 3.0)
-        ends = (_ends(case, axis, positions, inlets) for axis in "xy")
+        margin = 2 * scene.largest if closed else 10 * scene.largest + speed * min(case.run.duration, 3.0)
+        ends = (_ends(case, axis, scene) for axis in "xy")
         domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
     checks.check_domain(case, source, domain)
     return domain
 
 
-def _ends(case: CaseFields, axis: str, positions: np.ndarray, inlets: tuple[InletRow, ...]) -> list[float]:
+def _ends(case: CaseFields, axis: str, scene: Scene) -> list[float]:
     """Coordinates that a domain must hold, m."""
     index = "xy".index(axis)
-    values = [*positions[:, index], *(getattr(row, axis) for row in inlets)]
+    values = [*scene.positions[:, index], *(getattr(row, axis) for row in scene.inlets)]
     if isinstance(case.inflow, PourInflow):
         values += getattr(case.inflow, axis)
     values += [end for wall in case.walls for end in wall.extent[index] if math.isfinite(end)]
@@ -339,23 +333,21 @@ def _ends(case: CaseFields, axis: str, positions: np.ndarray, inlets: tuple[Inle
     return values + [at for name, at in outlets if name.startswith(axis)]
 
 
-def _outlets(
-    case: CaseFields, source: CaseSource, domain, speed: float, dt: float, output_steps: int, largest: float
-) -> tuple[Outlet, ...]:
+def _outlets(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -> tuple[Outlet, ...]:
     outlets = []
     for index, item in enumerate(case.outflow):
         ((field, at),) = item.model_dump(exclude_none=True).items()
         axis = field[0]
         side = "above" if field in ("x_beyond", "y_above") else "below"
-        low, high = domain[0] if axis == "x" else domain[1]
+        low, high = scene.domain[0 if axis == "x" else 1]
         room = high - at if side == "above" else at - low
-        if room <= largest:
+        if room <= scene.largest:
             raise source.error(
                 ("outflow", index, field),
                 f"{at:g} m leaves no room before the edge of the domain ([{low:g}, {high:g}]); discs need a few metres "
                 "to be taken out in: widen domain or move the outlet",
             )
-        every = max(1, min(output_steps, int(room / (MAX_SPEED_MARGIN * speed * dt))))
+        every = max(1, min(scene.output_steps, int(room / (MAX_SPEED_MARGIN * speed * scene.time_step))))
         outlets.append(Outlet(axis, at, side, every))
     return tuple(outlets)
 
@@ -369,3 +361,14 @@ def _probes(case: CaseFields, source: CaseSource, walls) -> tuple[str, ...]:
                 f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
             )
     return tuple(dict.fromkeys(case.probes.forces))
+
+
+def _stations(case: CaseFields, source: CaseSource, scene: Scene) -> Stations | None:
+    """The stations of the energy ledger."""
+    asked = case.probes.stations
+    if asked is None:
+        return None
+    try:
+        return plan_stations(asked.x, asked.speed, asked.window, scene)
+    except ValueError as error:
+        raise source.error("probes.stations", str(error)) from None

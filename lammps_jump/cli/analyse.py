@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -13,30 +13,52 @@ import lammps_jump.dump as dump
 import lammps_jump.runs as runs
 from lammps_jump.errors import CaseError
 
-from .options import Quiet, Sets, place, told
+from .options import Quiet, Sets, diameters, place, quantity, told
 from .run import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
 
+UNITS = {"--diameter": "m", "--density": "kg/m^3", "--time-step": "s", "--bin-width": "m"}
+"""Unit of each number of `analyze`."""
+
 
 @app.command()
 def analyze(
-    target: Annotated[Path, typer.Argument(help="Run folder, or any LAMMPS custom dump with x y.", show_default=False)],
+    targets: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Run folder, or any LAMMPS custom dump with x y: a file, or 'dump.*.lammps'.",
+            metavar="TARGET",
+            show_default=False,
+        ),
+    ],
     out: Annotated[Path | None, place("Folder for the results of a bare dump (default: beside it).")] = None,
     case: Annotated[Path | None, typer.Option("--case", help="Case file that belongs to a bare dump.")] = None,
-    diameter: Annotated[float | None, typer.Option(help="Disc diameter, m (of a bare dump; default: guessed).")] = None,
-    density: Annotated[float | None, typer.Option(help="Density, kg/m^3 (of a bare dump; default 1000).")] = None,
-    bin_width: Annotated[float | None, typer.Option(help="Width of a profile bin, m.")] = None,
+    diameter: Annotated[
+        Any,
+        typer.Option(
+            parser=diameters,
+            metavar="NUMBER",
+            help="Disc diameter, m or '2 cm'; of each type: 1=0.2,2=0.1 (of a bare dump; default: guessed).",
+        ),
+    ] = None,
+    density: Annotated[float | None, quantity("kg/m^3", "Density, kg/m^3 (of a bare dump; default 1000).")] = None,
+    time_step: Annotated[
+        float | None, quantity("s", "Time step, s or '0.1 ms' (of a bare dump without times).")
+    ] = None,
+    bin_width: Annotated[float | None, quantity("m", "Width of a profile bin, m.")] = None,
     set_: Sets = None,
     quiet: Quiet = False,
 ) -> None:
     """Depth profiles, jump, front, forces and figures of a run folder or of any dump."""
-    numbers = (("--bin-width", bin_width, "m"), ("--diameter", diameter, "m"), ("--density", density, "kg/m^3"))
-    for option, number, unit in numbers:
-        if number is not None and not 0 < number < float("inf"):
-            raise CaseError(f"{option} {number}: allowed is > 0 {unit}")
-    of_a_dump = {"--out": out, "--case": case, "--diameter": diameter, "--density": density}
-    if target.is_dir() and (target / "case.yaml").exists():
+    guessed = {"--diameter": diameter, "--density": density, "--time-step": time_step}
+    for option, given in {"--bin-width": bin_width, **guessed}.items():
+        for number in given.values() if isinstance(given, dict) else [given]:
+            if number is not None and not 0 < number < float("inf"):
+                raise CaseError(f"{option} {number:g}: allowed is > 0 {UNITS[option]}")
+    of_a_dump = {"--out": out, "--case": case, **guessed}
+    target = targets[0]
+    if len(targets) == 1 and target.is_dir() and (target / "case.yaml").exists():
         for option, value in of_a_dump.items():
             if value is not None:
                 raise CaseError(
@@ -50,12 +72,15 @@ def analyze(
         return
     if case is None and set_:
         raise CaseError(f"--set {set_[0]}: changes a case, but a bare dump has no case; name one with --case")
-    for option, number, _ in numbers[1:]:
+    for option, number in guessed.items():
         if case is not None and number is not None:
             raise CaseError(f"{option} {number}: is also given by {case}; use either --case or {option}")
     loaded = None if case is None else lj.load_case(case, set_ or [])
     with told(quiet):
-        runs.results.analyse_dump(target, loaded, diameter, density, bin_width, out)
+        path = dump.find_dump(*targets)
+        summary, folder = runs.results.analyse_dump(path, loaded, diameter, density, bin_width, out, time_step)
+    if not quiet:
+        print_summary(summary, folder)
 
 
 @app.command()

@@ -40,13 +40,16 @@ class LiveView:
 
     def __init__(self, scene: Scene, folder: Path, then: ProgressCallback):
         self.flow = from_scene(scene)
-        self.tail = Tail(folder / "dump.lammpstrj")
-        self.picture = folder / PICTURE
+        place = folder.absolute()  # the working directory may change while the run goes on
+        self.tail = Tail(place / "dump.lammpstrj")
+        self.picture = place / PICTURE
         self.then = then
         self.shown = time.perf_counter()
         self.window, reason = _open_window(scene.name)
         if reason and not getattr(then, "quiet", False):
-            print(f"note: {reason}: look at {self.picture}, which is drawn again as the run goes on", file=sys.stderr)
+            print(
+                f"note: {reason}: look at {folder / PICTURE}, which is drawn again as the run goes on", file=sys.stderr
+            )
 
     def __call__(self, report: Progress) -> None:
         """Draw when it is time to."""

@@ -12,6 +12,8 @@ from typing import Annotated, Any
 
 import typer
 
+from lammps_jump.units import to_si
+
 
 def folder_option(text: str) -> Path:
     """A folder or file of ``--out``; an empty text, as of an unset variable of a shell, is refused."""
@@ -23,6 +25,29 @@ def folder_option(text: str) -> Path:
 def place(text: str) -> Any:
     """The option ``--out``, with its help."""
     return typer.Option("--out", parser=folder_option, metavar="PATH", help=text)
+
+
+def quantity(unit: str, text: str) -> Any:
+    """An option for a number in `unit` or a text with a unit, such as '2 cm'."""
+
+    def parse(given: str) -> float:
+        try:
+            return to_si(given, unit)
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from None
+
+    return typer.Option(parser=parse, metavar="NUMBER", help=text)
+
+
+def diameters(given: str) -> float | dict[int, float]:
+    """Diameter of all discs, m, or of each type: ``0.2``, ``2 cm`` or ``1=0.2,2=10 cm``."""
+    try:
+        if "=" not in given:
+            return to_si(given, "m")
+        pairs = [part.split("=") for part in given.split(",")]
+        return {int(kind): to_si(diameter, "m") for kind, diameter in pairs}
+    except ValueError as error:
+        raise typer.BadParameter(f"{error}; for discs of several types write 1=0.2,2=0.1") from None
 
 
 CaseFile = Annotated[
@@ -51,10 +76,21 @@ QuietStudy = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and
 Resume = Annotated[
     bool,
     typer.Option(
-        "--resume", help="Continue the interrupted run in the folder; the results are those of the whole run."
+        "--resume", help="Continue the interrupted run in the folder; without a checkpoint, start from the beginning."
     ),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Delete the run that the folder holds, and start anew.")]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="Runs at once (default: one for each core that may be used).")
+]
+Until = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--until",
+        metavar="PATH=SHARE",
+        help="Add members until the interval is as narrow: jump.speed=3%.",
+    ),
+]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")]
 
 

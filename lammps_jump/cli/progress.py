@@ -7,12 +7,14 @@ import sys
 import time
 from collections.abc import Callable
 from math import isnan
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from lammps_jump.engines.result import Progress
 
 if TYPE_CHECKING:
     import rich.progress
+
+    from lammps_jump.sweeps import SweepProgress
 
 PLAIN_INTERVAL = 10.0
 """Seconds between lines where the output is no terminal, so that a log file is not filled with them."""
@@ -55,20 +57,31 @@ class ProgressLine:
 
     def __call__(self, report: Progress) -> None:
         """Show one report."""
-        now = self.clock()
         if self.first_step is None or self.step is None:
             self.first_step = self.step = report.step
-        if self.quiet or now - self.shown < (LIVE_INTERVAL if self.live else PLAIN_INTERVAL):
+        seconds = self._time_to_show()
+        if not seconds:
             return
-        rate = (report.step - self.step) * report.discs / (now - self.shown)
-        self.step, self.shown = report.step, now
+        rate = (report.step - self.step) * report.discs / seconds
+        self.step = report.step
         here = report.step - self.first_step
-        left = (now - self.begin) * (report.steps - report.step) / here if here > 0 else float("nan")
+        left = (self.shown - self.begin) * (report.steps - report.step) / here if here > 0 else float("nan")
         share = report.step / max(report.steps, 1)
-        text = (
+        self._show(
+            share,
             f"t = {report.time:.3f} of {self.end_time:g} s  {100 * share:3.0f} %  {report.discs} discs  "
-            f"{rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left"
+            f"{rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left",
         )
+
+    def _time_to_show(self) -> float:
+        """Seconds since the last picture or line; 0 where it is too early for another."""
+        seconds = self.clock() - self.shown
+        if self.quiet or seconds < (LIVE_INTERVAL if self.live else PLAIN_INTERVAL):
+            return 0.0
+        self.shown += seconds
+        return seconds
+
+    def _show(self, share: float, text: str) -> None:
         if self.live:
             self._draw(share, text)
         else:
@@ -92,6 +105,28 @@ class ProgressLine:
         if self._bar is not None:
             self._bar.stop()
             self._bar = None
+
+
+class StudyLine(ProgressLine):
+    """Prints how far the runs of a study have come, as `ProgressLine` does of one run."""
+
+    def __init__(self, **options: Any):
+        super().__init__(0.0, **options)
+        self.disc_steps = 0.0
+
+    def __call__(self, report: SweepProgress) -> None:  # type: ignore[override]
+        """Show one report."""
+        seconds = self._time_to_show()
+        if not seconds:
+            return
+        rate, self.disc_steps = (report.disc_steps - self.disc_steps) / seconds, report.disc_steps
+        left = (self.shown - self.begin) * (1 - report.share) / report.share if report.share > 0 else float("nan")
+        failed = f", {report.failed} failed" if report.failed else ""
+        self._show(
+            report.share,
+            f"{report.done} of {report.total} runs done{failed}  {rate / 1e6:.1f} M disc-steps/s  "
+            f"{_duration(left)} left",
+        )
 
 
 def _duration(seconds: float) -> str:

@@ -14,6 +14,8 @@ import lammps_jump.analysis as analysis
 import lammps_jump.cli as cli
 import lammps_jump.runs as runs
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.script import job as job_file
+from lammps_jump.script.stock import lacking
 
 from .options import Accuracy, CaseFile, EngineName, Force, Kernel, Out, Quiet, Ranks, Resume, Sets, assignments, told
 from .progress import ProgressLine
@@ -49,16 +51,20 @@ def build(
     kernel: Kernel = None,
     ranks: Ranks = None,
     set_: Sets = None,
-    slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a SLURM cluster.")] = False,
+    slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a Slurm cluster.")] = False,
+    site: Annotated[
+        Path | None, typer.Option("--site", help="Partition, account and modules for --slurm (YAML; docs/scaling.md).")
+    ] = None,
     force: Force = False,
 ) -> None:
     """Write the run folder (case and LAMMPS script) without running it."""
     loaded = lj.load_case(case, assignments(set_, kernel=kernel, ranks=ranks))
     folder = out or runs.folder.default_folder(loaded)
-    runs.start.build(loaded, folder, job=slurm, force=force)
-    if slurm:
+    job = job_file.read_site(site) if site else job_file.Site() if slurm else None
+    runs.start.build(loaded, folder, job=job, force=force)
+    if job is not None:
         print(f"job file: {folder / 'job.slurm'}")
-    script = (folder / "in.lammps").exists()
+    script = (folder / "in.lammps").exists() and not lacking(loaded.scene())
     there = ", or there with `lmp -in in.lammps`" if script else ""
     print(f"{folder}: run it with `lammps-jump run {folder}`{there}")
 
@@ -97,17 +103,19 @@ def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force:
 
 
 def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
-    """The verdict and the main numbers of a summary, and where to look."""
+    """The verdict and the main numbers of a run or of a bare dump, and where to look."""
     for line in analysis.main_numbers(summary):
         print(line)
-    discs, seconds = summary["discs"], summary["wall_seconds"]
-    rate = summary["disc_steps_per_second"] or 0.0
-    print(
-        f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
-        f"{discs['lost']} lost\n"
-        f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
-        f"analysis {seconds['analysis']:.2f} s"
-    )
+    if "discs" in summary:
+        discs, seconds = summary["discs"], summary["wall_seconds"]
+        rate = summary["disc_steps_per_second"] or 0.0
+        print(
+            f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
+            f"{discs['lost']} lost\n"
+            f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
+            f"analysis {seconds['analysis']:.2f} s"
+        )
     for warning in summary.get("warnings", []):
         print(f"note: {warning}")
-    print(f"report: {folder}/report.html")
+    if (folder / "report.html").exists():
+        print(f"report: {folder}/report.html")

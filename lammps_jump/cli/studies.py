@@ -1,21 +1,86 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands of the studies: cross-validate, bench, stress, sensitivity, calibrate."""
+"""Commands of many runs: sweep, cross-validate, bench, stress, sensitivity, calibrate."""
 
 from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 import lammps_jump as lj
 import lammps_jump.studies as studies
+import lammps_jump.sweeps as sweeps
 
-from .options import CaseFile, Fresh, Quiet, QuietStudy, Sets, place, sayer
-from .progress import ProgressLine
+from .options import CaseFile, Fresh, Jobs, Quiet, QuietStudy, Sets, Until, place, sayer, told
+from .progress import ProgressLine, StudyLine
 
 app = typer.Typer(rich_markup_mode=None)
+
+
+@app.command()
+def sweep(
+    study: Annotated[Path, typer.Argument(help="Study file, case file, or the folder of a study.", show_default=False)],
+    axis: Annotated[
+        list[str] | None,
+        typer.Option("--axis", metavar="PATH=VALUES", help="Values of a field, 0,0.05,0.1. May be repeated."),
+    ] = None,
+    members: Annotated[str | None, typer.Option(help="Starts of each point: 4, or the seeds 9-16.")] = None,
+    collect: Annotated[
+        str | None, typer.Option(help="Numbers of summary.json with commas between, such as jump.y2,jump.speed.")
+    ] = None,
+    until: Until = None,
+    most_members: Annotated[int | None, typer.Option(help="Members that --until may come to (default 32).")] = None,
+    out: Annotated[
+        Path | None, place("Folder (default: runs/<stem of the study>, of a case runs/<stem>_sweep).")
+    ] = None,
+    jobs: Jobs = None,
+    set_: Sets = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Run again what failed.")] = False,
+    status: Annotated[bool, typer.Option("--status", help="Tell how far it is; run nothing.")] = False,
+    table: Annotated[bool, typer.Option("--table", help="Print the table of what is there; run nothing.")] = False,
+    member: Annotated[
+        int | None, typer.Option(min=0, help="Run this member alone, of a folder; for job files.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Run a case at many points, several starts each; table, figures and page. Continues where it stopped."""
+    if member is not None:
+        return sweeps.run_one(out or study, member)
+    given: dict[str, Any] = {"axes": dict(map(sweeps.parse_axis, axis or ())), "members": members}
+    given |= {"collect": [word.strip() for word in (collect or "").split(",") if word.strip()]}
+    given |= {"set": dict(map(sweeps.parse_set, set_ or ())), "until": dict(map(sweeps.parse_until, until or ()))}
+    given |= {"most_members": most_members}
+    given = {name: value for name, value in given.items() if value}
+    if not (status or table):
+        return run_sweep(study, out, jobs=jobs, retry=retry, quiet=quiet, **given)
+    read = sweeps.read_study(study, **given)
+    found = sweeps.Sweep(read, out or sweeps.default_folder(study, read.case))
+    if status:
+        print(found.status())
+    if table:
+        studies.table.show(sweeps.page.table_text(found))
+    return None
+
+
+def run_sweep(
+    study: Path | lj.Case, out: Path | None, *, jobs: int | None, retry: bool, quiet: bool, **given: Any
+) -> None:
+    """Run a study with a line of progress, and print its table; exit status 1 where a member failed."""
+    line = StudyLine(quiet=quiet)
+    with told(quiet):
+        try:
+            found = lj.sweep(study, out, jobs=jobs, retry=retry, progress=line, **given)
+        finally:
+            line.finish()
+    for failure in found.failed:
+        print(f"{sweeps.page.point_name(found.study, failure.point)}, member {failure.seed}: {failure.message}")
+    if not quiet:
+        studies.table.show(sweeps.page.table_text(found))
+        print(f"{found.status()}\npage: {found.folder / 'sweep.html'}")
+    if found.failed:
+        raise typer.Exit(1)
 
 
 @app.command("cross-validate")

@@ -23,16 +23,10 @@ class FrameCheck:
     Parameters
     ----------
     scene : Scene
-    steps : int
-        Steps of the run.
-    present : int
-        Discs at its end.
     """
 
-    def __init__(self, scene: Scene, steps: int, present: int):
-        self.scene, self.present = scene, present
-        self.expected = steps // scene.output_steps + 1
-        self.at_the_end = steps % scene.output_steps == 0
+    def __init__(self, scene: Scene):
+        self.scene = scene
         self.frames = self.last = 0
         self.first_trouble = ""
 
@@ -61,13 +55,14 @@ class FrameCheck:
                 return f"disc {ids[disc]:.0f} is at {axis} = {values[disc]:.6g} m, outside the domain"
         return ""
 
-    def result(self) -> list[str]:
-        """What is wrong, in words; empty where nothing is."""
+    def result(self, steps: int, present: int) -> list[str]:
+        """What is wrong with a run of so many steps and discs at its end, in words; empty where nothing is."""
         found = [self.first_trouble] if self.first_trouble else []
-        if self.frames != self.expected:
-            found.insert(0, f"{self.frames} of {self.expected} frames")
-        elif self.at_the_end and self.last != self.present:
-            found.append(f"{self.last} discs in the last frame, {self.present} at the end of the run")
+        expected = steps // self.scene.output_steps + 1
+        if self.frames != expected:
+            found.insert(0, f"{self.frames} of {expected} frames")
+        elif steps % self.scene.output_steps == 0 and self.last != present:
+            found.append(f"{self.last} discs in the last frame, {present} at the end of the run")
         return found
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import glob
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, write_text
 from lammps_jump.scene.scene import Scene
 
-from .read import Dump, open_dump
+from .read import Dump, by_numbers, files_of, open_dump
 
 KNOWN_NAMES = (*DUMP_NAMES.values(), "dump.bin", "dump.lammpsbin.gz")
 FORCE_COLUMNS = tuple(FORCES_HEADER.split(","))
@@ -39,21 +40,34 @@ class ForceHistory:
     moment: np.ndarray
 
 
-def find_dump(place: str | Path) -> Path:
-    """The dump of a folder, or the file itself.
+def find_dump(*places: str | Path) -> Path:
+    """The dump of a folder, the file itself, or the pattern of the files that are one dump.
 
-    A folder's dump is the first of `KNOWN_NAMES` in it, else its only file ``dump.*``. A run folder may so
-    hold other dumps beside its own.
+    A folder's dump is the first of `KNOWN_NAMES` in it, else its files ``dump.*``: one, or several whose names differ
+    in numbers alone. A run folder may so hold other dumps beside its own.
+
+    Parameters
+    ----------
+    *places : str or Path
+        A folder, a file or a pattern; or all the files of one pattern, as a shell hands them over.
 
     Raises
     ------
     DumpError
-        Nothing there, a folder without a dump, or one with several of other names.
+        Nothing there, a folder without a dump, or several dumps.
     """
-    place = Path(place)
-    if not place.exists():
-        raise DumpError(f"{place}: there is no such file or folder.")
+    place, *more = (Path(place) for place in places)
+    if more:
+        path = place.parent / _pattern(file.name for file in (place, *more))
+        if {place, *more} != {*files_of(path)}:
+            raise DumpError(
+                f"{place}, {more[0]}{', …' if more[1:] else ''}: allowed is one dump, or all files of one pattern; "
+                "name one dump, or put the pattern in quotes, such as 'dump.*.lammps'."
+            )
+        return path
     if not place.is_dir():
+        if not files_of(place):
+            raise DumpError(f"{place}: there is no such file or folder.")
         return place
     for name in KNOWN_NAMES:
         if (place / name).is_file():
@@ -61,15 +75,30 @@ def find_dump(place: str | Path) -> Path:
     others = sorted(path for path in place.glob("dump.*") if path.is_file())
     if not others:
         raise DumpError(f"{place}: no dump in this folder (looked for dump.*). Did the run finish?")
-    if len(others) > 1:
+    name = _pattern(path.name for path in others)
+    if not name:
         raise DumpError(
             f"{place}: {len(others)} dumps in this folder ({others[0].name} … {others[-1].name}); name one of them."
         )
-    return others[0]
+    return others[0] if len(others) == 1 else place / name
+
+
+def _pattern(names: Iterable[str]) -> str:
+    """Pattern of names that differ in numbers alone; empty where they differ in more."""
+    parts = [by_numbers(name) for name in names]
+    if len({tuple(part[::2]) for part in parts}) > 1:
+        return ""
+    return "".join(glob.escape(same[0]) if len(set(same)) == 1 else "*" for same in zip(*parts, strict=True))
 
 
 def read_dump(place: str | Path) -> Dump:
-    """`open_dump` of `find_dump`."""
+    """The dump of a file, of a folder, or of a pattern such as ``dump.*.lammps`` for files of a frame or more each.
+
+    Raises
+    ------
+    DumpError
+        See `find_dump` and `open_dump`.
+    """
     return open_dump(find_dump(place))
 
 

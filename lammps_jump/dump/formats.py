@@ -22,6 +22,10 @@ MOST_FRAMES = 1_000_000
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
 
+class NoFrame(DumpError):
+    """A file without one whole frame."""
+
+
 class _Truncated(Exception):
     """The file ends inside a frame; the message says where."""
 
@@ -82,7 +86,7 @@ def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
             found = read(dump, source, parse(index))
         except _Truncated as where:
             if index == 0:
-                raise DumpError(
+                raise NoFrame(
                     f"{dump.path}: the file ends at {source.place()}, inside its first frame ({where})"
                     f"{source.damaged}: no complete frame in it."
                 ) from None

@@ -141,6 +141,8 @@ class DumpFile:
     Attributes
     ----------
     path : Path
+    files : list of Path
+        The file itself, or those that its path names as a pattern.
     format : {'text', 'binary'}
     compressed : bool
     columns : tuple of str
@@ -153,6 +155,7 @@ class DumpFile:
 
     def __init__(self, path: Path, format: str, compressed: bool):
         self.path, self.format, self.compressed = path, format, compressed
+        self.files = [path]
         self.columns: tuple[str, ...] = ()
         self.units: str | None = None
         self.warnings: list[str] = []

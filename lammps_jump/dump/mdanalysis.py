@@ -72,8 +72,8 @@ def all_ids(dump: Dump) -> np.ndarray:
 
 def _all_discs(dump: Dump) -> tuple[np.ndarray, np.ndarray]:
     """Ids and last radii (m; NaN where the file has none) of all discs: one pass, remembered until the file changes."""
-    status = dump.path.stat()
-    key = (str(dump.path.resolve()), status.st_size, status.st_mtime_ns)
+    found = [(file.resolve(), file.stat()) for file in dump.files]
+    key = tuple((str(file), status.st_size, status.st_mtime_ns) for file, status in found)
     if key not in _scanned:
         ids, radii = np.empty(0, np.int64), np.empty(0)
         for frame in dump:

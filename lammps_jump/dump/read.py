@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import struct
 import zlib
 from collections.abc import Iterable, Iterator
@@ -19,7 +20,7 @@ from typing import BinaryIO, overload
 from lammps_jump.errors import DumpError
 from lammps_jump.files import read_start
 
-from .formats import read_some, walk
+from .formats import NoFrame, read_some, walk
 from .frame import UNPACKED, DumpFile, Frame, FrameHeader, unpacked_limit
 
 
@@ -83,13 +84,62 @@ class Dump(DumpFile):
         """Number of complete frames."""
         return len(self.headers())
 
+    def _open(self) -> BinaryIO:
+        return _open(self.path, self.compressed)
+
     def _pass(self, parse) -> Iterator[tuple[FrameHeader, Frame | None]]:
         self.warnings = []
         try:
-            with _open(self.path, self.compressed) as stream:
+            with self._open() as stream:
                 yield from walk(self, stream, parse)
         except OSError as error:
             raise DumpError(f"{self.path}: cannot be read ({error.strerror or error}).") from error
+
+
+class DumpSeries(Dump):
+    """Files of one run with a frame or more each (``dump.*.lammps``), as one dump whose path is their pattern."""
+
+    def __init__(self, path: Path, files: list[Path]):
+        first = _identified(files[0])
+        super().__init__(path, first.format, first.compressed)
+        self.files = files
+
+    def _pass(self, parse) -> Iterator[tuple[FrameHeader, Frame | None]]:
+        self.warnings, done, last = [], 0, None
+        for file in self.files:
+            try:
+                part = _identified(file)
+                for header, frame in part._pass(lambda index, before=done: parse(before + index)):
+                    if last is not None and header.step <= last:
+                        raise DumpError(
+                            f"{file}: step {header.step} follows step {last} of the file before; allowed are files of "
+                            "one run, whose numbers go with their steps: name its files with a pattern in quotes."
+                        )
+                    last, done = header.step, done + 1
+                    self.columns, self.units = self.columns or part.columns, self.units or part.units
+                    yield header, frame
+            except NoFrame as cut_off:  # a run that was killed leaves such a file
+                if file != self.files[-1] or not done:
+                    raise
+                self.warn(f"{cut_off} It was skipped.")
+                continue
+            for warning in part.warnings:
+                self.warn(warning)
+
+
+def files_of(path: Path) -> list[Path]:
+    """The file itself; where there is none, the files that fit its name as a pattern, by the numbers in their names."""
+    if path.exists():
+        return [path]
+    found = (file for file in path.parent.glob(path.name) if file.is_file())
+    return sorted(
+        found, key=lambda file: [int(part) if i % 2 else part for i, part in enumerate(by_numbers(file.name))]
+    )
+
+
+def by_numbers(name: str) -> list[str]:
+    """A name in parts: text and whole numbers in turn, text first."""
+    return re.split("([0-9]+)", name)
 
 
 def open_dump(path: str | Path) -> Dump:
@@ -98,6 +148,7 @@ def open_dump(path: str | Path) -> Dump:
     Parameters
     ----------
     path : str or Path
+        A file, or a pattern such as ``dump.*.lammps`` for the files of one run.
 
     Returns
     -------
@@ -113,6 +164,12 @@ def open_dump(path: str | Path) -> Dump:
     path = Path(path)
     if path.is_dir():
         raise DumpError(f"{path} is a folder; name a dump file in it.")
+    files = files_of(path)
+    return _first_look(_identified(path) if files in ([], [path]) else DumpSeries(path, files))
+
+
+def _identified(path: Path) -> Dump:
+    """A dump whose format is known."""
     try:
         compressed = read_start(path, 2) == b"\x1f\x8b"
         with _open(path, compressed) as stream:
@@ -120,13 +177,13 @@ def open_dump(path: str | Path) -> Dump:
     except OSError as error:
         raise DumpError(f"{path}: cannot be read ({error.strerror or error}).") from error
     if not head.strip():
-        raise DumpError(f"{path} is empty: no frame of a dump in it. Did the run write its first output?")
+        raise NoFrame(f"{path} is empty: no frame of a dump in it. Did the run write its first output?")
     if head.lstrip().startswith(b"ITEM:"):
-        return _first_look(Dump(path, "text", compressed))
+        return Dump(path, "text", compressed)
     if len(head) >= 16:
         (number,) = struct.unpack("<q", head[:8])
         if -64 <= number < 0 and head[8:12] == b"DUMP":
-            return _first_look(Dump(path, "binary", compressed))
+            return Dump(path, "binary", compressed)
         if struct.unpack(">q", head[:8])[0] in range(-64, 0) and head[8:12] == b"DUMP":
             raise DumpError(f"{path} is a binary dump from a big-endian machine; convert it with binary2txt there.")
     if head[:4] == b"\x28\xb5\x2f\xfd":

@@ -1,17 +1,80 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Whole frames of a text dump that an engine is still writing."""
+"""Whole frames of a dump that an engine is still writing."""
 
 from __future__ import annotations
 
+import hashlib
 import io
+import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from .formats import walk
 from .frame import DumpFile, Frame
+from .read import Dump
 
 MARKER = b"ITEM: TIME\n"
 """First line of each frame that our engines write."""
+WAIT = 0.02
+"""Seconds between looks at a file that grows."""
+
+
+class GrowingDump(Dump):
+    """A text or binary dump that grows: a pass over its frames waits for more until `ended` is set.
+
+    Parameters
+    ----------
+    path : Path
+        It need not be there yet.
+    format : {'text', 'binary'}
+    ended : threading.Event
+        To be set once the file is whole.
+
+    Attributes
+    ----------
+    given_up : bool
+        Set it, and then `ended`, to end a pass at once.
+    read : hashlib.sha256
+        Of the bytes that the last pass has seen.
+    """
+
+    most_bytes = sys.maxsize
+
+    def __init__(self, path: Path, format: str, ended: threading.Event):
+        super().__init__(path, format, False)
+        self.columns = ("id", "x", "y", "vx", "vy")  # at least: known before the first frame is there
+        self.ended, self.given_up, self.read = ended, False, hashlib.sha256()
+
+    def _open(self) -> BinaryIO:
+        while not self.path.exists() and not self.ended.wait(WAIT):
+            pass
+        return _Growing(self)
+
+
+class _Growing(io.RawIOBase):
+    """The bytes of a dump that grows; its end is that of the whole file."""
+
+    def __init__(self, dump: GrowingDump):
+        self.dump, self.file = dump, dump.path.open("rb", buffering=0)
+        dump.read = hashlib.sha256()
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, target) -> int:
+        while True:
+            ended = self.dump.ended.is_set()  # before reading: what is written later is seen the next time
+            got = 0 if self.dump.given_up else self.file.readinto(target)
+            if got or ended:
+                self.dump.read.update(memoryview(target)[:got])
+                return got
+            self.dump.ended.wait(WAIT)
+
+    def close(self) -> None:
+        self.file.close()
+        super().close()
 
 
 class Tail:

@@ -15,7 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from lammps_jump.case import CaseFields, ReadCase
-from lammps_jump.case.to_scene import contact_coefficients
+from lammps_jump.case.to_scene import contact_coefficients, disc_sizes
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import slip_warnings
@@ -162,7 +162,7 @@ def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
     integrator = "leapfrog_extrapolated" if row.kernel == "native" else "velocity_verlet"
     if row.fraction > contact.stable_fraction(contact.damping_ratio(law.restitution), integrator):
         return False
-    coefficients = contact_coefficients(case, integrator, row.fraction)
+    coefficients = contact_coefficients(case, integrator, disc_sizes(case), row.fraction)
     return not slip_warnings(coefficients, law.friction_law, law.rotation)
 
 

@@ -4,9 +4,12 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
+from pathlib import Path
 
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.scene.scene import Scene
+from lammps_jump.script.stock import lacking
 
 from .lammps.loader import check_installed
 from .plugin.build import availability, plugin_path
@@ -44,8 +47,8 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     check_installed()
     number, notes = choose_ranks(ranks, scene)
     if kernel == "stock":
-        if scene.touch == "smooth":
-            raise SetupError("kernel stock: 'touch: smooth' is not in stock LAMMPS; use the compiled kernel")
+        if missing := lacking(scene):
+            raise SetupError(f"kernel stock: {missing} is not in stock LAMMPS; use the compiled kernel")
         return Setting(ranks=number), notes
     try:
         status = availability()
@@ -53,14 +56,9 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             raise SetupError(status.reason)
         return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes
     except SetupError as error:
-        if kernel == "compiled" or needs_plugin(scene):
+        if kernel == "compiled" or lacking(scene):
             raise SetupError(f"this case needs the compiled kernel, which cannot be used: {error}") from None
         return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}"]
-
-
-def needs_plugin(scene: Scene) -> bool:
-    """Whether stock LAMMPS lacks something of a scene: a smooth touch, or the thesis' friction."""
-    return scene.touch == "smooth" or (scene.friction_law == "sign" and scene.coefficients.friction > 0)
 
 
 def usable_kernels() -> tuple[list[str], list[str]]:
@@ -75,21 +73,34 @@ def usable_kernels() -> tuple[list[str], list[str]]:
     return ["stock", "native"], [f"compiled kernel left out: {status.reason}"]
 
 
+def usable_cores(root: Path = Path("/sys/fs/cgroup")) -> int:
+    """Cores this process may use by its affinity and by the limits of its control groups (version 2); at least 1."""
+    cores = float(len(os.sched_getaffinity(0)))
+    try:
+        own = Path("/proc/self/cgroup").read_text().rpartition("::")[2].strip().lstrip("/")
+    except OSError:
+        own = ""
+    for folder in (root / own, *(root / own).parents):
+        with suppress(OSError, ValueError, IndexError):
+            quota, period = (folder / "cpu.max").read_text().split()  # "max 100000" is no limit, and no number
+            cores = min(cores, float(quota) / float(period))
+        if folder == root:
+            break
+    return max(1, round(cores))
+
+
 def free_cores() -> int:
-    """Cores this process may use, less those that the load of the last minute takes; at least 1."""
-    cores = len(os.sched_getaffinity(0))
+    """`usable_cores`, less those that the load of the last minute takes; at least 1.
+
+    In a Slurm job they are its tasks.
+    """
+    if (tasks := os.environ.get("SLURM_NTASKS", "")).isdigit():
+        return max(1, int(tasks))
     try:
         busy = os.getloadavg()[0]
     except OSError:
         busy = 0.0
-    return max(1, cores - round(busy))
-
-
-def expected_discs(scene: Scene) -> int:
-    """Discs in play at the end if none leaves: those at the start and all that the inlets can bring."""
-    steps = scene.steps - scene.settle_steps
-    brought = sum(row.limit or steps // row.every_steps for row in scene.inlets)
-    return len(scene.positions) + brought + sum(item.count for item in scene.pours)
+    return max(1, usable_cores() - round(busy))
 
 
 def choose_ranks(wanted: int | str, scene: Scene) -> tuple[int, list[str]]:
@@ -98,8 +109,8 @@ def choose_ranks(wanted: int | str, scene: Scene) -> tuple[int, list[str]]:
     ``auto``: one for small scenes, never more than free cores. A number is obeyed, with a note where cores lack.
     """
     if wanted == "auto":
-        return max(1, min(free_cores(), expected_discs(scene) // DISCS_PER_RANK)), []
-    cores = len(os.sched_getaffinity(0))
+        return max(1, min(free_cores(), scene.expected_discs // DISCS_PER_RANK)), []
+    cores = usable_cores()
     if int(wanted) > cores:
         return int(wanted), [f"{wanted} ranks on {cores} cores: ranks spin while they wait, fewer would be faster"]
     return int(wanted), []

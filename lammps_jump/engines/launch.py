@@ -98,12 +98,11 @@ def _write_inputs(job: Job) -> None:
     job.folder.mkdir(parents=True, exist_ok=True)
     if setting.engine == "native":
         return
-    options = {"kernel": setting.kernel, "ranks": setting.ranks, "plugin": setting.plugin}
+    options = {"kernel": setting.kernel, "ranks": setting.ranks}
     options |= {"dump_format": setting.dump_format, "header": setting.header}
     if resume is None:
         path = write_script(scene, job.folder, **options)
     else:
-        options["header"] = tuple(line.replace("in.lammps", "in.resume.lammps") for line in setting.header)
         present, removed = resume.result.present, resume.result.removed
         checkpoint = {"step": resume.step, "removed": resume.removed}
         checkpoint["poured"] = present + removed - len(scene.positions)

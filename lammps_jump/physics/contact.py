@@ -87,18 +87,6 @@ def peak_force(speed: float, xi: float, omega: float, effective_mass: float) -> 
     return effective_mass * omega * speed * exp(-xi / s * (pi / 2 - 3.0 * asin(xi)))
 
 
-def clipped_restitution(xi: float) -> float:
-    """Restitution where the contact ends at zero force (no tensile tail) instead of zero overlap.
-
-    Schwager & Poeschel 2007 (cond-mat/0701278); xi is the damping ratio, below or above 1.
-    """
-    if xi < 1.0:
-        s = sqrt(1.0 - xi**2)
-        return exp(-(xi / s) * (pi - atan2(2 * xi * s, 1 - 2 * xi**2)))
-    s = sqrt(xi**2 - 1.0)
-    return exp(-(xi / s) * log((xi + s) / (xi - s))) if s > 0 else exp(-2.0)
-
-
 def lagged_restitution(xi: float, h: float) -> float:
     """Mean restitution of velocity Verlet with the dashpot fed by the half-step velocity (LAMMPS).
 

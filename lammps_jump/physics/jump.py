@@ -2,9 +2,8 @@
 """Open-channel hydraulics that runs are judged by: jump, inflow, sill (and, re-exported, waves and columns).
 
 Pure functions of floats, one equation each. "thesis (4.26)" is equation 4.26 of T-4359, Colorado School of Mines.
-Depths are measured normal to a horizontal bed, quantities are per metre of width, SI. A function whose source could
-not be looked up says "from memory of the literature". Waves, dam breaks and columns: `lammps_jump.physics.waves`,
-available here under the same names.
+Depths are measured normal to a horizontal bed, quantities are per metre of width, SI. Waves, dam breaks and columns:
+`lammps_jump.physics.waves`, available here under the same names.
 """
 
 from __future__ import annotations
@@ -25,16 +24,6 @@ from .waves import ritter_wall_time as ritter_wall_time
 from .waves import shock_speed as shock_speed
 from .waves import shock_speed_from_mass as shock_speed_from_mass
 from .waves import stagnation_force as stagnation_force
-
-PROFILE_MOMENTUM_COEFFICIENT = 64.0 / 63.0
-"""beta = mean(u^2) / mean(u)^2 of the continuous one-seventh profile."""
-
-PROFILE_ENERGY_COEFFICIENT = 512.0 * 0.7 / 343.0
-"""alpha = mean(u^3) / mean(u)^3 of the continuous one-seventh profile."""
-
-PROFILE_MEAN_HEIGHT = (7.0 / 8.0) ** 7
-"""y/y1 where the one-seventh profile has its mean velocity."""
-
 
 # --- the jump ---------------------------------------------------------------------------------------------------
 
@@ -216,7 +205,7 @@ def sill_depth(froude_1: float, depth_1: float, height: float) -> float:
     """Depth y3 in m on an abrupt rise of `height` (m) whose foot the jump has just reached (A-jump).
 
     Largest root of ``(y3/y1)^2 = 1 + 2 Fr1^2 (1 - y1/y3) + (D/y1)(D/y1 + 1 - sqrt(1 + 8 Fr1^2))``: momentum with the
-    hydrostatic face force of `sill_face_force` (derived; Forster & Skrinde 1950 from memory of the literature).
+    hydrostatic face force of `sill_face_force` (derived).
 
     Raises
     ------

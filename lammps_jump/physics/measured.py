@@ -78,32 +78,5 @@ MARTIN_MOYCE_HEIGHT = Curve(
     source=f"{_MARTIN_MOYCE}; table 6",
 )
 
-MARTIN_MOYCE_FRONT_LONG = Curve(
-    name="Martin & Moyce front, n^2 = 2, a = 2.25 in, long record",
-    x=(
-        *(0.832, 1.219, 1.997, 2.547, 3.345, 4.034, 4.418, 5.091),
-        *(5.685, 6.306, 6.822, 7.439, 8.031, 8.633, 9.237),
-    ),
-    y=(
-        *(1.217, 1.474, 2.292, 2.995, 4.134, 4.944, 5.881, 6.980),
-        *(7.945, 8.966, 9.986, 10.963, 11.977, 13.005, 13.970),
-    ),
-    x_label="T = n t sqrt(g/a)",
-    y_label="Z",
-    source=f"{_MARTIN_MOYCE}; as tabulated with the PySPH examples (examples/db_exp_data.py)",
-)
-
-MARTIN_MOYCE_FRONT_SMALL = Curve(
-    name="Martin & Moyce front, n^2 = 2, a = 1.125 in, long record",
-    x=(0.849, 1.212, 1.602, 2.283, 2.950, 3.598, 3.905, 4.592, 4.961, 5.316),
-    y=(1.245, 1.443, 1.884, 2.689, 3.728, 4.528, 4.999, 5.841, 6.271, 6.717),
-    x_label="T = n t sqrt(g/a)",
-    y_label="Z",
-    source=f"{_MARTIN_MOYCE}; as tabulated with the PySPH examples (examples/db_exp_data.py)",
-)
-
-MARTIN_MOYCE = (MARTIN_MOYCE_FRONT, MARTIN_MOYCE_HEIGHT, MARTIN_MOYCE_FRONT_LONG, MARTIN_MOYCE_FRONT_SMALL)
-"""All Martin & Moyce records; the front ones in T, the height one in tau = T / n."""
-
 MARTIN_MOYCE_FRONT_SLOPE = {1: 1.40, 2: 1.319}
 """dZ/dT of the front over T in [1.43, 3.33] for n^2 = 1 and 2 (straight-line fit of their tables)."""

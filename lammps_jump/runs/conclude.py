@@ -27,6 +27,7 @@ from lammps_jump.errors import DumpError, RunError, RunInterrupted
 from lammps_jump.files import FIGURES, checksum, write_text
 from lammps_jump.folders import clear, publish, staging
 
+from .ahead import Ahead
 from .engine import analysis_key
 from .folder import case_text
 from .state import outputs_of
@@ -45,7 +46,7 @@ class Conclusion:
     Attributes
     ----------
     steady : str
-        Why the run was stopped as steady; empty where it was not.
+        Why the run was stopped before its end, as steady or drowned; empty where it was not.
     before : mapping
         Seconds that were spent before.
     """
@@ -66,8 +67,10 @@ class Conclusion:
         self.outputs = {}
         self.steps = self.result.steps if self.steady else self.case.scene().steps
 
-    def first(self) -> None:
+    def first(self, ahead: Ahead) -> None:
         """Check, analyse and summarise; of an interrupted run only the summary is written, for time may be short.
+
+        `ahead` has read the frames of a run that came to its end undisturbed.
 
         Raises
         ------
@@ -83,7 +86,7 @@ class Conclusion:
             self.result = replace(result, status="unchecked")
         self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
         self._forget_checkpoints()
-        trouble = self._analyse({}, again=False)
+        trouble = self._analyse({}, ahead)
         result = self.result
         if self.steady:
             log.info(f"note: {self.steady}")
@@ -110,7 +113,7 @@ class Conclusion:
             )
         self._forget_checkpoints()
         was_checked = self.result.status != "unchecked"
-        self._analyse(stored, again=True)
+        self._analyse(stored)
         if not was_checked and self.result.status == "failed":
             raise RunError(self.result.message)
 
@@ -126,12 +129,12 @@ class Conclusion:
         names = [name for name, entry in known.items() if self.outputs.get(name) != entry]
         if not names:
             return []
-        check = FrameCheck(self.case.scene(), self.steps, self.result.present)
+        check = FrameCheck(self.case.scene())
         try:
             dump = read_dump(self.folder)
             for frame in dump:
                 check.add(frame, self.case.scene().time(frame.step) if frame.time is None else frame.time)
-            found = [*check.result(), *(text for text in dump.warnings if CUT in text)]
+            found = [*check.result(self.steps, self.result.present), *(text for text in dump.warnings if CUT in text)]
         except DumpError as error:
             found = [str(error)]
         found += force_troubles(self.folder / "forces.csv", self.case.scene(), self.steps)
@@ -146,16 +149,20 @@ class Conclusion:
     def _write(self, summary: Mapping[str, Any], analysis: Mapping[str, Any] | None) -> None:
         write_summary(self.folder, {**summary, "outputs": self.outputs, "analysed": analysis})
 
-    def _analyse(self, stored: Mapping[str, Any], *, again: bool) -> str:
-        """Check and analyse; what the analysis could not do, in words."""
-        folder, note, trouble = self.folder, self.result.message if again else "", ""
-        check = FrameCheck(self.case.scene(), self.steps, self.result.present)
+    def _analyse(self, stored: Mapping[str, Any], ahead: Ahead | None = None) -> str:
+        """Check and analyse, for the first time with `ahead`; what the analysis could not do, in words."""
+        folder, note, trouble = self.folder, self.result.message if ahead is None else "", ""
+        check, packer = FrameCheck(self.case.scene()), runs.results.packer_for(self.case)
         with staging(folder) as stage:
             try:
                 with _told_how_to_go_on(folder):
-                    parts = runs.results.analyse(self.case, folder, stage, [check] if self.ended else [])
+                    gathered = ahead.result(self.outputs if self.ended and not self.steady else {}) if ahead else None
+                    if ahead and gathered is not None:
+                        check, packer = ahead.check, ahead.packer
+                    watch = [packer, *([check] if self.ended else [])]
+                    parts = runs.results.analyse(self.case, folder, stage, watch, gathered)
             except DumpError as error:
-                if again:
+                if ahead is None:
                     raise
                 trouble = str(error)
                 parts = {"warnings": [f"not analysed: {trouble}"]}
@@ -165,8 +172,9 @@ class Conclusion:
             if note and self.result.status != "failed":
                 parts["warnings"].append(note)
             summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
-            self._link_the_rest(stage)
-            runs.results.write_report(stage, summary, self.case)
+            if self.case.fields.analysis.figures != "none":
+                self._link_the_rest(stage)
+                runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
             self._write(summary, None)  # ended between here and the last line: it is analysed again
             clear(folder, ["report.html", *stored.get("files", ())])
             names = publish(stage, folder)
@@ -181,7 +189,7 @@ class Conclusion:
         """Call the run complete where it is, else failed, with what is wrong; DumpError where it was complete."""
         result, steps = self.result, self.steps
         found = [] if result.steps == steps else [f"{result.steps} of {steps} steps"]
-        found += [f"dump: {text}" for text in check.result()]
+        found += [f"dump: {text}" for text in check.result(steps, result.present)]
         found += [text for text in warnings if CUT in text]
         found += force_troubles(self.folder / "forces.csv", self.case.scene(), steps)
         if result.lost:

@@ -18,8 +18,8 @@ from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError, SetupError
-from lammps_jump.files import write_text
-from lammps_jump.folders import MARKER_FILE, Marker, claim, clear, locked, read_marker, write_marker
+from lammps_jump.files import JOB_FILE, write_text
+from lammps_jump.folders import MARKER_FILE, Marker, claim, clear, locked, read_marker, require_ours, write_marker
 from lammps_jump.provenance import short_hash
 from lammps_jump.scene.scene import Scene
 
@@ -53,8 +53,11 @@ def run_folder(folder: Path, marker: Marker) -> Iterator[None]:
         The folder cannot be made or written, is not ours, or another process writes to it.
     """
     with _writable(folder):
-        claim(folder, marker)
+        require_ours(folder, marker)
+        folder.mkdir(parents=True, exist_ok=True)
     with locked(folder):
+        with _writable(folder):
+            claim(folder, marker)
         yield
 
 
@@ -85,7 +88,8 @@ def write_folder(case: ReadCase, folder: Path, marker: Marker) -> None:
     """Write ``case.yaml``; what an earlier run left is removed. The engine's inputs are `write_inputs`'."""
     with _writable(folder):
         earlier = read_marker(folder)
-        clear(folder, earlier.files if earlier else ())
+        # a job that runs here may be requeued: its file stays
+        clear(folder, set(earlier.files if earlier else ()) - {JOB_FILE})
         write_marker(folder, marker)
         write_text(folder / "case.yaml", case_text(case))
 
@@ -126,6 +130,7 @@ def result_of(
         **stored["discs"],
         message=stored["message"] or "",
         seconds=stored["wall_seconds"].get("run", 0.0),
+        cpu_seconds=stored.get("cpu_seconds", 0.0),
         breakdown=stored["breakdown_seconds"] or {},
         resumed=tuple(stored.get("resumed_at", ())),
         outside=stored.get("can_go_on", False),

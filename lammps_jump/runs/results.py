@@ -8,20 +8,24 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from matplotlib.figure import Figure
+import numpy as np
 
 from lammps_jump.analysis import quantities
 from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
-from lammps_jump.analysis.passes import Collector, Gathered
+from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
+from lammps_jump.analysis.profiles import bin_frame
 from lammps_jump.analysis.report import run as report
+from lammps_jump.analysis.report.frames import FramePacker
+from lammps_jump.analysis.report.player import make_player
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.case.checks import MOST_BINS
-from lammps_jump.dump.find import find_dump, read_forces
-from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.find import find_dump, read_dump, read_forces
+from lammps_jump.dump.read import Dump, open_dump
+from lammps_jump.dump.rows import skip_rows
 from lammps_jump.errors import CaseError, DumpError, SetupError
 from lammps_jump.files import RESULT_FILES
 from lammps_jump.folders import (
@@ -32,12 +36,18 @@ from lammps_jump.folders import (
     locked,
     publish,
     read_marker,
+    require_ours,
     require_replaceable,
     staging,
 )
+from lammps_jump.provenance import versions
+from lammps_jump.quoting import visible
 
 from .folder import require_case
 from .summary import write_summary
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 log = logging.getLogger(__name__)
 
@@ -77,76 +87,103 @@ def flow_of(case: ReadCase) -> Flow:
     )
 
 
-def analyse(case: ReadCase, folder: Path, out: Path, watch: Sequence[Collector] = ()) -> dict[str, Any]:
+def prepare() -> None:
+    """Load the loops that read dumps and sum over discs: 0.2 s at their first use in a process."""
+    nothing = np.zeros(0)
+    skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
+    bin_frame(nothing, nothing, nothing, nothing, nothing, nothing, 0.0, 1.0, np.zeros((6, 1)), np.zeros(2))
+
+
+def _wanted(case: ReadCase) -> list[str]:
+    return [name for name in (*quantities.QUANTITIES, "fields") if getattr(case.fields.analysis, name, False)]
+
+
+def collect(case: ReadCase, folder: Path, dump: Dump, *watch: Collector) -> Gathered:
+    """What one pass over the dump of a run folder gives to the analyses that its case asks for."""
+    return quantities.collect(flow_of(case), dump, [folder], _wanted(case), watch)
+
+
+def analyse(
+    case: ReadCase, folder: Path, out: Path, watch: Sequence[Collector] = (), gathered: Gathered | None = None
+) -> dict[str, Any]:
     """Analyse the dump of a run folder as its case asks; the parts of the summary. Tables and figures go to `out`.
 
-    `watch` is also shown every frame.
+    `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`.
     """
-    asked = case.fields.analysis
-    wanted = [name for name in (*quantities.QUANTITIES, "fields") if getattr(asked, name, False)]
     quiet = not log.isEnabledFor(logging.INFO)
-    options = {"film": asked.animation, "quiet": quiet, "watch": watch}
-    return quantities.analyse(flow_of(case), find_dump(folder), out, wanted, **options)
+    asked = case.fields.analysis
+    options = {
+        "figures": asked.figures != "none",
+        "film": asked.animation,
+        "quiet": quiet,
+        "watch": watch,
+        "gathered": gathered,
+    }
+    return quantities.analyse(flow_of(case), find_dump(folder), out, _wanted(case), **options)
 
 
 def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
     """Every analysis of a run folder, whether the case asks for it or not; nothing is written."""
-    flow = flow_of(case)
-    warnings = list(flow.notes)
-    gathered = quantities.collect(flow, find_dump(folder), folder, quantities.QUANTITIES, warnings)
+    gathered = quantities.collect(flow_of(case), read_dump(folder), [folder], quantities.QUANTITIES)
     results = {name: quantity.analyse(gathered) for name, quantity in quantities.QUANTITIES.items()}
     known = {name: result for name, result in results.items() if result is not None}
-    return Found(gathered, known, tuple(dict.fromkeys(warnings)))
+    return Found(gathered, known, tuple(dict.fromkeys(gathered.warnings)))
 
 
 def analyse_dump(
     target: Path,
     case: ReadCase | None,
-    diameter: float | None,
+    diameter: float | Mapping[int, float] | None,
     density: float | None,
     bin_width: float | None,
     out: Path | None,
-) -> None:
-    """Analyse a dump that is no run's.
+    time_step: float | None = None,
+) -> tuple[dict[str, Any], Path]:
+    """Analyse a dump that is no run's; its summary, and the folder that holds the results.
 
     Parameters
     ----------
     target : Path
-        The dump, or a folder that holds one.
+        The dump, a folder that holds one, or the pattern of its files.
     case : ReadCase, optional
         The case that belongs to it.
     diameter, bin_width : float, optional
-        m.
+        m; the diameter of each type where it is a mapping.
     density : float, optional
         kg/m^3; default 1000.
     out : Path, optional
         Folder of the results; default beside the dump.
+    time_step : float, optional
+        s; for a dump without times.
 
     Raises
     ------
     CaseError, DumpError
     """
     path = find_dump(target)
-    flow = _flow(path, case, diameter, density)
+    flow = _flow(path, case, diameter, density, time_step)
     low, high = flow.x_range
     if bin_width is not None and not (high - low) / MOST_BINS <= bin_width <= high - low:
         raise CaseError(
             f"--bin-width {bin_width}: allowed is {(high - low) / MOST_BINS:.2g} to {high - low:.4g} m, the length of "
             f"the channel in {path}"
         )
-    folder = out or path.parent / f"{path.name.split('.')[0]}_analysis"
+    stem = path.name.split(".")[0].replace("*", "").strip("_-")
+    folder = out or path.parent / f"{stem or 'dump'}_analysis"
     flow = replace(flow, bin_width=bin_width or flow.bin_width)
-    parts: dict[str, Any] = {}
+    given = {"diameter": diameter, "density": density, "time_step": time_step, "bin_width": bin_width}
+    known = {name: value for name, value in given.items() if value is not None}
+    summary: dict[str, Any] = {"name": visible(path.name), "given": known, "versions": versions()}
     with _results_folder(folder, path) as stage:
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
-        parts = quantities.analyse(flow, path, stage, ("jump", "front"))
-        write_summary(stage, {"name": path.name, **parts})
+        packer = FramePacker(flow)
+        summary |= quantities.analyse(flow, path, stage, ("jump", "front"), watch=[packer])
+        report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
+        write_summary(stage, summary)
         clear(folder, RESULT_FILES)
         publish(stage, folder)
-    for note in parts["warnings"]:  # what was guessed is among them
-        log.info(f"note: {note}")
-    log.info(f"results are in {folder}")
+    return summary, folder
 
 
 @contextmanager
@@ -155,12 +192,15 @@ def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
     marker = Marker("analysis", RESULT_FILES, {"dump": str(dump.absolute())})
     new, fresh = not folder.exists(), False
     try:
-        fresh = claim(folder, marker)
-        found = read_marker(folder)
-        if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
-            raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
-        with locked(folder), staging(folder) as stage:
-            yield stage
+        require_ours(folder, marker)
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder):
+            fresh = claim(folder, marker)
+            found = read_marker(folder)
+            if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
+                raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
+            with staging(folder) as stage:
+                yield stage
     except BaseException as error:
         if fresh:
             (folder / MARKER_FILE).unlink(missing_ok=True)
@@ -171,10 +211,16 @@ def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
         raise
 
 
-def _flow(path: Path, case: ReadCase | None, diameter: float | None = None, density: float | None = None) -> Flow:
+def _flow(
+    path: Path,
+    case: ReadCase | None,
+    diameter: float | Mapping[int, float] | None = None,
+    density: float | None = None,
+    time_step: float | None = None,
+) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is None:
-        return from_dump(open_dump(path), diameter=diameter, density=density or 1000.0)
+        return from_dump(open_dump(path), diameter=diameter, density=density or 1000.0, time_step=time_step)
     return from_scene(case.scene())
 
 
@@ -215,7 +261,31 @@ def draw(found: Found, folder: Path, name: str) -> Figure:
     return figure
 
 
-def write_report(folder: Path, summary: Mapping[str, Any], case: ReadCase, path: str | Path | None = None) -> Path:
+def packer_for(case: ReadCase) -> FramePacker:
+    """What takes in the frames of a run for the player of its report."""
+    return FramePacker(flow_of(case))
+
+
+def packed(case: ReadCase, folder: Path) -> FramePacker:
+    """The frames of a run folder for the player of its report; none where the dump cannot be read."""
+    packer = packer_for(case)
+    try:
+        dump = read_dump(folder)
+        for _ in feed(with_velocities(dump, packer.flow, []), packer.flow, [packer]):
+            pass
+    except DumpError as error:
+        log.info(f"note: the report has no player: {error}")
+    return packer
+
+
+def write_report(
+    folder: Path,
+    summary: Mapping[str, Any],
+    case: ReadCase,
+    packer: FramePacker,
+    path: str | Path | None = None,
+) -> Path:
     """Write the report of a run folder, by default as its ``report.html``."""
     name = "report.html" if path is None else str(Path(path).absolute())
-    return report.write_report(folder, dict(summary), case.to_yaml(), name=name)
+    player = make_player(packer, folder)
+    return report.write_report(folder, dict(summary), case.to_yaml(), name=name, player=player)

@@ -285,7 +285,8 @@ class Run:
         if path is None:
             require_replaceable(self.folder / "report.html")
         with nullcontext() if path else locked(self.folder):
-            return runs.results.write_report(self.folder, self.summary, self.case, path)
+            packer = runs.results.packed(self.case, self.folder)
+            return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r}, {self.status})"

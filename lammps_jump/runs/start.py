@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-import importlib
 import logging
-import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +15,6 @@ import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.checkpoint import Checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
-from lammps_jump.engines.lammps.job import write_job
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, RunError, RunInterrupted, SetupError
@@ -30,7 +27,9 @@ from lammps_jump.folders import (
     require_ours,
     require_unlocked,
 )
+from lammps_jump.script.job import Site, write_job
 
+from .ahead import Ahead
 from .conclude import Conclusion
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
@@ -120,17 +119,18 @@ def _run(
         write_folder(case, folder, marker_of(case, setting))
         before = {"build": time.perf_counter() - begin}
     with _files_at_risk(folder):
-        result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
-        if checkpoint is not None:
-            clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-        Conclusion(case, folder, setting, result, steady, before, notes).first()
+        with Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
+            result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
+            if checkpoint is not None:
+                clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
+            Conclusion(case, folder, setting, result, steady, before, notes).first(ahead)
 
 
 def _of_resume(case: ReadCase, folder: Path, checkpoint: Checkpoint | None) -> Iterator[str]:
     """What to tell of a run that goes on."""
     scene = case.scene()
     if checkpoint is None:
-        yield f"{folder} holds no checkpoint: the run starts from its beginning"
+        yield f"{folder} holds no checkpoint: the run starts from the beginning"
     elif checkpoint.result.engine == "lammps":
         done = checkpoint.result
         left = sum(item.count for item in scene.pours) + len(scene.positions) - done.present - done.removed
@@ -138,8 +138,8 @@ def _of_resume(case: ReadCase, folder: Path, checkpoint: Checkpoint | None) -> I
             yield f"the {left} discs that are still to be poured come from a new random stream"
 
 
-def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = False) -> Setting:
-    """Write the run folder of a case and stop there; with `job` also a job file for a cluster. The setting chosen.
+def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:
+    """Write the run folder of a case and stop there, with the job file for a site if one is given; the setting chosen.
 
     Raises
     ------
@@ -155,8 +155,8 @@ def build(case: ReadCase, folder: Path, *, job: bool = False, force: bool = Fals
             raise SetupError(f"{folder}: holds a run; name another folder with --out, or delete that run with --force")
         write_folder(case, folder, marker)
         engines.write_inputs(Job(case.scene(), folder, with_header(case, setting), Path.cwd()))
-        if job:
-            write_job(case.scene(), folder, setting.ranks)
+        if job is not None:
+            write_job(case.scene(), folder, setting.ranks, job)
     return setting
 
 
@@ -217,12 +217,11 @@ def _run_engine(
     progress: ProgressCallback | None,
     should_stop: StopCallback | None,
 ) -> tuple[RunResult, str]:
-    """Run; the text says why it was stopped as steady, and is empty where it was not."""
+    """Run; the text says why it was stopped as steady or drowned, and is empty where it was not."""
     scene, watch = case.scene(), None
     if case.fields.run.stop_when_steady:
         watch = runs.steady.SteadyWatch(scene, folder, runs.steady.studied_reach(runs.results.flow_of(case)))
     asked = [ask for ask in (watch, should_stop) if ask is not None]
-    threading.Thread(target=_load_analysis).start()  # meanwhile
     result = engines.run(
         scene,
         folder,
@@ -236,13 +235,6 @@ def _run_engine(
     if watch is not None and watch.reason and result.status == "interrupted":
         return replace(result, status="complete", message=""), watch.reason
     return result, ""
-
-
-def _load_analysis() -> None:
-    """Import what the analysis needs, 0.7 s."""
-    for name in ("numba", "xarray", "h5netcdf", "matplotlib.figure", "matplotlib.backends.backend_agg"):
-        with suppress(Exception):  # a program that is ending; else the analysis says it
-            importlib.import_module(name)
 
 
 @contextmanager

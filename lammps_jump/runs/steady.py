@@ -6,7 +6,8 @@ of a series over a window. A straight line is fitted to the means of equal batch
 confidence interval, and the series counts as steady only where the *whole* interval lies within a tolerance. (A test
 that merely fails to find a trend would call any noisy or short record steady.) Batches that are still correlated widen
 the interval: residuals with lag-1 correlation r > 0 inflate the standard error by sqrt((1 + r)/(1 - r)). Depth,
-discharge and toe must all be steady at two looks in a row, half a window apart.
+discharge and toe must all be steady at two looks in a row, half a window apart; in a flow without a toe, depth and
+discharge. A flow that lets no disc in for a whole window has drowned its inlet, and ends too.
 
 False-stop rate, measured (tests/runs/test_steady.py; 1,500 records of three windows whose depth drifts by the tolerance
 a window, 100 samples a window): below 0.1 % with independent noise, 0.3 % with AR(1) noise of 0.8 from sample to
@@ -24,7 +25,9 @@ import numpy as np
 from scipy.special import stdtrit
 
 from lammps_jump.analysis.flow import Flow, from_scene
+from lammps_jump.analysis.jump.result import STILL
 from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp
+from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.tail import Tail
 from lammps_jump.scene.scene import Scene
 
@@ -34,7 +37,7 @@ FEWEST_FRAMES = 48
 """The detector wants sixteen batches of several frames each."""
 BATCHES = 16
 TOLERANCES = {"depth": 0.02, "discharge": 0.02, "toe": 0.5}
-"""Drift over one window that still counts as none: shares of the window's mean, and m."""
+"""Drift over one window that still counts as none: shares of the window's mean or the inflow's discharge, and m."""
 CONFIDENCE = 0.95
 """Of each one-sided test; the two make an interval of confidence 2 `CONFIDENCE` - 1."""
 
@@ -98,6 +101,8 @@ class SteadyDetector:
     ----------
     window : float
         Length of record that is tested, s: several times what the flow needs to pass through the studied reach.
+    inflow : float
+        Discharge of the inflow, m^2/s: the drift of a discharge below it is measured against it.
 
     Attributes
     ----------
@@ -107,10 +112,10 @@ class SteadyDetector:
         Tests made.
     """
 
-    def __init__(self, window: float):
+    def __init__(self, window: float, inflow: float = 0.0):
         if not 0 < window < inf:
             raise ValueError(f"window {window!r} s: expected a length of time above 0")
-        self.window = window
+        self.window, self.inflow = window, inflow
         self.reason, self.looks = "", 0
         self.drifts: dict[str, Drift] = {}
         self._rows: deque[tuple[float, float, float, float]] = deque()
@@ -129,7 +134,7 @@ class SteadyDetector:
         discharge : float
             Mean discharge there, m^2/s.
         toe : float
-            Position of the toe, m; NaN where there is none, which is never steady.
+            Position of the toe, m; NaN where there is none. A toe that comes and goes is never steady.
         """
         if self.reason:
             return True
@@ -145,9 +150,12 @@ class SteadyDetector:
         self.looks += 1
         self._next_look = time + 0.5 * self.window
         columns = np.array(self._rows)[:, 1:].T
-        self.drifts = {name: drift_of(values) for name, values in zip(TOLERANCES, columns, strict=True)}
-        allowed = {name: TOLERANCES[name] * abs(found.mean) for name, found in self.drifts.items()}
-        allowed["toe"] = TOLERANCES["toe"]
+        series = dict(zip(TOLERANCES, columns, strict=True))
+        jump = np.isfinite(series["toe"]).any()
+        self.drifts = {name: drift_of(values) for name, values in series.items() if jump or name != "toe"}
+        scales = {name: abs(found.mean) for name, found in self.drifts.items()} | {"toe": 1.0}
+        scales["discharge"] = max(scales["discharge"], self.inflow)
+        allowed = {name: TOLERANCES[name] * scale for name, scale in scales.items()}
         good = all(abs(found.drift) + found.margin <= allowed[name] for name, found in self.drifts.items())
         self._passed = self._passed + 1 if good else 0
         if self._passed >= 2:
@@ -156,8 +164,8 @@ class SteadyDetector:
                 for name, drift in self.drifts.items()
             )
             self.reason = (
-                f"statistically steady at t = {time:.4g} s: drift over the last {self.window:g} s of {found}; "
-                f"two one-sided t tests, {100 * CONFIDENCE:g} %, twice in a row"
+                f"statistically steady{'' if jump else ', without a jump,'} at t = {time:.4g} s: drift over the last "
+                f"{self.window:g} s of {found}; two one-sided t tests, {100 * CONFIDENCE:g} %, twice in a row"
             )
 
 
@@ -218,7 +226,7 @@ def studied_reach(flow: Flow) -> tuple[float, float]:
 
 
 class SteadyWatch:
-    """A ``should_stop`` callback for the engines.
+    """A ``should_stop`` callback for the engines: the flow is steady, or its inlet is drowned.
 
     Parameters
     ----------
@@ -231,27 +239,38 @@ class SteadyWatch:
     Attributes
     ----------
     reason : str
-        Empty until the flow is steady; then the sentence for the summary.
+        Empty until the run may stop; then the sentence for the summary.
     """
 
     def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float]):
         self.scene, self.flow, self.reach = scene, from_scene(scene), reach
-        self.tail = Tail(folder / "dump.lammpstrj")
+        self.tail = Tail(folder.absolute() / "dump.lammpstrj")  # whoever changes the working directory meanwhile
         window = steady_window(scene, reach)
-        self.detector = SteadyDetector(window) if window else None
-
-    @property
-    def reason(self) -> str:
-        """Why the run may stop, empty while it may not."""
-        return self.detector.reason if self.detector else ""
+        self.detector = SteadyDetector(window, sum(scene.discharges)) if window else None
+        self.reason, self._highest, self._entered = "", 0, 0.0
 
     def __call__(self) -> bool:
-        """Take in the frames that are new; True once the flow is steady."""
+        """Take in the frames that are new; True once the flow is steady, or dead."""
         if self.detector is None:
             return False
         for frame in self.tail.new_frames():
-            if frame.n:
-                discs = frame.x, frame.vx, self.scene.mass, self.scene.density
-                state = flow_state(*discs, self.reach, relative=self.flow.relative_masses(frame))
-                self.detector.feed(self.scene.time(frame.step) if frame.time is None else frame.time, *state)
+            if frame.n and not self.reason:
+                self.reason = self._look(frame, self.flow.time(frame), self.detector)
         return bool(self.reason)
+
+    def _look(self, frame: Frame, time: float, detector: SteadyDetector) -> str:
+        """Why the run may stop at a frame; empty where it may not."""
+        discs = frame.x, frame.vx, self.scene.mass, self.scene.density
+        depth, discharge, toe = flow_state(*discs, self.reach, relative=self.flow.relative_masses(frame))
+        highest = int(frame.ids.max())
+        if highest > self._highest:
+            self._highest, self._entered = highest, time
+        elif time - self._entered >= detector.window:
+            speed = float(np.median(np.hypot(frame.vx, frame.vy)))
+            still = ", and the discs stand still" if speed < STILL * sqrt(self.flow.g * depth) else ""
+            return (
+                f"ended at t = {time:.4g} s: the inlet is drowned, no disc has entered since t = "
+                f"{self._entered:.4g} s{still}"
+            )
+        detector.feed(time, depth, discharge, toe)
+        return detector.reason

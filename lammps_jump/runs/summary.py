@@ -62,6 +62,7 @@ class Stored(BaseModel, strict=True):
     disc_steps_per_second: FiniteFloat | None = None
     discs: _Discs
     wall_seconds: _Seconds
+    cpu_seconds: FiniteFloat = 0.0
     breakdown_seconds: dict[str, float | None] | None
     ledger: dict[str, float | None] | None
     resumed_at: list[FiniteFloat] = []
@@ -122,6 +123,7 @@ def compose(
             **({"resumed_at": result.resumed} if result.resumed else {}),
             **({"can_go_on": True} if result.outside else {}),
             "wall_seconds": seconds,
+            "cpu_seconds": result.cpu_seconds,
             "disc_steps": result.disc_steps,
             "disc_steps_per_second": result.disc_steps / result.seconds if result.seconds > 0 else None,
             "breakdown_seconds": result.breakdown or None,

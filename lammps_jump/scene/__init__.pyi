@@ -5,6 +5,7 @@ from .scene import InletRow as InletRow
 from .scene import Outlet as Outlet
 from .scene import Pour as Pour
 from .scene import Scene as Scene
+from .scene import Stations as Stations
 from .sizes import Sizes as Sizes
 from .walls import Block as Block
 from .walls import Box as Box

@@ -34,6 +34,10 @@ class InletRow:
     clearance: float
     limit: int | None = None
 
+    def discharge(self, mean_square: float, time_step: float) -> float:
+        """Discharge of the row without refused turns, m^2/s: the mean squared diameter (m^2) over the interval."""
+        return mean_square / (self.every_steps * time_step)
+
 
 @dataclass(frozen=True, slots=True)
 class Pour:
@@ -67,6 +71,16 @@ class Gate:
     release_step: int
 
 
+@dataclass(frozen=True, slots=True)
+class Stations:
+    """Two upright planes at `x` (m) at `first_step`, which move at `speed` (m/s) along x until `last_step`."""
+
+    x: Interval
+    speed: float
+    first_step: int
+    last_step: int
+
+
 @dataclass(frozen=True)
 class Scene:
     """A case in engine-neutral numbers (SI).
@@ -88,6 +102,8 @@ class Scene:
         Permanent walls; walls that are taken away.
     probes : tuple of str
         Names of walls whose force is recorded every step and averaged over `probe_steps`.
+    stations : Stations, optional
+        Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
         Diameters where discs are not equal.
     size_steps : int
@@ -117,6 +133,7 @@ class Scene:
     pours: tuple[Pour, ...] = ()
     outlets: tuple[Outlet, ...] = ()
     probes: tuple[str, ...] = ()
+    stations: Stations | None = None
     steps: int = 0
     settle_steps: int = 0
     output_steps: int = 1
@@ -153,9 +170,26 @@ class Scene:
         return self.sizes.smallest if self.sizes else self.diameter
 
     @property
+    def mean_square(self) -> float:
+        """Mean squared diameter by number, m^2: the area that a disc stands for."""
+        return self.sizes.mean_square if self.sizes else self.diameter**2
+
+    @property
     def mean_mass(self) -> float:
         """Mean mass of a disc by number, kg/m."""
-        return self.density * self.sizes.mean_square if self.sizes else self.mass
+        return self.density * self.mean_square
+
+    @property
+    def expected_discs(self) -> int:
+        """Discs in play at the end if none leaves: those at the start and all that the inlets can bring."""
+        steps = self.steps - self.settle_steps
+        brought = sum(row.limit or steps // row.every_steps for row in self.inlets)
+        return len(self.positions) + brought + sum(item.count for item in self.pours)
+
+    @property
+    def discharges(self) -> tuple[float, ...]:
+        """Discharge of each inlet row in whole steps, m^2/s."""
+        return tuple(row.discharge(self.mean_square, self.time_step) for row in self.inlets)
 
     def diameters(self, ids: ArrayLike) -> np.ndarray:
         """Diameter of each id, m; shape of `ids`."""

@@ -8,6 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .scene import Scene, Stations
+from .walls import Interval
+
 TOLD = 1e-3
 """Relative change of an asked time from which on it is told; the duration is not changed by more where that can be."""
 WIDEST = 0.02
@@ -75,3 +78,32 @@ def told(asked: dict[str, tuple[float, float]], unit: str = "s") -> tuple[str, .
         for name, (value, made) in asked.items()
         if abs(made - value) > TOLD * abs(value)
     )
+
+
+def plan_stations(x: Interval, speed: float, window: Interval, scene: Scene) -> Stations:
+    """Stations at `x` (m) that move at `speed` (m/s) from the first to the last frame of a window (s).
+
+    Raises
+    ------
+    ValueError
+        The window holds no two frames of the run, the stations are too close, or discs come or go between them.
+    """
+    dt, least = scene.time_step, 2 * scene.largest
+    frames = (round((time / dt + scene.settle_steps) / scene.output_steps) for time in window)
+    first, last = (frame * scene.output_steps for frame in frames)
+    if not 0 <= first < last <= scene.steps:
+        raise ValueError(
+            f"window [{window[0]:g}, {window[1]:g}] s; allowed are times of two frames or more within "
+            f"[{scene.time(0):g}, {scene.time(scene.steps):g}] s"
+        )
+    if x[1] - x[0] < least:
+        raise ValueError(f"x [{x[0]:g}, {x[1]:g}] m; allowed is a distance of {least:g} m, two discs, or more")
+    moved = speed * (last - first) * dt
+    low, high = x[0] + min(0.0, moved), x[1] + max(0.0, moved)
+    for place in (*(row.x for row in scene.inlets), *(line.at for line in scene.outlets if line.axis == "x")):
+        if low - least < place < high + least:
+            raise ValueError(
+                f"the stations pass x = {low:.4g} to {high:.4g} m, and discs come or go at {place:g} m; allowed is a "
+                f"stretch that stays {least:g} m away from it: move the stations or shorten the window"
+            )
+    return Stations(x, speed, first, last)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Scene to a folder that runs alone: ``in.lammps`` and, where needed, ``discs.data`` and ``disk.mol``."""
+"""Scene to a folder that runs alone: ``in.lammps``, and ``in.plugin.lammps`` and data files where needed."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 
@@ -22,6 +22,8 @@ Section = tuple[str, list[str]]
 STOP_FILE = "stop.request"
 """File in the run folder at which a run of several ranks pauses."""
 STOP_STEPS = 100
+SCRIPTS = {"stock": "in.lammps", "compiled": "in.plugin.lammps"}
+"""Name of the script, by its kernel; the first is always there, for a machine without the plugin."""
 
 
 @dataclass(frozen=True)
@@ -36,16 +38,13 @@ class Options:
         Number of MPI ranks of the run; more than one adds the division along x and its balancing.
     dump_format : {'text', 'gz', 'binary'}
     header : tuple of str
-        Comment lines for the top: version, case hash, command.
-    plugin : Path, optional
-        Shared object of the plugin, needed for the compiled kernel; ``-var plugin FILE`` names another one.
+        Comment lines for the top: version, case hash, coefficients.
     """
 
     kernel: str = "stock"
     ranks: int = 1
     dump_format: str = "text"
     header: tuple[str, ...] = ()
-    plugin: Path | None = None
 
     @property
     def style(self) -> ModuleType:
@@ -54,11 +53,19 @@ class Options:
 
 
 def script_text(scene: Scene, **options) -> str:
-    """The LAMMPS input script of a scene; keywords as of `Options`."""
+    """The LAMMPS input script of a scene; keywords as of `Options`.
+
+    A stock script of what stock LAMMPS lacks says so and ends with status 1.
+    """
     how = Options(**options)
+    title = f"{scene.name}: {scene.description}".rstrip(": ")
+    if how.kernel == "stock" and (lacking := stock.lacking(scene)):
+        said = f"No run: LAMMPS' own styles have no {lacking}; {SCRIPTS['compiled']} beside it runs with the plugin"
+        how = replace(how, kernel="compiled", header=(said, *how.header))
+        return joined(title, SCRIPTS["compiled"], how, [("end", [f'print "{said}"', "quit 1"])])
     begin = -scene.settle_steps * scene.time_step
     sections = [
-        ("settings", how.style.settings(scene, how.ranks, how.plugin)),
+        ("settings", how.style.settings(scene, how.ranks)),
         ("box and discs", stock.box_and_discs(scene)),
         ("simulated time before the gate opens", [f"reset_timestep  0 time {number(begin)}"] if begin else []),
         *how.style.law(scene),
@@ -69,7 +76,7 @@ def script_text(scene: Scene, **options) -> str:
         ("log", stock.thermo(scene)),
         ("run", stock.schedule(scene, how.style.gates(scene), how.style.own_sizes(scene), how.kernel)),
     ]
-    return joined(f"{scene.name}: {scene.description}".rstrip(": "), how, sections)
+    return joined(title, SCRIPTS[how.kernel], how, sections)
 
 
 def control(scene: Scene, how: Options) -> list[Section]:
@@ -82,9 +89,10 @@ def control(scene: Scene, how: Options) -> list[Section]:
     ]
 
 
-def joined(title: str, how: Options, sections: list[Section]) -> str:
-    """The text of a script; sections without commands are left out."""
-    lines = [f"# {lammps_comment(line)}" for line in (title, *how.header)]
+def joined(title: str, name: str, how: Options, sections: list[Section]) -> str:
+    """The text of the script of that name; sections without commands are left out."""
+    needs = " -var plugin FILE (`lammps-jump kernels build` prints FILE)" if how.kernel == "compiled" else ""
+    lines = [f"# {lammps_comment(line)}" for line in (title, *how.header, f"run it with: lmp -in {name}{needs}")]
     for name, commands in sections:
         if commands:
             lines += ["", f"# --- {name}", *commands]
@@ -129,7 +137,7 @@ def stop_at(scene: Scene, step: int) -> tuple[int, list[str]]:
 def data_text(scene: Scene) -> str:
     """Data file with the discs at the start (full precision)."""
     (xlo, xhi), (ylo, yhi) = scene.domain
-    half = number(0.5 * scene.largest)
+    half = number(stock.half_depth(scene))
     name = lammps_comment(scene.name)
     lines = [
         f"{len(scene.positions)} discs of {name}; the density column is of spheres, the script sets the mass",
@@ -164,15 +172,16 @@ def molecule_text(scene: Scene) -> str:
 
 
 def write_script(scene: Scene, folder: Path, **options) -> Path:
-    """Write the script and its side files into `folder`; returns the path of ``in.lammps``.
+    """Write the scripts and their side files into `folder`; returns the path of the kernel's script (`SCRIPTS`).
 
-    Keywords are those of `Options`.
+    Keywords are those of `Options`. The stock script is always written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     if len(scene.positions):
         (folder / stock.DATA_FILE).write_text(data_text(scene))
     if scene.inlets or scene.pours:
         (folder / stock.MOLECULE_FILE).write_text(molecule_text(scene))
-    path = folder / "in.lammps"
-    path.write_text(script_text(scene, **options))
+    for kernel in dict.fromkeys(("stock", Options(**options).kernel)):
+        path = folder / SCRIPTS[kernel]
+        path.write_text(script_text(scene, **{**options, "kernel": kernel}))
     return path

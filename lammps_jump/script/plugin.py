@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
@@ -20,13 +18,9 @@ SORT_CELL = 0.65
 """Side of the cells that LAMMPS sorts discs into (for the cache), in diameters: half of d and a skin of 0.3 d."""
 
 
-def settings(scene: Scene, ranks: int, plugin: Path | None = None) -> list[str]:
-    """Load the plugin; ``-var plugin FILE`` names another build of it, but not where its path holds blanks."""
-    path = str(plugin or "jump_plugin.so")
-    load = [f"variable        plugin index {path}", "plugin          load ${plugin}"]
-    if len(path.split()) > 1:  # quoted text stays one word, but a variable in quotes is not replaced
-        load = [f'plugin          load "{path}"']
-    return load + stock.settings(scene, ranks)
+def settings(scene: Scene, ranks: int) -> list[str]:
+    """Load the plugin, whose path is given by ``-var plugin FILE``: the folder may run on another machine."""
+    return ["plugin          load ${plugin}", *stock.settings(scene, ranks)]
 
 
 def law(scene: Scene) -> list[tuple[str, list[str]]]:

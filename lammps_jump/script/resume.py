@@ -52,7 +52,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
         gates += stock.inlets(scene, sizes)
         run = [f"run             {scene.steps} upto pre no"]
     sections = [
-        ("settings", ["log             log.lammps append", *how.style.settings(scene, how.ranks, how.plugin)]),
+        ("settings", ["log             log.lammps append", *how.style.settings(scene, how.ranks)]),
         ("state", [f"read_restart    {STATE.format(step=step)}", *stock.size_variables(scene), *stock.molecule(scene)]),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
@@ -64,7 +64,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
         ("forces of the half step", ["run             0 post no"]),
         ("run", run),
     ]
-    text = joined(f"{scene.name}: goes on from step {step}", how, sections)
+    text = joined(f"{scene.name}: goes on from step {step}", SCRIPT, how, sections)
     for name in scene.probes:
         text = text.replace(f" file {raw_forces(name)} ", f" append {raw_forces(name)} ")
     return text

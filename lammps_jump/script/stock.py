@@ -6,7 +6,7 @@ Each function takes the scene and returns lines, or none where the scene does no
 
 from __future__ import annotations
 
-from pathlib import Path
+from math import ceil, log2
 
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
@@ -22,8 +22,15 @@ LOG_LINES_PER_FRAME = 5
 probes, gates = stock_probes, stock_gates
 
 
-def settings(scene: Scene, ranks: int, plugin: Path | None = None) -> list[str]:
-    """Units, dimension, atom style and how space is divided; the styles of LAMMPS need no plugin."""
+def lacking(scene: Scene) -> str:
+    """What the styles of LAMMPS lack of a scene, as the case says it; empty where they do."""
+    if scene.touch == "smooth":
+        return "'touch: smooth'"
+    return "'friction_law: sign'" if scene.friction_law == "sign" and scene.coefficients.friction > 0 else ""
+
+
+def settings(scene: Scene, ranks: int) -> list[str]:
+    """Units, dimension, atom style and how space is divided."""
     return [
         "units           si",
         "dimension       2",
@@ -41,10 +48,19 @@ def box_and_discs(scene: Scene) -> list[str]:
         what = SIZE if scene.sizes else f"mass {number(scene.mass)}"
         lines = [f"read_data       {DATA_FILE}", *size_variables(scene), f"set             group all {what}"]
     else:
-        half = 0.5 * scene.largest
+        half = half_depth(scene)
         extent = numbers(*scene.domain[0], *scene.domain[1], -half, half)
         lines = [f"region          domain block {extent}", "create_box      1 domain", *size_variables(scene)]
     return lines + molecule(scene)
+
+
+def half_depth(scene: Scene) -> float:
+    """Half the size of the box in z, m: a power of two, no less than the largest radius.
+
+    Ranks that share their discs anew scale positions to the box and back. With another size that moves discs by 1e-17 m
+    out of the plane, and collisions amplify it.
+    """
+    return 2.0 ** ceil(log2(0.5 * scene.largest))
 
 
 SIZE = "diameter v_diameter mass v_mass"

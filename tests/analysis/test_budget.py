@@ -8,21 +8,24 @@ import numpy as np
 import pytest
 from made_up import INPUTS, numbers
 
+from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.jump.head import FIELDS, EnergyFluxes, budget_between, energy_budget, sentence
+from lammps_jump.analysis.jump.head import FIELDS, EnergyFluxes, budget_between, energy_budget, no_budget, sentence
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.section import section
 from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.quantities import main_numbers
 from lammps_jump.analysis.report.page import Table
 from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import Stations
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Plane
-from lammps_jump.units import as_summary
+from lammps_jump.units import ABSENT, as_summary
 
 D = 0.2
 FLOOR = Plane("floor", "y", 0.0, "above")
@@ -94,6 +97,54 @@ def test_the_loss_belongs_to_its_stations(jump):
     fields, result, edges = jump
     near, far = (budget_between(fields, result, edges, (result.toe - a, result.toe + b)) for a, b in ((1, 3), (3, 6)))
     assert near.dashpots < 0.9 * far.dashpots
+
+
+def test_frames_have_a_budget_between_the_stations_of_the_case(jump):
+    """The same stations, named once from the front and once by the case; those of the case may be anywhere."""
+    fields, result, edges = jump
+    front, scene, times = result.motion, result.flow.scene, result.track.time
+    first, last = (round(time / scene.time_step) for time in (times[0], times[-1]))
+    at = front.start + front.speed * times[0]
+
+    def asked(speed):
+        stations = Stations((at + result.toe - 2, at + result.toe + 4), speed, first, last)
+        return energy_budget(
+            fields, replace(result, flow=replace(result.flow, scene=replace(scene, stations=stations))), edges
+        )
+
+    alike, still = asked(front.speed), asked(0.0)
+    expected = budget_between(fields, result, edges, (result.toe - 2, result.toe + 4))
+    assert (alike.start, alike.stop, alike.lost) == pytest.approx((-2.0, 4.0, expected.lost), rel=0.01)
+    assert alike.x == pytest.approx((at + result.toe - 2, at + result.toe + 4), abs=1e-6)
+    assert still.speed == 0.0 and still.discharge == pytest.approx(expected.discharge, rel=0.1)
+    moved = front.speed * (times[-1] - times[0])
+    assert still.start == pytest.approx(-2.0 - 0.5 * moved, abs=0.01)  # the toe moves between them
+    text = f"{{x: [{alike.x[0]:.2f}, {alike.x[1]:.2f}], speed: {alike.speed:.3f}, window: [6.01, 7.99]}}"
+    assert sentence(as_summary(alike)).endswith(f"probes.stations = {text}.")
+
+
+def test_ledger_and_frames_stand_side_by_side(jump):
+    fields, result, edges = jump
+    budget = as_summary(energy_budget(fields, result, edges))
+    keys = ("carried", "contacts", "walls", "storage", "dashpots", "friction", "lost", "residual")
+    ledger = {f"stations_{key}": -1e-17 for key in keys} | {"stations_lost": 2.3456, "stations_discharge": 6.6}
+    ledger |= {"stations_left": 16.0, "stations_right": 23.0, "stations_speed": -1.0}
+    summary = {"ledger": ledger | {"stations_begin": 6.0, "stations_end": 8.0}, "jump": {"budget": budget}}
+    text, table = stations.section(summary).blocks
+    assert "x = 16.00 and 23.00 m at t = 6 s, which move at −1.000 m/s until 8 s" in text[0]
+    (lost,) = (row for row in table.rows if row[0] == "Head lost [m]")
+    assert lost[1] == "2.346" and lost[2] == f"{budget['lost']:.2f} ± {budget['inflow_error']:.2g}"
+    assert table.rows[2][1:] == ("0.000", ABSENT)
+    assert "stations: head lost 2.346 m" in main_numbers(summary)[-1]
+    assert "friction takes energy" in stations.section({"ledger": summary["ledger"]}).blocks[0][0]
+    assert stations.section({"ledger": {"residual": 1.0}}) is None and stations.line({}) == ""
+
+
+def test_why_friction_or_a_slope_have_no_budget_is_said():
+    for change, cause in (("contact.friction=0.01", "friction is not counted"), ("slope=1", "the bed slopes")):
+        flow = from_scene(load_case(INPUTS / "quick_jump.yaml", [change]).scene())
+        assert cause in no_budget(flow) and "probes.stations" in no_budget(flow)
+    assert no_budget(from_scene(load_case(INPUTS / "quick_jump.yaml").scene())) == ""
 
 
 def test_friction_has_no_budget(jump):

@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import disc_frame, flow_context
 
-from lammps_jump.analysis import cell_grid
+from lammps_jump.analysis import cell_grid, contacts
 from lammps_jump.analysis.cell_grid import close_pairs
-from lammps_jump.analysis.contacts import find_contacts, pair_sums, wall_contacts, wall_sums
+from lammps_jump.analysis.contacts import find_contacts, pair_sums, touching_pairs, wall_contacts, wall_sums
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
@@ -69,6 +69,19 @@ def test_sums_are_those_over_the_contacts_found():
     assert thrust.sum() * 0.5 == pytest.approx(np.sum((across * extent)[pairs]), rel=1e-10)
     push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.scene.walls)
     assert push == pytest.approx((found.force[:, None] * found.normal)[found.is_wall].sum(axis=0), rel=1e-12)
+
+
+def test_contacts_of_a_frame_are_sought_once(monkeypatch):
+    """Several analyses ask for the same of one frame; the next frame is another one, also where it looks the same."""
+    flow = flow_context(domain=((-10, 10), (-10, 10)), x_range=(0, 2), walls=(FLOOR,), stiffness=K, stiffness_wall=K)
+    searches = []
+    monkeypatch.setattr(contacts, "close_pairs", lambda *asked: searches.append(1) or close_pairs(*asked))
+    first, second = (disc_frame([0.0, 0.15], [0.05, 0.05], box=BOX) for _ in range(2))
+    assert touching_pairs(first, flow) is touching_pairs(first, flow)
+    assert wall_sums(first, FLOOR, flow) is wall_sums(first, FLOOR, flow)
+    assert wall_sums(first, FLOOR, flow, velocity=False) is not wall_sums(first, FLOOR, flow)
+    assert touching_pairs(second, flow) is not touching_pairs(first, flow)
+    assert len(searches) == 3  # the first frame was forgotten for the second
 
 
 def sum_of_forces(found, x, y):

@@ -7,7 +7,7 @@ import pytest
 from made_up import flow_context
 from matplotlib._pylab_helpers import Gcf
 
-from lammps_jump.analysis.draw import painter, snapshots
+from lammps_jump.analysis.draw import painter, scope, snapshots
 from lammps_jump.analysis.draw import style as figures
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.frame import make_frame
@@ -90,10 +90,10 @@ def test_empty_flow_can_be_drawn(tmp_path):
 
 
 def test_end_of_a_colour_scale():
-    assert snapshots.top_of([np.full(1000, 18.2)]) == 20.0
-    assert snapshots.top_of([np.full(1000, 0.31)]) == pytest.approx(0.35)
-    assert snapshots.top_of([np.zeros(3)]) == 1.0 and snapshots.top_of([]) == 1.0
-    assert snapshots.top_of([np.append(np.full(1000, 1.0), 500.0)]) == 1.0
+    assert scope.top_of([np.full(1000, 18.2)]) == 20.0
+    assert scope.top_of([np.full(1000, 0.31)]) == pytest.approx(0.35)
+    assert scope.top_of([np.zeros(3)]) == 1.0 and scope.top_of([]) == 1.0
+    assert scope.top_of([np.append(np.full(1000, 1.0), 500.0)]) == 1.0
 
 
 def test_a_figure_that_cannot_be_written(profiles, tmp_path):

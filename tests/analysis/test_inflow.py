@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from made_up import INPUTS, numbers
 
-from lammps_jump.analysis.budgets.inflow import InflowCounter, analyse, deliver, in_order, section
+from lammps_jump.analysis.budgets.inflow import Arrivals, InflowCounter, analyse, deliver, in_order, section
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.forces.impulse import MomentumLedger, identity_sentence, impulse_identity
 from lammps_jump.analysis.passes import Gathered
@@ -54,6 +54,18 @@ def test_refused_turns_are_told_row_by_row():
     assert found.refused == sum(turns) - simulation.boundaries.inserted > 0
     assert found.deviation < -0.03
     assert "refused" in found.notes[0] and "6 m2/s asked for" in found.notes[0]
+
+
+def test_a_drowned_inlet_is_told_with_the_time_of_its_last_disc():
+    case = load_case(INPUTS / "quick_jump.yaml")
+    flow = from_scene(case.scene(), inflow_depth=0.6, inflow_speed=10.0, window=(10.0, 20.0))
+    time, rows = np.arange(0.0, 20.0), len(flow.scene.inlets)
+    turns = np.full((20, rows), 50)
+    entered = np.where(time[:, None] <= 12, turns, 0)
+    arrivals = Arrivals(time, turns, entered, entered.sum(axis=1), 0.15**2 * entered, 0 * time, np.ones((20, 3)))
+    assert deliver(arrivals, flow, flow.window).notes[0].endswith("no disc has entered since t = 12 s")
+    some = replace(arrivals, discs=np.maximum(arrivals.discs, 1))
+    assert "since" not in deliver(some, flow, flow.window).notes[0]
 
 
 def test_discs_are_matched_with_turns_in_order():

@@ -12,19 +12,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context, numbers
 
+from lammps_jump.analysis.jump.certainty import LOWER_BOUNDS, TAIL_BOUNDS
 from lammps_jump.analysis.jump.frame import Roller, growth_rate
+from lammps_jump.analysis.jump.head import Budget
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
 from lammps_jump.analysis.jump.section import section
 from lammps_jump.analysis.jump.stream import compression_front, measure_stream, running_median
-from lammps_jump.analysis.jump.summary import summarise_jump
+from lammps_jump.analysis.jump.summary import Jump, summarise_jump
+from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.jump.verdict import belongs_to, notes, worded
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.report.page import render
-from lammps_jump.analysis.statistics import STUDENT, mean_of, piece_error
+from lammps_jump.analysis.report.page import Table, render
+from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of, piece_error, propagated
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Block, Plane
+from lammps_jump.units import ABSENT, numbers_of
 
 D, G = 0.2, 9.81
 BOX = [[-5, 65], [-5, 20]]
@@ -395,6 +399,62 @@ def test_the_section_says_what_the_numbers_are_worth():
     page = render("", [section(numbers(upstream))])
     assert "Roller: in the front&#39;s frame the mean surface runs upstream over 2.0 m (0.3 y₂), from 1.5 m" in page
     assert "In the laboratory, where the front&#39;s own speed is in it: over 2.5 m." in page
+
+
+def test_numbers_that_one_run_cannot_tell_say_so_everywhere():
+    jump = worded(summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context())))
+    found, known = numbers(jump), numbers_of(Jump)
+    assert {"y2", "u2", "speed", "length", "froude"} <= set(found["lower_bounds"])
+    assert all(f"{key}_error" in known for key in LOWER_BOUNDS)
+    assert all(f"{key}_error" in numbers_of(Tail) for key in TAIL_BOUNDS)
+    rows = {row[0]: row for block in section(found).blocks if isinstance(block, Table) for row in block.rows}
+    assert rows["Mass depth s [m]"][2].endswith(" or more") and "or more" not in rows["Mass depth s [m]"][1]
+    assert rows["Length of the jump [m]"][1].endswith(" or more") and rows["Length of the jump [m]"][4].endswith("more")
+    assert "front at " in jump.headline and " m/s or more." in jump.headline and " m/s or more." in jump.reason
+
+
+def test_every_cell_of_the_comparisons_has_an_error():
+    jump = summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context()))
+    rows = [row for block in section(numbers(jump)).blocks if isinstance(block, Table) for row in block.rows]
+    compared = [row for row in rows if len(row) == 5 and row[1] != ABSENT]
+    assert len(compared) >= 7
+    for row in compared:
+        assert all("±" in str(cell) for cell in (row[1], row[4])), row
+        assert "±" in str(row[3]) or "no error from one run" in row[2], row
+
+
+@pytest.mark.parametrize("verdict", ["locked heap", "drowned inlet", "no jump found"])
+def test_no_row_of_a_jump_where_there_is_none(verdict, step_result):
+    found = numbers(replace(worded(summarise_jump(step_result)), budget=Budget(start=-2.0, stop=5.0, lost=1.0)))
+    shown = str(section(found | {"verdict": verdict}))
+    for words in ("Length", "Head", "Mass depth", "sequent", "Bélanger's", "Roller", "Tail water", "Energy between"):
+        assert words not in shown.replace(found["reason"], ""), words
+    marginal = str(section(found | {"verdict": "marginal jump"}))
+    assert "Mass depth" in marginal and "Length of the jump" not in marginal and "Energy between" not in marginal
+
+
+def test_the_tail_is_held_against_the_stream_that_was_delivered():
+    here = context(inflow_depth=1.0, inflow_speed=16.0)
+    result = analyse_jump(compute_profiles(wandering_step(), here), here)
+    asked, given = summarise_jump(result), summarise_jump(result, (Mean(1.1, 0.01), Mean(15.0, 0.2)))
+    for jump, depth, velocity in ((asked, 1.0, 16.0), (given, 1.1, 15.0)):
+        expected = theory.sequent_depth(velocity - result.motion.speed, depth)
+        assert jump.tail.belanger_y2 == pytest.approx(expected, rel=1e-9)
+    slope = propagated(lambda u: theory.sequent_depth(u - result.motion.speed, 1.1), Mean(15.0, 0.2)).error
+    assert given.tail.belanger_y2_error > max(slope, asked.tail.belanger_y2_error) > 0
+    assert f"{given.tail.belanger_y2:.2f}" in worded(given).headline and "delivered inflow" in worded(given).headline
+    assert given.inflow.velocity == 16.0  # theory of what was asked for
+
+
+def test_errors_are_handed_on():
+    one, two = Mean(3.0, 0.3), Mean(4.0, 0.4)
+    for function, value, error in (
+        (lambda a, b: a - b, -1.0, 0.5),
+        (lambda a, b: a * b, 12.0, 12.0 * np.hypot(0.1, 0.1)),
+    ):
+        found = propagated(function, one, two)
+        assert (found.value, found.error) == pytest.approx((value, error))
+    assert np.isnan(propagated(lambda a: a, Mean(1.0, np.nan)).error)
 
 
 def test_too_few_frames_have_no_error(step_result):

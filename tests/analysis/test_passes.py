@@ -176,6 +176,8 @@ def test_no_jump_has_no_length_on_the_screen():
         "y2 3.00 ± 0.1 m, shock speed -1.00 ± 0.2 m/s, length 5"
         in main_numbers({"jump": {"verdict": "jump", **found}})[0]
     )
+    untold = {"verdict": "jump", **found, "lower_bounds": ["y2"]}
+    assert "y2 3.00 ± 0.1 m or more, shock speed -1.00 ± 0.2 m/s, length 5" in main_numbers({"jump": untold})[0]
     assert main_numbers({"jump": {"verdict": "locked heap", **found}}) == [
         "jump: verdict locked heap, shock speed -1.00 ± 0.2 m/s"
     ]
@@ -189,7 +191,7 @@ def test_plain():
 
 def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path, capsys):
     dump_of(tmp_path / "dump.flow", [bore(20.0)] * 2)
-    analyze(tmp_path, density=1000.0)
+    analyze([tmp_path], density=1000.0)
     said = capsys.readouterr().out.splitlines()
     notes = [text for text in said if text.startswith("note: ")]
     parts = json.loads((tmp_path / "dump_analysis" / "summary.json").read_text())

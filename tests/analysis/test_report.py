@@ -2,6 +2,10 @@
 """The report: one file, no network, safe text, small enough, whatever the summary lacks."""
 
 # ruff: noqa: RUF001  (minus signs and dashes as the page shows them)
+import base64
+import hashlib
+import html
+import json
 import re
 from html.parser import HTMLParser
 
@@ -12,7 +16,8 @@ from made_up import numbers
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.definitions import DEFINITIONS
-from lammps_jump.analysis.report.page import Section, Table, render, text
+from lammps_jump.analysis.report.headline import verdict
+from lammps_jump.analysis.report.page import Curve, Player, Section, Table, Text, render, text
 from lammps_jump.analysis.report.run import LARGEST, write_report
 from lammps_jump.errors import DumpError
 
@@ -24,9 +29,10 @@ class Balance(HTMLParser):
 
     def __init__(self):
         super().__init__()
-        self.open, self.sources, self.wrong = [], [], []
+        self.open, self.sources, self.wrong, self.attributes = [], [], [], []
 
     def handle_starttag(self, tag, attrs):
+        self.attributes += [name for name, _ in attrs]
         self.sources += [value for name, value in attrs if name in ("src", "href")]
         if tag not in VOID:
             self.open.append(tag)
@@ -44,7 +50,6 @@ def page(path):
     assert all(source.startswith("data:") for source in parser.sources)
     assert "http://" not in content
     assert "https://" not in content
-    assert "<script" not in content
     return content
 
 
@@ -85,27 +90,73 @@ def test_everything_inside_one_file(tmp_path):
     assert content.count("data:image/png") == 2
 
 
-def test_the_verdict_stands_at_the_top_and_its_tiles_have_errors(tmp_path):
+def tiles(content):
+    """Label, value, and all behind it, of each number at the top."""
+    found = re.findall(r"<div><dt>(.*?)</dt><dd><b>(.*?)</b>(.*?)</div>", content)
+    return {label: (value, re.sub("<[^>]*>", "|", rest)) for label, value, rest in found}
+
+
+def made_jump(**given):
     jump = {key: None for key in numbers(Jump("", ""))} | {"momentum_terms": None, "y2_error": None}
     jump |= {"verdict": "jump", "reason": "it moves", "headline": "Compare this - with that.", "share_found": 0.94}
-    jump |= {"length": 5.0, "length_error": 0.4, "speed": -1.0, "speed_error": None, "energy_loss": 2.5}
-    jump |= {"froude": 4.2, "froude_error": 0.1, "members": {"froude": 3, "speed": None}}
-    force = {"sill": {"peak": 4200.0, "peak_error": 300.0}}
+    return jump | given
+
+
+def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_comparison(tmp_path):
+    jump = made_jump(speed=-1.0, speed_error=None, u1=9.0, sequent_ratio=5.0, sequent_ratio_error=0.04)
+    jump |= {"belanger_ratio": 5.2, "belanger_deviation": -0.038, "length": 7.0}
+    force = {"sill": {"peak": 4200.0, "peak_error": 300.0, "hydrostatic": 2100.0, "mean_fx": 1.0}}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump, "force": force}))
-    assert content.index("Compare this − with that.") < content.index('class="numbers"')
-    said = ("<b>5.00 ± 0.4 m</b>", "94 %", "length of the jump; discs make a short one, ± within this run")
-    said += ("<summary>What these numbers mean</summary>", "where a sharp step between", "4.20 ± 0.3 kN/m")
-    said += ("velocity of the front (no error from one run)", "± within this run; for 3 % at least 3 run(s)")
-    for expected in said:
-        assert expected in content, expected
+    title = "A hydraulic jump. Its depth ratio is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
+    assert content.index(title) < content.index("Compare this − with that.") < content.index('class="numbers"')
+    assert tiles(content) == {
+        "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04||Bélanger 5.2|"),
+        "Velocity of the front": ("−1", " m/s|"),
+        "Peak force on the sill": ("4.20", " ± 0.3 kN/m||ρgh²/2 2.1 kN/m|"),
+    }
+    sure = "± is one standard error within this run. Without ±: no error from one run; repeat it from other starts."
+    assert sure in content
+    assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
     jump |= {"verdict": "no jump found"}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump}))
-    tiles = content.partition("<h2>")[0]
-    assert "no jump found" in tiles and "length of the jump" not in tiles and "head lost" not in tiles
+    assert "<h1>No hydraulic jump.</h1>" in content
+    assert tiles(content).keys() == {"Velocity of the front"}
+
+
+def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
+    error = {"sequent_ratio_error": 0.1, "y1_error": 0.01, "speed_error": 0.9}
+    jump = made_jump(sequent_ratio=5.0, y1=1.0, speed=1.0, u1=8.0, **error)
+    jump |= {"tail": {"depth": 3.0, "depth_error": 0.1, "belanger_y2": 3.5, "belanger_deviation": 0.2}}
+    force = {name: {"mean_fx": 1e3, "mean_fx_error": 10.0, "peak": 5.0} for name in ("sill", "gate")}
+    summary = {"name": "x", "jump": jump, "force": force, "inflow": {"delivered": 6.0}, "discs": {"inserted": 5}}
+    (tmp_path / "figures").mkdir()
+    section = "lammps_jump.analysis.report.run.QUANTITIES"
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(section, {})  # the sections want the whole of it
+        content = page(write_report(tmp_path, summary))
+    assert list(tiles(content))[-1] == "Mean force on the sill" and len(tiles(content)) == 5
+    assert "Its tail water is 20 % above Bélanger’s and its front stands." in content
+
+
+@pytest.mark.parametrize(
+    ("summary", "said"),
+    [
+        ({"front": {"position": 30.0, "time": 5.0, "speed": 9.87, "ritter": {"front_speed": 21.7}}}, "9.9 m/s; Ritter"),
+        ({"front": {"position": 30.0, "time": 5.0, "speed": None}}, "is at 30 m after 5 s."),
+        ({"energy": {"conservative": True, "max_deviation": 0.012}}, "The energy stays within 1.2 % of"),
+        ({"status": "failed", "message": "disc 7 is lost"}, "The run is failed."),
+        ({"jump": {"verdict": "locked heap"}}, "No hydraulic jump: locked heap."),
+        ({"jump": {"verdict": "marginal jump"}}, "Now and then a jump."),
+        ({}, ""),
+        ({"jump": {"verdict": "jump"}, "front": {"position": 30.0, "time": 5.0}}, "A hydraulic jump."),
+    ],
+)
+def test_verdict_in_a_sentence(summary, said):
+    assert said in verdict(summary)
 
 
 def test_every_quantity_has_its_definitions():
-    assert set(DEFINITIONS) == set(QUANTITIES)
+    assert set(DEFINITIONS) == {*QUANTITIES, "stations"}
 
 
 def test_text_is_made_safe(tmp_path):
@@ -151,3 +202,43 @@ def test_table_aligns_numbers_with_their_heads():
 def test_place_that_cannot_be_written(tmp_path):
     with pytest.raises(DumpError, match="cannot be written"):
         write_report(tmp_path / "missing", {})
+
+
+HOSTILE = '</script><img src=x onerror="alert(1)"><!--'
+
+
+def test_only_its_own_style_and_scripts_may_act_in_a_page():
+    made = render(HOSTILE, [Section(HOSTILE, [Curve(HOSTILE, {"name": HOSTILE}), Player({"name": HOSTILE}, "AAAA")])])
+    policy = html.unescape(re.search(r'Content-Security-Policy" content="([^"]*)"', made)[1])
+    own = re.findall(r"<(style|script)>(.*?)</\1>", made, re.DOTALL)
+    assert [kind for kind, _ in own] == ["style", *(["script"] * 4)]
+    for _, inside in own:
+        assert f"'sha256-{base64.b64encode(hashlib.sha256(inside.encode()).digest()).decode()}'" in policy
+    assert "unsafe" not in policy and "default-src 'none'" in policy
+    assert HOSTILE not in made and "<img" not in made
+    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', made, re.DOTALL)[1])
+    assert data == {"players": [{"name": HOSTILE}], "curves": [{"name": HOSTILE}]}
+    assert '<script type="text/plain" id="frames0">AAAA</script>' in made
+    parser = Balance()
+    parser.feed(made)
+    assert not [name for name in parser.attributes if name == "style" or name.startswith("on")]
+
+
+def test_page_without_anything_to_draw_has_no_script():
+    assert "<script" not in render("plain", [Section("", [Text("words")])])
+
+
+def test_a_number_without_an_error_is_said_to_have_none():
+    """Fronts, forces and energies of one run; the jump and the inflow have tests of their own."""
+    moyce = dict.fromkeys(("aspect", "slope", "slope_of_table"), 3.0) | {"comparable": False}
+    front = dict.fromkeys(("column_base", "column_depth", "position", "position_99", "column_height"), 4.0)
+    front |= {"speed": 9.9, "arrival_time": None, "martin_moyce": moyce}
+    force = {"structure": {"peak": 3e5, "peak_time": 4.4, "impulse": 2e5}}
+    energy = dict.fromkeys(("initial", "final", "kinetic", "potential", "elastic"), 1.0)
+    for key, found, said in (
+        ("front", front, "One run has no errors for these numbers"),
+        ("force", force, "one run has no error for a number without"),
+        ("energy", energy, "exact for this run"),
+    ):
+        texts = [block.text for block in QUANTITIES[key].section(found).blocks if isinstance(block, Text)]
+        assert said in " ".join(texts), key

@@ -38,15 +38,16 @@ class LammpsEngine:
     """The generated script up to its run, then stepped from here."""
 
     def __init__(self, scene: Scene, spins: list[float], folder: Path, *, compiled: bool):
+        from lammps_jump.engines.lammps.drive import plugin_arguments
         from lammps_jump.engines.lammps.loader import load_lammps
         from lammps_jump.script import write_script
 
-        chosen = {"kernel": "compiled", "plugin": plugin_or_skip()} if compiled else {}
-        path = write_script(scene, folder, **chosen)
+        plugin = plugin_or_skip() if compiled else None
+        path = write_script(scene, folder, kernel="compiled" if compiled else "stock")
         commands = path.read_text().partition("# --- run")[0]
         commands = commands.replace("discs.data", str(folder / "discs.data"))
         commands = commands.replace("dump.lammpstrj", str(folder / "dump.lammpstrj"))
-        self.lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none"])
+        self.lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", *plugin_arguments(plugin)])
         self.lmp.commands_string(commands)
         for i, spin in enumerate(spins, 1):
             if spin:

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lammps_jump.dump.find import find_dump, read_dump
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
@@ -266,3 +267,47 @@ def test_the_writer_says_what_is_wrong(tmp_path):
         DumpWriter(tmp_path / "no" / "a", ("id",))
     with DumpWriter(tmp_path / "b", ("id", "x")) as writer, pytest.raises(DumpError, match="lacks column 'x'"):
         writer.write(0, None, [[0, 1], [0, 1]], {"id": [1]})
+
+
+def series(folder, steps=(0, 500, 1000), name="dump.{}.lammps"):
+    """Files of one frame each, as LAMMPS writes them for a ``*`` in the name of the dump."""
+    for step in steps:
+        (folder / name.format(step)).write_text(text(["1 1 2", "2 5 6"], columns="id x y", step=step))
+    return folder
+
+
+def test_files_of_a_frame_each_are_one_dump(tmp_path):
+    folder = series(tmp_path)
+    for place in (folder, folder / "dump.*.lammps"):
+        dump = read_dump(place)
+        assert dump.columns == ("id", "x", "y")
+        # 1000 comes after 500, though not in the alphabet
+        assert [header.step for header in dump.headers()] == [frame.step for frame in dump] == [0, 500, 1000]
+        assert dump[1].step == 500 and len(dump) == 3
+        assert dump.path == folder / "dump.*.lammps" and not dump.warnings
+    files = [folder / f"dump.{step}.lammps" for step in (1000, 0, 500)]
+    assert find_dump(*files) == folder / "dump.*.lammps"
+    with pytest.raises(DumpError, match=r"allowed is one dump, or all files of one pattern.*'dump\.\*\.lammps'"):
+        find_dump(*files[:2])
+    with pytest.raises(DumpError, match="no such file"):
+        find_dump(folder / "other.*.lammps")
+
+
+def test_the_last_file_of_a_killed_run_may_be_cut_off(tmp_path):
+    folder = series(tmp_path)
+    last = folder / "dump.1000.lammps"
+    for rest in (last.read_text()[:-8], ""):
+        last.write_text(rest)
+        dump = read_dump(folder)
+        assert len(dump) == 2 and len(dump.warnings) == 1 and "dump.1000.lammps" in dump.warnings[0]
+    (folder / "dump.500.lammps").write_text("")
+    with pytest.raises(DumpError, match=r"dump\.500\.lammps is empty"):
+        len(read_dump(folder))
+
+
+def test_files_of_two_runs_are_no_dump(tmp_path):
+    for run in (1, 2):
+        series(tmp_path, name=f"dump.{run}_{{}}.lammps")
+    with pytest.raises(DumpError, match=r"dump\.2_0\.lammps: step 0 follows step 1000 .*pattern in quotes"):
+        list(read_dump(tmp_path))
+    assert len(read_dump(tmp_path / "dump.2_*.lammps")) == 3

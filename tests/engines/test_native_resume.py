@@ -54,7 +54,9 @@ def pouring():
 
 
 SCENES = {
-    "inlets and outlets": lambda: case_scene("quick_jump", *JUMP),
+    "inlets and outlets": lambda: case_scene(
+        "quick_jump", *JUMP, "probes.stations={x: [2, 4], speed: 0.5, window: [0.4, 1.0]}"
+    ),
     "inlets and outlets, equal discs": lambda: case_scene("quick_jump", *JUMP, "discs.sizes=null"),
     "gate, friction, spin": lambda: case_scene(
         "wave_structure", "run.duration=0.1", "initial.0.settle=0.1", "run.output_interval=0.01",
@@ -249,6 +251,20 @@ def test_what_cannot_go_on_is_refused_untouched(interrupted, spoil, message):
         resume(interrupted, changes)
     assert caught.value.exit_status == 2
     assert snapshot(interrupted) == before
+
+
+@pytest.mark.parametrize("left", ["no folder", "a built folder", "a run without a checkpoint"])
+def test_without_a_checkpoint_the_run_starts_from_the_beginning(left, tmp_path, interrupted, caplog):
+    caplog.set_level("INFO")
+    folder = interrupted
+    (folder / CHECKPOINT_FILE).unlink()
+    if left != "a run without a checkpoint":
+        folder = tmp_path / "another"
+    if left == "a built folder":
+        cli.build(INPUTS / "quick_jump.yaml", out=folder, set_=CHANGES)
+    found = resume(folder)
+    assert found["status"] == "complete" and "resumed_at" not in found
+    assert "no checkpoint: the run starts from the beginning" in caplog.text
 
 
 def set_in(path: Path, **values) -> None:

@@ -25,11 +25,11 @@ from lammps_jump.analysis.report.run import write_report
 from lammps_jump.cli.streams import PatientStream
 from lammps_jump.dump.exports import write_table
 from lammps_jump.dump.write import DumpWriter
-from lammps_jump.engines.lammps.job import job_text
 from lammps_jump.errors import CaseError
 from lammps_jump.runs import results
 from lammps_jump.runs.view import case_html
 from lammps_jump.script.assemble import data_text, molecule_text, script_text
+from lammps_jump.script.job import job_text
 
 CASE = {
     "discs": {"diameter": 0.2},
@@ -256,6 +256,6 @@ def test_an_attack_in_a_file_name_makes_no_file(tmp_path):
 
 def test_a_job_file_with_an_attack_is_read_as_one_word(tmp_path):
     for attack in ATTACKS:
-        head = job_text(scene_called(attack, attack), 1).split("\n#SBATCH --ntasks")[0]
+        head = job_text(scene_called(attack, attack), 1).split("\n#SBATCH --nodes")[0]
         subprocess.run(["bash", "-c", head], cwd=tmp_path, check=True, timeout=60)
     assert not list(tmp_path.iterdir())

@@ -18,8 +18,10 @@ import lammps_jump as lj
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names
 from lammps_jump.case.to_scene import build_scene
+from lammps_jump.cli.run import build
 from lammps_jump.cli.run import run as run_built
 from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.launch import Setting, run
 from lammps_jump.errors import RunError, RunInterrupted
@@ -73,14 +75,40 @@ def test_every_scene_leaves_the_contract(name, tmp_path):
     assert (tmp_path / "forces.csv").exists() == bool(load_case(INPUTS / f"{name}.yaml").fields.probes.forces)
 
 
-def test_folder_runs_alone_with_the_same_dump(tmp_path):
-    job("quick_jump", tmp_path / "run", "run.duration=0.5")
+@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+def test_the_folder_runs_alone_elsewhere_with_the_same_dump(kernel, tmp_path):
+    """Both scripts stand in the folder and name no place of this machine; `lmp` is told where the plugin is."""
+    plugin = plugin_or_skip() if kernel == "compiled" else None
+    job("quick_jump", tmp_path / "run", "run.duration=0.5", kernel=kernel)
+    scripts = sorted(path.name for path in (tmp_path / "run").glob("in.*"))
+    assert scripts == ["in.lammps", "in.plugin.lammps"][: 1 + (kernel == "compiled")]
     alone = tmp_path / "alone"
     alone.mkdir()
-    for name in ("in.lammps", "disk.mol"):
+    for name in (*scripts, "disk.mol"):
         shutil.copy(tmp_path / "run" / name, alone)
-    subprocess.run([program("lmp"), "-in", "in.lammps"], cwd=alone, check=True, capture_output=True)
+        assert str(plugin) not in (alone / name).read_text()
+    subprocess.run(
+        [program("lmp"), "-in", scripts[-1], *plugin_arguments(plugin)], cwd=alone, check=True, capture_output=True
+    )
     assert (alone / "dump.lammpstrj").read_bytes() == (tmp_path / "run" / "dump.lammpstrj").read_bytes()
+    if kernel == "compiled":  # without the plugin the folder holds the same run of the stock styles
+        subprocess.run([program("lmp"), "-in", "in.lammps"], cwd=alone, check=True, capture_output=True)
+        first, second = (list(lj.read_dump(folder / "dump.lammpstrj")) for folder in (alone, tmp_path / "run"))
+        assert [frame.step for frame in first] == [frame.step for frame in second] and first[-1].n == second[-1].n > 0
+
+
+@pytest.mark.parametrize("change", ["contact.touch=smooth", "contact.friction_law=sign"])
+def test_what_stock_styles_lack_is_said_in_a_script_without_a_run(change, tmp_path, capsys):
+    plugin_or_skip()
+    build(INPUTS / "hydraulic_jump.yaml", out=tmp_path, set_=[change])
+    assert "lmp -in" not in capsys.readouterr().out
+    lines = (tmp_path / "in.lammps").read_text().splitlines()
+    said = change.removeprefix("contact.").replace("=", ": ")
+    assert said in lines[1] and "No run" in lines[1] and "in.plugin.lammps" in lines[1]
+    assert not any(line.startswith("run ") for line in lines)
+    done = subprocess.run([program("lmp"), "-in", "in.lammps"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 1 and said in done.stdout
+    assert (tmp_path / "in.plugin.lammps").read_text().count("\nrun ") == 1
 
 
 def test_energy_box_starts_at_5760_joules_and_stays_near(tmp_path):

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps, program
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import SetupError
@@ -63,11 +64,11 @@ def run(plugin, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def do(case: Scene, kernel: str = "compiled", more: tuple[str, ...] = (), fix: int = 0) -> dict[str, np.ndarray]:
-        script = write_script(case, tmp_path, kernel=kernel, plugin=plugin)
+        script = write_script(case, tmp_path, kernel=kernel)
         script.write_text(script.read_text().replace("halo yes", "halo yes ledger yes"))
-        engine = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        engine = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite", *plugin_arguments(plugin)])
         try:
-            engine.file("in.lammps")
+            engine.file(script.name)
             for line in more:
                 engine.command(line)
             n = engine.extract_global("nlocal")
@@ -262,12 +263,13 @@ def test_two_ranks_equal_one(plugin, tmp_path):
     frames = []
     for ranks in (1, 2):
         folder = tmp_path / str(ranks)
-        script = write_script(case, folder, kernel="compiled", plugin=plugin, ranks=ranks)
+        script = write_script(case, folder, kernel="compiled", ranks=ranks)
         balance = "fix             balance all balance 1000 1.01 shift x 10 1.005"
         text = script.read_text().replace(balance, balance.replace("1000", "100"))
         columns = "id x y vx vy radius modify sort id format float %.17g"
         script.write_text(f"{text}write_dump      all custom end {columns}\n")
         command = [str(mpiexec), "-n", str(ranks), str(lmp), "-in", script.name, "-screen", "none"]
+        command += plugin_arguments(plugin)
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300)
         assert done.returncode == 0, done.stdout + done.stderr
         frames.append(np.loadtxt(folder / "end", skiprows=9))

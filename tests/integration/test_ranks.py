@@ -65,8 +65,16 @@ def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
     assert result.removed > 20 and result.lost == 0
     assert result.inserted == result.present + result.removed
     assert (tmp_path / "forces.csv").read_text().count("sill") > 100
-    script = (tmp_path / "in.lammps").read_text()
+    script = (tmp_path / "in.plugin.lammps").read_text()
     assert "processors      * 1 1" in script and "shift x" in script
+
+
+def test_stock_discs_of_several_sizes_stay_in_the_plane(tmp_path):
+    """Sharing the discs anew moved them by 1e-17 m in z, which ended the run."""
+    scene = build_scene(load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.16"]))
+    result = run_scene(scene, tmp_path, Setting(ranks=2))
+    assert result.status == "complete", result.message
+    assert result.steps == scene.steps > 900 and result.present > 30
 
 
 def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):

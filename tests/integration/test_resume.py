@@ -162,7 +162,7 @@ def test_a_pour_goes_on_with_the_discs_that_are_left(kernel, tmp_path):
     first = run(scene, tmp_path, Setting(stop_at=scene.steps // 5, **engine))
     assert first.status == "interrupted" and begun < first.inserted < begun + 300
     checkpoint = read_checkpoint(tmp_path)
-    options = {"step": checkpoint.step, "removed": (), **engine}
+    options = {"step": checkpoint.step, "removed": (), "kernel": kernel}
     seeds = [re.search(r"pour 300 0 (\d+)", (tmp_path / "in.lammps").read_text())[1]]
     text = continuation_text(scene, poured=first.inserted - begun, **options)
     seeds.append(re.search(rf"pour {begun + 300 - first.inserted} 0 (\d+)", text)[1])

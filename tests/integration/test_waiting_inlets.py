@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from made_up import plugin_or_skip
 
+from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.scene import Gate, InletRow, Plane, Sizes, handmade_scene
 from lammps_jump.script import write_script
@@ -33,13 +34,13 @@ def heap(sizes: Sizes | None):
 
 def end(scene, folder, kernel):
     """Positions, velocities and spin at the end of the generated script, of the discs that were there at the start."""
-    options = {"kernel": kernel, "plugin": plugin_or_skip()} if kernel == "compiled" else {}
+    plugin = plugin_or_skip() if kernel == "compiled" else None
     folder.mkdir()
-    path = write_script(scene, folder, **options)
+    path = write_script(scene, folder, kernel=kernel)
     commands = path.read_text()
     for name in ("discs.data", "disk.mol", "dump.lammpstrj"):
         commands = commands.replace(name, str(folder / name))
-    lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none"])
+    lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", *plugin_arguments(plugin)])
     try:
         lmp.commands_string(commands)
         n = lmp.get_natoms()

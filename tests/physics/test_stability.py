@@ -74,11 +74,9 @@ def test_limit_of_packings_is_exact(scheme, e, square):
     assert growth(*matrices, 1.001 * limit, scheme) > 1 + 1e-4
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("e", [1.0, 0.6, 0.2])
-@pytest.mark.parametrize("wall", [1.0, 3.0, 6.0, 30.0])
-def test_limit_on_a_wall_is_safe_and_not_wasteful(scheme, e, wall):
-    coefficients = contact.derive(
+def derived(scheme: str, e: float, wall: float, smallest: float | None = None) -> contact.Coefficients:
+    """Coefficients of discs of density M with stiffness K, on walls of the stiffness `wall`."""
+    return contact.derive(
         density=M,
         diameter=1.0,
         restitution=e,
@@ -90,7 +88,15 @@ def test_limit_on_a_wall_is_safe_and_not_wasteful(scheme, e, wall):
         integrator=scheme,
         correct_restitution=False,
         rotation=False,
+        smallest=smallest,
     )
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("e", [1.0, 0.6, 0.2])
+@pytest.mark.parametrize("wall", [1.0, 3.0, 6.0, 30.0])
+def test_limit_on_a_wall_is_safe_and_not_wasteful(scheme, e, wall):
+    coefficients = derived(scheme, e, wall)
     matrices = packing(contact.damping_ratio(e), wall=wall)
     limit = coefficients.stable_fraction * CRITICAL
     assert growth(*matrices, limit, scheme) < 1 + 1e-6
@@ -148,20 +154,7 @@ def pile(sizes: Sizes, e: float, wall: float, squeezed: float) -> tuple[np.ndarr
 @pytest.mark.parametrize("wall", [1.0, 10.0])
 @pytest.mark.parametrize("sizes", PILES.values(), ids=PILES)
 def test_limit_of_the_smallest_discs_is_safe_in_piles_of_several_sizes(scheme, e, wall, sizes):
-    coefficients = contact.derive(
-        density=M,
-        diameter=1.0,
-        restitution=e,
-        friction=0.0,
-        stiffness=K,
-        stiffness_wall=wall,
-        impact_speed=1.0,
-        time_step_fraction=0.05,
-        integrator=scheme,
-        correct_restitution=False,
-        rotation=False,
-        smallest=sizes.smallest,
-    )
+    coefficients = derived(scheme, e, wall, sizes.smallest)
     assert coefficients.critical_time_step == pytest.approx(sizes.smallest * CRITICAL, rel=1e-12)
     limit = coefficients.stable_fraction * coefficients.critical_time_step
     # touching as packed, and pressed together until many more touch

@@ -27,7 +27,7 @@ from lammps_jump.units import as_summary
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebooks" / "first_jump.ipynb"
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.05, "engine.name": "native", "analysis.window": [0.1, 0.3]}
 PUBLIC = """Case CaseError Dump DumpError Energy Force Frame Front Jump JumpError Progress ResumeError Run RunError
-RunInterrupted RunResult Scene SetupError __version__ load_case open_run read_dump run""".split()
+RunInterrupted RunResult Scene SetupError Sweep __version__ load_case open_run read_dump run sweep""".split()
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +119,17 @@ def test_lines_of_the_design(tmp_path, monkeypatch, capsys):
     run.profiles.mass_depth.plot()
     plt.close("all")
     assert capsys.readouterr().out.startswith("no jump") and (tmp_path / "runs/friction/report.html").exists()
+
+
+def test_a_run_without_figures_has_the_same_numbers(case, finished, tmp_path):
+    run = case.replace({"analysis.figures": "none"}).run(tmp_path / "run")
+    assert not (run.folder / "figures").exists() and not (run.folder / "report.html").exists()
+    whole = lj.open_run(finished).summary
+    assert run.summary["key"] == whole["key"] and run.summary["jump"] == whole["jump"]
+    assert run.summary["cpu_seconds"] > 0
+    made = lj.run(run.case.replace({"analysis.figures": "default"}), run.folder)  # nothing is run again
+    assert (run.folder / "report.html").exists()
+    assert made.summary["wall_seconds"]["run"] == run.summary["wall_seconds"]["run"]
 
 
 def test_the_caller_is_left_alone(case, tmp_path, capfd):

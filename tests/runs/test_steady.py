@@ -62,9 +62,26 @@ def test_every_quantity_counts():
     assert detector.drifts["toe"].drift == pytest.approx(-1.0, rel=0.02)  # one sample in a hundred more or less
 
 
-def test_no_toe_is_never_steady():
+def test_a_toe_that_comes_and_goes_is_never_steady():
     detector = SteadyDetector(WINDOW)
-    assert not any(detector.feed(STEP * i, 1.0, 1.0, float("nan")) for i in range(400))
+    assert not any(detector.feed(STEP * i, 1.0, 1.0, float("nan") if i % 50 else 5.0) for i in range(400))
+
+
+def test_without_a_toe_depth_and_discharge_are_enough():
+    detector = SteadyDetector(WINDOW)
+    assert any(detector.feed(STEP * i, 1.0, 1.0, float("nan")) for i in range(400))
+    assert "without a jump" in detector.reason and "toe" not in detector.reason
+    rising = SteadyDetector(WINDOW)
+    assert not any(rising.feed(STEP * i, 1.0 + 0.01 * STEP * i, 1.0, float("nan")) for i in range(400))
+
+
+def test_a_discharge_near_zero_is_measured_against_the_inflow():
+    random = np.random.default_rng(6)
+    ripple = noise(random, 400, 0.5, 0.01)
+    for drift, inflow, steady in ((0.0, 0.0, False), (0.0, 6.0, True), (0.5, 6.0, False)):  # m^2/s a window, m^2/s
+        detector = SteadyDetector(WINDOW, inflow)
+        fed = [detector.feed(STEP * i, 1.0, q + drift * STEP * i / WINDOW, 5.0) for i, q in enumerate(ripple)]
+        assert any(fed) is steady
 
 
 def test_constant_series_stop_with_a_reason():

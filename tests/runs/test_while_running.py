@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What looks at a run as it goes: progress line, newest frame, steady watch, log; and the job file."""
+"""What looks at a run as it goes: progress line, newest frame, steady watch and log."""
 
 from __future__ import annotations
 
 import io
-import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,8 +17,7 @@ from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli.live import SECONDS, LiveView
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.tail import Tail
-from lammps_jump.engines.choice import choose_ranks, expected_discs
-from lammps_jump.engines.lammps.job import job_text
+from lammps_jump.engines.choice import choose_ranks
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
@@ -30,8 +29,8 @@ def scene():
     return build_scene(load_case(INPUTS / "quick_jump.yaml"))
 
 
-def frame_text(time: float, step: int, rows: np.ndarray) -> str:
-    body = "".join(f"{i} {x:.10g} {y:.10g} {vx:.10g} 0\n" for i, (x, y, vx) in enumerate(rows, 1))
+def frame_text(time: float, step: int, rows: np.ndarray, first: int = 1) -> str:
+    body = "".join(f"{i} {x:.10g} {y:.10g} {vx:.10g} 0\n" for i, (x, y, vx) in enumerate(rows, first))
     return (
         f"ITEM: TIME\n{time:.10g}\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{len(rows)}\n"
         f"ITEM: BOX BOUNDS ff ff pp\n-1 32\n-8 20\n-1 1\nITEM: ATOMS id x y vx vy\n{body}"
@@ -56,7 +55,7 @@ def test_watch_stops_a_standing_jump_and_no_moving_one(tmp_path, scene, drift, s
     with (tmp_path / "dump.lammpstrj").open("w") as file:
         for k in range(150):
             toe = 12 + drift * 0.1 * k + 0.05 * random.standard_normal()
-            file.write(frame_text(0.1 * k, k, step_flow(toe)))
+            file.write(frame_text(0.1 * k, k, step_flow(toe), first=1 + 40 * k))  # discs come and go
             file.flush()
             answers.append(watch())
     assert answers[-1] is steady
@@ -64,6 +63,22 @@ def test_watch_stops_a_standing_jump_and_no_moving_one(tmp_path, scene, drift, s
     if steady:
         # two looks, half a window apart, need a window and a half of record
         assert answers.index(True) * 0.1 >= 1.5 * steady_window(scene, (0.0, 20.0)) - 0.2
+
+
+@pytest.mark.parametrize(("speed", "said"), [(0.01, ", and the discs stand still"), (1.0, "")])
+def test_watch_ends_a_run_whose_inlet_is_drowned(tmp_path, scene, monkeypatch, speed, said):
+    """Discs enter until 2 s; the watch looks at the place that it was given, wherever the process goes meanwhile."""
+    monkeypatch.chdir(tmp_path)
+    watch = SteadyWatch(scene, Path("."), (0.0, 20.0))
+    monkeypatch.chdir("/")
+    pool = step_flow(0.0) * (1, 1, speed / 2.5)
+    with (tmp_path / "dump.lammpstrj").open("w") as file:
+        for k in range(100):
+            file.write(frame_text(0.1 * k, k, pool, first=1 + min(k, 20)))
+    assert watch()
+    window = steady_window(scene, (0.0, 20.0))
+    assert watch.reason.endswith(f"the inlet is drowned, no disc has entered since t = 2 s{said}")
+    assert 2 + window <= float(watch.reason.split("t = ")[1].split()[0]) <= 2.2 + window
 
 
 def test_watch_reads_every_frame_once_and_leaves_the_unfinished(tmp_path, scene):
@@ -108,11 +123,13 @@ def test_last_frame_of_an_ended_run_is_shown(tmp_path, scene, monkeypatch):
     whole = [frame_text(t, t, step_flow(10)) for t in range(2)]
     path.write_text("".join(whole))
     assert Tail(path).newest_text(ended=True) == Tail(path).newest_text(guess=100, ended=True) == whole[1].encode()
-    view = LiveView(scene, tmp_path, lambda report: None)
+    monkeypatch.chdir(tmp_path)
+    view = LiveView(scene, Path("."), lambda report: None)
     view(Progress(step=1, steps=1, time=0.1, discs=10))
     assert not view.picture.exists()
+    monkeypatch.chdir("/")  # the folder of the run stays where it was
     view.finish()
-    assert view.picture.exists()
+    assert (tmp_path / "live.png").exists()
 
 
 @pytest.fixture
@@ -269,16 +286,10 @@ def test_log_is_read(tmp_path):
 
 def test_ranks(scene):
     # one rank for a small scene whatever is free; a number is obeyed
-    assert choose_ranks("auto", scene)[0] == 1
+    small = build_scene(load_case(INPUTS / "energy_box_16.yaml"))
+    assert choose_ranks("auto", small)[0] == 1
     assert choose_ranks(3, scene)[0] == 3
     assert choose_ranks(10_000, scene)[1]
     few = replace(scene, inlets=(), steps=1)
-    assert expected_discs(few) == 0
-    assert expected_discs(scene) >= 2000
-
-
-def test_job_file_is_a_shell_script(scene, tmp_path):
-    path = tmp_path / "job.slurm"
-    path.write_text(job_text(scene, 4))
-    subprocess.run(["bash", "-n", path], check=True)
-    assert "--ntasks=4" in path.read_text() and "quick_jump" in path.read_text()
+    assert few.expected_discs == 0
+    assert scene.expected_discs >= 2000

@@ -67,6 +67,7 @@ def test_the_force_that_the_native_engine_records_changes_the_momentum():
 @pytest.mark.lammps
 @pytest.mark.parametrize("kernel", ["stock", "compiled"])
 def test_both_kernels_agree_with_the_native_engine(kernel, tmp_path, monkeypatch):
+    from lammps_jump.engines.lammps.drive import plugin_arguments
     from lammps_jump.engines.lammps.loader import load_lammps
 
     scene = shower()
@@ -74,8 +75,8 @@ def test_both_kernels_agree_with_the_native_engine(kernel, tmp_path, monkeypatch
     simulation.run(STEPS)
     monkeypatch.chdir(tmp_path)
     plugin = plugin_or_skip() if kernel == "compiled" else None
-    text = write_script(scene, tmp_path, kernel=kernel, plugin=plugin).read_text()
-    lammps = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none"])
+    text = write_script(scene, tmp_path, kernel=kernel).read_text()
+    lammps = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", *plugin_arguments(plugin)])
     try:
         lammps.commands_string(text)
         order = np.argsort(lammps.numpy.extract_atom("id")[: len(scene.positions)])

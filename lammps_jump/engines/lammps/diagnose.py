@@ -42,7 +42,7 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
         return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {SMALLER_STEP}. {kept}"
     if "guard_plane" in error:
         where = _out_of_plane(state)
-        return f"a disc has left the plane z = 0 {when}{where}; look at what pushes it there in in.lammps. {kept}"
+        return f"a disc has left the plane z = 0 {when}{where}; look at what pushes it there in the script. {kept}"
     if re.search(r"guard_finite|[Nn]on-numeric|not numeric|nan", error):
         return (
             f"a position is no longer a number {when}{_not_finite(state)}; the motion blew up: {SMALLER_STEP}. {kept}"

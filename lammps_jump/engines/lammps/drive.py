@@ -14,7 +14,7 @@ from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.result import Progress, RunResult
 from lammps_jump.engines.setting import Job
 from lammps_jump.script import resume as continuation
-from lammps_jump.script.assemble import STOP_FILE
+from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
 
 from .finish import LOG, Outcome, conclude
 from .loader import load_lammps
@@ -25,7 +25,7 @@ REPORT_SECONDS = 0.1
 
 
 def run_lammps(job: Job, report: Callable[[Progress | None], None]) -> RunResult:
-    """Run the script in the job's folder: ``in.lammps``, or ``in.resume.lammps`` of a job that goes on.
+    """Run the script of the kernel in the job's folder, or ``in.resume.lammps`` of a job that goes on.
 
     A run leaves checkpoints (see `lammps_jump.engines.checkpoint`), each at the end of a window of the probes. What
     goes on from there is the motion of an uninterrupted run to within the order of sums (see
@@ -60,8 +60,12 @@ def run_other_rank(job: Job) -> None:
 def arguments(job: Job) -> list[str]:
     """Command-line arguments of LAMMPS: name of the log, no screen, the plugin's path."""
     log = LOG if job.resume is None else "none"  # the script goes on with the one that is there
-    plugin = job.setting.plugin
-    return ["-log", log, "-screen", "none", "-nocite", *(["-var", "plugin", str(plugin)] if plugin else [])]
+    return ["-log", log, "-screen", "none", "-nocite", *plugin_arguments(job.setting.plugin)]
+
+
+def plugin_arguments(plugin: Path | None) -> list[str]:
+    """Arguments of LAMMPS that give a script the path of the plugin; in quotes, a path with blanks is one word."""
+    return ["-var", "plugin", f'"{plugin}"'] if plugin else []
 
 
 def make_ready(job: Job) -> None:
@@ -77,7 +81,7 @@ def make_ready(job: Job) -> None:
 
 
 def _script(job: Job) -> str:
-    return "in.lammps" if job.resume is None else continuation.SCRIPT
+    return SCRIPTS[job.setting.kernel] if job.resume is None else continuation.SCRIPT
 
 
 @contextmanager

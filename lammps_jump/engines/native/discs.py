@@ -7,6 +7,8 @@ from math import sqrt
 
 import numpy as np
 
+from lammps_jump.scene.scene import Scene
+
 from . import lists as neighbours
 
 CELLS_A_DISC = 16
@@ -159,3 +161,21 @@ class Discs:
         arrays = [getattr(self, name) for name in (*self.names, "ids")]
         arrays += [self.scratch, self.scratch_ids, self.order, self.cell, self.start, self.neighbours, self.cell_start]
         return sum(a.nbytes for a in arrays)
+
+
+def discs_at_start(scene: Scene, *, ledger: bool) -> Discs:
+    """The discs that a scene begins with; the older velocity of the extrapolation is that of the start."""
+    n, extrapolated = len(scene.positions), scene.integrator == "leapfrog_extrapolated"
+    discs = Discs(
+        n, extrapolated=extrapolated, spin=scene.rotation, ledger=ledger, friction=scene.coefficients.friction > 0,
+        sizes=scene.sizes is not None,
+    )  # fmt: skip
+    discs.n = n
+    discs.ids[:n] = np.arange(1, n + 1)
+    if scene.sizes is not None:
+        discs.radius[:n] = 0.5 * scene.diameters(discs.ids[:n])
+    discs.x[:n], discs.y[:n] = scene.positions.T
+    discs.vx[:n], discs.vy[:n] = scene.velocities.T
+    if extrapolated:
+        discs.ux[:n], discs.uy[:n] = discs.vx[:n], discs.vy[:n]
+    return discs

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Energy of the discs at a step (thesis 4.28), and the energy balance of the run with its losses."""
+"""Energy of the discs at a step (thesis 4.28), the energy balance of the run, and that between two moving stations."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
+from numba import njit
 
+from lammps_jump.physics.law import friction_force, normal_force, watching_law
 from lammps_jump.scene.scene import Scene
 
 
@@ -131,3 +134,178 @@ def close(start: Energy, now: Energy, exchanged: dict[str, float], work: np.ndar
     moved = abs(start.gravitational - now.gravitational)
     found["throughput"] = start.kinetic + start.elastic + moved + abs(found["brought_in"])
     return found
+
+
+MASS_LEFT, MASS_RIGHT, CARRIED, CONTACTS, WALLS, DASHPOTS, FRICTION, BEGAN, HELD = range(9)
+"""Sums of a `StationLedger`: mass through the stations along x (kg/m); energies (J/m), those carried and handed on in
+less out."""
+
+
+class StationLedger:
+    """Energy between two stations that move, summed at every step; nothing where the scene has none.
+
+    In the frame of the stations, kinetic energy of the half step v_(n-1/2) and the height half a step back belong
+    together: the work of weight then is the change of the gravitational energy, to round-off. What is left over
+    is the work of springs: elastic energy, and the error of its integration.
+
+    Attributes
+    ----------
+    sums : ndarray, shape (9,)
+        Since the first step; all that a resumed run needs.
+    """
+
+    def __init__(self, scene: Scene, on: bool):
+        self.scene, self.stations, self.sums = scene, scene.stations if on else None, np.zeros(9)
+
+    def next(self, step: int) -> int:
+        """Step at which `add` wants to see the discs next, after `step`."""
+        found = self.stations
+        if found is None or step >= found.last_step:
+            return self.scene.steps + 10**15
+        return max(found.first_step, step + 1)
+
+    def add(self, step: int, discs, rows: int, owner, start, neighbours, law, motion, friction, sign, touch) -> None:
+        """Take in the discs at a step, with its forces and the list they were made with; see `loops.advance`."""
+        found = self.stations
+        if found is None or not found.first_step <= step <= found.last_step:
+            return
+        d, moved = discs, found.speed * (step - found.first_step) * self.scene.time_step
+        ux, uy, turned = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
+        slope = None
+        if sign is not None:
+            slope = 1.0 / max(sign * sqrt(np.max(ux[: d.n] ** 2 + uy[: d.n] ** 2, initial=0.0)), 1e-300)
+        _between(
+            d.n, rows, owner, d.x, d.y, d.radius, d.vx, d.vy, ux, uy, d.omega, turned, d.fx, d.fy, d.torque, start,
+            neighbours, law, motion, friction, slope, touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+            found.x[0] + moved, found.x[1] - found.x[0], found.speed, step > found.first_step, step < found.last_step,
+            self.sums,
+        )  # fmt: skip
+        if step == found.first_step:
+            self.sums[BEGAN] = self.sums[HELD]
+
+    def heads(self, step: int) -> dict[str, float]:
+        """The budget up to a step: discharge (m^2/s) and heads (m), energies over g and the mass that came in.
+
+        Beside it stand the places at its begin (m), the speed (m/s) and the time (s) of the stations. `lost` is what
+        dashpots and friction take; `residual` is what came in, less stored, less lost.
+        """
+        found = self.stations
+        if found is None or step <= found.first_step:
+            return {}
+        seconds = (min(step, found.last_step) - found.first_step) * self.scene.time_step
+        left, right, *energies = self.sums
+        mass = left if left + right > 0 else -right  # through the station upstream
+        scale = mass * abs(self.scene.gravity[1])
+        heads = [energy / scale if scale > 0 else float("nan") for energy in energies]
+        carried, contacts, walls, dashpots, friction, began, held = map(float, heads)
+        storage, lost = held - began, dashpots + friction
+        return {
+            "stations_left": found.x[0],
+            "stations_right": found.x[1],
+            "stations_speed": found.speed,
+            "stations_begin": self.scene.time(found.first_step),
+            "stations_end": self.scene.time(min(step, found.last_step)),
+            "stations_discharge": float(mass) / (self.scene.density * seconds),
+            "stations_carried": carried,
+            "stations_contacts": contacts,
+            "stations_walls": walls,
+            "stations_storage": storage,
+            "stations_dashpots": dashpots,
+            "stations_friction": friction,
+            "stations_lost": lost,
+            "stations_residual": carried + contacts + walls - storage - lost,
+        }
+
+
+def _between_py(
+    n, rows, owner, x, y, radius, vx, vy, ux, uy, omega, turned, fx, fy, torque, start, neighbours, law, motion,
+    friction, slope, touch, dash_x, dash_y, slide_x, slide_y, left, width, speed, moved, pushed, sums,
+):  # fmt: skip
+    """Add a step to the sums between the stations at `left` and `left + width` (m), which move at `speed` (m/s).
+
+    `moved`: count the discs that crossed a station in the drift before; `pushed`: count the forces of this step. The
+    energy held is set anew. Forces on a disc, F . (v - c), make up what contacts hand on through the stations,
+    F . [(v_i + v_j)/2 - c], half of what such a pair dissipates, all of that of pairs inside and of walls, and
+    the power of walls, which move backwards at c (docs/theory.md).
+    """
+    dt = motion.time_step
+    half = 0.5 * dt
+    held = handed = push = lost = slid = 0.0
+    for i in range(n):
+        place, w = x[i] - left, vx[i] - speed
+        now = (place >= 0.0) + (place >= width)
+        before = (place - dt * w >= 0.0) + (place - dt * w >= width)
+        if now != 1 and before == now:
+            continue
+        square = 1.0 if radius is None else radius[i] * radius[i]
+        mass, inertia = motion.mass * square, motion.inertia * square * square
+        energy = 0.5 * mass * (w * w + vy[i] * vy[i])
+        energy -= square * (motion.weight_x * (place - half * w) + motion.weight_y * (y[i] - half * vy[i]))
+        if omega is not None:
+            energy += 0.5 * inertia * omega[i] * omega[i]
+        if moved:
+            sums[MASS_LEFT] += mass * ((now > 0) - (before > 0))
+            sums[MASS_RIGHT] += mass * ((now > 1) - (before > 1))
+            sums[CARRIED] += energy * ((now == 1) - (before == 1))
+        if now == 1:
+            held += energy
+            hx, hy = vx[i] + half / mass * fx[i], vy[i] + half / mass * fy[i]
+            push += fx[i] - motion.weight_x * square
+            lost += dash_x[i] * hx + dash_y[i] * hy
+            if slide_x is not None:
+                slid += slide_x[i] * hx + slide_y[i] * hy
+                if omega is not None:
+                    slid += torque[i] * (omega[i] + half / inertia * torque[i])
+    sums[HELD] = held
+    if not pushed:
+        return
+    for row in range(rows):
+        i = row if owner is None else owner[row]
+        for p in range(start[row], start[row + 1]):
+            j = neighbours[p]
+            a, b = (i, j) if x[i] < x[j] else (j, i)
+            # the stations between the two: 1 for that on the left, -1 for that on the right, 0 for both or none
+            way = (x[a] < left) * (x[b] >= left) - (x[a] < left + width) * (x[b] >= left + width)
+            if way == 0:
+                continue
+            ra = 0.5 * law.diameter if radius is None else radius[a]
+            rb = ra if radius is None else radius[b]
+            dx, dy = x[b] - x[a], y[b] - y[a]
+            apart = sqrt(dx * dx + dy * dy)
+            if apart >= ra + rb:
+                continue
+            nx, ny = dx / apart, dy / apart
+            size = 1.0 if radius is None else ra * rb / sqrt(ra * ra + rb * rb)
+            sx, sy = ux[b] - ux[a], uy[b] - uy[a]
+            overlap = ra + rb - apart
+            force, dash = normal_force(overlap, sx * nx + sy * ny, law.stiffness, law.damping * size, touch)
+            qa = half / motion.mass / (1.0 if radius is None else ra * ra)
+            qb = half / motion.mass / (1.0 if radius is None else rb * rb)
+            mx = 0.5 * (vx[a] + qa * fx[a] + vx[b] + qb * fx[b])
+            my = 0.5 * (vy[a] + qa * fy[a] + vy[b] + qb * fy[b])
+            px, py = force * nx, force * ny
+            turn = rub = 0.0
+            if friction is not None:
+                slip = sy * nx - sx * ny
+                if omega is not None:
+                    slip -= ra * turned[a] + rb * turned[b]
+                rub = friction_force(force, slip, friction, law.tangential * size, slope)
+                px -= rub * ny
+                py += rub * nx
+                if omega is not None:
+                    dent = 0.0 if radius is None else 0.5 * overlap
+                    ia = half / motion.inertia / (1.0 if radius is None else ra**4)
+                    ib = half / motion.inertia / (1.0 if radius is None else rb**4)
+                    turn = (ra - dent) * (omega[a] + ia * torque[a]) - (rb - dent) * (omega[b] + ib * torque[b])
+                    turn *= 0.5 * rub
+                slid -= way * (rub * (nx * my - ny * mx) + turn)
+            handed += way * (px * (mx - speed) + py * my + turn)
+            push -= way * px
+            lost -= way * dash * (nx * mx + ny * my)
+    sums[CONTACTS] += dt * handed
+    sums[WALLS] -= dt * speed * push
+    sums[DASHPOTS] -= dt * lost
+    sums[FRICTION] -= dt * slid
+
+
+_between = watching_law(njit(cache=True)(_between_py))

@@ -26,7 +26,7 @@ from . import ledger as energies
 from . import lists as neighbours
 from . import loops as kernels
 from .constants import law_of, motion_of
-from .discs import Discs
+from .discs import discs_at_start
 from .faces import faces_of
 from .inlets import OpenBoundaries
 from .ledger import Energy
@@ -93,11 +93,12 @@ class NativeSimulation:
         self._motion = motion_of(scene, self.skin)
         self._ledger_on = ledger
         self._work = np.zeros(2)
+        self.stations = energies.StationLedger(scene, ledger)
         self._exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
         self.boundaries = OpenBoundaries(scene)
         self._window_start = 0
         self._carried: dict[str, np.ndarray] = {}
-        self._load_discs()
+        self.discs = discs_at_start(scene, ledger=ledger)
         self._load_walls()
         self._rebuild()
         self._check_overlap()
@@ -106,25 +107,9 @@ class NativeSimulation:
         self._wall_sum[:] = 0.0
         self._start_work = self._half_work()
         self._start_energy = self.energy()
+        self._see_stations()
 
     # --- set-up -------------------------------------------------------------------------------------------------
-
-    def _load_discs(self) -> None:
-        scene = self.scene
-        n = len(scene.positions)
-        extrapolated = scene.integrator == "leapfrog_extrapolated"
-        self.discs = discs = Discs(
-            n, extrapolated=extrapolated, spin=scene.rotation, ledger=self._ledger_on, friction=bool(self._friction),
-            sizes=scene.sizes is not None,
-        )  # fmt: skip
-        discs.n = n
-        discs.ids[:n] = np.arange(1, n + 1)
-        if scene.sizes is not None:
-            discs.radius[:n] = 0.5 * scene.diameters(discs.ids[:n])
-        discs.x[:n], discs.y[:n] = scene.positions.T
-        discs.vx[:n], discs.vy[:n] = scene.velocities.T
-        if extrapolated:
-            discs.ux[:n], discs.uy[:n] = discs.vx[:n], discs.vy[:n]
 
     def _load_walls(self) -> None:
         """Faces that are there now; sums of the window go on, also those of a gate that has just been taken away."""
@@ -160,14 +145,21 @@ class NativeSimulation:
     def run_some(self, target: int) -> None:
         """Go on towards step `target` for at most about a tenth of a second of work."""
         limit = self.step + max(1, WORK_PER_CALL // max(32, self.discs.n))
-        stop = min(target, limit, self._next_window(), self.boundaries.next_sizes(self.step))
+        others = self.boundaries.next_sizes(self.step), self.stations.next(self.step)
+        stop = min(target, limit, self._next_window(), *others)
         event = self._next_event()
         hold = event is not None and event <= stop
         self._advance(event if hold else stop, hold)
         if self.boundaries.next_sizes(self.step - 1) == self.step:
             self._give_sizes()
+        self._see_stations()
         if self.scene.probes and self.step == self._window_start + self.scene.probe_steps:
             self._close_window()
+
+    def _see_stations(self) -> None:
+        """Sums between the stations at this step; `StationLedger.next` lets no step of theirs pass."""
+        law = self._law, self._motion, self._friction, self._sign, self._touch
+        self.stations.add(self.step, self.discs, *self._rows(), *self._list()[:2], *law)
 
     def _next_window(self) -> int:
         return self._window_start + self.scene.probe_steps if self.scene.probes else self.scene.steps + 10**15
@@ -413,4 +405,5 @@ class NativeSimulation:
         if not self._ledger_on:
             return None
         work = self._work + self._half_work() - self._start_work
-        return energies.close(self._start_energy, self.energy(), self._exchanged, work)
+        found = energies.close(self._start_energy, self.energy(), self._exchanged, work)
+        return found | self.stations.heads(self.step)

@@ -58,6 +58,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
             wall_sum=simulation._wall_sum,
             work=simulation._work,
             start_work=simulation._start_work,
+            stations=simulation.stations.sums,
             **arrays,
         )
 
@@ -77,6 +78,7 @@ def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimula
         simulation._wall_sum[:] = stored["wall_sum"]
         simulation._work[:] = stored["work"]
         simulation._start_work = stored["start_work"]
+        simulation.stations.sums[:] = stored["stations"]
     simulation._carried = {name: np.array(row) for name, row in plain["carried"].items()}
     simulation._exchanged = plain["books"]
     simulation._start_energy = Energy(*plain["start_energy"])

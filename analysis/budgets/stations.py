@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What page and screen show of the energy between two stations: the ledger of every step, and frames beside it."""
+
+# ruff: noqa: RUF001  (minus signs are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lammps_jump.analysis.report.page import Section, Table, Text, with_error
+from lammps_jump.units import ABSENT
+
+ROWS = {
+    "carried": "Carried by discs, in less out [m]",
+    "contacts": "Handed on by contacts, in less out [m]",
+    "walls": "Handed on by walls, in the stations' frame [m]",
+    "storage": "Stored between the stations [m]",
+    "dashpots": "Taken by dashpots [m]",
+    "friction": "Taken by friction [m]",
+    "lost": "Head lost [m]",
+    "residual": "In less stored, less lost [m]",
+}
+"""Heads of a budget, by their keys."""
+FRAME_ERRORS = {"lost": "inflow"}
+"""Number of a budget from frames whose error is also that of another one."""
+
+
+def place(ledger: Mapping) -> str:
+    """The stations in words."""
+    numbers = {key: ledger[f"stations_{key}"] for key in ("left", "right", "begin", "end", "speed", "discharge")}
+    return (
+        (
+            "x = {left:.2f} and {right:.2f} m at t = {begin:.3g} s, which move at {speed:+.3f} m/s until {end:.3g} s; "
+            "{discharge:.2f} m²/s flow through them"
+        )
+        .format(**numbers)
+        .replace("-", "−")
+    )
+
+
+def line(summary: Mapping) -> str:
+    """Line of the screen; empty where no stations were asked for."""
+    ledger = summary.get("ledger") or {}
+    if ledger.get("stations_lost") is None:
+        return ""
+    lost, rest = (_metres(ledger[f"stations_{key}"]) for key in ("lost", "residual"))
+    return f"stations: head lost {lost} m (every step counted, {rest} m left over) between {place(ledger)}"
+
+
+def section(summary: Mapping) -> Section | None:
+    """The budget of the ledger, and that from frames between the same stations; None where none was asked for."""
+    ledger = summary.get("ledger") or {}
+    if ledger.get("stations_lost") is None:
+        return None
+    frames = (summary.get("jump") or {}).get("budget") or {}
+    rows = [(words, _metres(ledger[f"stations_{key}"]), _of_frames(frames, key)) for key, words in ROWS.items()]
+    text = f"Energy between stations at {place(ledger)}. Heads are energies over g and the mass that came in."
+    if not frames:
+        text += " Frames give no budget here: there is no jump, the bed slopes, or friction takes energy."
+    return Section(
+        "Energy between stations",
+        [Text(text), Table(rows, ("", "ledger, exact for this run", "from frames, ± within this run"))],
+    )
+
+
+def _metres(head: float) -> str:
+    return f"{round(head, 3) + 0.0:.3f}".replace("-", "−")
+
+
+def _of_frames(found: Mapping, key: str) -> str:
+    if found.get(key) is None:
+        return ABSENT
+    error = f"{FRAME_ERRORS.get(key, key)}_error"
+    return with_error({key: found[key], f"{key}_error": found.get(error)}, key)

@@ -1,0 +1,2 @@
+"use strict";
+// Curves over time and distance.

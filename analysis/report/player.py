@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the player of a page is told of a run, besides its frames: walls, what to show, and Bélanger's depth in time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.physics.jump import sequent_depth
+from lammps_jump.scene.walls import Interval, Wall
+
+from .frames import FramePacker
+from .page import Player, picture
+
+STILL = "snapshots.png"
+"""Stands in for the player where there is no script."""
+TRACK = "jump_track.csv"
+AROUND = 1.0
+"""The velocity of the front at an instant is its mean over so many seconds before and after."""
+
+
+def make_player(packer: FramePacker, folder: Path) -> Player | None:
+    """The player of a run; None where no frame holds a disc.
+
+    Parameters
+    ----------
+    packer : FramePacker
+        Has been shown the frames.
+    folder : Path
+        With the tables and figures of the analysis.
+    """
+    packed = packer.result()
+    if packed is None:
+        return None
+    flow, sample = packer.flow, packer.sample()
+    x, y = seen(sample, flow)
+    scene, edges = flow.scene, bin_edges(flow.x_range, flow.bin_width)
+    header = {
+        **packed.header,
+        "name": scene.name,
+        "unit": "s" if flow.timed else "steps",
+        "gravity": scene.gravity,
+        "seen": (x, y),
+        "fastest": top_of([disc_speeds(frame) for frame in sample], 0.1),
+        "walls": [shape for wall in scene.walls for shape in _shapes(wall, x, y)],
+        "gates": [
+            {**shape, "until": scene.time(gate.release_step)}
+            for gate in scene.gates
+            for shape in _shapes(gate.wall, x, y)
+        ],
+        "inlets": sorted({(row.x, np.sign(row.vx)) for row in scene.inlets}),
+        "outlets": [(outlet.axis, outlet.at, outlet.side) for outlet in scene.outlets],
+        "bins": {"low": edges[0], "width": flow.bin_width, "count": len(edges) - 1},
+        "area": scene.mass / (scene.density * scene.radius**2),
+        "bed": _lowest_bed(flow, x, y),
+        "sequent": _sequent(flow, folder, packed.header["times"]),
+    }
+    still = folder / "figures" / STILL
+    shown = picture(still, "Ten equal times, discs coloured by speed") if still.is_file() else None
+    return Player(header, packed.text, shown)
+
+
+def _shapes(wall: Wall, x: Interval, y: Interval) -> list[dict[str, object]]:
+    """Closed polygons of a wall, m, twice as far as a view shows."""
+    wide = tuple((low - (high - low), high + (high - low)) for low, high in (x, y))
+    polygons = (np.round(polygon, 9) for polygon in wall.outline(*wide))
+    return [{"name": wall.name, "hollow": wall.hollow, "points": points} for points in polygons]
+
+
+def _lowest_bed(flow: Flow, x: Interval, y: Interval) -> float:
+    """Height of the lowest floor along what is shown, m; the lower end of it where there is none."""
+    heights = flow.bed_height(np.linspace(*x, 200))
+    return float(np.nanmin(heights)) if np.isfinite(heights).any() else y[0]
+
+
+def _sequent(flow: Flow, folder: Path, times: np.ndarray) -> list[list[float] | None]:
+    """Bélanger's line of each instant: from x to x (m), and depth (m); None where no jump was found.
+
+    It belongs to mass depth and velocity before the front at that instant, seen from the front. It goes from the front
+    to where the bed rises or the channel ends.
+    """
+    if not (flow.timed and (folder / TRACK).is_file()):
+        return [None] * len(times)
+    track = np.genfromtxt(folder / TRACK, delimiter=",", names=True, ndmin=1)
+    lines: list[list[float] | None] = []
+    for time in times:
+        k = int(np.argmin(np.abs(track["time"] - time)))
+        near = np.abs(track["time"] - track["time"][k]) <= AROUND
+        near &= np.isfinite(track["position"])
+        depth, velocity, front = (track[name][k] for name in ("mass_depth_1", "velocity_1", "position"))
+        if not (track["found"][k] and near.sum() > 1 and depth > 0):
+            lines.append(None)
+            continue
+        seen_from = velocity - np.polyfit(track["time"][near], track["position"][near], 1)[0]
+        sequent = sequent_depth(abs(seen_from), depth, flow.g)
+        lines.append([float(front), _level_until(flow, front, np.sign(seen_from)), float(sequent)])
+    return lines
+
+
+def _level_until(flow: Flow, start: float, direction: float) -> float:
+    """Where the bed ends to be level, from `start` in a direction, m."""
+    stop = flow.x_range[1 if direction > 0 else 0]
+    x = np.linspace(start, stop, 400)
+    bed = flow.bed_height(x)
+    level = np.abs(bed - bed[0]) < 0.5 * flow.scene.diameter
+    return float(x[-1] if level.all() else x[np.argmin(level)])

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The analysis of a run that still goes on: the frames are read while the engine writes them."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import threading
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import lammps_jump.runs as runs
+from lammps_jump.case.case import ReadCase
+from lammps_jump.dump.check import FrameCheck
+from lammps_jump.dump.tail import GrowingDump
+from lammps_jump.engines.setting import Setting
+from lammps_jump.errors import JumpError
+from lammps_jump.files import DUMP_NAMES
+
+if TYPE_CHECKING:
+    from lammps_jump.analysis.passes import Gathered
+    from lammps_jump.analysis.report.frames import FramePacker
+
+
+class Ahead:
+    """A thread that imports the analysis, 0.7 s, and then reads the frames of a run as they are written.
+
+    Frames are read ahead where the engine leaves a core free and its dump can be read while it grows.
+
+    Parameters
+    ----------
+    case : ReadCase
+    folder : Path
+        Run folder without a dump of an earlier part.
+    setting : Setting
+    whole : bool
+        The run is not the continuation of another one.
+    """
+
+    def __init__(self, case: ReadCase, folder: Path, setting: Setting, *, whole: bool):
+        self.check = FrameCheck(case.scene())
+        self._case, self._folder = case, folder
+        self._gathered: Gathered | None = None
+        self.packer: FramePacker
+        self._ended = threading.Event()
+        kind = setting.dump_format
+        self._dump = GrowingDump(folder / DUMP_NAMES[kind], kind, self._ended)
+        self._follows = whole and kind in ("text", "binary") and setting.ranks < len(os.sched_getaffinity(0))
+        self._thread = threading.Thread(target=self._work, name="analysis")
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._dump.given_up = True
+        self._ended.set()
+        self._thread.join()
+
+    def _work(self) -> None:
+        for name in ("h5netcdf", "jinja2"):
+            with suppress(Exception):  # a program that is ending; else the analysis says it
+                importlib.import_module(name)
+        with suppress(JumpError, OSError):  # what is wrong with the files is said when they are read again
+            runs.results.prepare()
+            if self._follows:
+                self.packer = runs.results.packer_for(self._case)
+                watch = (self.packer, self.check)
+                self._gathered = runs.results.collect(self._case, self._folder, self._dump, *watch)
+
+    def result(self, outputs: Mapping[str, Mapping[str, int | str]]) -> Gathered | None:
+        """What was gathered of a run that has ended; None where the dump among its `outputs` is still to be read."""
+        found = outputs.get(self._dump.path.name)
+        self._dump.given_up = found is None
+        self._ended.set()
+        self._thread.join()
+        same = found is not None and found["sha256"] == self._dump.read.hexdigest()
+        return self._gathered if same else None

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A job file for a Slurm cluster: runs the folder it stands in, and goes on after a time limit."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import AfterValidator, BaseModel, StringConstraints, ValidationError
+
+from lammps_jump.case.text import nearest, read_source
+from lammps_jump.files import JOB_FILE, write_text
+from lammps_jump.quoting import one_line, shell_word
+from lammps_jump.scene.scene import Scene
+
+MEGABYTES = 600
+"""Of the command itself, which also analyses: 430 MB measured."""
+MEGABYTES_OF_RANK = 100
+BYTES_PER_DISC = 3_000
+"""Peak of the stock styles 2.2 kB, of the compiled ones 1.4 kB (docs/scaling.md)."""
+DISC_STEPS_PER_SECOND = 10e6
+"""Stock script on one core, deliberately low: a run that reaches its limit waits for the queue once more."""
+INTERRUPTED = 75
+"""Exit status of an interrupted run that can go on."""
+NOTICE = 120
+"""Seconds before the time limit at which Slurm sends USR1; it may come 60 s earlier, or 30 s late."""
+
+Word = Annotated[str, StringConstraints(pattern=r"^[\w.,:/+@=-]+$")]
+Option = Annotated[str, StringConstraints(pattern=r"^--[a-z-]+(=[\w.,:/+@=-]+)?$")]
+
+
+class Site(BaseModel, coerce_numbers_to_str=True, extra="forbid", frozen=True):
+    """What a cluster asks of a job.
+
+    Attributes
+    ----------
+    partition, account, time : str
+        As of ``sbatch``; without `time` it is estimated from the size of the scene.
+    options : list of str
+        Further options of ``sbatch``, such as ``--qos=long``.
+    modules : list of str
+        Environment modules that are loaded first.
+    environment : str
+        Folder of the Python environment that lammps-jump is installed in.
+    """
+
+    partition: Word | None = None
+    account: Word | None = None
+    time: Word | None = None
+    options: list[Option] = []
+    modules: list[Word] = []
+    environment: Annotated[str, AfterValidator(one_line)] = ""
+
+    @property
+    def head(self) -> list[str]:
+        """Lines of options, for the top of a job file."""
+        named = [f"--{key}={name}" for key in ("partition", "account", "time") if (name := getattr(self, key))]
+        return [f"#SBATCH {option}" for option in (*named, *self.options)]
+
+    @property
+    def commands(self) -> list[str]:
+        """Commands that make lammps-jump known."""
+        place = [f"PATH={shlex.quote(self.environment)}/bin:$PATH"] if self.environment else []
+        return [*(f"module load {name}" for name in self.modules), *place]
+
+
+def read_site(path: Path) -> Site:
+    """The options of a site file.
+
+    Raises
+    ------
+    CaseError
+        The file cannot be read, or a field is unknown or not fit for a job file.
+    """
+    source = read_source(path)
+    try:
+        return Site.model_validate(source.data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        said = first["msg"]
+        if first["type"] == "extra_forbidden":
+            said = f"unknown field; {nearest(str(first['loc'][-1]), list(Site.model_fields))}"
+        elif first["type"] == "string_pattern_mismatch":
+            said = f"{first['input']!r} is not allowed; one word of letters, digits and .,:/+@=- is: correct it"
+        raise source.error(first["loc"], said) from None
+
+
+def job_text(scene: Scene, ranks: int, site: Site | None = None) -> str:
+    """The job file of a run folder: one task a rank, memory and time from the size of the scene."""
+    discs, site = scene.expected_discs, site or Site()
+    minutes = -(-int(1.5 * discs * scene.steps / (DISC_STEPS_PER_SECOND * ranks)) // 60) + 5
+    megabytes = MEGABYTES + MEGABYTES_OF_RANK * ranks + BYTES_PER_DISC * discs // 1_000_000
+    options = f"--ntasks={ranks}", f"--mem={megabytes}M", f"--time={minutes}", "--output=slurm-%j.out"
+    return f"""{head(scene.name, options, site)}
+# Submit it from this folder: sbatch job.slurm. lammps-jump must be known there; the run and its analysis are made here.
+cd "${{SLURM_SUBMIT_DIR:-$(dirname "$0")}}" || exit 2
+if [ ! -f case.yaml ]; then
+    echo "no case.yaml in $PWD: submit the job from the run folder" >&2
+    exit 2
+fi
+{run_and_requeue("lammps-jump run . --resume", site)}"""
+
+
+def head(name: str, options: tuple[str, ...], site: Site) -> str:
+    """First lines of a job file that may be requeued; those of the site come last, and win."""
+    own = (f"--job-name={shell_word(name)}", "--nodes=1", "--cpus-per-task=1", *options)
+    requeue = ("--open-mode=append", "--requeue", f"--signal=B:USR1@{NOTICE}")
+    return "\n".join(["#!/bin/bash", *(f"#SBATCH {option}" for option in (*own, *requeue)), *site.head])
+
+
+def run_and_requeue(command: str, site: Site) -> str:
+    """Lines that run a command, hand signals on to it, and requeue the job where its time has ended."""
+    return "\n".join(
+        [
+            *site.commands,
+            f"# USR1 comes before the time limit: the run saves its state, ends with {INTERRUPTED}, is requeued.",
+            "# TERM comes from scancel: the run saves its state, and the job ends.",
+            "signalled=",
+            *(f"trap 'signalled={name}; kill -{name} \"$child\"' {name}" for name in ("USR1", "TERM")),
+            f"{command} &",
+            "child=$!",
+            'wait "$child"',
+            'while kill -0 "$child" 2>/dev/null; do wait "$child"; done',
+            'wait "$child" # once more: a signal ends a wait with another status',
+            "status=$?",
+            f'if [ "$status" = {INTERRUPTED} ] && [ "$signalled" = USR1 ]; then',
+            '    scontrol requeue "${SLURM_ARRAY_JOB_ID:-$SLURM_JOB_ID}${SLURM_ARRAY_TASK_ID:+_$SLURM_ARRAY_TASK_ID}"',
+            "fi",
+            'exit "$status"',
+            "",
+        ]
+    )
+
+
+def write_job(scene: Scene, folder: Path, ranks: int, site: Site | None = None) -> Path:
+    """Write ``job.slurm`` into a built folder; returns its path."""
+    return write_text(folder / JOB_FILE, job_text(scene, ranks, site))

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+from . import page as page
+from . import table as table
+from .members import Start as Start
+from .members import plan as plan
+from .pool import Pool as Pool
+from .study import parse_axis as parse_axis
+from .study import parse_set as parse_set
+from .study import parse_until as parse_until
+from .study import read_study as read_study
+from .sweep import Sweep as Sweep
+from .sweep import SweepProgress as SweepProgress
+from .sweep import default_folder as default_folder
+from .sweep import open_sweep as open_sweep
+from .sweep import prepare as prepare
+from .sweep import run_members as run_members
+from .sweep import run_one as run_one
+from .sweep import study_folder as study_folder
+from .sweep import sweep as sweep

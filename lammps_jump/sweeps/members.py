@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Members of a study: one start of one point each, its run folder, and the run itself in a worker process."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from lammps_jump.engines.checkpoint import CHECKPOINT_FILE
+from lammps_jump.engines.result import Progress
+from lammps_jump.errors import DumpError, ResumeError, SetupError
+from lammps_jump.files import DUMP_NAMES
+from lammps_jump.folders import holder, require_unlocked
+from lammps_jump.provenance import short_hash
+from lammps_jump.runs.engine import analysis_key, choose_setting, full_key
+from lammps_jump.runs.run import Case
+from lammps_jump.runs.run import run as run_case
+from lammps_jump.runs.state import has_output
+from lammps_jump.runs.summary import read_summary
+
+from . import worker
+
+JITTER = 1e-6
+"""Least shift of discs at the start, in diameters. Rows of inflow differ by as much (`physics.inlet.SHIFT`): no mean
+changes, and chaos makes the runs independent."""
+RUNS = "runs"
+Stage = Literal["done", "failed", "running", "interrupted", "waiting"]
+
+
+class Start(NamedTuple):
+    """What a member is made of: number of its point, values that the point changes, seed."""
+
+    point: int
+    changes: Mapping[str, object]
+    seed: int
+
+
+@dataclass(frozen=True)
+class Member:
+    """One start of one point.
+
+    Attributes
+    ----------
+    point : int
+    seed : int
+    case : Case
+    key : str
+        Name of its run folder.
+    """
+
+    point: int
+    seed: int
+    case: Case
+    key: str
+
+    def folder(self, store: Path) -> Path:
+        """The run folder in a store."""
+        return store / RUNS / self.key
+
+
+class State(NamedTuple):
+    """What a run folder holds of a member, and why it failed where it has."""
+
+    stage: Stage
+    message: str = ""
+
+
+def started(case: Case, seed: int) -> Case:
+    """The case with another start, the same on every engine; seed 0 is the case without any shift."""
+    changes: dict[str, object] = {"run.seed": seed}
+    if seed:
+        changes |= {f"initial.{i}.jitter": max(item.jitter, JITTER) for i, item in enumerate(case.fields.initial)}
+    return case.replace(changes)
+
+
+def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) -> list[Member]:
+    """The members of a study; values of `analysis` say what is made of a run.
+
+    Raises
+    ------
+    CaseError, SetupError
+        A point that cannot be run: nothing is run then.
+    """
+    cases = [started(case.replace({**analysis, **start.changes}), start.seed) for start in starts]
+    keys = []
+    for one in cases:
+        resolved, setting, _ = choose_setting(one)
+        keys.append(full_key(resolved, setting))
+    asked = {(key, short_hash(one.rest)) for key, one in zip(keys, cases, strict=True)}
+    shared = Counter(key for key, _ in asked)  # points that differ in their analysis alone need folders of their own
+    keys = [
+        key if shared[key] == 1 else short_hash({"key": key, **one.rest}) for key, one in zip(keys, cases, strict=True)
+    ]
+    return [Member(start.point, start.seed, one, key) for start, one, key in zip(starts, cases, keys, strict=True)]
+
+
+def state_of(member: Member, store: Path) -> State:
+    """What the run folder of a member holds; nothing is written."""
+    folder = member.folder(store)
+    if holder(folder):
+        return State("running")
+    try:
+        stored = read_summary(folder)
+    except DumpError:
+        return State("interrupted")
+    if stored.get("status") == "failed":
+        return State("failed", stored["message"] or "")
+    if stored.get("status") == "complete" and _is_analysed(member.case, stored):
+        return State("done")
+    return State("interrupted" if has_output(folder) else "waiting")
+
+
+def _is_analysed(case: Case, stored: Mapping[str, Any]) -> bool:
+    """Whether the results are of this analysis, with or without pictures."""
+    if not stored.get("analysed"):
+        return False
+    figures = (case.replace({"analysis.figures": word}) for word in ("none", "default"))
+    return stored["analysed"]["key"] in [analysis_key(one, stored["outputs"]) for one in figures]
+
+
+def run_member(case: Case, folder: Path, again: bool, keep_dump: bool) -> None:
+    """Run a member in a worker process, or go on with it; `again` deletes a run that failed.
+
+    Raises
+    ------
+    JumpError
+        As `lammps_jump.run`.
+    """
+    require_unlocked(folder)
+
+    def tell(report: Progress) -> None:
+        worker.tell((report.step / max(report.steps, 1), report.step * 1.0, report.discs))
+
+    ways: Sequence[Mapping[str, Any]] = [{"force": True}]
+    if not again:
+        ways = [*([{"resume": True}] if (folder / CHECKPOINT_FILE).exists() else []), {}, *ways]
+    for last, way in zip([*[False] * (len(ways) - 1), True], ways, strict=True):
+        try:
+            run_case(case, folder, progress=tell, should_stop=worker.asked_to_stop, **way)
+            break
+        except (ResumeError, SetupError):
+            if last:
+                raise
+    if not keep_dump:
+        for name in DUMP_NAMES.values():
+            (folder / name).unlink(missing_ok=True)

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Page and figures of a study: its numbers against each axis, with the interval over members as a band."""
+
+from __future__ import annotations
+
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+import lammps_jump.sweeps as sweeps
+from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
+from lammps_jump.analysis.report.page import Code, Items, Picture, Section, Table, Text, picture, render
+from lammps_jump.files import write_text
+from lammps_jump.provenance import versions
+from lammps_jump.units import shown
+
+from .study import Axis, Study
+from .table import DISAGREE
+
+if TYPE_CHECKING:
+    from .sweep import Sweep
+
+MOST_LINES = 6
+"""Lines of a panel, one for each point of the other axes."""
+COLOURS = (BLUE, GOLD, GREY, RED)
+
+
+def summary_frame(found: Sweep) -> pd.DataFrame:
+    """A row for each point: values of the axes, and mean ± half the interval of each number, with its count."""
+    study = found.study
+    rows = []
+    frame = sweeps.table.flat(found.table, study)
+    for (_, numbers), point in zip(frame.iterrows(), study.points, strict=True):
+        row = {path: shown(value) for path, value in point.items()}
+        for item in study.collect:
+            half = numbers[f"{item.path}_high"] - numbers[item.path]
+            row[item.heading] = f"{shown(numbers[item.path], error=half)} (n = {numbers[f'{item.path}_n']})"
+        rows.append({**row, "found": numbers["verdicts"]} if any(frame["verdicts"]) else row)
+    return pd.DataFrame(rows)
+
+
+def table_text(found: Sweep) -> str:
+    """The table of `summary_frame` in Markdown."""
+    frame = summary_frame(found)
+    lines = [list(frame.columns), ["---"] * len(frame.columns), *frame.values.tolist()]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def draw(found: Sweep) -> list[Path]:
+    """Draw a figure for each axis, lines with bands, and a map for two axes of numbers; their files."""
+    study, folder = found.study, found.folder / "figures"
+    folder.mkdir(exist_ok=True)
+    axes = [axis for axis in study.axes if found.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
+    files = [save_lines(found.table, study, axis, folder / f"sweep_{axis.name}.png") for axis in axes]
+    if len(axes) == len(study.axes) == 2:
+        files.append(save_map(found.table, study, axes, folder / "sweep_map.png"))
+    return files
+
+
+def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
+    """Draw every number against one axis: the mean, and the interval over members as a band."""
+    count = len(study.collect)
+    columns = 2 if count == 4 else min(count, 3)
+    rows = -(-count // columns)
+    others = [other.name for other in study.axes if other.name != axis.name]
+    with drawing(3.2 * columns + 0.4, 2.6 * rows + 0.3, rows, columns, squeeze=False) as (figure, panels):
+        for panel, item in zip(panels.flat, study.collect, strict=False):
+            whole = table[item.path].transpose(axis.name, *others, "statistic")
+            lines = whole.values.reshape(len(axis.values), -1, whole.sizes["statistic"])
+            labels = list(np.ndindex(*whole.shape[1:-1]))
+            shown_lines = np.unique(np.linspace(0, len(labels) - 1, min(len(labels), MOST_LINES)).astype(int))
+            for place, line in enumerate(shown_lines):
+                words = (f"{name} {table[name].values[i]}" for name, i in zip(others, labels[line], strict=True))
+                cells = dict(zip(whole["statistic"].values, lines[:, line].T, strict=True))
+                colour, dash = COLOURS[place % len(COLOURS)], DASHES[place % len(DASHES)]
+                panel.plot(axis.values, cells["mean"], dash, marker="o", ms=4, color=colour, label=", ".join(words))
+                if np.isfinite(cells["low"]).any():
+                    panel.fill_between(axis.values, cells["low"], cells["high"], color=colour, alpha=0.18, lw=0)
+            panel.set(xlabel=axis.name, ylabel=item.heading)
+            panel.set_title(item.meaning if item.meaning != item.path else "")
+        if others:
+            panels[0, 0].legend()
+        for empty in panels.flat[count:]:
+            empty.axis("off")
+        return save(figure, path)
+
+
+def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> Path:
+    """Draw the mean of every number over two axes."""
+    count = len(study.collect)
+    columns = 2 if count == 4 else min(count, 3)
+    rows = -(-count // columns)
+    y, x = axes
+    with drawing(3.6 * columns, 2.8 * rows, rows, columns, squeeze=False) as (figure, panels):
+        for panel, item in zip(panels.flat, study.collect, strict=False):
+            cells = table[item.path].sel(statistic="mean").transpose(y.name, x.name).values
+            image = panel.imshow(cells, origin="lower", aspect="auto")
+            panel.set_xticks(range(len(x.values)), [f"{value:g}" for value in x.values])
+            panel.set_yticks(range(len(y.values)), [f"{value:g}" for value in y.values])
+            panel.set(xlabel=x.name, ylabel=y.name)
+            panel.grid(visible=False)
+            colour_bar(figure, image, item.heading, ax=panel)
+        for empty in panels.flat[count:]:
+            empty.axis("off")
+        return save(figure, path)
+
+
+def _doubts(found: Sweep) -> list[str]:
+    """Sentences on what the table cannot say by itself."""
+    study, frame = found.study, sweeps.table.flat(found.table, found.study)
+    names = [point_name(study, index) for index in range(len(frame))]
+    said = [
+        f"{name}: members differ in kind: {words}. Only numbers that go with a verdict are counted."
+        for name, words in zip(names, frame["verdicts"], strict=True)
+        if words
+    ]
+    said += [
+        f"{item.path}: members scatter more than single runs say of themselves (chi2/dof {chi2:.1f}): use the interval "
+        "over members."
+        for item in study.collect
+        if (chi2 := frame[f"{item.path}_chi2"].median()) > DISAGREE
+    ]
+    said += [f"{names[failure.point]}, member {failure.seed}: left out: {failure.message}" for failure in found.failed]
+    wanted = ", ".join(f"{path} within {100 * share:g} %" for path, share in study.fields.until.items())
+    said += [
+        f"{name}: {wanted} would take {needed} members; {have} have run."
+        for name, needed, have in zip(names, found.needed(), frame["members"], strict=True)
+        if needed > have
+    ]
+    return said
+
+
+def point_name(study: Study, index: int) -> str:
+    """Values of a point in words."""
+    return ", ".join(f"{path} = {shown(value)}" for path, value in study.points[index].items()) or study.case.name
+
+
+def sections(found: Sweep) -> list[Section]:
+    """The parts of the page."""
+    study = found.study
+    share = f"{100 * study.fields.confidence:g} %"
+    lead = (
+        f"{study.case.fields.description or study.case.name}. {found.status()}. ± is the {share} interval of the mean "
+        "over members, independent starts of the same case (Student's t); n counts the members that have the number."
+    )
+    frame = summary_frame(found)
+    pictures: list[Picture] = [picture(path, caption(path)) for path in draw(found)]
+    return [
+        Section("", [Text(lead, "lead"), Items(_doubts(found), "What to know")]),
+        Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *pictures]),
+        Section("Members beside single runs", [Text(OWN_ERRORS), Table(*_own_errors(found))]),
+        Section("How to repeat it", [
+            Text(f"`lammps-jump sweep {found.folder}` goes on with this study, or does nothing where all is there."),
+            Text("Versions: " + ", ".join(f"{name} {text}" for name, text in versions().items())),
+            Code(study.to_yaml(), "study.yaml"),
+        ]),
+    ]  # fmt: skip
+
+
+OWN_ERRORS = (
+    "A single run states an error of its own. chi2/dof compares the scatter of members with it: about 1 to 1.4 where "
+    "the errors of single runs hold, above 1.5 where they are too small."
+)
+
+
+def _own_errors(found: Sweep) -> tuple[list[list[Any]], list[str]]:
+    study, frame = found.study, sweeps.table.flat(found.table, found.study)
+    rows = []
+    for index in range(len(frame)):
+        for item in study.collect:
+            numbers = [float(frame[f"{item.path}_{name}"][index]) for name in ("sd", "own_error", "chi2")]
+            if isfinite(numbers[1]):
+                shown_numbers = [number if isfinite(number) else None for number in numbers]
+                rows.append([point_name(study, index), item.heading, *shown_numbers])
+    return rows, ["point", "number", "standard deviation of members", "stated by single runs", "chi2/dof"]
+
+
+def caption(path: Path) -> str:
+    """Caption of a figure of a study."""
+    name = path.stem.removeprefix("sweep_")
+    return "Means over both axes" if name == "map" else f"Against {name}; band: interval over members"
+
+
+def write_page(found: Sweep) -> Path:
+    """Write ``sweep.html`` and the figures."""
+    title = f"Study: {found.study.case.name}"
+    return write_text(found.folder / "sweep.html", render(title, sections(found)))

@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A study: a case, axes of values, members of each point, and what is collected of every run."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+import yaml
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
+
+from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.case.case import ReadCase
+from lammps_jump.case.case import load_case as read_case
+from lammps_jump.case.explain import explain
+from lammps_jump.case.fields import Strict
+from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source
+from lammps_jump.errors import CaseError
+from lammps_jump.files import plain
+from lammps_jump.runs.run import Case
+from lammps_jump.units import numbers_of, parse_accuracy
+
+ZIP = "zip"
+MOST_RUNS = 100_000
+MOST_MEMBERS = 1_000
+OTHERS = (
+    "discs", "steps", "simulated_time", "cpu_seconds", "wall_seconds", "disc_steps", "disc_steps_per_second",
+    "coefficients", "ledger", "theory",
+)  # fmt: skip
+"""Parts of ``summary.json`` beside the analyses whose numbers can be collected."""
+
+
+class Range(Strict):
+    """Equal steps from one value to another; of logarithms, with ``scale: log``."""
+
+    from_: float = Field(alias="from")
+    to: float
+    count: int = Field(ge=2, le=MOST_RUNS)
+    scale: Literal["linear", "log"] = "linear"
+
+    @model_validator(mode="after")
+    def _logarithms(self) -> Range:
+        if self.scale == "log" and not (self.from_ > 0 and self.to > 0):
+            raise ValueError("scale: log needs from and to above 0")
+        return self
+
+    def values(self) -> list[float]:
+        """The values, rounded to twelve digits."""
+        space = np.geomspace if self.scale == "log" else np.linspace
+        return [float(f"{value:.12g}") for value in space(self.from_, self.to, self.count)]
+
+
+class Axis(NamedTuple):
+    """An axis of a study: values of one path of the case, or of several that change together."""
+
+    name: str
+    columns: Mapping[str, Sequence[Any]]
+
+    @property
+    def values(self) -> Sequence[Any]:
+        """Values of the first path."""
+        return self.columns[self.name]
+
+
+def _values(given: object) -> object:
+    if isinstance(given, Mapping):
+        return Range.model_validate(given).values()
+    if not isinstance(given, list | tuple) or not given:
+        raise ValueError(f"{given!r} does not fit; allowed is a list of values, or {{from: 0, to: 1, count: 5}}")
+    texts = [str(value) for value in given]
+    for index, text in enumerate(texts):
+        if text in texts[:index]:
+            raise ValueError(f"{text} stands twice; keep one of them")
+    return list(given)
+
+
+def _axes(given: object) -> object:
+    if not isinstance(given, Mapping):
+        return given
+    found: dict[str, Any] = {}
+    for path, values in given.items():
+        if path != ZIP:
+            found[path] = {path: _values(values)}
+            continue
+        if not isinstance(values, Mapping) or not values:
+            raise ValueError("zip does not fit; allowed is {path: [values], path: [values]}")
+        columns = {name: list(column) if isinstance(column, list) else [] for name, column in values.items()}
+        if len({len(column) for column in columns.values()}) != 1 or not all(columns.values()):
+            raise ValueError("values that change together need lists of one length")
+        found[next(iter(columns))] = columns
+    return found
+
+
+def _seeds(given: object) -> object:
+    """Seeds 1 … n of a number, or the seeds themselves as a list or ``9-16``."""
+    if isinstance(given, str) and (parts := given.split("-"))[0].isdigit() and parts[-1].isdigit() and len(parts) < 3:
+        low, high = (int(parts[0]), int(parts[-1])) if len(parts) == 2 else (1, int(parts[0]))
+        given = list(range(low, min(high, low + MOST_MEMBERS) + 1))
+    if isinstance(given, int) and not isinstance(given, bool):
+        given = list(range(1, min(given, MOST_MEMBERS + 1) + 1))
+    if not isinstance(given, list | tuple) or not given or len(set(given)) < len(given) or len(given) > MOST_MEMBERS:
+        raise ValueError(f"{given!r} does not fit; allowed is 1 to {MOST_MEMBERS}, or different seeds: 9-16 or [3, 5]")
+    return given
+
+
+Share = Annotated[float, BeforeValidator(parse_accuracy)]
+
+
+class StudyFields(Strict):
+    """A study file."""
+
+    case: str | dict[str, Any]
+    set: dict[str, Any] = Field(default_factory=dict)
+    axes: Annotated[dict[str, dict[str, list[Any]]], BeforeValidator(_axes)] = Field(default_factory=dict)
+    members: Annotated[tuple[Annotated[int, Field(ge=0)], ...], BeforeValidator(_seeds)] = (1,)
+    collect: Annotated[tuple[str, ...], AfterValidator(lambda names: tuple(dict.fromkeys(names)))] = ()
+    confidence: float = Field(default=0.95, gt=0, lt=1)
+    until: dict[str, Share] = Field(default_factory=dict)
+    most_members: int = Field(default=32, ge=2, le=MOST_MEMBERS)
+
+
+class Collected(NamedTuple):
+    """A number of ``summary.json`` that is collected: its path there, unit and meaning."""
+
+    path: str
+    unit: str
+    meaning: str
+
+    @property
+    def heading(self) -> str:
+        """Path and unit."""
+        return f"{self.path} [{self.unit}]" if self.unit else self.path
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study that was read and checked.
+
+    Attributes
+    ----------
+    fields : StudyFields
+    case : Case
+        With the values of ``set``.
+    collect : tuple of Collected
+    """
+
+    fields: StudyFields
+    case: Case
+    collect: tuple[Collected, ...]
+
+    @property
+    def axes(self) -> list[Axis]:
+        """The axes, in the order of the file."""
+        return [Axis(name, columns) for name, columns in self.fields.axes.items()]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def points(self) -> list[dict[str, Any]]:
+        """Changed values of each point, the last axis fastest."""
+        indices = itertools.product(*(range(count) for count in self.shape))
+        return [
+            {path: column[i] for axis, i in zip(self.axes, index, strict=True) for path, column in axis.columns.items()}
+            for index in indices
+        ]
+
+    @property
+    def analysis(self) -> dict[str, object]:
+        """What is made of each run: what the collected numbers need, no pictures and no page."""
+        parts = {item.path.partition(".")[0] for item in self.collect}
+        flags = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
+        return {**flags, "analysis.fields": False, "analysis.animation": False, "analysis.figures": "none"}
+
+    def to_yaml(self) -> str:
+        """The study as YAML, with the whole case in it, so that the folder can be moved."""
+        data = {**self.fields.model_dump(mode="json"), "set": {}, "collect": [item.path for item in self.collect]}
+        data |= {"case": yaml.safe_load(self.case.to_yaml())}
+        axes = {axis.name: list(axis.values) for axis in self.axes if len(axis.columns) == 1}
+        zipped = next(({ZIP: axis.columns} for axis in self.axes if len(axis.columns) > 1), {})
+        whole = plain({**data, "axes": {**axes, **zipped}})
+        return yaml.safe_dump(whole, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
+
+
+def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: Any) -> Study:
+    """Read and check a study.
+
+    Parameters
+    ----------
+    source : str, Path, mapping or Case
+        A study file, the folder of a study, the fields themselves, or a case.
+    given
+        Fields in place of those of the source.
+
+    Raises
+    ------
+    CaseError
+        One paragraph with file:line, the field, what is allowed and what to do.
+    """
+    if isinstance(source, ReadCase):
+        source = {"case": yaml.safe_load(source.to_yaml())}
+    if isinstance(source, Mapping):
+        file, place = CaseSource("<study>", plain(dict(source))), Path()
+    else:
+        path = Path(source) / "study.yaml" if (Path(source) / "study.yaml").is_file() else Path(source)
+        file, place = read_source(path), path.parent
+        if "case" not in file.data and {"discs", "run"} & file.data.keys():
+            file.data = {"case": path.name}
+    if isinstance(given.get("set"), Mapping):
+        given["set"] = {**(file.data.get("set") or {}), **given["set"]}
+    file.data |= given
+    try:
+        fields = StudyFields.model_validate(file.data)
+    except ValidationError as error:
+        raise explain(error, file, StudyFields) from None
+    read = read_case(fields.case if isinstance(fields.case, dict) else place / fields.case, fields.set)
+    case = Case(read.fields, read.source)
+    if (runs := prod(len(next(iter(c.values()))) for c in fields.axes.values()) * len(fields.members)) > MOST_RUNS:
+        raise file.error("axes", f"{runs} runs; allowed are {MOST_RUNS}")
+    paths = (*fields.collect, *fields.until) or tuple(_usual(case))
+    collect = tuple(collected(file, path, case) for path in dict.fromkeys(paths))
+    return Study(fields, case, collect)
+
+
+def _usual(case: Case) -> Iterator[str]:
+    """Paths of what is shown of a case on the screen."""
+    asked = case.fields.analysis
+    for name, quantity in QUANTITIES.items():
+        keys = [n.key for n in numbers_of(quantity.result).values() if n.label != n.meaning]
+        parents = [f"force.{probe}" for probe in case.fields.probes.forces] if name == "force" else [name]
+        if getattr(asked, name, False) or name == "force":
+            yield from (f"{parent}.{key}" for parent in parents for key in keys)
+
+
+def collected(file: CaseSource, path: str, case: Case) -> Collected:
+    """The description of a number that is to be collected.
+
+    Raises
+    ------
+    CaseError
+        No such number.
+    """
+    name, _, key = path.partition(".")
+    if name in OTHERS:
+        return Collected(path, "", path)
+    if name not in QUANTITIES:
+        hint = nearest(name, [*QUANTITIES, *OTHERS])
+        raise file.error(("collect",), f"{path}: there is no '{name}' in summary.json; {hint}")
+    if name == "force":
+        probe, _, key = key.partition(".")
+        if probe not in case.fields.probes.forces:
+            known = ", ".join(case.fields.probes.forces) or "none: name the wall in probes.forces of the case"
+            raise file.error(("collect",), f"{path}: '{probe}' is no probe of the case; probes there: {known}")
+    numbers = numbers_of(QUANTITIES[name].result)
+    if key not in numbers and "." not in key:
+        raise file.error(("collect",), f"{path}: {name} has no number '{key}'; {nearest(key, list(numbers))}")
+    number = numbers.get(key)
+    return Collected(path, number.unit if number else "", number.meaning if number else path)
+
+
+def parse_axis(text: str) -> tuple[str, object]:
+    """Path and values of ``--axis PATH=VALUES``: values with commas between, ``[…]`` or ``{from: …, to: …, count: …}``.
+
+    Raises
+    ------
+    CaseError
+        No path or no values.
+    """
+    path, values = _pair("--axis", text, "=", "contact.friction=0,0.05,0.1")
+    whole = values if values[0] == "{" or values.startswith("[[") else f"[{values}]"
+    return path, parse_source(f"values: {whole}", f"--axis {text}").data["values"]
+
+
+def parse_set(text: str) -> tuple[str, object]:
+    """Path and value of ``--set PATH=VALUE``."""
+    path, value = _pair("--set", text, "=", "contact.friction=0")
+    return path, parse_source(f"value: {value}", f"--set {text}").data["value"]
+
+
+def parse_until(text: str) -> tuple[str, str]:
+    """Path and share of ``--until``: ``jump.speed=3%`` or ``jump.speed ± 3%``."""
+    return _pair("--until", text, "±" if "±" in text else "=", "jump.speed=3%")
+
+
+def _pair(option: str, text: str, sign: str, example: str) -> tuple[str, str]:
+    path, found, value = (part.strip() for part in text.partition(sign))
+    if not (path and found and value):
+        raise CaseError(f"{option} {text}: expected a path, {sign} and a value, for example {option} {example}")
+    return path, value

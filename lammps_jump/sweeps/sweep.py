@@ -1,0 +1,400 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Many runs as one: run what a study asks for and is not there yet, and look at what its folder holds."""
+
+from __future__ import annotations
+
+import html
+import logging
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+import lammps_jump.sweeps as sweeps
+from lammps_jump.analysis.profiles import write_netcdf
+from lammps_jump.case.case import ReadCase
+from lammps_jump.engines.choice import usable_cores
+from lammps_jump.errors import CaseError, RunInterrupted, SetupError
+from lammps_jump.files import SWEEP_FILES, plain, read_json, write_json, write_text
+from lammps_jump.folders import Marker, claim, clear, locked
+from lammps_jump.runs.run import Case, Run
+from lammps_jump.runs.summary import read_summary
+
+from .members import Member, Stage, Start, State, plan, run_member, state_of
+from .pool import Outcome, Pool
+from .study import Study, read_study
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+log = logging.getLogger(__name__)
+POINTS_FILE = "points.json"
+
+
+@dataclass(frozen=True)
+class SweepProgress:
+    """How far a study has come.
+
+    Attributes
+    ----------
+    done, failed, total : int
+        Runs.
+    share : float
+        Of all steps that were left to do.
+    disc_steps : float
+        Done so far, in this process.
+    """
+
+    done: int
+    failed: int
+    total: int
+    share: float
+    disc_steps: float
+
+
+class Failure(NamedTuple):
+    """A member that is not in the table, and why."""
+
+    point: int
+    seed: int
+    folder: Path
+    message: str
+
+
+@dataclass
+class Board:
+    """Counts what the members at work have done."""
+
+    total: int
+    left: int
+    show: Callable[[SweepProgress], None]
+    done: int = 0
+    failed: int = 0
+    disc_steps: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._shares: dict[int, float] = {}
+        self._steps: dict[int, float] = {}
+
+    def heard(self, number: int, news: tuple[float, float, int]) -> None:
+        """Take in the progress of a member: share and number of its steps, discs in play."""
+        share, step, discs = news
+        self.disc_steps += max(0.0, step - self._steps.get(number, step)) * discs
+        self._shares[number], self._steps[number] = share, step
+        self._tell()
+
+    def ended(self, number: int, good: bool) -> None:
+        """Count a member."""
+        self._shares[number] = 1.0
+        self.done, self.failed = self.done + good, self.failed + (not good)
+        self._tell()
+
+    def _tell(self) -> None:
+        share = sum(self._shares.values()) / max(self.left, 1)
+        self.show(SweepProgress(self.done, self.failed, self.total, share, self.disc_steps))
+
+
+def run_members(
+    members: Sequence[Member],
+    store: Path,
+    pool: Pool,
+    *,
+    retry: bool = False,
+    keep_dumps: bool = True,
+    show: Callable[[SweepProgress], None] = lambda progress: None,
+) -> dict[str, State]:
+    """Run the members of a store that are not done, each once; what is there of each then, by its key.
+
+    Parameters
+    ----------
+    members : sequence of Member
+    store : Path
+        Folder that this process holds.
+    pool : Pool
+    retry : bool
+        Also run again those that failed.
+    keep_dumps : bool
+        Leave the dumps in the run folders.
+    show : callable
+
+    Raises
+    ------
+    RunInterrupted
+        Ctrl-C or SIGTERM; members at work have saved their state.
+    """
+    known = {member.key: member for member in members}
+    states = {key: state_of(member, store) for key, member in known.items()}
+    stages = Counter(state.stage for state in states.values())
+    over = ("done",) if retry else ("done", "failed")
+    left = [key for key, state in states.items() if state.stage not in over]
+    failed = 0 if retry else stages["failed"]
+    board = Board(len(states), len(left), show, done=stages["done"], failed=failed)
+
+    def done(number: int, outcome: Outcome) -> None:
+        key = left[number]
+        found = state_of(known[key], store)
+        if outcome.kind != "done" and found.stage != "failed":
+            text = "was interrupted" if outcome.kind == "RunInterrupted" else str(outcome.value)
+            found = State("interrupted" if found.stage == "interrupted" else "waiting", text)
+        states[key] = found
+        board.ended(number, found.stage == "done")
+
+    calls = [
+        partial(run_member, member.case, member.folder(store), states[member.key].stage == "failed", keep_dumps)
+        for member in map(known.__getitem__, left)
+    ]
+    pool.run(calls, done=done, news=board.heard)
+    return states
+
+
+class Sweep:
+    """A study, seen through its folder.
+
+    Parameters
+    ----------
+    study : Study
+    folder : Path
+    starts : sequence of Start, optional
+        Default those that the folder lists, else those of the study.
+    """
+
+    def __init__(self, study: Study, folder: Path, starts: Sequence[Start] | None = None):
+        self.study, self.folder = study, folder
+        self._said: dict[str, State] = {}
+        self.starts = list(starts if starts is not None else _starts(study, folder))
+
+    @cached_property
+    def members(self) -> list[Member]:
+        """All members, point by point."""
+        return plan(self.study.case, self.starts, self.study.analysis)
+
+    @cached_property
+    def states(self) -> dict[str, State]:
+        """What the folder holds of each member, by its key."""
+        return {member.key: self._said.get(member.key) or state_of(member, self.folder) for member in self.members}
+
+    @property
+    def runs(self) -> list[Run]:
+        """The runs that are done."""
+        return [Run(m.folder(self.folder)) for m in self.members if self.states[m.key].stage == "done"]
+
+    @property
+    def failed(self) -> list[Failure]:
+        """The members that are not in the table although they were run."""
+        states = ((member, self.states[member.key]) for member in self.members)
+        return [Failure(m.point, m.seed, m.folder(self.folder), s.message) for m, s in states if s.message]
+
+    @cached_property
+    def values(self) -> pd.DataFrame:
+        """What was collected of every run that is done: a row each, with ``point`` and ``seed``."""
+        import pandas as pd  # 0.3 s
+
+        done = (member for member in self.members if self.states[member.key].stage == "done")
+        rows = [
+            {"point": member.point, "seed": member.seed, "key": member.key}
+            | sweeps.table.row_of(read_summary(member.folder(self.folder)), self.study)
+            for member in done
+        ]
+        columns = [name for item in self.study.collect for name in (item.path, f"{item.path}_error")]
+        return pd.DataFrame(rows, columns=None if rows else ["point", "seed", "key", *columns])
+
+    @cached_property
+    def table(self) -> xr.Dataset:
+        """Statistics over members (`table.STATISTICS`), with the axes as dimensions."""
+        return sweeps.table.table_of(self.study, self.values)
+
+    def needed(self) -> list[int]:
+        """Members that each point would need for the intervals that ``until`` asks for; 0 where that cannot be told."""
+        counts = [0] * len(self.study.points)
+        for path, share in self.study.fields.until.items():
+            cells = self.table[path].values.reshape(-1, len(sweeps.table.STATISTICS))
+            for point, cell in enumerate(cells):
+                found = dict(zip(sweeps.table.STATISTICS, cell, strict=True))
+                counts[point] = max(counts[point], sweeps.table.members_needed(found, share) or 0)
+        return counts
+
+    def status(self) -> str:
+        """One line: how many runs are done, failed, at work, and still to come."""
+        counts = Counter(self.states[member.key].stage for member in self.members)
+        said = ", ".join(f"{counts[stage]} {stage}" for stage in get_args(Stage) if counts[stage])
+        return f"{len(self.members)} runs at {len(self.study.points)} points: {said}"
+
+    def write(self) -> Path:
+        """Write table, figures and page into the folder; the path of the page."""
+        clear(self.folder, ["figures/sweep_*.png"])
+        frame = sweeps.table.flat(self.table, self.study)
+        write_text(self.folder / "table.csv", frame.to_csv(index=False, lineterminator="\n"))
+        write_netcdf(self.table, self.folder / "table.nc")
+        return sweeps.page.write_page(self)
+
+    def __repr__(self) -> str:
+        return f"Sweep({str(self.folder)!r}, {self.status()})"
+
+    def _repr_html_(self) -> str:
+        table = sweeps.page.summary_frame(self).to_html(index=False)
+        return f"<p><b>{html.escape(self.study.case.name)}</b>: {html.escape(self.status())}</p>{table}"
+
+
+def _starts(study: Study, folder: Path) -> Iterator[Start]:
+    """Members that the study asks for, and those that ``until`` has added before."""
+    points = study.points
+    seeds = {(point, seed) for point in range(len(points)) for seed in study.fields.members}
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        listed = read_json(folder / POINTS_FILE)
+        if study.fields.until and listed["points"] == plain(points):
+            seeds |= {(int(item["point"]), int(item["seed"])) for item in listed["members"]}
+    return (Start(point, points[point], seed) for point, seed in sorted(seeds))
+
+
+@contextmanager
+def study_folder(folder: Path) -> Iterator[None]:
+    """Hold the folder of a study, made where it is missing, as the only process that runs it.
+
+    Raises
+    ------
+    SetupError
+        The folder cannot be made, holds something else, or another process runs a study in it.
+    """
+    try:
+        claim(folder, Marker("sweep", SWEEP_FILES, {}))
+    except OSError as error:
+        raise SetupError(f"{folder}: cannot be written ({error.strerror or error}); name another with --out") from None
+    with locked(folder):
+        yield
+
+
+def default_folder(study: str | Path | Mapping[str, Any] | ReadCase, case: Case) -> Path:
+    """Where a study is kept when no folder is named: ``runs/<stem of its file>``, of a case ``runs/<stem>_sweep``."""
+    if not isinstance(study, str | Path):
+        return Path("runs") / f"{case.name}_sweep"
+    if Path(study).is_dir():
+        return Path(study)
+    of_a_case = Path(case.source.file) == Path(study)
+    return Path("runs") / (f"{Path(study).stem}_sweep" if of_a_case else Path(study).stem)
+
+
+def run_one(folder: Path, number: int) -> None:
+    """Run a member of a study that was prepared, in this process: the task of a batch system.
+
+    Only its run folder is written, so that tasks run at once. A member that is done is left as it is; one that was
+    interrupted goes on.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the study.
+    number : int
+        Of the member in ``points.json``, from 0.
+
+    Raises
+    ------
+    CaseError
+        No study there, or no such member.
+    RunError, RunInterrupted
+        As of `lammps_jump.run`.
+    """
+    found = open_sweep(folder)
+    if not 0 <= number < len(found.members):
+        raise CaseError(f"--member {number}: {folder} has members 0 to {len(found.members) - 1}")
+    member = found.members[number]
+    if state_of(member, folder).stage != "done":
+        run_member(member.case, member.folder(folder), False, True)
+
+
+def open_sweep(folder: str | Path) -> Sweep:
+    """The study in a folder, finished or not; nothing is written.
+
+    Raises
+    ------
+    CaseError
+        The folder holds no study.
+    """
+    if not (Path(folder) / "study.yaml").is_file():
+        raise CaseError(
+            f"{folder}: holds no study (no study.yaml); `lammps-jump sweep STUDY.yaml --out {folder}` makes one"
+        )
+    return Sweep(read_study(folder), Path(folder))
+
+
+def sweep(
+    study: str | Path | Mapping[str, Any] | ReadCase,
+    folder: str | Path | None = None,
+    *,
+    jobs: int | None = None,
+    retry: bool = False,
+    progress: Callable[[SweepProgress], None] = lambda progress: None,
+    **given: Any,
+) -> Sweep:
+    """Run the points and members of a study that its folder does not hold yet, and write table, figures and page.
+
+    Parameters
+    ----------
+    study : str, Path, mapping or Case
+        A study file, the folder of a study, or its fields: ``case``, ``axes``, ``members``, ``collect`` …; or a case,
+        whose study is what is `given`.
+    folder : str or Path, optional
+        Default ``runs/<stem of the file>``.
+    jobs : int, optional
+        Processes at once; default one for each core that this process may use.
+    retry : bool
+        Run again what failed.
+    progress : callable, optional
+        Called with a `SweepProgress`.
+    given
+        Fields in place of those of the study.
+
+    Raises
+    ------
+    CaseError, SetupError
+        Before anything is run: a field or a point that cannot be used, a folder in use.
+    RunInterrupted
+        Ctrl-C or SIGTERM; the same call goes on.
+    """
+    read = read_study(study, **given)
+    place = Path(folder) if folder is not None else default_folder(study, read.case)
+    found = Sweep(read, place)
+    ranks = read.case.fields.engine.ranks
+    most = jobs or max(1, usable_cores() // (ranks if isinstance(ranks, int) else 1))
+    members = found.members  # what cannot be run is refused before the folder is made
+    with study_folder(place), Pool(min(most, len(members))) as pool:
+        found = _complete(found, pool, retry, progress)
+        found.write()
+    return found
+
+
+def _complete(found: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepProgress], None]) -> Sweep:
+    """Run the members of a study, and more of them where ``until`` asks for narrower intervals."""
+    while True:
+        prepare(found)
+        try:
+            said = run_members(found.members, found.folder, pool, retry=retry, show=progress)
+        except RunInterrupted as error:
+            raise RunInterrupted(f"{found.folder}: {error}. {Sweep(found.study, found.folder).status()}") from None
+        found._said = {key: state for key, state in said.items() if state.message}
+        more = _more(found)
+        if not more:
+            return found
+        log.info(f"{len(more)} more runs: {', '.join(found.study.fields.until)} is not known well enough yet")
+        starts = sorted([*found.starts, *more], key=lambda start: (start.point, start.seed))
+        found = Sweep(found.study, found.folder, starts)
+
+
+def prepare(found: Sweep) -> None:
+    """Write ``study.yaml`` and ``points.json`` into the folder of a study: all that its members need to be run."""
+    write_text(found.folder / "study.yaml", found.study.to_yaml())
+    listed = [{"point": member.point, "seed": member.seed, "key": member.key} for member in found.members]
+    write_json(found.folder / POINTS_FILE, {"points": found.study.points, "members": listed})
+
+
+def _more(found: Sweep) -> list[Start]:
+    """Further starts of the points whose intervals are wider than ``until`` allows, at most as many as there are."""
+    fields, more = found.study.fields, []
+    for point, needed in enumerate(found.needed()):
+        seeds = [start.seed for start in found.starts if start.point == point]
+        count = min(needed, 2 * len(seeds), fields.most_members) - len(seeds)
+        more += [Start(point, found.study.points[point], max(seeds) + 1 + k) for k in range(count)]
+    return more

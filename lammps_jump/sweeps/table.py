@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Numbers of all members, and their statistics at each point: mean, scatter, interval over starts, own errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import ceil, isfinite, nan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from lammps_jump.analysis.report.headline import belongs
+
+from .study import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+STATISTICS = ("mean", "sd", "se", "low", "high", "n", "own_error", "chi2")
+"""Of each number at each point, over the members that have it: mean, standard deviation, standard error of the mean,
+bounds of the interval of Student's t, count; root mean square of the errors that single runs state of themselves, and
+the mean of (deviation from the mean / stated error)^2."""
+DISAGREE = 1.5
+"""chi2 above which the errors of single runs are called too small."""
+
+
+def number_at(summary: Mapping[str, Any], path: str) -> float:
+    """A number of ``summary.json``; NaN where there is none, or where it means nothing beside its verdict."""
+    found: Any = summary
+    for part in path.split("."):
+        parent, found = found, found.get(part) if isinstance(found, Mapping) else None
+    meant = not isinstance(parent, Mapping) or "verdict" not in parent or belongs(path.rpartition(".")[2], parent)
+    return float(found) if isinstance(found, int | float) and meant else nan
+
+
+def row_of(summary: Mapping[str, Any], study: Study) -> dict[str, float | str]:
+    """What is collected of a run: each number, its own error as ``<path>_error``, and the verdicts."""
+    row: dict[str, float | str] = {}
+    for item in study.collect:
+        row |= {path: number_at(summary, path) for path in (item.path, f"{item.path}_error")}
+        name = item.path.partition(".")[0]
+        if isinstance(part := summary.get(name), Mapping) and part.get("verdict"):
+            row[f"{name}.verdict"] = part["verdict"]
+    return row
+
+
+def statistics(values: Sequence[float], errors: Sequence[float], confidence: float) -> dict[str, float]:
+    """`STATISTICS` of one number over members; NaN values are left out.
+
+    The interval is that of Student's t with n - 1 degrees of freedom. For right errors of single runs with k degrees
+    of freedom chi2 is k/(k - 2).
+    """
+    from scipy.stats import t  # 0.2 s
+
+    known = np.isfinite(np.asarray(values, float))
+    x, own = np.asarray(values, float)[known], np.asarray(errors, float)[known]
+    n, mean = len(x), x.mean() if len(x) else nan
+    sd = x.std(ddof=1) if n > 1 else nan
+    se = sd / np.sqrt(n) if n > 1 else nan
+    half = float(t.ppf(0.5 * (1 + confidence), n - 1)) * se if n > 1 else nan
+    stated = own[np.isfinite(own) & (own > 0)]
+    chi2 = nan
+    if n > 1 and len(stated) == n:
+        chi2 = float(np.mean(((x - mean) / own) ** 2) * n / (n - 1))
+    error = float(np.sqrt(np.mean(stated**2))) if len(stated) else nan
+    return dict(zip(STATISTICS, map(float, (mean, sd, se, mean - half, mean + half, n, error, chi2)), strict=True))
+
+
+def table_of(study: Study, values: pd.DataFrame) -> xr.Dataset:
+    """The statistics of every point.
+
+    Parameters
+    ----------
+    study : Study
+    values : DataFrame
+        A row for each member that is done: ``point`` and the columns of `row_of`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions are the axes, and ``statistic``; one variable for each collected number. ``members`` is the number
+        of runs that are done, ``verdicts`` what they found, in words, where they differ in kind.
+    """
+    import xarray as xr  # 0.3 s
+
+    groups = dict(list(values.groupby("point")))
+    points = range(len(study.points))
+    names = [axis.name for axis in study.axes]
+    coordinates: dict[str, Any] = {"statistic": list(STATISTICS)}
+    for axis in study.axes:
+        coordinates |= {path: (axis.name, _coordinate(column)) for path, column in axis.columns.items()}
+    data: dict[str, Any] = {}
+    for item in study.collect:
+        rows = [
+            statistics(group[item.path], group[f"{item.path}_error"], study.fields.confidence)
+            if (group := groups.get(point)) is not None else statistics((), (), study.fields.confidence)
+            for point in points
+        ]  # fmt: skip
+        array = np.array([[row[name] for name in STATISTICS] for row in rows]).reshape(*study.shape, len(STATISTICS))
+        data[item.path] = ([*names, "statistic"], array, {"units": item.unit, "long_name": item.meaning})
+    counts = [len(groups.get(point, ())) for point in points]
+    data["members"] = (names, np.array(counts, dtype=int).reshape(study.shape))
+    words = [kinds(groups[point]) if point in groups else "" for point in points]
+    data["verdicts"] = (names, np.array(words, dtype=object).reshape(study.shape))
+    return xr.Dataset(data, coordinates, {"confidence": study.fields.confidence})
+
+
+def _coordinate(values: Sequence[Any]) -> list[Any]:
+    """Numbers as they are; else texts."""
+    numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
+    return list(values) if numbers else [value if isinstance(value, str) else str(value) for value in values]
+
+
+def kinds(group: pd.DataFrame) -> str:
+    """What members of a point found, where they differ in kind: ``jump 5, marginal jump 3``; else empty."""
+    said = []
+    for name in (column for column in group if column.endswith(".verdict")):
+        counts = group[name].fillna("none").value_counts()
+        if len(counts) > 1:
+            said.append(", ".join(f"{word} {count}" for word, count in counts.items()))
+    return "; ".join(said)
+
+
+def flat(table: xr.Dataset, study: Study) -> pd.DataFrame:
+    """The table as rows, one a point: values of the axes, ``<path>`` and ``<path>_<statistic>`` of each number."""
+    frame = pd.DataFrame(study.points)
+    for item in study.collect:
+        cells = table[item.path].values.reshape(-1, len(STATISTICS))
+        for index, name in enumerate(STATISTICS):
+            frame[item.path if name == "mean" else f"{item.path}_{name}"] = cells[:, index]
+        frame[f"{item.path}_n"] = frame[f"{item.path}_n"].astype(int)
+    frame["members"] = table["members"].values.ravel()
+    frame["verdicts"] = table["verdicts"].values.ravel()
+    return frame
+
+
+def members_needed(found: Mapping[str, float], share: float) -> int | None:
+    """Members for which the interval would be within ± `share` of the mean; None where that cannot be told.
+
+    The half width goes with one over the root of the members.
+    """
+    half, target = found["high"] - found["mean"], share * abs(found["mean"])
+    if not (isfinite(half) and target > 0):
+        return None
+    return max(2, ceil(found["n"] * (half / target) ** 2)) if half > target else int(found["n"])

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Dumps of other programs: without times, with types in place of radii, in files of a frame each."""
+
+import json
+from math import sqrt
+
+import numpy as np
+import pytest
+from made_up import call, columns_of_discs
+
+from lammps_jump.analysis.guess import from_dump
+from lammps_jump.analysis.profiles import compute_profiles, read_profiles
+from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.write import DumpWriter
+from lammps_jump.errors import DumpError
+from lammps_jump.runs.results import analyse_dump
+
+D, STEP = 0.2, 2e-4
+COLUMNS = ("id", "x", "y", "vx", "vy")
+
+
+def bore(folder, columns=COLUMNS, *, timed=False, name="flow_7.lammpstrj", frames=20):
+    """A step of 6 m of depth that runs upstream at 1 m/s into a stream of 1 m; a frame every 500 steps of 0.2 ms."""
+    with DumpWriter(folder / name, columns) as writer:
+        for k in range(frames):
+            front = 25 - 0.1 * k
+            x, y = columns_of_discs(lambda at, front=front: np.where(at < front, 5, 30), 0.0, 40.0, d=D)
+            values = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": np.where(x < front, 12.0, 1.5), "vy": 0 * x}
+            writer.write(500 * k, 500 * k * STEP if timed else None, [[-5, 45], [-5, 20]], values)
+    return folder / name
+
+
+def analysed(path, **given):
+    folder = analyse_dump(path, None, D, None, None, None, **given)[1]
+    return json.loads((folder / "summary.json").read_text()), folder
+
+
+@pytest.mark.parametrize("columns", [COLUMNS, COLUMNS[:3]], ids=["velocities", "no velocities"])
+def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
+    found, folder = analysed(bore(tmp_path, columns))
+    assert found["profiles"]["axis"] == "step" and found["profiles"]["last_time"] == 500 * 19
+    jump, front = found["jump"], found["front"]
+    assert jump["y1"] == pytest.approx(1, rel=0.02) and jump["y2"] == pytest.approx(6, rel=0.02)
+    assert jump["sequent_ratio"] == pytest.approx(6, rel=0.03) and jump["length"] > 0
+    made = {"time", "members", "drift", "budget", "stream", "mass", "momentum_terms", "head_lost", "class", "speed"}
+    made |= {key for key in jump if any(word in key for word in ("froude", "belanger", "head_", "energy", "momentum"))}
+    made |= {key for key in jump if "speed" in key}
+    assert {key: jump[key] for key in made} == dict.fromkeys(made)
+    assert front["position"] is not None
+    for key in ("time", "speed", "arrival_time", "ritter", "martin_moyce"):
+        assert front[key] is None
+    known = "vx" in columns
+    assert (jump["u1"] is None, front["highest_surface_speed"] is None) == (not known, not known)
+    profiles = read_profiles(folder / "profiles.nc")
+    assert profiles.time.attrs == {"units": "1", "long_name": "step"}
+    assert bool(np.isfinite(profiles.velocity).any()) is known
+    for table in ("front.csv", "jump_track.csv"):
+        assert (folder / table).read_text().startswith("step,")
+    page = (folder / "report.html").read_text()
+    assert "speed, Froude number and head are not known" in page and "at the last frame" in page
+    assert not (folder / "figures" / "martin_moyce.png").exists() and (folder / "figures" / "jump_track.png").exists()
+
+
+def test_a_given_time_step_is_as_good_as_times(tmp_path):
+    for name in ("with", "without"):
+        (tmp_path / name).mkdir()
+    timed, _ = analysed(bore(tmp_path / "with", timed=True))
+    found, _ = analysed(bore(tmp_path / "without"), time_step=STEP)
+    # a column of discs becomes deep at once: the front moves by whole discs
+    assert found["jump"]["speed"] == pytest.approx(-1, rel=0.05) and found["jump"]["froude"] > 1
+    assert found["given"]["time_step"] == STEP
+    for part in ("jump", "front", "profiles"):
+        numbers = {key: value for key, value in timed[part].items() if isinstance(value, float)}
+        assert {key: found[part][key] for key in numbers} == pytest.approx(numbers, rel=1e-6, abs=1e-9)
+    again, _ = analysed(tmp_path / "with" / "flow_7.lammpstrj", time_step=1.0)
+    assert again["jump"] == timed["jump"] and any("its own times" in note for note in again["warnings"])
+
+
+def test_the_title_is_the_file_name_and_units_are_told(tmp_path):
+    path = bore(tmp_path, frames=2)
+    assert from_dump(open_dump(path), diameter=D).title == "flow_7.lammpstrj"
+    path.write_text(path.read_text().replace("UNITS\nsi", "UNITS\nlj"))
+    assert any("units 'lj'" in note for note in from_dump(open_dump(path), diameter=D).notes)
+
+
+def types(folder, kinds, name="dump"):
+    with DumpWriter(folder / name, ("id", "type", "x", "y", "vx", "vy")) as writer:
+        x = 0.5 + np.arange(len(kinds))
+        columns = {"id": x, "type": kinds, "x": x, "y": 0 * x + 1, "vx": 0 * x, "vy": 0 * x}
+        writer.write(0, 0.0, [[0, 10], [0, 5]], columns)
+    return open_dump(folder / name)
+
+
+def test_types_have_diameters(tmp_path):
+    dump = types(tmp_path, [1, 2, 2])
+    flow = from_dump(dump, diameter={1: 0.4, 2: 0.2}, density=900.0, bin_width=1.0)
+    assert flow.sized and flow.scene.diameter == pytest.approx(sqrt(0.24 / 3))
+    np.testing.assert_array_equal(flow.radii(dump[0]), [0.2, 0.1, 0.1])
+    assert flow.bed_height(1.0) == pytest.approx(0.8) and flow.x_range == pytest.approx((0.3, 2.6))
+    assert float(compute_profiles(dump, flow).mass_total[0]) == pytest.approx(900 * 0.24)
+    same = from_dump(dump, diameter={1: 0.3, 2: 0.3})
+    assert not same.sized and same.scene.diameter == 0.3
+    with pytest.raises(DumpError, match=r"a disc has type 2; a diameter is given for 1, 3 only"):
+        from_dump(dump, diameter={1: 0.3, 3: 0.2})
+    with pytest.raises(DumpError, match="no column 'type'"):
+        from_dump(open_dump(bore(tmp_path, frames=1)), diameter={1: 0.3, 3: 0.2})
+
+
+def test_the_command_takes_files_of_a_frame_units_and_types(monkeypatch, capsys, tmp_path):
+    for step in range(0, 3000, 500):
+        with DumpWriter(tmp_path / f"flow.{step}.lammps", ("id", "type", "x", "y")) as writer:
+            x, y = columns_of_discs(lambda at, step=step: np.where(at < 25 - step / 1000, 5, 30), 0.0, 40.0, d=D)
+            values = {"id": np.arange(len(x)) + 1, "type": 1 + np.arange(len(x)) % 2, "x": x, "y": y}
+            writer.write(step, None, [[-5, 45], [-5, 20]], values)
+    monkeypatch.chdir(tmp_path)
+    options = ["--diameter", "1=20 cm,2=0.21", "--time-step", "0.2 ms", "--bin-width", "50 cm"]
+    for files in (["flow.*.lammps"], sorted(path.name for path in tmp_path.glob("flow.*"))):
+        status, said, message = call(monkeypatch, capsys, "analyze", *files, *options)
+        assert status == 0, message
+        assert "its front is at 4" in said and "note: Gravity taken" in said
+        assert "report: flow_analysis/report.html" in said
+        found = json.loads((tmp_path / "flow_analysis" / "summary.json").read_text())
+        assert found["name"] == "flow.*.lammps" and found["profiles"]["frames"] == 6
+        assert found["given"] == {"diameter": {"1": 0.2, "2": 0.21}, "time_step": 2e-4, "bin_width": 0.5}
+        assert found["front"]["time"] == pytest.approx(2500 * STEP)
+        page = (tmp_path / "flow_analysis" / "report.html").read_text()
+        assert "--diameter 1=0.2,2=0.21 --time-step 0.0002 --bin-width 0.5" in page
+    status, said, _ = call(monkeypatch, capsys, "analyze", *files, *options, "--quiet")
+    assert (status, said) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [
+        ("--diameter", "1=20 kg", "expected a number in m"), ("--diameter", "one=0.2", "write 1=0.2,2=0.1"),
+        ("--diameter", "1=0.2,2", "several types"), ("--diameter", "1=0.2,2=-1", "allowed is > 0 m"),
+        ("--time-step", "0.1 m", "expected a number in s"), ("--time-step", "0", "allowed is > 0 s"),
+        ("--density", "1 g", "expected a number in kg/m^3"), ("--bin-width", "wide", "expected a number in m"),
+    ],
+)  # fmt: skip
+def test_options_that_say_nothing(monkeypatch, capsys, tmp_path, option, value, said):
+    path = bore(tmp_path, frames=1)
+    status, _, message = call(monkeypatch, capsys, "analyze", path, option, value)
+    flat = " ".join(message.replace("│", " ").split())
+    assert status == 2 and option in flat and said in flat
+    assert [entry.name for entry in tmp_path.iterdir()] == [path.name]

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A run whose frames are read while the engine writes them has the results of one that is read afterwards."""
+
+import os
+
+import pytest
+from made_up import INPUTS
+
+import lammps_jump as lj
+from lammps_jump.analysis import quantities
+
+SHORT = {"run.duration": 0.6, "run.output_interval": 0.02, "engine.name": "native"}
+
+
+@pytest.fixture
+def passes(monkeypatch):
+    """Kinds of the dumps that were read; there is always a core to read on."""
+    read, collect = [], quantities.collect
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1}, raising=False)
+    monkeypatch.setattr(
+        quantities, "collect", lambda flow, dump, *more: read.append(type(dump).__name__) or collect(flow, dump, *more)
+    )
+    return read
+
+
+@pytest.mark.parametrize("kind, expected", [("text", ["GrowingDump"]), ("binary", ["GrowingDump"]), ("gz", ["Dump"])])
+def test_frames_are_read_once_with_the_same_results(tmp_path, passes, kind, expected):
+    run = lj.load_case(INPUTS / "quick_jump.yaml", {**SHORT, "run.dump_format": kind}).run(tmp_path / "run")
+    assert run.status == "complete" and passes == expected
+    kept = ("jump", "force", "inflow", "profiles", "warnings", "discs")
+    first, stored = {key: run.summary[key] for key in kept}, (run.folder / "profiles.nc").read_bytes()
+    lj.runs.start.reanalyse(run.folder)
+    again = lj.open_run(run.folder)
+    assert passes == [*expected, "Dump"] and {key: again.summary[key] for key in kept} == first
+    assert (run.folder / "profiles.nc").read_bytes() == stored
+
+
+def test_a_dump_that_changed_since_is_read_again(tmp_path, passes, monkeypatch):
+    """A file that is not what was read counts, and its fault is found."""
+    engine = lj.engines.run
+
+    def damaged(scene, folder, *more, **options):
+        result = engine(scene, folder, *more, **options)
+        with (folder / "dump.lammpstrj").open("ab") as file:
+            file.write(b"ITEM: TIMESTEP")
+        return result
+
+    monkeypatch.setattr(lj.engines, "run", damaged)
+    with pytest.raises(lj.RunError, match="not whole"):
+        lj.load_case(INPUTS / "quick_jump.yaml", SHORT).run(tmp_path / "run")
