@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 DISCS = "snapshots"
 """Name of the figure of ten pictures."""
-MAIN = ("depth_profile", DISCS)
-"""Figures that are drawn where no others are asked for; the page draws the curves of the others itself."""
+MAIN = ("depth_profile",)
+"""Figures that are drawn beside `DISCS` where no others are asked for; the page draws the curves of all itself."""
 
 
 class Quantity(NamedTuple):
@@ -114,7 +114,7 @@ def analyse(
     wanted : collection of str
         Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and `ALWAYS`.
     figures : {'none', 'default', 'all'}
-        What is drawn as ``figures/*.png``; default: `MAIN`.
+        What is drawn as ``figures/*.png``; default: `MAIN` and `DISCS`.
     film : bool
         Write ``animation.mp4``, or ``animation.gif`` where there is no ffmpeg.
     quiet : bool
@@ -142,33 +142,46 @@ def analyse(
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
     told, warnings = told or (lambda phase: None), list(gathered.warnings)
-    told("results")
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
-    asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, *ALWAYS}}
-    results = {name: result for name, result in asked.items() if result is not None}
-    warnings += results["jump"].notes if "jump" in results else ()
-    warnings += getattr(results.get("inflow"), "notes", ())
-    parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
-    shown = drawings(gathered, results)
-    drawn = {"none": (), "default": MAIN, "all": (*shown, DISCS)}[figures]
-    with aside(draw_figures, drawn, shown, out / "figures", dump, flow) if drawn else nullcontext():
-        told("tables")
-        files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
-        for name, result in results.items():
-            tables = QUANTITIES[name].tables(result)
-            files += [write_table(columns, out / file).name for file, columns in tables.items()]
+    with ExitStack() as busy:
+        if figures != "none":
+            busy.enter_context(aside(draw_figures, [DISCS], {}, out / "figures", dump, flow))
+        told("results")
+        names = [name for name in QUANTITIES if name in {*wanted, *ALWAYS}]
+        asked = {name: QUANTITIES[name].analyse(gathered) for name in names}
+        results = {name: result for name, result in asked.items() if result is not None}
+        warnings += results["jump"].notes if "jump" in results else ()
+        warnings += getattr(results.get("inflow"), "notes", ())
+        parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
+        shown = drawings(gathered, results)
+        drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[figures]
         if drawn:
-            charts = {name: what.plain for name, what in shown.items() if not isinstance(what, Map)}
-            files.append(write_json(out / CURVES, charts, None).name)
+            busy.enter_context(aside(draw_figures, drawn, shown, out / "figures", dump, flow))
+        told("tables")
+        files = _write(gathered, results, shown if drawn else {}, out)
         if "fields" in wanted:
             written, parts["fields"] = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out, bool(drawn))
             files += written
         told("figures")
-    files += [f"figures/{name}.png" for name in drawn]
+    files += [f"figures/{name}.png" for name in ((*drawn, DISCS) if drawn else ())]
     if film:
         files += _film(gathered, dump, out, warnings, quiet)
     parts |= {"profiles": _about_profiles(gathered), "files": files, "warnings": list(dict.fromkeys(warnings))}
     return plain(parts)
+
+
+def _write(
+    gathered: Gathered, results: Mapping[str, object], shown: Mapping[str, Chart | Bars | Map], out: Path
+) -> list[str]:
+    """Write profiles, tables and what the page draws; the names of the files."""
+    files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
+    for name, result in results.items():
+        tables = QUANTITIES[name].tables(result)
+        files += [write_table(columns, out / file).name for file, columns in tables.items()]
+    if shown:
+        charts = {name: what.plain for name, what in shown.items() if not isinstance(what, Map)}
+        files.append(write_json(out / CURVES, charts, None).name)
+    return files
 
 
 def collect(

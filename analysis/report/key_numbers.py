@@ -50,7 +50,7 @@ PERCENT = {"scale": 0.01, "unit": "%"}
 FOUND = (
     Wanted("jump.sequent_ratio", Jump, "Bélanger", "jump.belanger_ratio"),
     Wanted("jump.tail.depth", Tail, "Bélanger, inflow", "jump.tail.belanger_y2", "mass depth of the tail water"),
-    Wanted("jump.y1", Jump, "inflow", "jump.inflow.depth"),
+    Wanted("jump.y1", Jump, "behind the inlet", "inflow.depth"),
     Wanted("jump.speed", Jump, "from mass", "jump.mass.speed_from_mass"),
     Wanted("front.position", Front, "at t =", "front.time", beside="s", without="at the last frame"),
     Wanted("front.speed", Front, "Ritter’s front, 2 √(g H)", "front.ritter.front_speed"),
@@ -71,7 +71,8 @@ FOUND = (
 def key_numbers(summary: Mapping) -> tuple[list[Box], str]:
     """The numbers that readers look for first, and a sentence on how sure they are."""
     found = [(wanted, box) for wanted in FOUND for box in _boxes(wanted, summary)][:MOST]
-    errors = {bool(box.error) for wanted, box in found if not wanted.path.startswith(EXACT)}
+    measured = [(wanted, box) for wanted, box in found if not wanted.path.startswith(EXACT)]
+    errors = {bool(box.error) for _, box in measured} | {"±" in box.against for wanted, box in measured if wanted.other}
     boxes = [box for _, box in found]
     discs = summary.get("discs") or {}
     if len(boxes) < MOST and discs.get("inserted") is not None:
@@ -89,7 +90,8 @@ def _boxes(wanted: Wanted, summary: Mapping) -> Iterator[Box]:
     for name in names if "*" in part else [""]:
         found = _at(summary, part.replace("*", name))
         if isinstance(found, Mapping) and found.get(key) is not None and _goes(wanted, summary):
-            yield _box(wanted, key, found, _at(summary, wanted.other.replace("*", name)), name)
+            other = wanted.other.replace("*", name)
+            yield _box(wanted, key, found, (_at(summary, other), _at(summary, f"{other}_error")), name)
 
 
 def _goes(wanted: Wanted, summary: Mapping) -> bool:
@@ -109,12 +111,14 @@ def _at(summary: Mapping, path: str) -> object:
     return found
 
 
-def _box(wanted: Wanted, key: str, found: Mapping, other: object, name: str) -> Box:
+def _box(wanted: Wanted, key: str, found: Mapping, other: tuple[object, object], name: str) -> Box:
+    """A box; `other` is the number it is compared with, and the error of that."""
     number = numbers_of(wanted.result)[key]
     unit = number.unit if wanted.unit is None else wanted.unit
     value, _, sure = with_error(found, key, wanted.scale).partition(" ± ")
-    sure = sure.replace(" or more", MORE)
-    told = wanted.words if not wanted.other else wanted.without
-    if isinstance(other, float | int):
-        told = f"{wanted.words} {shown(other / wanted.scale, wanted.beside or unit)}".replace("-", "−")
-    return Box(heading((wanted.label or number.meaning).format(name=name), ""), value, unit, sure, told)
+    told, (beside, off) = wanted.words if not wanted.other else wanted.without, other
+    if isinstance(beside, float | int):
+        off = off / wanted.scale if isinstance(off, float | int) else None
+        told = f"{wanted.words} {shown(beside / wanted.scale, wanted.beside or unit, off)}".replace("-", "−")
+    label = heading((wanted.label or number.meaning).format(name=name), "")
+    return Box(label, value, unit, sure.replace(" or more", MORE), told)

@@ -18,6 +18,7 @@ from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
 from lammps_jump.analysis.profiles import bin_frame
+from lammps_jump.analysis.report import compare
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player
@@ -27,7 +28,7 @@ from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
 from lammps_jump.errors import CaseError, DumpError, SetupError
-from lammps_jump.files import FIGURES, RESULT_FILES
+from lammps_jump.files import FIGURES, RESULT_FILES, write_text
 from lammps_jump.folders import (
     MARKER_FILE,
     Marker,
@@ -87,8 +88,10 @@ def flow_of(case: ReadCase) -> Flow:
     )
 
 
-def prepare() -> None:
-    """Load the loops that read dumps and sum over discs: 0.2 s at their first use in a process."""
+def prepare(case: ReadCase) -> None:
+    """Load what loads on first use: the loops that read dumps and sum over discs, 0.2 s, and matplotlib, 0.2 s."""
+    if case.fields.analysis.figures != "none":
+        assert drawing.snapshots and drawing.style
     nothing = np.zeros(0)
     skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
     bin_frame(nothing, nothing, nothing, nothing, nothing, nothing, 0.0, 1.0, np.zeros((6, 1)), np.zeros(2))
@@ -276,6 +279,11 @@ def draw_all(found: Found, folder: Path) -> list[Path]:
     return [folder / "figures" / f"{name}.png" for name in names]
 
 
+def has_page(case: ReadCase) -> bool:
+    """Whether a case asks for pictures and a report."""
+    return case.fields.analysis.figures != "none"
+
+
 def packer_for(case: ReadCase) -> FramePacker:
     """What takes in the frames of a run for the player of its report."""
     return FramePacker(flow_of(case))
@@ -291,6 +299,24 @@ def packed(case: ReadCase, folder: Path) -> FramePacker:
     except DumpError as error:
         log.info(f"note: the report has no player: {error}")
     return packer
+
+
+def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], ReadCase]], path: Path) -> Path:
+    """Write the page of two runs, each given by name, folder, summary and case.
+
+    Raises
+    ------
+    DumpError
+        The file cannot be written.
+    """
+    sides = [
+        compare.Side(name, summary, report.curves(folder), make_player(packed(case, folder), folder))
+        for name, folder, summary, case in runs
+    ]
+    try:
+        return write_text(path, compare.comparison(*sides))
+    except OSError as error:
+        raise DumpError(f"{path}: the page cannot be written ({error.strerror}).") from error
 
 
 def write_report(

@@ -293,6 +293,21 @@ class Run:
             packer = runs.results.packed(self.case, self.folder)
             return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
 
+    def compare(self, other: Run, path: str | Path) -> Path:
+        """Write a page of this run and another one, side by side, with one time.
+
+        Raises
+        ------
+        SetupError
+            A file stands at `path` already.
+        DumpError
+            The page cannot be written.
+        """
+        require_replaceable(Path(path))
+        names = _apart(self.folder, other.folder)
+        pair = [(name, run.folder, run.summary, run.case) for name, run in zip(names, (self, other), strict=True)]
+        return runs.results.write_comparison(pair, Path(path))
+
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r}, {self.status})"
 
@@ -304,6 +319,12 @@ class Run:
             lead.append(f"<p>{html.escape(self.jump.verdict)}: {html.escape(self.jump.reason)}</p>")
         parts = [getattr(self, name) for name in ("jump", "front", "energy") if getattr(asked, name)]
         return "\n".join([*lead, number_table(parts), _picture(self.figure())])
+
+
+def _apart(first: Path, second: Path) -> tuple[str, str]:
+    """Names of two folders; their paths where the names are the same."""
+    first, second = first.absolute(), second.absolute()
+    return (first.name, second.name) if first.name != second.name else (str(first), str(second))
 
 
 def _picture(figure: Figure) -> str:

@@ -75,7 +75,7 @@ def test_xt_map(profiles, tmp_path):
 
 def test_ten_snapshots(tmp_path):
     figure = snapshots.snapshots(frames(21), CONTEXT)
-    titles = [axes._left_title.get_text() or axes.get_title() for axes in figure.axes if axes.images]
+    titles = [axes.texts[0].get_text() for axes in figure.axes if axes.images]
     assert len(titles) == 10 and titles[0].startswith("t = 0.00 s") and titles[-1].startswith("t = 10.00 s")
     picture = figure.axes[0].images[0].get_array()
     blue = (np.abs(picture.astype(int) - painter.colour_table()[-1]).sum(axis=2) < 30).mean()

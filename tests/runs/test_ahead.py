@@ -41,7 +41,7 @@ def test_progress_and_seconds_tell_the_parts_of_the_analysis(tmp_path):
     parts = [report.doing.split()[1] for report in seen if report.doing]
     assert list(dict.fromkeys(parts)) == ["reading", "results", "tables", "figures", "report"]
     assert all(report.step == report.steps for report in seen if report.doing)
-    assert list(run.summary["analysis_seconds"]) == ["reading", "results", "tables", "figures"]
+    assert list(run.summary["analysis_seconds"]) == ["reading", "results", "tables", "figures", "report"]
 
 
 def test_a_dump_that_changed_since_is_read_again(tmp_path, passes, monkeypatch):
