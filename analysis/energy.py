@@ -156,7 +156,7 @@ def analyse(gathered: Gathered) -> Energy:
 def tables(energy: Energy) -> Tables:
     """Energy against time, J/m."""
     history = energy.history
-    names = ("time", "kinetic", "rotational", "potential", "elastic", "total")
+    names = ("time", "kinetic", "rotational", "potential", "elastic", "total", "discs")
     return {"energy.csv": {name: getattr(history, name) for name in names if getattr(history, name) is not None}}
 
 

@@ -84,7 +84,9 @@ RESULT_FILES = (
     *(f"figures/{name}" for name in FIGURES),
 )
 """What is made of them; ``force_<structure>.csv`` of each probe besides."""
-SWEEP_FILES = ("study.yaml", "points.json", "table.csv", "table.nc", "sweep.html", "figures/sweep_*.png")
+SWEEP_FILES = (
+    "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", "figures/sweep_*.png",
+)  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv``."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Report of a run: its summary, figures and film in one page below 5 MB."""
+"""Report of a run: its summary, player, curves, figures and film in one page."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .page import Boxes, Code, Curve, Items, Picture, Player, Section, Table, Te
 from .player import STILL
 
 LARGEST = 5_000_000
-"""Bytes of a report; figures come first, the film only where it still fits."""
+"""Bytes of a report without its player; figures come first, the film only where it still fits."""
 
 LINKED = ("jump_track.png", "front.png", "forces.png", "energy.png")
 """Curves over time that stand below the player and show its time."""

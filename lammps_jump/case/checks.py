@@ -227,7 +227,7 @@ def check_stability(
     case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, integrator: str, sizes: Sizes | None
 ) -> list[str]:
     """Refuse an unstable step, unless ``run.allow_unstable``; return warnings about a step that is stable but long."""
-    fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
+    fraction, limit = case.run.time_step_fraction, coefficients.stable_fraction
     if fraction > limit and not case.run.allow_unstable:
         # the correction lowers the damping as f grows: the limit without it is safe for every f
         limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))

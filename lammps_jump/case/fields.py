@@ -304,6 +304,7 @@ class Run(Strict):
     accuracy: Annotated[float, BeforeValidator(parse_accuracy)] | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )
+    members: Whole | None = Field(default=None, ge=1, le=1000, description="starts, of seeds 1 to this number")
     stop_when_steady: bool = False
     allow_unstable: bool = False
     integrator: Literal["auto", "velocity_verlet", "leapfrog_extrapolated"] = "auto"

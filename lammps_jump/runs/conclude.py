@@ -173,7 +173,8 @@ class Conclusion:
                     gathered = ahead.result(whole, self._read) if ahead else None
                     if ahead and gathered is not None:
                         check, packer = ahead.check, ahead.packer
-                    watch = [packer, *([check] if self.ended else [])]
+                    page = runs.results.has_page(self.case)
+                    watch = [*([packer] if page else []), *([check] if self.ended else [])]
                     parts = runs.results.analyse(self.case, folder, stage, watch, gathered, self._phase)
             except DumpError as error:
                 if ahead is None:
@@ -187,7 +188,7 @@ class Conclusion:
                 parts["warnings"].append(note)
             self._phase("report")
             summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
-            if self.case.fields.analysis.figures != "none":
+            if runs.results.has_page(self.case):
                 self._link_the_rest(stage)
                 runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
             self._phase("")

@@ -279,6 +279,11 @@ def draw_all(found: Found, folder: Path) -> list[Path]:
     return [folder / "figures" / f"{name}.png" for name in names]
 
 
+def has_page(case: ReadCase) -> bool:
+    """Whether a case asks for pictures and a report."""
+    return case.fields.analysis.figures != "none"
+
+
 def packer_for(case: ReadCase) -> FramePacker:
     """What takes in the frames of a run for the player of its report."""
     return FramePacker(flow_of(case))

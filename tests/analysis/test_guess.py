@@ -59,7 +59,7 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
         assert (folder / table).read_text().startswith("step,")
     page = (folder / "report.html").read_text()
     assert "speed, Froude number and head are not known" in page
-    assert "at the last frame" in headline({"front": front})
+    assert "its front is at 40.00 m at the last frame." in headline({"front": front})
     curves = json.loads((folder / "curves.json").read_text())
     assert "martin_moyce" not in curves and "jump_frame" not in curves
     assert curves["jump_track"]["x"] == curves["front"]["x"] == "Step" and not curves["front"]["time"]
