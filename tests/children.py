@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lammps_jump.engines.child import close_idle
+from lammps_jump.engines.interrupts import SIGNALS
 
 HOOK = Path(__file__).parent / "hook"
 LIMIT = 600
@@ -18,8 +19,9 @@ LIMIT = 600
 
 
 def _start_clean() -> None:
-    """Ctrl-C is heard, also where the tests run in the background of a shell, which ignores it there."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """Signals are heard, also where the tests run in the background of a shell, which ignores INT and QUIT there."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_DFL)
 
 
 @contextmanager

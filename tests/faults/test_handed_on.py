@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from children import run_program
-from made_up import INPUTS, choose_to_stop_at
+from made_up import INPUTS, choose_to_stop_at, without_analysis
 
 import lammps_jump as lj
 from lammps_jump.cli.run import print_summary
@@ -109,7 +109,8 @@ def spoilt(stored: dict, path: str, value: object) -> dict:
         return copied
 
 
-def test_every_field_of_a_checkpoint_is_checked(folder):
+@pytest.mark.fault("values in JSON files")
+def test_every_field_of_a_checkpoint_is_checked(folder, tried):
     path = folder / CHECKPOINT_FILE
     stored = json.loads(path.read_text())
     assert stored["step"] >= STEP and set(stored) == {"sum", *(name.partition(".")[0] for name in WRONG)}
@@ -124,12 +125,14 @@ def test_every_field_of_a_checkpoint_is_checked(folder):
             resume(folder)
         assert "\n" not in str(caught.value) and len(str(caught.value)) < 500, text[:200]
         assert snapshot(folder.parent) == {**before, str(path): text.encode()}, text[:200]
+    tried(len(texts))
     path.write_text(json.dumps(stored))
     resume(folder)  # the one that was not touched goes on
     assert lj.open_run(folder).status == "complete"
     assert not list(folder.parent.rglob("PWNED"))
 
 
+@pytest.mark.fault("folders")
 def test_a_link_is_not_followed(folder):
     (name,) = [name for name in ("dump.lammpstrj",) if (folder / name).is_file()]
     outside = folder.parent / "outside"
@@ -150,6 +153,7 @@ EDITS = [
 
 
 @pytest.mark.parametrize("field, named", EDITS)
+@pytest.mark.fault("folders")
 def test_an_edited_case_is_refused_with_what_differs(folder, field, named):
     path = folder / "case.yaml"
     text = path.read_text()
@@ -178,7 +182,8 @@ def test_a_copy_of_the_case_may_be_edited(folder, tmp_path):
     assert lj.load_case(copied).fields.run.seed == 2
 
 
-def test_an_analysis_that_was_asked_for_is_no_edit(folder):
+def test_an_analysis_that_was_asked_for_is_no_edit(folder, monkeypatch):
+    without_analysis(monkeypatch)
     resume(folder)
     start.reanalyse(folder, ["analysis.bin_width=0.5"])
     assert lj.open_run(folder).case.fields.analysis.bin_width == 0.5
@@ -188,8 +193,10 @@ def test_an_analysis_that_was_asked_for_is_no_edit(folder):
 SUMMARY_VALUES = [None, -5, float("nan"), "x\nshell touch PWNED", [], {}, 10**400, [[[[]]]]]
 
 
-def test_every_field_of_a_summary_is_checked(folder):
+@pytest.mark.fault("values in JSON files")
+def test_every_field_of_a_summary_is_checked(folder, monkeypatch, tried):
     """A summary is believed, refused in a sentence, or left aside: no traceback, nothing outside is touched."""
+    without_analysis(monkeypatch)
     resume(folder)
     path = folder / "summary.json"
     stored = json.loads(path.read_text())
@@ -210,6 +217,7 @@ def test_every_field_of_a_summary_is_checked(folder):
         if not path.exists() or path.read_text() != text:
             path.write_text(json.dumps(stored))
     assert not list(folder.parent.rglob("PWNED"))
+    tried(len(texts))
 
 
 def test_a_summary_that_is_a_pipe_is_not_waited_for(folder):
