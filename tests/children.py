@@ -19,7 +19,7 @@ LIMIT = 600
 
 
 def _start_clean() -> None:
-    """Signals are heard, also where the tests run in the background of a shell or under nohup, which ignore some."""
+    """Signals are heard, also where the tests run in the background of a shell, which ignores INT and QUIT there."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_DFL)
 

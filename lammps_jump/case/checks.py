@@ -57,7 +57,7 @@ def check_size(
     if frames > MOST_FRAMES:
         raise source.error(
             "run.output_interval",
-            f"{case.run.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
+            f"{case.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
         )
     discs = sum(disc_count(item, case.discs.diameter, sizes) for item in case.initial)
     if discs > MOST_DISCS:
@@ -199,9 +199,10 @@ def adapted(case: CaseFields, scene: Scene, settle: float) -> tuple[str, ...]:
     dt = scene.time_step
     asked = {
         "run.duration": (case.run.duration, scene.time(scene.steps)),
-        "run.output_interval": (min(case.run.output_interval, case.run.duration), scene.output_steps * dt),
         "settle": (settle, scene.settle_steps * dt),
     }
+    if case.run.output_interval is not None:
+        asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
     if case.probes.forces:
         asked["probes.interval"] = case.probes.interval, scene.probe_steps * dt
     if not isinstance(case.inflow, RowsInflow):
@@ -226,7 +227,7 @@ def check_stability(
     case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, integrator: str, sizes: Sizes | None
 ) -> list[str]:
     """Refuse an unstable step, unless ``run.allow_unstable``; return warnings about a step that is stable but long."""
-    fraction, limit = coefficients.time_step_fraction, coefficients.stable_fraction
+    fraction, limit = case.run.time_step_fraction, coefficients.stable_fraction
     if fraction > limit and not case.run.allow_unstable:
         # the correction lowers the damping as f grows: the limit without it is safe for every f
         limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))

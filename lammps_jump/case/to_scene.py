@@ -11,7 +11,7 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
 from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene, Stations
-from lammps_jump.scene.schedule import Schedule, plan_stations, plan_steps
+from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Interval, Plane, Wall
 
@@ -60,6 +60,19 @@ def contact_coefficients(
     )
 
 
+def _coefficients(case: CaseFields, integrator: str, sizes: Sizes | None) -> contact.Coefficients:
+    """Contact coefficients with the step that suits the times asked for; the fraction of the case is its bound."""
+    fraction = case.run.time_step_fraction
+    longest = contact_coefficients(case, integrator, sizes).time_step
+    step = fitted_step(*_times(case), longest)
+    return contact_coefficients(case, integrator, sizes, fraction * (step / longest))
+
+
+def _times(case: CaseFields) -> tuple[float, float, float | None]:
+    """Duration, time between frames and window of the probes, s; None without probes."""
+    return case.run.duration, case.output_interval, case.probes.interval if case.probes.forces else None
+
+
 def disc_sizes(case: CaseFields) -> Sizes | None:
     """Distribution of diameters; None where all discs are equal."""
     d, given = case.discs.diameter, case.discs.sizes
@@ -106,7 +119,7 @@ def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
     checks.check_engine(case, source)
     integrator = INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
     sizes = disc_sizes(case)
-    coefficients = contact_coefficients(case, integrator, sizes)
+    coefficients = _coefficients(case, integrator, sizes)
     penetration, impact_speed, _ = _stiffness(case)
     warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
     warnings += checks.check_sizes(case, source, sizes)
@@ -197,8 +210,7 @@ def _stiffness(case: CaseFields) -> tuple[float, float, float]:
 
 def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:
     """Steps of the run, and steps behind the gate before it: whole frames."""
-    asked = case.run
-    steps = plan_steps(asked.duration, asked.output_interval, case.probes.interval if case.probes.forces else None, dt)
+    steps = plan_steps(*_times(case), dt)
     settle = math.ceil(math.ceil(_settle(case) / dt - 1e-9) / steps.output) * steps.output
     checks.check_size(case, source, settle, steps.run, steps.output, sizes)
     return steps, settle

@@ -13,12 +13,23 @@ MARK = "\x1e"
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """One report from a running engine."""
+    """One report of a run.
+
+    Attributes
+    ----------
+    step, steps : int
+    time : float
+        s.
+    discs : int
+    doing : str
+        What is done now that the engine has come to its end; empty while it runs.
+    """
 
     step: int
     steps: int
     time: float
     discs: int
+    doing: str = ""
 
 
 ProgressCallback = Callable[[Progress], None]

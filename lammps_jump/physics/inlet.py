@@ -23,8 +23,8 @@ ROUNDING = REFUSAL_GAP / LEAST_GAP
 """Share of the least gap that rounding to a raster of steps may leave."""
 COARSEST_RASTER = 8
 """Steps of the first raster tried; a finer one where discharge or gaps would be off."""
-LARGEST_ERROR = 2e-3
-"""Relative error of the planned discharge that a raster coarser than a step may have."""
+LARGEST_ERROR = 1e-3
+"""Relative error of the planned discharge that a raster coarser than a step may have: less than what is told."""
 EXACT = 2e-4
 """Relative error of the planned discharge at which no interval is changed any more."""
 
@@ -176,7 +176,7 @@ def plan_rows(
     least_gap : float
         Least distance of followers in a row, in largest diameters.
     coarsest : int
-        Coarsest raster of the intervals, steps; halved until the discharge is within `LARGEST_ERROR` and every gap is
+        Coarsest raster of the intervals, steps; one less until the discharge is within `LARGEST_ERROR` and every gap is
         wide enough.
     """
     rows = row_count(depth, mean_square, largest, least_gap)
@@ -192,6 +192,6 @@ def plan_rows(
         error = abs(discharge / (mean_speed * depth) - 1.0)
         if raster == 1 or (error < LARGEST_ERROR and narrowest > ROUNDING * least_gap * largest):
             break
-        raster = floor(raster / 2)
+        raster -= 1
     heights = tuple((i + 0.5) * largest for i in range(rows))
     return RowPlan(heights, speeds, tuple(int(n) * raster for n in intervals), raster, discharge)

@@ -123,7 +123,7 @@ def _run(
             result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
             if checkpoint is not None:
                 clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-            Conclusion(case, folder, setting, result, steady, before, notes).first(ahead)
+            Conclusion(case, folder, setting, result, steady, before, notes, progress).first(ahead)
 
 
 def _of_resume(case: ReadCase, folder: Path, checkpoint: Checkpoint | None) -> Iterator[str]:

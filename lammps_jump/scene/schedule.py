@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import isqrt
+from math import ceil, isqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +21,38 @@ MOST_TRIED = 401
 """Frame intervals that are tried."""
 
 
+MOST_FINER = 0.02
+"""Largest share by which the step is made finer so that windows and frames are whole steps."""
+
+
 class Schedule(NamedTuple):
     """Steps of the run, from frame to frame, and of a window of the probes; each divides the one before."""
 
     run: int
     output: int
     probe: int
+
+
+def fitted_step(duration: float, output_interval: float, probe_interval: float | None, longest: float) -> float:
+    """Time step, s, of which window, frame interval and duration are whole multiples; at most `longest`.
+
+    It is finer than `longest` by at most `MOST_FINER`. Where that is too little for the windows of the probes, it suits
+    frames and duration; where it is too little for these, it is `longest`.
+
+    Parameters
+    ----------
+    duration, output_interval, longest : float
+        s.
+    probe_interval : float or None
+        s; None where nothing is probed.
+    """
+    frame = duration / max(1, round(duration / output_interval))
+    window = frame / max(1, round(frame / (probe_interval or frame)))
+    for interval in (window, frame):
+        step = interval / ceil(interval / longest * (1 - 1e-9))
+        if (1 - MOST_FINER) * longest <= step < (1 - 1e-9) * longest:
+            return step
+    return longest
 
 
 def plan_steps(duration: float, output_interval: float, probe_interval: float | None, time_step: float) -> Schedule:

@@ -10,6 +10,7 @@ from made_up import call, columns_of_discs
 
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.profiles import compute_profiles, read_profiles
+from lammps_jump.analysis.report.headline import headline
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
@@ -57,8 +58,11 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
     for table in ("front.csv", "jump_track.csv"):
         assert (folder / table).read_text().startswith("step,")
     page = (folder / "report.html").read_text()
-    assert "speed, Froude number and head are not known" in page and "at the last frame" in page
-    assert not (folder / "figures" / "martin_moyce.png").exists() and (folder / "figures" / "jump_track.png").exists()
+    assert "speed, Froude number and head are not known" in page
+    assert "its front is at 40.00 m at the last frame." in headline({"front": front})
+    curves = json.loads((folder / "curves.json").read_text())
+    assert "martin_moyce" not in curves and "jump_frame" not in curves
+    assert curves["jump_track"]["x"] == curves["front"]["x"] == "Step" and not curves["front"]["time"]
 
 
 def test_a_given_time_step_is_as_good_as_times(tmp_path):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from math import ceil, sqrt
 
 import pytest
 from hypothesis import given, settings
@@ -14,7 +15,7 @@ from made_up import INPUTS
 
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names, scene_text
-from lammps_jump.case.to_scene import build_scene
+from lammps_jump.case.to_scene import build_scene, contact_coefficients
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.walls import Block, Plane
 from lammps_jump.script import script_text
@@ -144,18 +145,20 @@ def test_schema_names_every_field():
 
 
 def test_thesis_numbers_of_the_hydraulic_jump():
-    scene = build_scene(load_case(INPUTS / "hydraulic_jump.yaml"))
-    c = scene.coefficients
+    case = load_case(INPUTS / "hydraulic_jump.yaml")
+    scene, c = build_scene(case), contact_coefficients(case.fields, "velocity_verlet", None)
     assert c.mass == pytest.approx(40, rel=1e-12)
     assert c.stiffness == pytest.approx(2.56e7, rel=1e-12)
     assert c.time_step == pytest.approx(8.839e-5, rel=1e-4)  # 0.05 x 2/omega, four digits
+    # the step of the run divides the 0.01 s of the probes
+    assert scene.time_step == pytest.approx(0.01 / 114, rel=1e-12) and 114 == ceil(0.01 / c.time_step)
     assert c.damping == pytest.approx(20634, rel=1e-4)
     assert c.damping_wall == pytest.approx(29181, rel=1e-4)
     assert c.correction == pytest.approx(0.9775, abs=5e-5)
     speeds = [row.vx for row in scene.inlets]
     assert speeds == pytest.approx([13.160, 15.396, 16.562, 17.377, 18.013], abs=5e-4)
     exact = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", {"inflow.schedule": "exact", "run.seed": 0})).inlets
-    assert [row.every_steps for row in exact] == [213, 182, 169, 161, 156, 151]
+    assert [row.every_steps for row in exact] == [214, 183, 170, 162, 157, 153]
     assert sum(row.vx for row in exact) / 6 == pytest.approx(16, rel=1e-14)
 
 
@@ -326,3 +329,21 @@ def test_the_seed_gives_another_jet():
     ]
     differ = [old for old, new in zip(*texts, strict=True) if old != new]
     assert differ and all(line.startswith(("fix             inlet_", "fix             outlet_")) for line in differ)
+
+
+@pytest.mark.parametrize(
+    ("changes", "interval"),
+    [
+        ((), 0.4 * sqrt(0.2 / 9.81)),
+        (("discs.diameter=0.05",), 0.4 * sqrt(0.05 / 9.81)),
+        (("run.duration=40",), 40 / 400),
+        (("gravity=0",), 0.1),
+        (("run.output_interval=0.25",), 0.25),
+    ],
+)
+def test_frames_are_close_enough_for_playing_unless_asked_otherwise(changes, interval):
+    case = case_with(assignments=("run.duration=10", *changes))
+    scene = case.scene()
+    assert case.fields.output_interval == pytest.approx(interval)
+    assert scene.output_steps * scene.time_step == pytest.approx(interval, rel=0.02)
+    assert scene.steps <= 400 * scene.output_steps

@@ -220,7 +220,7 @@ def test_an_analysis_that_fails_changes_nothing_and_is_made_again(case, folder, 
 
     with monkeypatch.context() as patch:
         patch.setattr("lammps_jump.analysis.quantities.write_fields", fail)
-        patch.setattr("lammps_jump.analysis.quantities._draw", fail)
+        patch.setattr("lammps_jump.analysis.quantities.draw_figures", fail)
         with pytest.raises(lj.DumpError, match="the disk is full"):
             start.reanalyse(folder)
         assert files(folder) == before

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.scene.schedule import TOLD, plan_steps, told
+from lammps_jump.scene.schedule import MOST_FINER, TOLD, fitted_step, plan_steps, told
 
 
 @given(
@@ -42,3 +42,32 @@ def test_what_whole_steps_change_is_told():
     assert any(text.startswith("discharge of the inflow: 15.") for text in case.scene().adapted)  # rows of the thesis
     assert "changed to whole steps" in str(case.check())
     assert not set(case.scene().adapted) & set(case.check().warnings)
+
+
+@pytest.mark.parametrize("path", sorted(INPUTS.glob("*.yaml")), ids=lambda path: path.stem)
+def test_shipped_scenes_keep_the_times_that_they_ask_for(path):
+    scene = load_case(path).scene()
+    # the rows of the thesis carry less than its discharge; everything else is as asked
+    told_of = {text.split(":")[0] for text in scene.adapted}
+    assert told_of == ({"discharge of the inflow"} if path.stem == "hydraulic_jump" else set())
+
+
+@given(
+    duration=st.floats(0.5, 100),
+    frames=st.integers(1, 500),
+    windows=st.integers(1, 20),
+    step=st.floats(1e-5, 1e-2),
+)
+def test_a_fitted_step_divides_the_times_and_is_hardly_finer(duration, frames, windows, step):
+    frame = duration / frames
+    fitted = fitted_step(duration, frame, frame / windows, step)
+    assert (1 - MOST_FINER) * step <= fitted <= step
+    whole = [abs(time / fitted - round(time / fitted)) < 1e-6 for time in (duration, frame, frame / windows)]
+    assert whole[:2] == [True, True] or (frame < step / MOST_FINER and fitted == step)
+    # one of fifty steps or more, at most, is added
+    assert all(whole) or frame / windows < step / MOST_FINER
+
+
+def test_times_that_are_no_multiples_leave_the_step():
+    assert fitted_step(10.0, 0.3, None, 1e-3) == pytest.approx(10 / 33 / 304, rel=1e-12)  # whole frames all the same
+    assert fitted_step(1.0, 0.5, 0.1, 0.3) == 0.3
