@@ -19,6 +19,8 @@ DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "du
 """File of the dump in a run folder, by its format."""
 CURVES = "curves.json"
 """What the page draws, by the name of the figure."""
+BINARY_PART = "dump.resume.lammpsbin"
+"""Binary dump of a part that goes on: LAMMPS appends to text and gzip dumps only."""
 FIGURES = {
     "depth_profile.png": "Depth and velocity along the channel, mean of the window",
     "depth_map.png": "Depth of the free surface over distance and time",
@@ -52,11 +54,11 @@ RUN_FILES = (
     JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",
+    "checkpoint_previous.json",
     "checkpoint-[0-9]*.npz",
     "checkpoint-[0-9]*.restart",
     "in.resume.lammps",
-    "log.resume.lammps",
-    "dump.resume.lammpsbin",
+    BINARY_PART,
     "stop.request",
 )
 """What the engines read and write in a run folder (names and patterns)."""

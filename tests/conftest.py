@@ -48,8 +48,8 @@ def pytest_runtest_logreport(report):
 
 
 def pytest_sessionfinish(session, exitstatus):
-    """Write the table after the long form."""
-    if fault_table.LONG and exitstatus == 0 and not hasattr(session.config, "workerinput"):
+    """Write the table where a form was asked for by name."""
+    if fault_table.FORM and exitstatus == 0 and not hasattr(session.config, "workerinput"):
         fault_table.write_table()
 
 

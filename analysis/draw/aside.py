@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import multiprocessing
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -17,19 +18,24 @@ Given = ParamSpec("Given")
 def aside(work: Callable[Given, None], *given: Given.args, **named: Given.kwargs) -> Iterator[None]:
     """Do a work that leaves files, while the block goes on; it is done when the block is left.
 
-    Where it fails it is done once more, in this process and with its errors.
+    Where it fails it is done once more, in this process and with its errors. Beside other threads it is done in this
+    process alone: one of them may hold a lock, for which a copy would wait forever.
     """
-    process = multiprocessing.get_context("fork").Process(target=_quietly, args=(work, given, named))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # other threads: none holds a lock that the work needs
-        process.start()
-    try:
+    done = False
+    if threading.active_count() > 1:
         yield
-        process.join()
-        done = process.exitcode == 0
-    finally:
-        process.kill()
-        process.join()
+    else:
+        process = multiprocessing.get_context("fork").Process(target=_quietly, args=(work, given, named))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of the threads of libraries, which rest
+            process.start()
+        try:
+            yield
+            process.join()
+            done = process.exitcode == 0
+        finally:
+            process.kill()
+            process.join()
     if not done:
         work(*given, **named)
 

@@ -308,6 +308,7 @@ class Run(Strict):
     stop_when_steady: bool = False
     allow_unstable: bool = False
     integrator: Literal["auto", "velocity_verlet", "leapfrog_extrapolated"] = "auto"
+    checkpoint_interval: Second = Field(default=60.0, **TIME, description="wall time between checkpoints")
     dump_format: Literal["text", "gz", "binary"] = "text"
 
 

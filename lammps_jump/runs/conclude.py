@@ -19,6 +19,7 @@ import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.check import FrameCheck, force_troubles
 from lammps_jump.dump.find import read_dump
+from lammps_jump.engines.checkpoint import remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.result import Progress, ProgressCallback, RunResult
 from lammps_jump.engines.setting import Setting
@@ -87,6 +88,7 @@ class Conclusion:
         if self.ended:
             self.result = replace(result, status="unchecked")
         self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
+        self._forget_checkpoints()
         trouble = self._analyse({}, ahead)
         result = self.result
         if self.steady:
@@ -112,10 +114,17 @@ class Conclusion:
                 f"{self.folder}: is not what the run wrote: {'; '.join(changed)}. Nothing was changed; put the files "
                 "back, or run the case again with --force"
             )
+        self._forget_checkpoints()
         was_checked = self.result.status != "unchecked"
         self._analyse(stored)
         if not was_checked and self.result.status == "failed":
             raise RunError(self.result.message)
+
+    def _forget_checkpoints(self) -> None:
+        """Delete what a run needs to go on, where the summary says that it will not."""
+        if self.ended or (self.result.status == "failed" and not self.result.outside):
+            remove_checkpoint(self.folder)
+            (self.folder / "in.resume.lammps").unlink(missing_ok=True)
 
     def _changed(self, stored: Mapping[str, Any]) -> list[str]:
         """Files that are not as the summary says, and what is wrong with them."""

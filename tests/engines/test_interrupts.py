@@ -22,7 +22,7 @@ ENGINES = {
     "compiled": ["--kernel", "compiled"],
     "ranks": ["--kernel", "stock", "--ranks", 2],
 }
-STEP = 30_000
+STEP = 3000
 
 
 def signalled(folder, engine: str, number: int, who: str = "first") -> str:

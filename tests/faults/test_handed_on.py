@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -14,7 +15,7 @@ from made_up import INPUTS, choose_to_stop_at, without_analysis
 
 import lammps_jump as lj
 from lammps_jump.cli.run import print_summary
-from lammps_jump.engines.checkpoint import CHECKPOINT_FILE
+from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, sum_of
 from lammps_jump.errors import JumpError, ResumeError, RunInterrupted
 from lammps_jump.runs import engine, start
 
@@ -54,26 +55,31 @@ def resume(folder: Path) -> None:
 
 
 SHELL = "x\nshell touch PWNED"
-DEEP = "deep"
+SUM = {"size": 0, "sha256": hashlib.sha256().hexdigest()}
 WRONG = {
     "scene": [None, 3, [], "another", SHELL],
     "step": [-5, 0, 10**9, 2.5, "200", None, True, float("nan")],
     "time": ["now", float("nan"), float("inf"), None],
     "state": [
-        "../victim.txt",
-        "/etc/passwd",
-        SHELL,
-        "",
-        "checkpoint-9.npz",
-        "checkpoint-200.npz\nshell touch PWNED",
+        {"../victim.txt": SUM},
+        {"/etc/passwd": SUM},
+        {SHELL: SUM},
+        {"": SUM},
+        {},
+        {"checkpoint-9.npz": SUM},
+        {"checkpoint-200.npz\nshell touch PWNED": SUM},
+        {"checkpoint-200.npz": {"size": -1, "sha256": 64 * "0"}},
+        "checkpoint-200.npz",
         3,
     ],
-    "sizes": [
-        {"../victim.txt": 0},
-        {"case.yaml": 0},
-        {"dump.lammpstrj": -1},
-        {"log.lammps": 10**12},
-        {SHELL: 0},
+    "outputs": [
+        {"../victim.txt": SUM},
+        {"case.yaml": SUM},
+        {"forces_../victim.raw": SUM},
+        {"dump.lammpstrj": {"size": -1, "sha256": 64 * "0"}},
+        {"dump.lammpstrj": {"size": 1, "sha256": SHELL}},
+        {"log.lammps": {"size": 10**12, "sha256": 64 * "0"}},
+        {SHELL: SUM},
         [],
         7,
     ],
@@ -96,17 +102,22 @@ def spoilt(stored: dict, path: str, value: object) -> dict:
     for group in groups:
         inner = inner[group]
     inner[key] = value
-    return copied
+    copied.pop("sum")
+    try:
+        return {**copied, "sum": sum_of(copied)}  # by somebody with bad intentions
+    except ValueError:
+        return copied
 
 
 @pytest.mark.fault("values in JSON files")
 def test_every_field_of_a_checkpoint_is_checked(folder, tried):
     path = folder / CHECKPOINT_FILE
     stored = json.loads(path.read_text())
-    assert stored["step"] >= STEP and set(stored) == {name.partition(".")[0] for name in WRONG}
+    assert stored["step"] >= STEP and set(stored) == {"sum", *(name.partition(".")[0] for name in WRONG)}
     before = snapshot(folder.parent)
     texts = [json.dumps(spoilt(stored, name, value)) for name, values in WRONG.items() for value in values]
     texts += [json.dumps({key: stored[key] for key in stored if key != name}) for name in stored]
+    texts.append(json.dumps({**stored, "time": stored["time"] + 1}))
     texts += [100_000 * "[" + 100_000 * "]", 100_000 * '{"a":', "", "null", "[]", "3", "\x00", '{"step": 200}']
     for text in texts:
         path.write_text(text)

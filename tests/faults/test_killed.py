@@ -38,8 +38,8 @@ def command(scene: str, engine: str, folder, *more: str) -> list[object]:
 
 def kills() -> list[tuple[str, str, str, int]]:
     """Scene, engine, which process is killed, and step."""
-    if not LONG:
-        return [("inlets", "native", "all", 900), ("gate", "stock", "first", 200)]
+    if not LONG:  # tests/integration/test_killed.py has others
+        return [("gate", "stock", "first", 200)]
     dice = random.Random(6)
     return [
         (scene, engine, who, dice.randrange(1, SCENES[scene][1]))
