@@ -24,7 +24,7 @@ from lammps_jump.files import plain
 from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
 KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
-SCRIPTS = ("frames.js", "discs.js", "player.js", "curves.js")
+SCRIPTS = ("frames.js", "discs.js", "view.js", "player.js", "curves.js")
 Value = float | int | str | None
 
 
