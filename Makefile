@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/hydraulic_jump_graded.yaml
 
-.PHONY: run test check bench stress cross-validation sensitivity calibrate lint doctor test-repeat slurm clean
+.PHONY: run test check browser bench stress cross-validation sensitivity calibrate lint doctor test-repeat faults slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -29,6 +29,14 @@ check: $(VENV)/.ready
 N ?= 20
 test-repeat: $(VENV)/.ready
 	$(BIN)/python tests/repeat.py $(N)
+
+# reports of all scenes in Chromium (Debian's package chromium): they load, play, and show what the dump holds
+browser: $(VENV)/.ready
+	$(BIN)/python -m pytest -m browser tests/integration
+
+# the long form of the tests of faults, at most half an hour; writes the table of docs/reliability.md
+faults: $(VENV)/.ready
+	JUMP_FAULTS=long $(BIN)/python -m pytest -m fault
 
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
 slurm: $(VENV)/.ready

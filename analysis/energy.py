@@ -7,20 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from math import nan
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
 
 from .contacts import ContactCollector, pair_sums, wall_sums
 from .flow import Flow
-from .passes import Drawings, Gathered, Tables
+from .passes import Gathered, Tables
 
 
 @dataclass(frozen=True)
@@ -158,13 +156,13 @@ def analyse(gathered: Gathered) -> Energy:
 def tables(energy: Energy) -> Tables:
     """Energy against time, J/m."""
     history = energy.history
-    names = ("time", "kinetic", "rotational", "potential", "elastic", "total")
+    names = ("time", "kinetic", "rotational", "potential", "elastic", "total", "discs")
     return {"energy.csv": {name: getattr(history, name) for name in names if getattr(history, name) is not None}}
 
 
 def figures(energy: Energy, gathered: Gathered) -> Drawings:
     """Figure of the parts of the energy against time."""
-    return {"energy.png": partial(energy_figure, energy, gathered.flow.title)}
+    return {"energy": energy_chart(energy)}
 
 
 def section(found: Mapping[str, float | None]) -> Section | None:
@@ -179,30 +177,24 @@ def section(found: Mapping[str, float | None]) -> Section | None:
     return Section("Energy", [table, Text("Sums over all discs of a frame: exact for this run.")])
 
 
-def energy_figure(energy: Energy, name: str) -> Figure | None:
+def energy_chart(energy: Energy) -> Chart | None:
     """Parts of the energy against time; where nothing dissipates the deviation from the start below."""
     history = energy.history
-    if not len(history.time):
+    if history is None or not len(history.time):
         return None
-    total = history.total
-    deviates = energy.conservative and total[0] != 0
-    with drawing(7.2, 5.2 if deviates else 3.6, 2 if deviates else 1, 1, sharex=True, squeeze=False) as (figure, rows):
-        upper, lowest = rows[0, 0], rows[-1, 0]
-        scale, unit = (1e6, "MJ/m") if total.max() > 1e6 else (1e3, "kJ/m") if total.max() > 1e4 else (1.0, "J/m")
-        upper.plot(history.time, total / scale, color=BLACK, label="total")
-        for label, part, looks in (
-            ("kinetic", history.kinetic, {"color": BLUE, "ls": "--"}),
-            ("potential (y = 0)", history.potential, {"color": GOLD, "ls": "-."}),
-            ("spin", history.rotational, {"color": GREY, "lw": 1}),
-            ("elastic", history.elastic, {"color": RED, "ls": ":"}),
-        ):
-            if part is not None and (label in ("kinetic", "elastic") or np.any(part)):
-                upper.plot(history.time, part / scale, label=label, **looks)
-        upper.set(ylabel=f"Energy [{unit}]", title=f"{name}: energy of the discs")
-        upper.legend(ncols=2)
-        if deviates:
-            lowest.plot(history.time, 100 * (total / total[0] - 1), color=BLUE)
-            lowest.axhline(0, color=GREY, lw=0.8)
-            lowest.set_ylabel("Deviation from\nthe start [%]")
-        lowest.set_xlabel("Time t [s]")
-    return figure
+    time, total = history.time, history.total
+    scale, unit = (1e6, "MJ/m") if total.max() > 1e6 else (1e3, "kJ/m") if total.max() > 1e4 else (1.0, "J/m")
+    parts = (
+        ("total", total, "sum"),
+        ("kinetic", history.kinetic, "first"),
+        ("potential (y = 0)", history.potential, "second"),
+        ("spin", history.rotational, "faint"),
+        ("elastic", history.elastic, "third"),
+    )
+    always = ("total", "kinetic", "elastic")
+    kept = [one for one in parts if one[1] is not None and (one[0] in always or np.any(one[1]))]
+    panels = [Panel(f"Energy [{unit}]", [Line(label, time, part / scale, look) for label, part, look in kept])]
+    if energy.conservative and total[0] != 0:
+        off = Line("deviation from the start", time, 100 * (total / total[0] - 1))
+        panels.append(Panel("Deviation from\nthe start [%]", [off]))
+    return Chart("energy of the discs", TIME, panels)

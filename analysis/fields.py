@@ -28,9 +28,8 @@ from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 
+from . import draw
 from .contacts import find_contacts
-from .draw.maps import bed_pressure, bed_pressure_figure, field_map
-from .draw.style import save
 from .flow import Flow
 from .profiles import write_netcdf
 
@@ -243,12 +242,15 @@ def write_fields(
     files, stress = ["fields.nc"], "contact_yy" in fields
     if figures:
         (out / "figures").mkdir(exist_ok=True)
-        drawn = {f"field_{name}": field_map(fields, flow, name) for name in ("density", *["pressure"][: int(stress)])}
-        drawn |= {"bed_pressure": bed_pressure_figure(fields, flow)} if stress else {}
-        files += [f"figures/{save(figure, out / 'figures' / f'{name}.png').name}" for name, figure in drawn.items()]
+        named = ("density", *["pressure"][: int(stress)])
+        drawn = {f"field_{name}": draw.maps.field_map(fields, flow, name) for name in named}
+        if stress:
+            drawn["bed_pressure"] = draw.style.drawn(draw.maps.bed_pressure_chart(fields, flow))
+        places = {name: out / "figures" / f"{name}.png" for name in drawn}
+        files += [f"figures/{draw.style.save(figure, places[name]).name}" for name, figure in drawn.items()]
     summary: dict[str, object] = {"file": "fields.nc", "frames": len(indices), "reach": float(fields.attrs["reach"])}
     if stress:
-        bottom = bed_pressure(fields)
+        bottom = draw.maps.bed_pressure(fields)
         covered = bottom["hydrostatic"].values > flow.scene.density * flow.g * flow.scene.diameter
         if covered.any():
             ratio = bottom["stress"].values[covered].sum() / bottom["hydrostatic"].values[covered].sum()

@@ -10,13 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from math import inf, isfinite, nan, sqrt
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, drawing
+from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
@@ -25,13 +23,12 @@ from lammps_jump.units import number, shown
 
 from .contacts import ContactCollector
 from .flow import Flow
-from .passes import Drawings, Gathered, Tables
+from .passes import Gathered, Tables
 
 ASPECT = 2
 """n² = H/a of the columns in Martin & Moyce's tables."""
 GAP = 2.0
 """Diameters of empty x that end the bulk."""
-MARKERS = {"color": BLACK, "ls": "none", "mfc": "white", "ms": 4}
 
 
 @dataclass(frozen=True)
@@ -339,8 +336,8 @@ def figures(front: Front, gathered: Gathered) -> Drawings:
     """Figures of the front in time, and beside Martin & Moyce's measurements."""
     flow, history = gathered.flow, front.history
     return {
-        "front.png": partial(front_figure, history, flow),
-        "martin_moyce.png": partial(martin_moyce_figure, history, flow),
+        "front": front_chart(history, flow),
+        "martin_moyce": martin_moyce_chart(history, flow),
     }
 
 
@@ -362,65 +359,47 @@ def section(found: Mapping) -> Section:
     return Section("Front", [Table(rows), Text(sure)])
 
 
-def front_figure(history: FrontHistory, flow: Flow) -> Figure | None:
+def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     """Front, column height and surface speed against time; Ritter's front while it holds."""
-    good = np.isfinite(history.bulk)
-    if not good.any():
+    if not np.isfinite(history.bulk).any():
         return None
-    base, depth = history.column
-    gravity = -flow.scene.gravity[1]
-    with drawing(7.2, 6.4, 3, 1, sharex=True, height_ratios=[1.5, 1, 1]) as (figure, (upper, middle, lower)):
-        upper.plot(history.time, history.bulk, color=BLUE, label="bulk front")
-        upper.plot(history.time, history.quantile, color=GOLD, ls="--", label="99 % of the discs")
-        if gravity > 0 and depth > 0 and flow.timed:
-            limit = theory.ritter_wall_time(base, depth, gravity)
-            t = np.linspace(0, max(min(limit, history.time.max()), 1e-9), 20)
-            label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
-            upper.plot(t, base + 2 * t * np.sqrt(gravity * depth), color=BLACK, ls=":", label=label)
-        upper.set(ylabel="Distance from\nthe back wall [m]", title=f"{flow.title}: front and column")
-        upper.legend()
-        middle.plot(history.time, history.height, color=BLUE)
-        middle.set(ylabel="Column at the\nback wall [m]", ylim=(0, None))
-        lower.plot(history.time, history.top_speed, color=BLUE, label="surface, mean")
-        lower.plot(history.time, history.tip_speed, color=GOLD, ls="--", label="tip (last 5 d)")
-        lower.axhline(0, color=GREY, lw=0.8)
-        lower.set(xlabel=flow.time_axis, ylabel="Velocity u [m/s]")
-        lower.legend()
-    return figure
+    (base, depth), gravity, time = history.column, -flow.scene.gravity[1], history.time
+    fronts = [Line("bulk front", time, history.bulk), Line("99 % of the discs", time, history.quantile, "second")]
+    if gravity > 0 and depth > 0 and flow.timed:
+        limit = theory.ritter_wall_time(base, depth, gravity)
+        t = np.linspace(0, max(min(limit, time.max()), 1e-9), 20)
+        label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
+        fronts.append(Line(label, t, base + 2 * t * np.sqrt(gravity * depth), "theory"))
+    speeds = (Line("surface, mean", time, history.top_speed), Line("tip (last 5 d)", time, history.tip_speed, "second"))
+    panels = (
+        Panel("Distance from\nthe back wall [m]", fronts, height=1.5),
+        Panel("Column at the\nback wall [m]", (Line("column", time, history.height),), y_limits=(0.0, None)),
+        Panel("Velocity u [m/s]", speeds),
+    )
+    return Chart("front and column", flow.time_axis, panels)
 
 
-def martin_moyce_figure(history: FrontHistory, flow: Flow) -> Figure | None:
+def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     """Front and column height in Martin & Moyce's variables with their measurements beside them."""
-    gravity = -flow.scene.gravity[1]
-    base, depth = history.column
+    gravity, (base, depth) = -flow.scene.gravity[1], history.column
     if not (flow.timed and np.isfinite(history.bulk).any() and gravity > 0 and base > 0 and depth > 0):
         return None
-    values = dimensionless(history, gravity)
-    live = history.time >= 0
+    values, live = dimensionless(history, gravity), history.time >= 0
     if live.sum() < 2:
         return None
-    free = free_length(flow, history) / base
-    same = abs(depth / base - ASPECT) < 0.1
-    with drawing(8.4, 3.8, 1, 2) as (figure, (left, right)):
-        front, tall = measured.MARTIN_MOYCE_FRONT, measured.MARTIN_MOYCE_HEIGHT
-        left.plot(values["T"][live], values["Z"][live], color=BLUE, label="bulk front")
-        left.plot(values["T"][live], values["Z99"][live], color=GOLD, ls="--", label="99 % of the discs")
-        if same:
-            for axes, table in ((left, front), (right, tall)):
-                axes.plot(table.x, table.y, marker="o", label="Martin & Moyce 1952, n² = 2", **MARKERS)
-        left.set_xlim(0, min(values["T"].max(), 5))
-        left.set_ylim(1, max(5.0, 1.08 * min(free, 6)))
-        if free < left.get_ylim()[1]:
-            left.axhline(free, color=GREY, ls="-.", lw=1)
-            left.annotate("first obstacle", (0.02, free), (0, 2), xycoords=("axes fraction", "data"),
-                          textcoords="offset points", fontsize=8, color=GREY)  # fmt: skip
-        left.set(
-            xlabel="T = n t √(g/a)",
-            ylabel="Z = front / a",
-            title=f"n² = H/a = {depth / base:.3g}{'' if same else ': no measured curve'}",
-        )
-        left.legend(loc="lower right")
-        right.plot(values["tau"][live], values["h"][live], color=BLUE, label="column")
-        right.set(xlim=(0, min(values["tau"].max(), 5.5)), ylim=(0, 1.05), xlabel="τ = t √(g/a)", ylabel="h / H")
-        right.legend()
-    return figure
+    free, same = free_length(flow, history) / base, abs(depth / base - ASPECT) < 0.1
+    fronts = [
+        Line("bulk front", values["T"][live], values["Z"][live]),
+        Line("99 % of the discs", values["T"][live], values["Z99"][live], "second"),
+    ]
+    columns = [Line("column", values["tau"][live], values["h"][live])]
+    for lines, table in ((fronts, measured.MARTIN_MOYCE_FRONT), (columns, measured.MARTIN_MOYCE_HEIGHT)):
+        lines += [Line("Martin & Moyce 1952, n² = 2", np.array(table.x), np.array(table.y), "measured")] if same else []
+    top = max(5.0, 1.08 * min(free, 6))
+    obstacle = {"first obstacle": free} if free < top else {}
+    ends = (0.0, float(min(values["T"].max(), 5))), (0.0, float(min(values["tau"].max(), 5.5)))
+    panels = (
+        Panel("Z = front / a", fronts, "T = n t √(g/a)", obstacle, x_limits=ends[0], y_limits=(1.0, top)),
+        Panel("h / H", columns, "τ = t √(g/a)", x_limits=ends[1], y_limits=(0.0, 1.05)),
+    )
+    return Chart(f"n² = H/a = {depth / base:.3g}{'' if same else ': no measured curve'}", "", panels)

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame, make_frame, require_finite
@@ -22,8 +21,6 @@ from .profiles import add_means, compute_profiles
 
 Tables = dict[str, Mapping[str, np.ndarray]]
 """Columns of CSV files by the name of the file."""
-Drawings = dict[str, Callable[[], Figure | None]]
-"""Figures by the name of the file; None where there is nothing to draw."""
 
 
 class Collector(Protocol):

@@ -5,23 +5,24 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import partial
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from lammps_jump.dump.exports import write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import DumpError, SetupError
-from lammps_jump.files import plain
+from lammps_jump.files import CURVES, plain, write_json
 from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
-from . import energy, front
+from . import draw, energy, front
 from .budgets import inflow, stations
 from .contacts import ContactCollector
-from .draw.film import NO_FFMPEG, animate
-from .draw.snapshots import snapshots
-from .draw.style import depth_profile, save, xt_map
+from .draw.aside import aside
+from .draw.chart import Bars, Chart, Drawings, Map
+from .draw.depths import depth_profile, xt_map
 from .fields import write_fields
 from .flow import Flow
 from .forces import figures as forces
@@ -30,10 +31,18 @@ from .forces.impulse import MomentumLedger
 from .jump import head
 from .jump import section as jump
 from .jump.summary import Jump
-from .passes import Collector, Drawings, Gathered, Tables, gather
+from .passes import Collector, Gathered, Tables, gather
 from .profiles import bin_edges, write_profiles
 from .report.headline import belongs, headline
 from .report.page import Section
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DISCS = "snapshots"
+"""Name of the figure of ten pictures."""
+MAIN = ("depth_profile",)
+"""Figures that are drawn beside `DISCS` where no others are asked for; the page draws the curves of all itself."""
 
 
 class Quantity(NamedTuple):
@@ -47,7 +56,7 @@ class Quantity(NamedTuple):
         Takes in the frames; None where profiles and contacts are enough.
     analyse : callable(Gathered) -> result, or None where there is nothing to be said
     tables, figures, section : callable
-        CSV tables of the result, figures of result and `Gathered`, section of the report from ``summary.json``.
+        CSV tables of the result, what figures show of result and `Gathered`, section from ``summary.json``.
     summary : callable(result) -> dict
         As the result stands in ``summary.json``.
     """
@@ -85,11 +94,12 @@ def analyse(
     out: Path,
     wanted: Collection[str],
     *,
-    figures: bool = True,
+    figures: str = "default",
     film: bool = False,
     quiet: bool = False,
     watch: Sequence[Collector] = (),
     gathered: Gathered | None = None,
+    told: Callable[[str], None] | None = None,
 ) -> dict[str, object]:
     """Analyse a dump file.
 
@@ -99,18 +109,22 @@ def analyse(
         Of `flow.from_scene` or `guess.from_dump`.
     dump : Path
     out : Path
-        Folder that gets ``profiles.nc``, ``*.csv``, ``figures/*.png`` and the film. ``forces.csv`` is looked for here
-        and beside the dump.
+        Folder that gets ``profiles.nc``, ``*.csv``, ``curves.json``, ``figures/*.png`` and the film. ``forces.csv`` is
+        looked for here and beside the dump.
     wanted : collection of str
         Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and `ALWAYS`.
-    figures, film : bool
-        Write ``figures/*.png``; write ``animation.mp4``, or ``animation.gif`` where there is no ffmpeg.
+    figures : {'none', 'default', 'all'}
+        What is drawn as ``figures/*.png``; default: `MAIN` and `DISCS`.
+    film : bool
+        Write ``animation.mp4``, or ``animation.gif`` where there is no ffmpeg.
     quiet : bool
         Print nothing while the film is made.
     watch : sequence of Collector
         Are also shown every frame.
     gathered : Gathered, optional
         Of `collect` for the same quantities, where the frames were read before.
+    told : callable(str), optional
+        Called with what is done next: results, tables, figures.
 
     Returns
     -------
@@ -127,25 +141,47 @@ def analyse(
         known = ", ".join(name for name in QUANTITIES if name != "inflow")
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
-    warnings = list(gathered.warnings)
+    told, warnings = told or (lambda phase: None), list(gathered.warnings)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
-    asked = {name: quantity.analyse(gathered) for name, quantity in QUANTITIES.items() if name in {*wanted, *ALWAYS}}
-    results = {name: result for name, result in asked.items() if result is not None}
-    warnings += results["jump"].notes if "jump" in results else ()
-    warnings += getattr(results.get("inflow"), "notes", ())
-    parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
-    files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
-    for name, result in results.items():
-        files += [write_table(columns, out / file).name for file, columns in QUANTITIES[name].tables(result).items()]
-    if figures:
-        files += _draw(gathered, results, out / "figures", dump)
-    if "fields" in wanted:
-        written, parts["fields"] = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out, figures)
-        files += written
+    with ExitStack() as busy:
+        if figures != "none":
+            busy.enter_context(aside(draw_figures, [DISCS], {}, out / "figures", dump, flow))
+        told("results")
+        names = [name for name in QUANTITIES if name in {*wanted, *ALWAYS}]
+        asked = {name: QUANTITIES[name].analyse(gathered) for name in names}
+        results = {name: result for name, result in asked.items() if result is not None}
+        warnings += results["jump"].notes if "jump" in results else ()
+        warnings += getattr(results.get("inflow"), "notes", ())
+        parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
+        shown = drawings(gathered, results)
+        drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[figures]
+        if drawn:
+            busy.enter_context(aside(draw_figures, drawn, shown, out / "figures", dump, flow))
+        told("tables")
+        files = _write(gathered, results, shown if drawn else {}, out)
+        if "fields" in wanted:
+            written, parts["fields"] = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out, bool(drawn))
+            files += written
+        told("figures")
+    files += [f"figures/{name}.png" for name in ((*drawn, DISCS) if drawn else ())]
     if film:
         files += _film(gathered, dump, out, warnings, quiet)
     parts |= {"profiles": _about_profiles(gathered), "files": files, "warnings": list(dict.fromkeys(warnings))}
     return plain(parts)
+
+
+def _write(
+    gathered: Gathered, results: Mapping[str, object], shown: Mapping[str, Chart | Bars | Map], out: Path
+) -> list[str]:
+    """Write profiles, tables and what the page draws; the names of the files."""
+    files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
+    for name, result in results.items():
+        tables = QUANTITIES[name].tables(result)
+        files += [write_table(columns, out / file).name for file, columns in tables.items()]
+    if shown:
+        charts = {name: what.plain for name, what in shown.items() if not isinstance(what, Map)}
+        files.append(write_json(out / CURVES, charts, None).name)
+    return files
 
 
 def collect(
@@ -179,28 +215,34 @@ def _forces_file(places: Sequence[Path]) -> Path | None:
     return next((place / "forces.csv" for place in places if (place / "forces.csv").is_file()), None)
 
 
-def drawings(gathered: Gathered, results: Mapping[str, object], dump: Path) -> Drawings:
-    """Every figure that the results call for."""
+def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Chart | Bars | Map]:
+    """What the results have to show, by the name of the figure."""
     flow, found = gathered.flow, results.get("jump")
     looks = jump.marks(found) if isinstance(found, Jump) else jump.Marks()
-    figures: Drawings = {
-        "depth_profile.png": partial(depth_profile, gathered.profiles, flow, lines=looks.lines, marks=looks.places),
-        "depth_map.png": partial(xt_map, gathered.thinned, toe=looks.track),
-        "snapshots.png": lambda: snapshots(open_dump(dump), flow),
+    shown: Drawings = {
+        "depth_profile": depth_profile(gathered.profiles, flow, lines=looks.lines, marks=looks.places),
+        "depth_map": xt_map(gathered.thinned, toe=looks.track),
     }
     for name, result in results.items():
-        figures |= QUANTITIES[name].figures(result, gathered)
-    return figures
+        shown |= QUANTITIES[name].figures(result, gathered)
+    return {name: replace(what, name=flow.title) for name, what in shown.items() if what is not None}
 
 
-def _draw(gathered: Gathered, results: Mapping[str, object], folder: Path, dump: Path) -> list[str]:
-    """Draw the figures into a folder; their names relative to the run folder."""
+def figure(name: str, shown: Mapping[str, Chart | Bars | Map], dump: Path, flow: Flow) -> Figure:
+    """The matplotlib figure of this name, of `drawings` or the discs themselves."""
+    return draw.snapshots.snapshots(open_dump(dump), flow) if name == DISCS else draw.style.drawn(shown[name])
+
+
+def draw_figures(
+    names: Sequence[str], shown: Mapping[str, Chart | Bars | Map], folder: Path, dump: Path, flow: Flow
+) -> None:
+    """Draw figures as PNG files into a folder."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
-    drawn = ((name, draw()) for name, draw in drawings(gathered, results, dump).items())
-    return [f"{folder.name}/{save(figure, folder / name).name}" for name, figure in drawn if figure is not None]
+    for name in names:
+        draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.png")
 
 
 def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet: bool) -> list[str]:
@@ -212,11 +254,11 @@ def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet:
     progress = None if quiet or not sys.stdout.isatty() else told
     try:
         path = out / "animation.mp4"
-        made = animate(open_dump(dump), gathered.flow, path, forces=gathered.forces, progress=progress)
+        made = draw.film.animate(open_dump(dump), gathered.flow, path, forces=gathered.forces, progress=progress)
     except SetupError as error:
         warnings.append(f"no animation: {error}")
         return []
-    warnings += [NO_FFMPEG] if made != path else []
+    warnings += [draw.film.NO_FFMPEG] if made != path else []
     return [made.name]
 
 

@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Whether the error bars of one run hold: stated errors against the scatter between starts, and coverage.
 
-Run as ``python benchmarks/error_bars.py CASE [--starts N] [--first N] [--set PATH=VALUE]``. Starts differ by 1e-6
-diameters. Printed for each number of ``summary.json`` that has an error: mean and standard deviation of the starts;
-root mean square of the stated errors over that deviation; chi2, the mean of (deviation from the mean of starts / stated
-error)^2; its value for perfect errors, k/(k - 2) with k degrees of freedom; the share of 95 % intervals that hold the
-mean of the starts; what the report says of the number. The exit status is 1 where a number covers less than 0.9 and
-the report does not say that one run cannot tell.
+Run as ``python benchmarks/error_bars.py CASE [--starts N] [--first N] [--set PATH=VALUE] [--out DIR]``. The starts are
+members of a study, which is kept. Printed for each number of ``summary.json`` that has an error: mean and standard
+deviation of the starts; root mean square of the stated errors over that deviation; chi2, the mean of (deviation from
+the mean of starts / stated error)^2; its value for perfect errors, k/(k - 2) with k degrees of freedom; the share of
+95 % intervals that hold the mean of the starts; what the report says of the number. The exit status is 1 where a number
+covers less than 0.9 and the report does not say that one run cannot tell.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -21,10 +20,6 @@ import numpy as np
 
 import lammps_jump as lj
 from lammps_jump.analysis.statistics import STUDENT, WAVES
-from lammps_jump.files import plain
-from lammps_jump.runs.results import analyse_in_memory
-from lammps_jump.studies.measure import moved_start
-from lammps_jump.studies.runs import execute
 from lammps_jump.units import is_bound
 
 LEAST = 0.9
@@ -32,15 +27,6 @@ LEAST = 0.9
 
 Numbers = dict[str, tuple[float, float, bool]]
 """By the path in ``summary.json``: value, standard error, and whether the report says that one run cannot tell it."""
-
-
-def numbers_of_start(case: lj.Case, member: int) -> tuple[str, Numbers]:
-    """Verdict of one start, and its numbers."""
-    changed = moved_start(case, member)
-    with tempfile.TemporaryDirectory() as folder:
-        execute(changed.scene(), Path(folder), "compiled")
-        parts = plain(analyse_in_memory(changed, Path(folder)).parts)
-    return parts["jump"]["verdict"], dict(with_errors(parts))
 
 
 def with_errors(found: Mapping, path: str = "") -> Iterator[tuple[str, tuple[float, float, bool]]]:
@@ -72,6 +58,9 @@ def table(name: str, verdicts: list[str], starts: list[Numbers]) -> bool:
     """Print the table of a scene; whether every number holds."""
     counts = {word: verdicts.count(word) for word in dict.fromkeys(verdicts)}
     measured = [start for start in starts if "jump.y2" in start]
+    if not measured:
+        print(f"{name}: no start has a jump with errors: {counts}")
+        return True
     known = [key for key in measured[0] if all(key in start for start in measured)]
     print(f"{name}: {len(starts)} starts, verdicts {counts}\n")
     print("| number | mean | sd of starts | rms error/sd | chi2 | perfect | 95 % covers | report says |")
@@ -91,10 +80,12 @@ def main() -> None:
         "--first", type=int, default=1000, help="number of the first start: other numbers, fresh starts"
     )
     parser.add_argument("--set", action="append", default=[], dest="changes", metavar="PATH=VALUE")
+    parser.add_argument("--out", type=Path, default=Path("runs/error_bars"))
     given = parser.parse_args()
-    case = lj.load_case(given.case, given.changes)
-    found = [numbers_of_start(case, given.first + k) for k in range(given.starts)]
-    sys.exit(not table(case.name, [verdict for verdict, _ in found], [start for _, start in found]))
+    case, last = lj.load_case(given.case, given.changes), given.first + given.starts - 1
+    found = lj.sweep(case, given.out, members=f"{given.first}-{last}", collect=["jump.y2"])
+    starts = [dict(with_errors(run.summary)) for run in found.runs]
+    sys.exit(not table(case.name, list(found.values["jump.verdict"]), starts))
 
 
 if __name__ == "__main__":

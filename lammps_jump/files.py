@@ -17,6 +17,10 @@ from pydantic_core import to_jsonable_python
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
+CURVES = "curves.json"
+"""What the page draws, by the name of the figure."""
+BINARY_PART = "dump.resume.lammpsbin"
+"""Binary dump of a part that goes on: LAMMPS appends to text and gzip dumps only."""
 FIGURES = {
     "depth_profile.png": "Depth and velocity along the channel, mean of the window",
     "depth_map.png": "Depth of the free surface over distance and time",
@@ -50,17 +54,18 @@ RUN_FILES = (
     JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",
+    "checkpoint_previous.json",
     "checkpoint-[0-9]*.npz",
     "checkpoint-[0-9]*.restart",
     "in.resume.lammps",
-    "log.resume.lammps",
-    "dump.resume.lammpsbin",
+    BINARY_PART,
     "stop.request",
 )
 """What the engines read and write in a run folder (names and patterns)."""
 RESULT_FILES = (
     "profiles.nc",
     "summary.json",
+    CURVES,
     "animation.mp4",
     "animation.gif",
     "report.html",
@@ -81,7 +86,9 @@ RESULT_FILES = (
     *(f"figures/{name}" for name in FIGURES),
 )
 """What is made of them; ``force_<structure>.csv`` of each probe besides."""
-SWEEP_FILES = ("study.yaml", "points.json", "table.csv", "table.nc", "sweep.html", "figures/sweep_*.png")
+SWEEP_FILES = (
+    "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", "figures/sweep_*.png",
+)  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv``."""
@@ -156,7 +163,7 @@ def flush(path: Path) -> None:
         os.close(place)
 
 
-def write_json(path: Path, data: object, indent: int = 1) -> Path:
+def write_json(path: Path, data: object, indent: int | None = 1) -> Path:
     """Write plain data as JSON, NaN and infinities as null; see `plain` and `write_text`."""
     return write_text(path, json.dumps(plain(data), indent=indent, allow_nan=False) + "\n")
 

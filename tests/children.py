@@ -10,14 +10,18 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
+from lammps_jump.engines.child import close_idle
+from lammps_jump.engines.interrupts import SIGNALS
+
 HOOK = Path(__file__).parent / "hook"
 LIMIT = 600
 """Seconds; ends a hang and nothing else."""
 
 
 def _start_clean() -> None:
-    """Ctrl-C is heard, also where the tests run in the background of a shell, which ignores it there."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """Signals are heard, also where the tests run in the background of a shell or under nohup, which ignore some."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_DFL)
 
 
 @contextmanager
@@ -34,6 +38,22 @@ def child(command, **options):
         except ProcessLookupError:
             pass
         process.wait()
+
+
+@contextmanager
+def engines_that_save_at(*steps: int):
+    """Let engines that the test process starts write a checkpoint at these steps; clocks make none so soon."""
+    path = os.pathsep.join([str(HOOK), *filter(None, [os.environ.get("PYTHONPATH")])])
+    values = {"JUMP_TEST_SAVE": ",".join(map(str, steps)), "PYTHONPATH": path}
+    before = {name: os.environ.get(name) for name in values}
+    close_idle()
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        close_idle()
+        for name, value in before.items():
+            os.environ.pop(name) if value is None else os.environ.update({name: value})
 
 
 def run_child(command, *, signal_at: tuple | None = None, env=None, **options) -> tuple[int, str]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import base64
+import fcntl
 import json
 import os
 import shutil
@@ -25,15 +26,13 @@ class Chromium:
     """One browser; messages are JSON with a zero byte behind each, on the file descriptors 3 and 4 of the child."""
 
     def __init__(self, profile: Path):
-        child_reads, self.to_child = os.pipe()
-        self.from_child, child_writes = os.pipe()
-        script = f"exec {PROGRAM} {FLAGS} --user-data-dir='{profile}' about:blank 3<&{child_reads} 4>&{child_writes}"
-        self.process = subprocess.Popen(
-            ["sh", "-c", script], pass_fds=(child_reads, child_writes), stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )  # fmt: skip
-        os.close(child_reads)
-        os.close(child_writes)
+        (reads, self.to_child), (self.from_child, writes) = os.pipe(), os.pipe()
+        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (reads, writes)]  # out of the way of 3 and 4
+        script = f"exec {PROGRAM} {FLAGS} --user-data-dir='{profile}' about:blank 3<&{ends[0]} 4>&{ends[1]}"
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        self.process = subprocess.Popen(["bash", "-c", script], pass_fds=ends, **quiet)
+        for end in (reads, writes, *ends):
+            os.close(end)
         self.stream = os.fdopen(self.from_child, "rb")
         self.count, self.rest, self.events = 0, b"", []
 

@@ -17,6 +17,7 @@ if "JUMP_TEST_SLEEP" in os.environ:  # engines run in processes of their own, wh
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
 runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))
 
+import fault_table  # noqa: E402
 import pytest  # noqa: E402
 from hypothesis import settings  # noqa: E402
 from made_up import plugin_or_skip  # noqa: E402
@@ -24,6 +25,32 @@ from made_up import plugin_or_skip  # noqa: E402
 settings.register_profile("same_each_time", deadline=None, derandomize=True)
 settings.register_profile("random", deadline=None, print_blob=True)
 settings.load_profile("same_each_time")  # --hypothesis-profile=random, as in `make check`, comes later and wins
+
+
+@pytest.fixture
+def tried(record_property):
+    """Says how many faults a test has tried; see `fault_table`."""
+    return lambda times: record_property("times", times)
+
+
+def pytest_collection_modifyitems(items):
+    """Let the report of a test tell its kind of fault."""
+    for item in items:
+        if mark := item.get_closest_marker("fault"):
+            assert mark.args[0] in fault_table.KINDS
+            item.user_properties.append(("fault", mark.args[0]))
+
+
+def pytest_runtest_logreport(report):
+    """Count the faults of a test that passed."""
+    if report.when == "call" and report.passed:
+        fault_table.count(report.user_properties)
+
+
+def pytest_sessionfinish(session, exitstatus):
+    """Write the table where a form was asked for by name."""
+    if fault_table.FORM and exitstatus == 0 and not hasattr(session.config, "workerinput"):
+        fault_table.write_table()
 
 
 @pytest.fixture

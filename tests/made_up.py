@@ -58,7 +58,7 @@ COEFFICIENTS = (
     "mass", "stiffness", "stiffness_wall", "time_step", "restitution", "friction",
     "gamma_tangential", "gamma_tangential_wall",
 )  # fmt: skip
-FLOW = ("x_range", "bin_width", "window", "inflow_depth", "inflow_speed", "notes", "sized")
+FLOW = ("x_range", "bin_width", "window", "inflow_depth", "inflow_speed", "notes", "sized", "timed")
 
 
 def flow_context(*, dashpot=0.0, dashpot_wall=0.0, **given) -> Flow:
@@ -127,7 +127,7 @@ def choose_to_stop_at(step: int):
 def without_analysis(monkeypatch) -> None:
     """No figures and no tables, which take seconds; the frames are checked all the same."""
 
-    def analyse(case, folder, out, watch=(), gathered=None):
+    def analyse(case, folder, out, watch=(), gathered=None, told=None):
         (out / "profiles.nc").write_text(f"of {case.name}")
         for frame in read_dump(folder) if gathered is None else ():
             for collector in watch:

@@ -9,7 +9,9 @@ from matplotlib.figure import Figure
 
 from lammps_jump.analysis.flow import Flow
 
-from .style import BLUE, GOLD, axis_label, colour_bar, draw_walls, drawing
+from .chart import PLACE, Chart, Line, Panel
+from .depths import axis_label
+from .style import colour_bar, draw_walls, drawing
 
 
 def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Figure:
@@ -73,14 +75,14 @@ def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
     return lowest[["stress", "hydrostatic"]]
 
 
-def bed_pressure_figure(fields: xr.Dataset, flow: Flow) -> Figure:
+def bed_pressure_chart(fields: xr.Dataset, flow: Flow) -> Chart:
     """Vertical stress at the bed along the channel beside the weight of what lies above."""
     pressure = bed_pressure(fields)
-    with drawing(7.6, 3.2) as (figure, axes):
-        axes.plot(pressure.x, pressure.stress / 1e3, color=BLUE, lw=1.2, label="contact and kinetic stress at the bed")
-        axes.plot(pressure.x, pressure.hydrostatic / 1e3, color=GOLD, ls="--", label="hydrostatic: weight above")
-        axes.set_ylim(bottom=min(0.0, float(pressure.stress.min(skipna=True).fillna(0)) / 1e3))
-        axes.legend(loc="upper left")
-        title = _heading(fields, flow, "pressure at the bed")
-        axes.set(xlabel="Distance x [m]", ylabel="Vertical stress [kPa]", title=title)
-    return figure
+    x, stress, weight = pressure.x.values, pressure.stress.values / 1e3, pressure.hydrostatic.values / 1e3
+    lines = (
+        Line("contact and kinetic stress at the bed", x, stress),
+        Line("hydrostatic: weight above", x, weight, "theory"),
+    )
+    lowest = min(0.0, float(np.min(stress[np.isfinite(stress)], initial=0.0)))
+    panel = Panel("Vertical stress [kPa]", lines, y_limits=(lowest, None))
+    return Chart(_heading(fields, flow, "pressure at the bed"), PLACE, (panel,))

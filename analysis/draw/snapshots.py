@@ -46,22 +46,22 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
     figure, places, width = layout(len(chosen), (x[1] - x[0]) / (y[1] - y[0]))
     view = View.fitted(x, y, round(width * STYLE["savefig.dpi"]))
     table = colour_table()
-    with style():
+    with style(), mpl.rc_context({"axes.grid": False}):
         FigureCanvasAgg(figure)
-        first = None
         for frame, speed, place in zip(chosen, speeds, places, strict=True):
             picture = blank(view)
             paint_walls(picture, view, flow.scene.walls, flow.shut_gates(flow.time(frame)))
             paint_discs(picture, view, frame.x, frame.y, flow.radii(frame), coloured(speed, top_speed, table))
-            axes = figure.add_subplot(place, sharex=first, sharey=first)
-            first = first or axes
+            axes = figure.add_subplot(place)
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")
-            axes.grid(False)
-            axes.set_title(f"{flow.clock(flow.time(frame))}   {frame.n} discs", fontsize=8, pad=3)
+            # no title: its place is sought among all ticks, which took a fifth of the time
+            text = f"{flow.clock(flow.time(frame))}   {frame.n} discs"
+            axes.annotate(text, (0, 1), (0, 3), "axes fraction", "offset points", fontsize=8)
             lowest, leftmost = place.num1 + place.get_gridspec().ncols >= len(chosen), place.is_first_col()
-            axes.tick_params(labelsize=7, labelbottom=lowest, labelleft=leftmost)
-            axes.set_xlabel("x [m]" if lowest else "", fontsize=8)
-            axes.set_ylabel("y [m]" if leftmost else "", fontsize=8)
+            for axis, name, labelled in ((axes.xaxis, "x [m]", lowest), (axes.yaxis, "y [m]", leftmost)):
+                axis.set_visible(labelled)  # ticks without labels took as long as those with
+                axis.set_tick_params(labelsize=7)
+                axis.set_label_text(name, fontsize=8)
         wide, high = figure.get_size_inches()
         bar = figure.add_axes((SIDE / wide, BAR[0] / high, 1 - (SIDE + RIGHT) / wide, BAR[1] / high))
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")

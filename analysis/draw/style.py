@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Figures of a flow, their style and how they are saved: depth profile, map of depth over distance and time.
+"""matplotlib's figures: their style, how charts are drawn with it, and how they are saved.
 
 Every function returns a matplotlib ``Figure`` with its own Agg canvas: no global state, no screen. Colours are
 cividis (readable in grey and for the colour-blind); lines differ in dash as well as in colour.
@@ -7,20 +7,19 @@ cividis (readable in grey and for the colour-blind); lines differ in dash as wel
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.flow import Flow
 from lammps_jump.errors import DumpError
-from lammps_jump.quoting import figure_text
 from lammps_jump.scene.walls import Interval
+
+from .chart import PLACE, Bars, Chart, Map, Panel
 
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -43,6 +42,18 @@ STYLE = {
 BLUE, GOLD, GREY, BLACK, RED = "#00306f", "#b08a00", "#8a8a8a", "#1a1a1a", "#b3263a"
 DASHES = ("-", "--", ":", "-.")
 WALL = "#c4c4c4"
+LOOKS = {
+    "first": {"color": BLUE},
+    "second": {"color": GOLD, "ls": "--"},
+    "third": {"color": GREY, "ls": "-."},
+    "sum": {"color": BLACK, "lw": 1.4},
+    "theory": {"color": RED, "ls": (0, (5, 2)), "lw": 1.3},
+    "fit": {"color": RED, "lw": 2.2, "alpha": 0.8},
+    "measured": {"color": BLACK, "ls": "none", "marker": "o", "mfc": "white", "ms": 4},
+    "faint": {"color": "#c9c9c9", "lw": 0.6},
+    "dots": {"color": GREY, "ls": "none", "marker": ".", "ms": 2, "alpha": 0.5},
+}
+"""How matplotlib draws the looks of a `chart.Line`."""
 
 
 @contextmanager
@@ -124,130 +135,98 @@ def draw_walls(axes, walls, x: Interval, y: Interval) -> None:
     axes.set_ylim(*y)
 
 
-def axis_label(quantity: xr.DataArray) -> str:
-    """Name and unit of a quantity for an axis, from its attributes ``long_name`` and ``units``."""
-    name = quantity.attrs.get("long_name", quantity.name).removeprefix("time mean of ")
-    units = quantity.attrs.get("units", "")
-    for text, nice in (("m2 s-1", "m²/s"), ("m3 s-2", "m³/s²"), ("m4 s-3", "m⁴/s³"), ("m s-1", "m/s")):
-        units = units.replace(text, nice)
-    return f"{name[:1].upper()}{name[1:]}" + (f" [{units}]" if units not in ("", "1") else "")
+def drawn(shown: Chart | Bars | Map) -> Figure:
+    """The matplotlib figure of what is described."""
+    if isinstance(shown, Chart):
+        return _draw_chart(shown)
+    return _draw_bars(shown) if isinstance(shown, Bars) else _draw_map(shown)
 
 
-def depth_profile(
-    profiles: xr.Dataset,
-    flow: Flow,
-    *,
-    lines: Mapping[str, float] | None = None,
-    marks: Mapping[str, float] | None = None,
-) -> Figure:
-    """Mean free surface and mass depth along the channel, with the classical depths beside them; velocity below.
-
-    Parameters
-    ----------
-    profiles : xarray.Dataset
-        Of `compute_profiles`.
-    flow : Flow
-    lines : mapping of label to depth (m), optional
-        Horizontal lines to compare with.
-    marks : mapping of label to x (m), optional
-        Vertical marks: toe, end of the jump.
-    """
-    compare = lines or {}
-    bed = profiles.bed.values
-    with drawing(7.6, 5.0, 2, 1, sharex=True, height_ratios=[2.2, 1]) as (figure, (upper, lower)):
-        low = min(0.0, float(np.min(bed[np.isfinite(bed)], initial=0.0)))
-        depths = [profiles[f"{name}_mean"].values + bed for name in ("surface_depth", "mass_depth")]
-        top = float(np.nanmax([1.0, *compare.values(), *depths[0], *depths[1]]))
-        draw_walls(upper, flow.scene.walls, _occupied(profiles), (low - 0.04 * top, 1.15 * top))
-        _mean(upper, profiles, "surface_depth", bed, color=BLUE, label="free surface")
-        _mean(upper, profiles, "mass_depth", bed, color=GOLD, ls="--", label="mass depth")
-        for i, (label, value) in enumerate(compare.items()):
-            upper.axhline(value, color=BLACK, lw=1, ls=(0, (6, 2 + 2 * i)), zorder=1)
-            upper.annotate(
-                label, (1, value), (-3, 2), xycoords=("axes fraction", "data"), textcoords="offset points",
-                ha="right", fontsize=8, color=BLACK,
-            )  # fmt: skip
-        upper.legend(loc="upper left", bbox_to_anchor=(0, 0.97), frameon=True, edgecolor="none", framealpha=0.95)
-        begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
-        title = f"{flow.title}: mean of {frames} frames, {flow.clock(begin, end)}"
-        upper.set(ylabel="Height above y = 0 [m]", title=title)
-        _mean(lower, profiles, "velocity", 0.0, color=BLUE, label="mean velocity")
-        lower.plot(profiles.x, profiles.surface_velocity_mean, color=GOLD, ls="--", lw=1.2, label="at the surface")
-        lower.axhline(0, color=GREY, lw=0.8)
-        lower.set(xlabel="Distance x [m]", ylabel="Velocity [m/s]")
-        lower.legend(loc="best")
-        for label, place in (marks or {}).items():
-            for axes in (upper, lower):
-                axes.axvline(place, color=RED, lw=1, ls=":")
-            upper.annotate(
-                label, (place, 1), (3, -10), xycoords=("data", "axes fraction"), textcoords="offset points",
-                fontsize=8, color=RED,
-            )  # fmt: skip
+def _draw_chart(chart: Chart) -> Figure:
+    count, beside = len(chart.panels), any(panel.x for panel in chart.panels)
+    heights = [panel.height for panel in chart.panels]
+    rows, columns = (1, count) if beside else (count, 1)
+    shape: dict = {} if beside else {"height_ratios": heights, "sharex": True}
+    size = (8.4, 3.8) if beside else (7.4, 1.2 + 2.5 * sum(heights) / max(heights))
+    with drawing(*size, rows, columns, squeeze=False, **shape) as (figure, grid):
+        for axes, panel in zip(grid.flat, chart.panels, strict=True):
+            _draw_panel(axes, panel)
+            if chart.window is not None:
+                axes.axvspan(*chart.window, color="#eeeeee", zorder=0)
+            axes.set_xlabel(panel.x or (chart.x if panel is chart.panels[-1] else ""))
+        grid.flat[0].set_title(chart.heading)
     return figure
 
 
-def _mean(axes, profiles: xr.Dataset, name: str, above, *, color: str, **look) -> None:
-    """A mean of the window, drawn `above` this height, with two standard errors either side where there are any."""
-    mean, error = profiles[f"{name}_mean"].values + above, profiles[f"{name}_stderr"].values
-    axes.plot(profiles.x, mean, color=color, **look)
-    if np.isfinite(error).any():
-        axes.fill_between(profiles.x, mean - 2 * error, mean + 2 * error, color=color, alpha=0.2, lw=0)
+def _draw_panel(axes, panel: Panel) -> None:
+    from matplotlib.patches import Polygon
+
+    for solid in panel.solids:
+        axes.add_patch(Polygon(solid, facecolor=WALL, edgecolor="none", zorder=0.5))
+    for line in panel.lines:
+        look = LOOKS[line.look]
+        axes.plot(line.x, line.y, label=line.label or None, **look)
+        if line.error is not None and np.isfinite(line.error).any():
+            band = line.y - 2 * line.error, line.y + 2 * line.error
+            axes.fill_between(line.x, *band, color=look["color"], alpha=0.2, lw=0)
+    aside = {"textcoords": "offset points", "fontsize": 8}
+    levels = panel.levels or {}
+    for label, value in levels.items():
+        axes.axhline(value, color=RED, lw=1, ls=(0, (6, 2)), zorder=1)
+        under = any(value < other < 1.2 * value for other in levels.values())  # apart from the label of a near one
+        place = {"xycoords": ("axes fraction", "data"), "color": RED, **aside}
+        axes.annotate(label, (0, value), (3, -9 if under else 2), **place)
+    for label, value in (panel.marks or {}).items():
+        axes.axvline(value, color=GREY, lw=1, ls=":")
+        axes.annotate(label, (value, 1), (3, -10), xycoords=("data", "axes fraction"), color=GREY, **aside)
+    axes.set(ylabel=panel.y, xlim=panel.x_limits, ylim=panel.y_limits)
+    low, high = axes.get_ylim()
+    if low < 0 < high:
+        axes.axhline(0, color=GREY, lw=0.8, zorder=0.9)
+    if len([line for line in panel.lines if line.label]) > 1:
+        axes.legend(frameon=True, edgecolor="none", framealpha=0.9)
 
 
-def _bin_edges(profiles: xr.Dataset) -> np.ndarray:
-    return np.linspace(profiles.attrs["x_low"], profiles.attrs["x_high"], profiles.sizes["x"] + 1)
+def _draw_bars(bars: Bars) -> Figure:
+    values, places = np.array(list(bars.rows.values())), np.arange(len(bars.rows))[::-1]
+    with drawing(7.2, 1.0 + 0.3 * len(values)) as (figure, axes):
+        axes.barh(places, values, color=[*[BLUE] * (len(values) - 1), BLACK], height=0.62)
+        axes.axvline(0, color=BLACK, lw=0.8)
+        span = max(np.abs(values).max(), 1.0)
+        axes.set_xlim(-1.35 * span, 1.35 * span)
+        for place, value in zip(places, values, strict=True):
+            label, side = f"{value:+.1f}".replace("-", "\N{MINUS SIGN}"), 1 if value >= 0 else -1
+            axes.annotate(label, (value, place), (4 * side, 0), textcoords="offset points", fontsize=8, va="center",
+                          ha="left" if side > 0 else "right")  # fmt: skip
+        axes.set_yticks(places, bars.rows)
+        axes.grid(axis="y", visible=False)
+        axes.set(xlabel=bars.x, title=bars.heading)
+    return figure
 
 
-def _occupied(profiles: xr.Dataset) -> Interval:
-    """The bins from the first to the last that held a disc in the window, m; all where none did."""
-    edges, held = _bin_edges(profiles), np.flatnonzero(profiles["count_mean"].values > 0)
-    return (edges[held[0]], edges[held[-1] + 1]) if held.size else (edges[0], edges[-1])
-
-
-def xt_map(
-    profiles: xr.Dataset,
-    variable: str = "surface_depth",
-    *,
-    toe: tuple[np.ndarray, np.ndarray] | None = None,
-    title: str | None = None,
-) -> Figure:
-    """Map of a profile variable over distance and time.
-
-    Parameters
-    ----------
-    profiles : xarray.Dataset
-    variable : str
-        A (time, x) variable.
-    toe : (ndarray, ndarray), optional
-        Places (m) and times (s) of a tracked front, drawn on top.
-    """
-    values = profiles[variable].values
-    time = profiles.time.values
+def _draw_map(shown: Map) -> Figure:
+    values, x = shown.values, shown.x
     with drawing(7.6, 4.2) as (figure, axes):
         axes.grid(False)
-        signed = variable in ("velocity", "surface_velocity", "discharge") and np.nanmin(values, initial=0.0) < 0
-        x = _bin_edges(profiles)
         finite = values[np.isfinite(values)]
         low, high = (float(np.quantile(finite, q)) for q in (0.002, 0.998)) if finite.size else (0.0, 1.0)
         image = axes.pcolormesh(
-            x, _edges(time), values, vmin=low if signed else 0.0, vmax=max(high, 1e-12), rasterized=True
+            x, _edges(shown.time), values, vmin=low if shown.signed else 0.0, vmax=max(high, 1e-12), rasterized=True
         )
-        colour_bar(figure, image, axis_label(profiles[variable]), ax=axes, pad=0.02)
-        if finite.size and high > 0 and not signed and min(values.shape) > 1:
+        colour_bar(figure, image, shown.label, ax=axes, pad=0.02)
+        if finite.size and high > 0 and not shown.signed and min(values.shape) > 1:
             axes.contour(
-                profiles.x.values, time, np.nan_to_num(values), levels=high * np.array([0.25, 0.5, 0.75]),
+                0.5 * (x[1:] + x[:-1]), shown.time, np.nan_to_num(values), levels=high * np.array([0.25, 0.5, 0.75]),
                 colors="white", linewidths=0.7,
             )  # fmt: skip
-        if toe is not None:
-            axes.plot(*toe, color=RED, lw=1.4, ls="--", label="front")
+        for line in shown.lines:
+            axes.plot(line.x, line.y, label=line.label, **LOOKS[line.look])
+        if shown.lines:
             axes.legend(loc="upper right", labelcolor=BLACK, frameon=True, framealpha=0.9)
         seen = np.flatnonzero(np.isfinite(values).any(axis=0))
         if seen.size:
             axes.set_xlim(x[seen[0]], x[seen[-1] + 1])
-        name = figure_text(profiles.attrs.get("title", "").removeprefix("depth profiles of "))
-        title = title or f"{name}: {variable.replace('_', ' ')} over distance and time"
-        timed = profiles.time.attrs.get("units") != "1"
-        axes.set(xlabel="Distance x [m]", ylabel="Time t [s]" if timed else "Step", title=title)
+        axes.set(xlabel=PLACE, ylabel=shown.clock, title=shown.heading)
     return figure
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from math import isfinite
 from types import MappingProxyType
 from typing import NamedTuple, cast
@@ -14,14 +13,15 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from lammps_jump.analysis.budgets import inflow
-from lammps_jump.analysis.passes import Drawings, Gathered, Tables
+from lammps_jump.analysis.draw.chart import Drawings
+from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.report.headline import belongs
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
 from lammps_jump.analysis.statistics import STUDENT, Mean, propagated
 from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
-from .figures import balance_figure, frame_figure, head_figure, stream_figure, track_figure
+from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
 from .frame import Balance
 from .head import energy_budget, no_budget, sentence
 from .result import analyse_jump
@@ -91,14 +91,14 @@ def tables(jump: Jump) -> Tables:
 
 def figures(jump: Jump, gathered: Gathered) -> Drawings:
     """Figures of the jump in time, in its own frame, of its momentum and of the head."""
-    track = {"jump_track.png": partial(track_figure, jump)}
+    track: Drawings = {"jump_track": track_chart(jump)}
     if not gathered.flow.timed:
         return track
     return track | {
-        "jump_stream.png": partial(stream_figure, jump),
-        "jump_frame.png": partial(frame_figure, jump),
-        "jump_balance.png": partial(balance_figure, jump),
-        "energy_head.png": partial(head_figure, gathered.profiles, jump),
+        "jump_stream": stream_chart(jump),
+        "jump_frame": frame_chart(jump),
+        "jump_balance": balance_bars(jump),
+        "energy_head": head_chart(gathered.profiles, jump),
     }
 
 

@@ -15,6 +15,7 @@ Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the la
     "jump": """\
 front       where a sharp step between the mean depths would hold the same mass; c is its velocity
 toe, end    where the mean profile in the front's frame has made 5 % and 95 % of its rise
+length      from toe to end on the free surface; thesis: 9.75 s₁ (Fr₁ − 1)^1.01, USBR: curve of EM 25
 s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
 1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
 Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
@@ -23,6 +24,9 @@ head        s + (u − c)²/2g; loss of head: the energy between two stations th
 β           ∑ m (u − c)² over the same with the mean velocity
 thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
 packing     area of the discs over that below the surface;  bulk density: ρ s/h
+density     ratio of the bulk densities, downstream over upstream
+roller      where the mean velocity of the surface discs is below the front's own
+parts       of the momentum balance: each over the downstream momentum function, 1 less 2
 ± e         standard error within this run, from eight pieces of the window; "or more": one run cannot tell it
 tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
 """,
@@ -41,6 +45,7 @@ column        top of the discs within one diameter of the back wall, up to the f
 speed         straight line through the bulk front, from a tenth of the free path to the first obstacle
 Ritter        front of water in an endless reservoir, a + 2 √(g H) t, until its wave meets the back wall
 T, Z, n²      n t √(g/a), front/a, H/a of the column of base a and height H at the start
+dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside it where that has the same n²
 errors        none: one run cannot tell; repeat it from other starts
 """,
     "force": """\
@@ -48,10 +53,13 @@ peak          largest mean over 0.05 s after t = 0, of the component with the la
 ± e           standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
 impulse       ∫ F dt after t = 0
 moment        about the foot of upright faces at the bed, anticlockwise positive
+identity      change of all discs' momentum against the impulse of walls, weight and discs that came and went
+wave          place where the mean velocity falls through half of its largest value upstream; bore: of a wall instead
 ρgh²/2        largest hydrostatic force for the mass depth in front;  with ρhu²: the oncoming momentum beside it
 """,
     "energy": """\
 kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width
+drift         straight-line change over the record, over the energy at the start
 deviation     largest |E − E₀|/|E₀|, exact for this run; it judges the engine only where nothing dissipates
 """,
 }

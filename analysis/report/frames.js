@@ -25,7 +25,8 @@ async function unpackFrames(header, text) {
 
 // Bytes of deflated base64.
 async function inflate(text) {
-  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const letters = atob(text), packed = new Uint8Array(letters.length);
+  for (let k = 0; k < packed.length; k++) packed[k] = letters.charCodeAt(k);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   return new Response(stream).arrayBuffer();
 }
@@ -162,7 +163,7 @@ function entering(run, row, until, found) {
 
 // Mass depth of each bin at an instant, m: the share of each disc's area that lies in the bin counts, as in profiles.nc.
 function massDepth(run, found, depth) {
-  const { low, width, count } = run.bins, scale = run.one_in * run.area / width;
+  const { low, width, count } = run.bins, scale = run.area / run.share / width;
   depth.fill(0);
   for (let k = 0; k < found.count; k++) {
     const r = run.radii[run.shade[found.disc[k]]], x = found.x[k], mass = scale * r * r;

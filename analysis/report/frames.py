@@ -50,8 +50,8 @@ class Packed:
     Attributes
     ----------
     header : dict
-        ``times`` (s), ``q`` (m), ``qv`` (m/s), ``discs`` and ``rows`` (K and N), ``radii`` (m) and ``one_in``: how many
-        discs there are for each one kept.
+        ``times`` (s), ``q`` (m), ``qv`` (m/s), ``discs`` and ``rows`` (K and N), ``radii`` (m) and ``share``: of the
+        discs, those that are kept.
     text : str
         The stream, deflated, in base64.
     """
@@ -80,7 +80,7 @@ class FramePacker:
         self.q = flow.scene.smallest / PARTS
         self._kept: list[tuple[float, np.ndarray]] = []
         self._radii: dict[str, np.ndarray] = {}
-        self._every, self._seen, self._halvings = 1, 0, 0
+        self._every, self._seen, self._count, self._share = 1, 0, 0, 1.0
 
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame at a time, s."""
@@ -89,12 +89,15 @@ class FramePacker:
             return
         if len(self._kept) == MOST_FRAMES:
             self._kept, self._every = self._kept[::2], 2 * self._every
+            self._count = sum(len(rows) for _, rows in self._kept)
             if (self._seen - 1) % self._every:
                 return
         self._kept.append((time, self._thinned(self._rows(frame))))
-        while max(len(self._kept[-1][1]) / MOST_DISCS, sum(len(rows) for _, rows in self._kept) / MOST_ROWS) > 1:
-            self._halvings += 1
+        self._count += len(self._kept[-1][1])
+        while (over := max(len(self._kept[-1][1]) / MOST_DISCS, self._count / MOST_ROWS)) > 1:
+            self._share *= 0.95 / over
             self._kept = [(time, self._thinned(rows)) for time, rows in self._kept]
+            self._count = sum(len(rows) for _, rows in self._kept)
 
     def _rows(self, frame: Frame) -> np.ndarray:
         """A frame as rows in the order of the ids; of rows with the same id the first."""
@@ -108,11 +111,11 @@ class FramePacker:
         return rows
 
     def _thinned(self, rows: np.ndarray) -> np.ndarray:
-        """One of 2^halvings rows, chosen by a hash of the id, so that a disc is kept in all frames or in none."""
-        if not self._halvings:
+        """The share of the rows that is kept, chosen by a hash of the id: a disc is kept in all frames or in none."""
+        if self._share == 1:
             return rows
         mixed = rows["id"].astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)  # the golden ratio: well spread
-        return rows[mixed >> np.uint64(64 - self._halvings) == 0]
+        return rows[mixed < self._share * 2.0**64]
 
     def sample(self) -> list[Frame]:
         """Ten frames at equal times, of what is kept of them."""
@@ -153,7 +156,7 @@ class FramePacker:
         packer = zlib.compressobj(6, zlib.DEFLATED, -15, 9, zlib.Z_FILTERED)
         packed = b"".join([*(packer.compress(array.tobytes()) for array in arrays), packer.flush()])
         header = {"times": times, "q": self.q, "qv": qv, "discs": len(discs), "rows": len(rows), "radii": radii}
-        return Packed({**header, "one_in": 2**self._halvings}, base64.b64encode(packed).decode())
+        return Packed({**header, "share": self._share}, base64.b64encode(packed).decode())
 
 
 def _before(ids: np.ndarray, frame: np.ndarray, order: np.ndarray) -> np.ndarray:

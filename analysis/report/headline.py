@@ -78,7 +78,7 @@ def headline(summary: Mapping) -> str:
 
 OF_A_STEADY_JUMP = ("length", "head_lost", "energy_loss")
 """Numbers that mean nothing where the jump comes and goes, or is still filling up."""
-OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_ratio", "sequent_ratio", "froude", "y1", "y2")
+OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_ratio", "sequent_ratio", "froude", "y1", "y2", "tail.depth")
 """Numbers that mean nothing where there is no jump."""
 
 

@@ -16,12 +16,14 @@ from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.units import numbers_of, shown
 
 from .headline import A_JUMP, belongs
-from .page import Box, heading
+from .page import Box, heading, with_error
 
 MOST = 5
 WITHIN = "± is one standard error within this run."
 EXACT = ("energy", "inflow.delivered")
 """Numbers that are counted, or exact for this run."""
+MORE = "†"
+BOUND = "† Or more: one run cannot tell."
 UNSURE = "Without ±: no error from one run; repeat it from other starts."
 
 
@@ -47,8 +49,8 @@ OFF_WATER = "front against Martin & Moyce’s water"
 PERCENT = {"scale": 0.01, "unit": "%"}
 FOUND = (
     Wanted("jump.sequent_ratio", Jump, "Bélanger", "jump.belanger_ratio"),
-    Wanted("jump.tail.depth", Tail, "inflow’s Bélanger depth", "jump.tail.belanger_y2", "mass depth of the tail water"),
-    Wanted("jump.y1", Jump, "inflow", "jump.inflow.depth"),
+    Wanted("jump.tail.depth", Tail, "Bélanger, inflow", "jump.tail.belanger_y2", "mass depth of the tail water"),
+    Wanted("jump.y1", Jump, "behind the inlet", "inflow.depth"),
     Wanted("jump.speed", Jump, "from mass", "jump.mass.speed_from_mass"),
     Wanted("front.position", Front, "at t =", "front.time", beside="s", without="at the last frame"),
     Wanted("front.speed", Front, "Ritter’s front, 2 √(g H)", "front.ritter.front_speed"),
@@ -69,12 +71,14 @@ FOUND = (
 def key_numbers(summary: Mapping) -> tuple[list[Box], str]:
     """The numbers that readers look for first, and a sentence on how sure they are."""
     found = [(wanted, box) for wanted in FOUND for box in _boxes(wanted, summary)][:MOST]
-    errors = {bool(box.error) for wanted, box in found if not wanted.path.startswith(EXACT)}
+    measured = [(wanted, box) for wanted, box in found if not wanted.path.startswith(EXACT)]
+    errors = {bool(box.error) for _, box in measured} | {"±" in box.against for wanted, box in measured if wanted.other}
     boxes = [box for _, box in found]
     discs = summary.get("discs") or {}
     if len(boxes) < MOST and discs.get("inserted") is not None:
         boxes.append(Box("Discs", discs["inserted"], against=f"{shown(discs.get('present'))} at the end"))
-    return boxes, " ".join(([WITHIN] if True in errors else []) + ([UNSURE] if False in errors else []))
+    said = {WITHIN: True in errors, BOUND: any(MORE in box.error for box in boxes), UNSURE: False in errors}
+    return boxes, " ".join(text for text, goes in said.items() if goes)
 
 
 def _boxes(wanted: Wanted, summary: Mapping) -> Iterator[Box]:
@@ -86,7 +90,8 @@ def _boxes(wanted: Wanted, summary: Mapping) -> Iterator[Box]:
     for name in names if "*" in part else [""]:
         found = _at(summary, part.replace("*", name))
         if isinstance(found, Mapping) and found.get(key) is not None and _goes(wanted, summary):
-            yield _box(wanted, key, found, _at(summary, wanted.other.replace("*", name)), name)
+            other = wanted.other.replace("*", name)
+            yield _box(wanted, key, found, (_at(summary, other), _at(summary, f"{other}_error")), name)
 
 
 def _goes(wanted: Wanted, summary: Mapping) -> bool:
@@ -106,13 +111,14 @@ def _at(summary: Mapping, path: str) -> object:
     return found
 
 
-def _box(wanted: Wanted, key: str, found: Mapping, other: object, name: str) -> Box:
+def _box(wanted: Wanted, key: str, found: Mapping, other: tuple[object, object], name: str) -> Box:
+    """A box; `other` is the number it is compared with, and the error of that."""
     number = numbers_of(wanted.result)[key]
     unit = number.unit if wanted.unit is None else wanted.unit
-    error = found.get(f"{key}_error")
-    text = shown(found[key] / wanted.scale, error=None if error is None else error / wanted.scale).replace("-", "−")
-    value, _, sure = text.partition(" ± ")
-    told = wanted.words if not wanted.other else wanted.without
-    if isinstance(other, float | int):
-        told = f"{wanted.words} {shown(other / wanted.scale, wanted.beside or unit)}".replace("-", "−")
-    return Box(heading((wanted.label or number.meaning).format(name=name), ""), value, unit, sure, told)
+    value, _, sure = with_error(found, key, wanted.scale).partition(" ± ")
+    told, (beside, off) = wanted.words if not wanted.other else wanted.without, other
+    if isinstance(beside, float | int):
+        off = off / wanted.scale if isinstance(off, float | int) else None
+        told = f"{wanted.words} {shown(beside / wanted.scale, wanted.beside or unit, off)}".replace("-", "−")
+    label = heading((wanted.label or number.meaning).format(name=name), "")
+    return Box(label, value, unit, sure.replace(" or more", MORE), told)

@@ -108,11 +108,17 @@ class Player(NamedTuple):
     still: Picture | None = None
 
 
+class Beside(NamedTuple):
+    """Blocks side by side, below each other on a narrow screen."""
+
+    blocks: Sequence[Text | Curve | Player]
+
+
 class Section(NamedTuple):
     """Part of a page under a heading; without a title the blocks follow what stands before."""
 
     title: str
-    blocks: Sequence[Text | Table | Boxes | Items | Code | Picture | Curve | Player]
+    blocks: Sequence[Text | Table | Boxes | Items | Code | Picture | Curve | Player | Beside]
 
 
 def render(title: str, sections: Sequence[Section | None], *, tab: str = "", name: str = "") -> str:
@@ -124,7 +130,8 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
         Section(heading, [block for block in blocks if block[0] or isinstance(block, Picture)])
         for heading, blocks in filter(None, sections)
     ]
-    blocks = [block for section in full for block in section.blocks]
+    given = [block for section in full for block in section.blocks]
+    blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside) else [block])]
     players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     data = {"players": [player.header for player in players], "curves": [curve.data for curve in curves]}

@@ -7,13 +7,17 @@ const MARGIN = { left: 44, right: 2, legend: 30, caption: 50, depth: 104, axis: 
 const NARROW = 640;
 const TALLEST = 460;
 const LOWEST = 170;
+const GROWN = 330;
 const NARROWEST = 420;
 // A disc is shown at most as large, in pixels.
 const CLOSEST = 90;
 const PICKED_WITHIN = 14;
+const LONGEST = 1000;
+const FRAMES_A_SECOND = 10;
+const HALF = 0.5;
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
-  size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) },
+  size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) / p.grown },
   age: { label: "time since it came in", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
 };
 
@@ -39,6 +43,9 @@ async function startPlayer(element, index) {
     element, run, canvas, index, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }),
     deep: run.gravity.some((part) => part !== 0), // without gravity there is no depth
     time: run.times[0], playing: false, rate: 1, colour: "speed", picked: null, pointers: new Map(),
+    pace: run.unit === "s" ? 1 : FRAMES_A_SECOND * (run.times[1] - run.times[0] || 1), // steps have no duration
+    grown: run.share < HALF ? 1 / Math.sqrt(run.share) : 1, // few discs stand for the area of all
+    digits: run.unit === "s" ? 2 : 0,
     oldest: oldest(run), found: roomFor(run), depth: new Float64Array(run.bins.count), end: run.times[run.times.length - 1],
   };
   players.push(p);
@@ -55,9 +62,9 @@ function setUp(p) {
   listenToEvents(p);
   new ResizeObserver(() => layOut(p)).observe(p.element);
   darkness.addEventListener("change", () => layOut(p));
-  const thin = p.run.one_in > 1;
-  part(p, "thin").hidden = !thin;
-  if (thin) part(p, "thin").textContent = `One of ${p.run.one_in} discs is shown.`;
+  part(p, "thin").hidden = p.run.share === 1;
+  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * p.run.share)} % of them are shown` +
+    (p.grown > 1 ? ", each as large as all that it stands for." : ".");
   layOut(p);
 }
 
@@ -75,17 +82,24 @@ function layOut(p) {
   p.whole = Math.min(room / (x1 - x0), TALLEST / (y1 - y0));
   p.home = narrow ? Math.min(2 * p.whole, TALLEST / (y1 - y0)) : p.whole;
   p.wide = Math.min(room, Math.max(NARROWEST, p.whole * (x1 - x0)));
-  p.high = Math.round(Math.max(LOWEST, p.home * (y1 - y0)));
-  const below = p.deep ? MARGIN.caption + MARGIN.depth : 0;
-  p.sized = { width, height: MARGIN.legend + p.high + below + MARGIN.axis };
   p.dots = Math.min(3, Math.max(1, window.devicePixelRatio || 1));
-  p.canvas.width = Math.round(width * p.dots);
-  p.canvas.height = Math.round(p.sized.height * p.dots);
-  p.canvas.style.height = p.sized.height + "px";
-  p.painter = new Painter(Math.round(p.wide * p.dots), Math.round(p.high * p.dots));
+  p.sized = { width, height: 0 };
   takeColours(p);
   if (!p.view || p.view.untouched) showHome(p);
   else moveView(p, 0, 0);
+}
+
+// A closer view of a long channel gets more height.
+function fitHeight(p) {
+  const [low, high] = p.run.seen[1], least = Math.max(LOWEST, p.home * (high - low));
+  p.high = Math.round(Math.min(Math.max(least, p.view.scale * (high - low)), Math.max(least, GROWN)));
+  const height = MARGIN.legend + p.high + (p.deep ? MARGIN.caption + MARGIN.depth : 0) + MARGIN.axis;
+  if (height === p.sized.height) return;
+  p.sized.height = height;
+  p.canvas.width = Math.round(p.sized.width * p.dots);
+  p.canvas.height = Math.round(height * p.dots);
+  p.canvas.style.height = height + "px";
+  p.painter = new Painter(Math.round(p.wide * p.dots), Math.round(p.high * p.dots));
 }
 
 function takeColours(p) {
@@ -123,6 +137,7 @@ function zoom(p, factor, x = p.view.x, y = p.view.y) {
 // Move what is shown by pixels, within what there is.
 function moveView(p, right, down) {
   const { view, run } = p;
+  fitHeight(p);
   view.x = within(view.x - right / view.scale, run.seen[0], p.wide / view.scale / 2);
   view.y = within(view.y + down / view.scale, run.seen[1], p.high / view.scale / 2, true);
   if (right || down) view.untouched = false;
@@ -190,8 +205,9 @@ function draw(p) {
   showPicked(p);
 }
 
+// Radius of a disc as it is drawn, m.
 function radiusOf(p, k) {
-  return p.run.radii[p.run.shade[p.found.disc[k]]];
+  return p.grown * p.run.radii[p.run.shade[p.found.disc[k]]];
 }
 
 // Lower and upper end of the colours.
@@ -449,7 +465,8 @@ function setPlaying(p, on) {
 
 function advance(p, now) {
   if (!p.playing) return;
-  if (p.last !== null) setTime(p, p.time + (now - p.last) / 1000 * p.rate);
+  const passed = p.last === null ? 0 : Math.min(now - p.last, LONGEST); // a hidden page is not drawn for a while
+  setTime(p, p.time + passed / 1000 * p.rate * p.pace);
   p.last = now;
   if (p.time >= p.end) return finish(p);
   requestAnimationFrame((next) => advance(p, next));
@@ -470,11 +487,12 @@ function step(p, frames) {
 }
 
 function showClock(p) {
-  part(p, "clock").textContent = `${p.time.toFixed(2)} / ${p.end.toFixed(2)} ${p.run.unit}`;
+  const clock = `${p.time.toFixed(p.digits)} / ${p.end.toFixed(p.digits)} ${p.run.unit}`;
+  part(p, "clock").textContent = clock;
   const bar = part(p, "time"), first = p.run.times[0];
   bar.value = p.time;
   bar.style.setProperty("--done", `${100 * (p.time - first) / (p.end - first || 1)}%`);
-  bar.setAttribute("aria-valuetext", `${p.time.toFixed(2)} ${p.run.unit}`);
+  bar.setAttribute("aria-valuetext", clock);
 }
 
 // ---- buttons and keys ----
@@ -489,13 +507,20 @@ function listenToButtons(p) {
   on("on", "click", () => step(p, 1));
   on("rate", "change", () => tell("play", { on: p.playing, rate: Number(part(p, "rate").value) }));
   on("colour", "change", () => { p.colour = part(p, "colour").value; draw(p); });
-  on("out", "click", () => zoom(p, 1 / 1.5));
-  on("in", "click", () => zoom(p, 1.5));
-  on("whole", "click", () => showWhole(p));
+  on("out", "click", () => keepingPlace(p, () => zoom(p, 1 / 1.5)));
+  on("in", "click", () => keepingPlace(p, () => zoom(p, 1.5)));
+  on("whole", "click", () => keepingPlace(p, () => showWhole(p)));
   on("save", "click", () => savePicture(p));
   part(p, "film").hidden = !filmKind(p);
   on("film", "click", () => (p.film ? p.film.stop() : saveFilm(p)));
   if (p.index === 0) document.addEventListener("keydown", (event) => key(p, event));
+}
+
+// The buttons stay under the pointer where the drawing above them changes its height.
+function keepingPlace(p, act) {
+  const before = p.sized.height;
+  act();
+  window.scrollBy(0, p.sized.height - before);
 }
 
 function listenToEvents(p) {
@@ -510,26 +535,24 @@ function listenToEvents(p) {
 function key(p, event) {
   if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("select, textarea, summary")) return;
   if (event.key === " " && event.target.closest("button")) return;
-  const shift = event.shiftKey ? 60 : 0;
+  const focused = players.filter(({ element }) => element.contains(document.activeElement));
+  const each = (act) => () => (focused.length ? focused : players).forEach(act);
+  const shift = event.shiftKey ? 60 : 0, move = (right, down) => each((one) => moveView(one, right, down));
   const acts = {
     " ": () => tell("play", { on: !p.playing }),
-    ArrowLeft: () => (shift ? touched(p, shift, 0) : step(p, -1)),
-    ArrowRight: () => (shift ? touched(p, -shift, 0) : step(p, 1)),
-    ArrowUp: shift && (() => touched(p, 0, shift)),
-    ArrowDown: shift && (() => touched(p, 0, -shift)),
+    ArrowLeft: shift ? move(shift, 0) : () => step(p, -1),
+    ArrowRight: shift ? move(-shift, 0) : () => step(p, 1),
+    ArrowUp: shift && move(0, shift),
+    ArrowDown: shift && move(0, -shift),
     Home: () => tell("seek", p.run.times[0]),
     End: () => tell("seek", p.end),
-    "+": () => zoom(p, 1.5),
-    "-": () => zoom(p, 1 / 1.5),
-    0: () => showWhole(p),
+    "+": each((one) => zoom(one, 1.5)),
+    "-": each((one) => zoom(one, 1 / 1.5)),
+    0: each(showWhole),
   };
   if (!acts[event.key]) return;
   event.preventDefault();
   acts[event.key]();
-}
-
-function touched(p, right, down) {
-  moveView(p, right, down);
 }
 
 // ---- pointer ----
@@ -557,7 +580,7 @@ function pointerMove(p, event) {
   const other = [...p.pointers].find(([id]) => id !== event.pointerId);
   p.pointers.set(event.pointerId, now);
   if (other) return pinch(p, before, now, other[1]);
-  return touched(p, now[0] - before[0], now[1] - before[1]);
+  return moveView(p, now[0] - before[0], now[1] - before[1]);
 }
 
 function pinch(p, before, now, other) {
@@ -612,7 +635,7 @@ function showPicked(p) {
   if (k < 0) return;
   const speed = Math.hypot(found.u[k], found.v[k]), place = (value) => value.toFixed(2).replace("-", "\u2212");
   tip.textContent = `disc ${p.run.ids[p.picked]}\nx ${place(found.x[k])}, y ${place(found.y[k])} m\n` +
-    `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k))} m`;
+    `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k) / p.grown)} m`;
   placeTip(p, tip, MARGIN.left + column(p, found.x[k]), MARGIN.legend + row(p, found.y[k]), radiusOf(p, k) * p.view.scale);
 }
 
@@ -629,7 +652,7 @@ function placeTip(p, tip, x, y, radius) {
 function save(p, blob, ending) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
-  link.download = `${p.run.name}_${p.time.toFixed(2)}s.${ending}`;
+  link.download = `${p.run.name}_${p.time.toFixed(p.digits)}${p.run.unit}.${ending}`;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }

@@ -18,7 +18,7 @@ from .page import Player, picture
 
 STILL = "snapshots.png"
 """Stands in for the player where there is no script."""
-TRACK = "jump_track.csv"
+TRACK, COLUMNS = "jump_track.csv", ("time", "position", "found", "mass_depth_1", "velocity_1")
 AROUND = 1.0
 """The velocity of the front at an instant is its mean over so many seconds before and after."""
 
@@ -83,21 +83,20 @@ def _sequent(flow: Flow, folder: Path, times: np.ndarray) -> list[list[float] | 
     It belongs to mass depth and velocity before the front at that instant, seen from the front. It goes from the front
     to where the bed rises or the channel ends.
     """
-    if not (flow.timed and (folder / TRACK).is_file()):
+    try:
+        track = np.genfromtxt(folder / TRACK, delimiter=",", names=True, ndmin=1)
+        when, places, found, depths, speeds = (track[name] for name in COLUMNS)
+    except (OSError, ValueError):  # no jump was looked for; or damaged: the page is whole without
         return [None] * len(times)
-    track = np.genfromtxt(folder / TRACK, delimiter=",", names=True, ndmin=1)
     lines: list[list[float] | None] = []
-    for time in times:
-        k = int(np.argmin(np.abs(track["time"] - time)))
-        near = np.abs(track["time"] - track["time"][k]) <= AROUND
-        near &= np.isfinite(track["position"])
-        depth, velocity, front = (track[name][k] for name in ("mass_depth_1", "velocity_1", "position"))
-        if not (track["found"][k] and near.sum() > 1 and depth > 0):
+    for k in (int(np.argmin(np.abs(when - time))) for time in times):
+        near = (np.abs(when - when[k]) <= AROUND) & np.isfinite(places)
+        if not (flow.timed and found[k] and near.sum() > 1 and depths[k] > 0):
             lines.append(None)
             continue
-        seen_from = velocity - np.polyfit(track["time"][near], track["position"][near], 1)[0]
-        sequent = sequent_depth(abs(seen_from), depth, flow.g)
-        lines.append([float(front), _level_until(flow, front, np.sign(seen_from)), float(sequent)])
+        seen_from = speeds[k] - np.polyfit(when[near], places[near], 1)[0]
+        sequent = sequent_depth(abs(seen_from), depths[k], flow.g)
+        lines.append([float(places[k]), _level_until(flow, places[k], seen_from), float(sequent)])
     return lines
 
 

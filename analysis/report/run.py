@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Report of a run: its summary, figures and film in one page below 5 MB."""
+"""Report of a run: its summary, player, curves, figures and film in one page."""
 
 from __future__ import annotations
 
@@ -11,18 +11,21 @@ from shlex import quote
 from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES, write_text
+from lammps_jump.files import CURVES, FIGURES, read_json, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
 from .definitions import DEFINITIONS
 from .headline import headline, verdict
 from .key_numbers import key_numbers
-from .page import Boxes, Code, Items, Picture, Player, Section, Table, Text, heading, picture, render
+from .page import Boxes, Code, Curve, Items, Picture, Player, Section, Table, Text, heading, picture, render
 from .player import STILL
 
 LARGEST = 5_000_000
-"""Bytes of a report; figures come first, the film only where it still fits."""
+"""Bytes of a report without its player; figures come first, the film only where it still fits."""
+
+LINKED = ("jump_track.png", "front.png", "forces.png", "energy.png")
+"""Curves over time that stand below the player and show its time."""
 
 REPEAT = """\
 lammps-jump build-and-run case.yaml --out again
@@ -81,9 +84,10 @@ def write_report(
         _how(summary),
     ]
     room = LARGEST - len(render(title, [*before, *after, *last], **about).encode(errors="replace"))
-    before += [Section("", [player])] if player else []
-    path = Path(folder) / name
-    page = render(title, [*before, *after, _figures(Path(folder), room, player), *last], **about)
+    path, drawn = Path(folder) / name, curves(Path(folder))
+    if player:
+        before.append(Section("", [player, *(drawn.pop(name) for name in LINKED if name in drawn)]))
+    page = render(title, [*before, *after, _figures(Path(folder), room, player, drawn), *last], **about)
     try:
         write_text(path, page)
     except OSError as error:
@@ -104,9 +108,19 @@ def _lead(summary: Mapping) -> list[Text | Boxes]:
     return [*said, Boxes(numbers), Text(sure, "small")]
 
 
-def _figures(folder: Path, room: int, player: Player | None) -> Section:
-    """The film, then figures in a fixed order, as long as there is room; the film gives way to the figures."""
-    found = {path.name: path for path in sorted((folder / "figures").glob("*.png"))}
+def curves(folder: Path) -> dict[str, Curve]:
+    """What the page draws of a run folder, by the name of the figure's file, in the order of `FIGURES`."""
+    try:
+        found = read_json(folder / CURVES)
+        return {name: Curve(text, found[Path(name).stem]) for name, text in FIGURES.items() if Path(name).stem in found}
+    except (OSError, ValueError, TypeError):
+        return {}  # of a version before, or damaged: the page is whole without
+
+
+def _figures(folder: Path, room: int, player: Player | None, drawn: Mapping[str, Curve]) -> Section:
+    """The film, curves and pictures in a fixed order, as long as there is room; the film gives way to the pictures."""
+    known = {*drawn, *(LINKED if player else ())}
+    found = {path.name: path for path in sorted((folder / "figures").glob("*.png")) if path.name not in known}
     if player and player.still:
         del found[STILL]
     order = [name for name in FIGURES if name in found] + [name for name in found if name not in FIGURES]
@@ -122,7 +136,7 @@ def _figures(folder: Path, room: int, player: Player | None) -> Section:
         room -= len(block.source) + 200
         shown.insert(0 if path in films else len(shown), block)
     tail = f"Too large for this page, beside it in the run folder: {', '.join(left_out)}." if left_out else ""
-    return Section("Figures", [*shown, Text(tail)])
+    return Section("Figures", [*drawn.values(), *shown, Text(tail)])
 
 
 def _command(summary: Mapping) -> list[Text | Code]:

@@ -42,8 +42,9 @@ class ReadCase(PlacedFields):
 
     @cached_property
     def core(self) -> dict[str, Any]:
-        """Plain data of what decides the run: all but name, description and analysis."""
-        return {key: value for key, value in _plain_data(self.fields).items() if key not in NOT_OF_THE_RUN}
+        """Plain data of what decides the run: all but name, description, analysis and how often it is saved."""
+        data = {key: value for key, value in _plain_data(self.fields).items() if key not in NOT_OF_THE_RUN}
+        return {**data, "run": {key: value for key, value in data["run"].items() if key != "checkpoint_interval"}}
 
     @cached_property
     def rest(self) -> dict[str, Any]:

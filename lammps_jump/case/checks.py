@@ -57,7 +57,7 @@ def check_size(
     if frames > MOST_FRAMES:
         raise source.error(
             "run.output_interval",
-            f"{case.run.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
+            f"{case.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
         )
     discs = sum(disc_count(item, case.discs.diameter, sizes) for item in case.initial)
     if discs > MOST_DISCS:
@@ -199,9 +199,10 @@ def adapted(case: CaseFields, scene: Scene, settle: float) -> tuple[str, ...]:
     dt = scene.time_step
     asked = {
         "run.duration": (case.run.duration, scene.time(scene.steps)),
-        "run.output_interval": (min(case.run.output_interval, case.run.duration), scene.output_steps * dt),
         "settle": (settle, scene.settle_steps * dt),
     }
+    if case.run.output_interval is not None:
+        asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
     if case.probes.forces:
         asked["probes.interval"] = case.probes.interval, scene.probe_steps * dt
     if not isinstance(case.inflow, RowsInflow):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
@@ -278,12 +279,22 @@ class Outflow(Strict):
         return self
 
 
+FILM_INTERVAL = 0.4
+"""Time between frames over sqrt(d/g): discs drawn between them by cubics are 0.01 d off, a few overlap (measured)."""
+MOST_FILMED = 400
+"""Frames of a run whose case asks for no interval: the report holds them."""
+STILL_INTERVAL = 0.1
+"""Time between frames without gravity, s."""
+
+
 class Run(Strict):
     """Duration, time step and output."""
 
     duration: Second = Field(**TIME)
     time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
-    output_interval: Second = Field(default=0.1, **TIME)
+    output_interval: Second | None = Field(
+        default=None, **TIME, description="default 0.4 sqrt(d/g), at most 400 frames"
+    )
     seed: Whole = Field(
         default=1,
         ge=0,
@@ -293,9 +304,11 @@ class Run(Strict):
     accuracy: Annotated[float, BeforeValidator(parse_accuracy)] | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )
+    members: Whole | None = Field(default=None, ge=1, le=1000, description="starts, of seeds 1 to this number")
     stop_when_steady: bool = False
     allow_unstable: bool = False
     integrator: Literal["auto", "velocity_verlet", "leapfrog_extrapolated"] = "auto"
+    checkpoint_interval: Second = Field(default=60.0, **TIME, description="wall time between checkpoints")
     dump_format: Literal["text", "gz", "binary"] = "text"
 
 
@@ -325,7 +338,7 @@ class Analysis(Strict):
     front: bool = False
     fields: bool = False
     animation: bool = False
-    figures: Literal["default", "none"] = Field(default="default", description="none: no pictures and no report")
+    figures: Literal["default", "all", "none"] = Field(default="default", description="none: no pictures and no report")
 
 
 class Engine(Strict):
@@ -364,6 +377,14 @@ class CaseFields(Strict):
     probes: Probes = Probes()
     analysis: Analysis = Analysis()
     engine: Engine = Engine()
+
+    @property
+    def output_interval(self) -> float:
+        """Time between frames, s; where none is asked for, close enough for a film, or `STILL_INTERVAL`."""
+        asked = self.run.output_interval
+        if asked is not None or not self.gravity:
+            return asked or STILL_INTERVAL
+        return max(FILM_INTERVAL * sqrt(self.discs.diameter / self.gravity), self.run.duration / MOST_FILMED)
 
     @field_validator("gravity")
     @classmethod

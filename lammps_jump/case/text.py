@@ -218,8 +218,10 @@ def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loa
     try:
         return constructor.construct_object(node)
     except (yaml.YAMLError, ValueError, LookupError, AttributeError) as error:  # the last two for tags such as !!bool
+        problem = getattr(error, "problem", None) or error
         raise CaseError(
-            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read ({error})"
+            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read ({problem}); write a "
+            "number, a text or a list"
         ) from None
 
 

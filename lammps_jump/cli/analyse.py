@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands that look at a run or a dump: analyze, animate, export."""
+"""Commands that look at a run or a dump: analyze, show, compare, animate, figures, export."""
 
 from __future__ import annotations
 
+import os
+import webbrowser
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -92,6 +94,42 @@ def animate(
     """Write a film of a run: discs coloured by speed, forces on structures, time."""
     with told(quiet=False):
         print(runs.results.animate(folder, out, fps))
+
+
+@app.command()
+def show(folder: Annotated[Path, typer.Argument(help="Run folder.", show_default=False)]) -> None:
+    """Open the report of a run in the browser; prints its path."""
+    path = folder / "report.html"
+    if not path.is_file():
+        raise CaseError(f"{path}: there is no report; `lammps-jump analyze {folder}` makes the one of a run")
+    _open(path)
+
+
+@app.command()
+def compare(
+    first: Annotated[Path, typer.Argument(help="Run folder.", show_default=False)],
+    second: Annotated[Path, typer.Argument(help="Another one.", show_default=False)],
+    out: Annotated[Path | None, place("Page to write (default: <first>_and_<second>.html).")] = None,
+) -> None:
+    """Write a page of two runs side by side, with one time for both, and open it in the browser."""
+    left, right = lj.open_run(first), lj.open_run(second)
+    path = out or Path(f"{first.absolute().name}_and_{second.absolute().name}.html")
+    with told(quiet=False):
+        _open(left.compare(right, path))
+
+
+def _open(path: Path) -> None:
+    """Print the path of a page, and open it where there is a display."""
+    print(path)
+    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        webbrowser.open(path.absolute().as_uri())
+
+
+@app.command()
+def figures(folder: Annotated[Path, typer.Argument(help="Run folder.", show_default=False)]) -> None:
+    """Draw every figure of a run as a PNG file; prints their names."""
+    for path in lj.open_run(folder).figures():
+        print(path)
 
 
 @app.command()

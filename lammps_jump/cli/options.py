@@ -83,6 +83,7 @@ Force = Annotated[bool, typer.Option("--force", help="Delete the run that the fo
 Jobs = Annotated[
     int | None, typer.Option("--jobs", min=1, help="Runs at once (default: one for each core that may be used).")
 ]
+Members = Annotated[str | None, typer.Option(help="Starts of each point: 4, or the seeds 9-16.")]
 Until = Annotated[
     list[str] | None,
     typer.Option(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How far a run has come, on the screen: simulated time, discs in play, speed, time left."""
+"""How far a run has come, on the screen: simulated time, discs in play, speed, time left; then its analysis."""
 
 from __future__ import annotations
 
@@ -53,14 +53,19 @@ class ProgressLine:
         self.live = self.stream.isatty()
         self.begin = self.shown = clock()
         self.first_step = self.step = first_step
+        self.doing = ""
         self._bar: rich.progress.Progress | None = None
 
     def __call__(self, report: Progress) -> None:
         """Show one report."""
         if self.first_step is None or self.step is None:
             self.first_step = self.step = report.step
-        seconds = self._time_to_show()
+        news, self.doing = report.doing != self.doing, report.doing
+        seconds = self._time_to_show(at_once=news and self.live)
         if not seconds:
+            return
+        if report.doing:
+            self._show(1.0, f"t = {report.time:.3f} of {self.end_time:g} s  {report.doing}")
             return
         rate = (report.step - self.step) * report.discs / seconds
         self.step = report.step
@@ -73,10 +78,10 @@ class ProgressLine:
             f"{rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left",
         )
 
-    def _time_to_show(self) -> float:
+    def _time_to_show(self, *, at_once: bool = False) -> float:
         """Seconds since the last picture or line; 0 where it is too early for another."""
         seconds = self.clock() - self.shown
-        if self.quiet or seconds < (LIVE_INTERVAL if self.live else PLAIN_INTERVAL):
+        if self.quiet or (seconds < (LIVE_INTERVAL if self.live else PLAIN_INTERVAL) and not at_once):
             return 0.0
         self.shown += seconds
         return seconds

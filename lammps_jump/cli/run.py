@@ -17,8 +17,25 @@ from lammps_jump.errors import CaseError, RunError
 from lammps_jump.script import job as job_file
 from lammps_jump.script.stock import lacking
 
-from .options import Accuracy, CaseFile, EngineName, Force, Kernel, Out, Quiet, Ranks, Resume, Sets, assignments, told
+from .options import (
+    Accuracy,
+    CaseFile,
+    EngineName,
+    Force,
+    Jobs,
+    Kernel,
+    Members,
+    Out,
+    Quiet,
+    Ranks,
+    Resume,
+    Sets,
+    Until,
+    assignments,
+    told,
+)
 from .progress import ProgressLine
+from .studies import run_sweep, study_fields
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -37,11 +54,20 @@ def build_and_run(
     live: Annotated[
         bool, typer.Option("--live", help="Draw the run while it goes on, in a window and in live.png.")
     ] = False,
+    members: Members = None,
+    until: Until = None,
+    jobs: Jobs = None,
     quiet: Quiet = False,
 ) -> None:
-    """Check a case, write its script, run it, analyse it and write the report."""
+    """Check a case, write its script, run it, analyse it and write the report; several starts of it with --members."""
     loaded = lj.load_case(case, assignments(set_, engine=engine, kernel=kernel, ranks=ranks, accuracy=accuracy))
-    _run(loaded, out or runs.folder.default_folder(loaded), quiet=quiet, live=live, force=force, resume=resume)
+    if members is not None or until or loaded.fields.run.members:
+        for option, given in (("--live", live), ("--force", force), ("--resume", resume)):
+            if given:
+                raise CaseError(f"{option}: is for one run; members go on by the same command, so leave it out")
+        place = out or Path(f"{runs.folder.default_folder(loaded)},members")
+        return run_sweep(loaded, place, jobs=jobs, quiet=quiet, **study_fields(members=members, until=until))
+    return _run(loaded, out or runs.folder.default_folder(loaded), quiet=quiet, live=live, force=force, resume=resume)
 
 
 @app.command()

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,8 +12,8 @@ import lammps_jump as lj
 import lammps_jump.studies as studies
 import lammps_jump.sweeps as sweeps
 
-from .options import CaseFile, Fresh, Jobs, Quiet, QuietStudy, Sets, Until, place, sayer, told
-from .progress import ProgressLine, StudyLine
+from .options import CaseFile, Fresh, Jobs, Members, Quiet, QuietStudy, Sets, Until, place, sayer, told
+from .progress import StudyLine
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -26,7 +25,7 @@ def sweep(
         list[str] | None,
         typer.Option("--axis", metavar="PATH=VALUES", help="Values of a field, 0,0.05,0.1. May be repeated."),
     ] = None,
-    members: Annotated[str | None, typer.Option(help="Starts of each point: 4, or the seeds 9-16.")] = None,
+    members: Members = None,
     collect: Annotated[
         str | None, typer.Option(help="Numbers of summary.json with commas between, such as jump.y2,jump.speed.")
     ] = None,
@@ -48,11 +47,8 @@ def sweep(
     """Run a case at many points, several starts each; table, figures and page. Continues where it stopped."""
     if member is not None:
         return sweeps.run_one(out or study, member)
-    given: dict[str, Any] = {"axes": dict(map(sweeps.parse_axis, axis or ())), "members": members}
-    given |= {"collect": [word.strip() for word in (collect or "").split(",") if word.strip()]}
-    given |= {"set": dict(map(sweeps.parse_set, set_ or ())), "until": dict(map(sweeps.parse_until, until or ()))}
-    given |= {"most_members": most_members}
-    given = {name: value for name, value in given.items() if value}
+    given = study_fields(members=members, until=until, axis=axis, collect=collect, set_=set_)
+    given |= {"most_members": most_members} if most_members else {}
     if not (status or table):
         return run_sweep(study, out, jobs=jobs, retry=retry, quiet=quiet, **given)
     read = sweeps.read_study(study, **given)
@@ -64,8 +60,23 @@ def sweep(
     return None
 
 
+def study_fields(
+    *,
+    members: str | None,
+    until: list[str] | None,
+    axis: list[str] | None = None,
+    collect: str | None = None,
+    set_: list[str] | None = None,
+) -> dict[str, Any]:
+    """Fields of a study that the words of the command line give."""
+    given: dict[str, Any] = {"axes": dict(map(sweeps.parse_axis, axis or ())), "members": members}
+    given |= {"collect": [word.strip() for word in (collect or "").split(",") if word.strip()]}
+    given |= {"set": dict(map(sweeps.parse_set, set_ or ())), "until": dict(map(sweeps.parse_until, until or ()))}
+    return {name: value for name, value in given.items() if value}
+
+
 def run_sweep(
-    study: Path | lj.Case, out: Path | None, *, jobs: int | None, retry: bool, quiet: bool, **given: Any
+    study: Path | lj.Case, out: Path | None, *, jobs: int | None, quiet: bool, retry: bool = False, **given: Any
 ) -> None:
     """Run a study with a line of progress, and print its table; exit status 1 where a member failed."""
     line = StudyLine(quiet=quiet)
@@ -101,7 +112,6 @@ def cross_validate(
         members=members,
         kernel=kernel,
         quick=quick,
-        line=partial(ProgressLine, quiet=quiet),
         say=sayer(quiet),
     )
     if not quiet or not report["passed"]:
@@ -133,6 +143,9 @@ def bench(
     speed: Annotated[
         bool, typer.Option("--speed", help="Compare the speed of kernels and skins with stock, on the developed flow.")
     ] = False,
+    overhead: Annotated[
+        bool, typer.Option("--overhead", help="Time the whole command around its engine, by phase.")
+    ] = False,
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
     diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
     fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
@@ -142,7 +155,8 @@ def bench(
     quiet: QuietStudy = False,
 ) -> None:
     """Measure run time against error for steps, kernels, contacts and stiffnesses. Continues where it stopped."""
-    part = next((name for name, wanted in (("cells", cells), ("skips", skips), ("speed", speed)) if wanted), "bench")
+    parts = {"cells": cells, "skips": skips, "speed": speed, "overhead": overhead}
+    part = next((name for name, wanted in parts.items() if wanted), "bench")
     varied = studies.bench.read_axes(axes, fractions, kernels, diameters, members)
     if table and part == "bench":
         return studies.table.show(studies.bench.stored_table(case, out))

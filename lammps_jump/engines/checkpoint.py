@@ -1,38 +1,58 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What an interrupted run leaves so that it can go on: ``checkpoint.json`` beside the engine's own file of its state.
+"""What a run leaves so that it can go on, whatever ends it: ``checkpoint.json`` beside the engine's files of its state.
 
-The engine's file is LAMMPS' binary restart file or an npz file of the native engine; its name holds the step, and
-``checkpoint.json``, which names it, is put in its place last and in one move: whenever a run is killed there is a whole
-checkpoint, the old or the new one. It also holds the lengths of the files that the next part appends to, so that what
-a killed part has appended is cut off before the next one.
+The state is LAMMPS' restart file with the velocities of the half step, or an npz file of the native engine; names hold
+the step. ``checkpoint.json`` names them and every file that a next part appends to, each with its size and SHA-256. It
+is put in its place last and in one move, and the one before stays as ``checkpoint_previous.json``. So there is a whole
+checkpoint whenever a run is killed. What a killed part has appended behind it is cut off before the next part.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
+import logging
 import os
 import re
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+import shutil
+import time
+import zlib
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field, FiniteFloat, NonNegativeInt, TypeAdapter, ValidationError
+from pydantic import Field, FiniteFloat, NonNegativeInt, StringConstraints, TypeAdapter, ValidationError
 
 from lammps_jump.errors import ResumeError
-from lammps_jump.files import DUMP_NAMES, MOST_JSON, make_own, read_file, write_json
+from lammps_jump.files import BINARY_PART, DUMP_NAMES, MOST_JSON, flush, make_own, plain, read_file, write_json
 from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
 from .result import RunResult
 
+log = logging.getLogger(__name__)
 CHECKPOINT_FILE = "checkpoint.json"
+PREVIOUS_FILE = "checkpoint_previous.json"
 ANEW = "the same command with --force in place of --resume starts a new run"
 """What to do where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
 STATE_NAME = re.compile(r"checkpoint-([0-9]+)\.(?:npz|restart)")
-APPENDED = ("log.lammps", "forces.csv", *DUMP_NAMES.values())
-"""Files that a next part may append to."""
+APPENDED = re.compile("|".join(map(re.escape, ("log.lammps", "forces.csv", BINARY_PART, *DUMP_NAMES.values()))))
+RAW_FORCES = re.compile(r"forces_\w+\.raw", re.ASCII)
+"""With `APPENDED`, names of the files that a next part may append to."""
+SHARE = 0.01
+"""Part of a run's time that checkpoints may take; they come more rarely where they take longer."""
+CHUNK = 1 << 20
+
+
+@dataclass(frozen=True)
+class Sum:
+    """Size of a file in bytes, and its SHA-256 up to there."""
+
+    size: NonNegativeInt
+    sha256: Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 
 
 @dataclass(frozen=True)
@@ -45,10 +65,10 @@ class Checkpoint:
         `lammps_jump.provenance.fingerprint` of the scene that ran.
     step, time : int, float
         Step of the state, and its simulated time (s).
-    state : str
-        The engine's file.
-    sizes : dict of int
-        Bytes of the files (dump, log) that the next part appends to.
+    state : dict of Sum
+        The engine's files.
+    outputs : dict of Sum
+        Files that the next part appends to: dump, log, force record.
     removed : tuple of int
         Discs that each outlet has taken.
     result : RunResult
@@ -58,87 +78,281 @@ class Checkpoint:
     scene: str
     step: Annotated[int, Field(gt=0)]
     time: FiniteFloat
-    state: str
-    sizes: dict[str, NonNegativeInt]
+    state: dict[str, Sum]
+    outputs: dict[str, Sum]
     removed: tuple[NonNegativeInt, ...]
     result: RunResult
 
 
-def write_checkpoint(
-    scene: Scene, folder: Path, state: str, files: Iterable[str], result: RunResult, removed: tuple[int, ...] = ()
-) -> None:
-    """Put ``checkpoint.json`` into its place, then delete the states of earlier ones; see `Checkpoint`.
+class Pace:
+    """When the next checkpoint of a run is due.
 
     Parameters
     ----------
-    files : iterable of str
-        Files that the next part appends to, where they exist.
+    interval : float
+        Wall time from one to the next, s; it grows where a checkpoint takes over `SHARE` of it.
+    clock : callable
+        Seconds from any origin.
     """
-    sizes = {name: (folder / name).stat().st_size for name in files if (folder / name).exists()}
-    step = result.steps
-    checkpoint = Checkpoint(fingerprint(scene), step, scene.time(step), state, sizes, removed, result)
-    write_json(folder / CHECKPOINT_FILE, asdict(checkpoint))
-    for pattern in STATE_FILES:
-        for path in folder.glob(pattern):
-            if path.name != state:
+
+    def __init__(self, interval: float, clock: Callable[[], float] = time.monotonic):
+        self.interval, self.clock = interval, clock
+        self._next = clock() + interval
+
+    def due(self) -> bool:
+        """Whether it is time for a checkpoint."""
+        return self.clock() >= self._next
+
+    def wait(self, spent: float) -> None:
+        """Begin a new interval, after a checkpoint that took so many seconds."""
+        self._next = self.clock() + max(self.interval, spent / SHARE)
+
+
+class CheckpointWriter:
+    """Writes the checkpoints of a part of a run, one in the place of the other.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+    outputs : iterable of str
+        Files that the next part appends to, where they exist. What they have grown by is read once.
+    """
+
+    def __init__(self, scene: Scene, folder: Path, outputs: Iterable[str]):
+        self.scene, self.folder = scene, folder
+        self._outputs = {name: _Growing(folder / name) for name in outputs}
+
+    def write(self, state: Iterable[str], result: RunResult, removed: tuple[int, ...] = ()) -> None:
+        """Bring outputs and state to the disk, then put ``checkpoint.json`` in its place, then delete older states.
+
+        Parameters
+        ----------
+        state : iterable of str
+            Files that the engine has written; their step is that of `result`.
+        """
+        folder = self.folder
+        outputs = {name: growing.sum() for name, growing in self._outputs.items() if growing.path.exists()}
+        states = {name: _Growing(folder / name).sum() for name in state}
+        step = result.steps
+        found = Checkpoint(fingerprint(self.scene), step, self.scene.time(step), states, outputs, removed, result)
+        put_checkpoint(folder, found)
+        kept = {*states, *_named(folder / PREVIOUS_FILE)}
+        for path in _states(folder):
+            if path.name not in kept:
                 path.unlink()
 
 
+def put_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
+    """Put ``checkpoint.json`` in its place; what stands there becomes the previous one."""
+    path, kept = folder / CHECKPOINT_FILE, folder / f".{PREVIOUS_FILE}.new"
+    if path.exists():  # one of the two names always stands
+        kept.unlink(missing_ok=True)
+        os.link(path, kept)
+        os.replace(kept, folder / PREVIOUS_FILE)
+    content = plain(asdict(checkpoint))
+    write_json(path, {**content, "sum": sum_of(content)})
+
+
+class _Growing:
+    """Checksum of a file that grows: a byte is read once."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        self._hash = hashlib.sha256()
+        self._size = 0
+
+    def sum(self) -> Sum:
+        """Bring the file to the disk; its size and checksum."""
+        flush(self.path)
+        with self.path.open("rb") as file:
+            file.seek(self._size)
+            while chunk := file.read(CHUNK):
+                self._hash.update(chunk)
+                self._size += len(chunk)
+        return Sum(self._size, self._hash.hexdigest())
+
+
+def sum_of(content: dict[str, Any]) -> str:
+    """SHA-256 of the other fields of ``checkpoint.json``."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _states(folder: Path) -> list[Path]:
+    return [path for pattern in STATE_FILES for path in folder.glob(pattern)]
+
+
+def _named(path: Path) -> set[str]:
+    """Names of the states in a checkpoint's file; empty where it cannot be read."""
+    try:
+        return set(_checked(read_file(path, MOST_JSON)).state)
+    except (OSError, ValueError):
+        return set()
+
+
+def has_checkpoint(folder: Path) -> bool:
+    """Whether there is a checkpoint in a folder, sound or not."""
+    return any(os.path.lexists(folder / name) for name in (CHECKPOINT_FILE, PREVIOUS_FILE))
+
+
+def last_saved(folder: Path) -> float | None:
+    """Simulated time of the newest checkpoint, s; None where there is none that can be read."""
+    found = _newest(folder)
+    return found.time if found else None
+
+
+def _newest(folder: Path) -> Checkpoint | None:
+    """The newest checkpoint that can be read; its files are not looked at."""
+    for name in (CHECKPOINT_FILE, PREVIOUS_FILE):
+        try:
+            return _checked(read_file(folder / name, MOST_JSON))
+        except (OSError, ValueError):
+            continue
+    return None
+
+
 def read_checkpoint(folder: Path) -> Checkpoint | None:
-    """The checkpoint of a run folder, None where there is none.
+    """The checkpoint of a run folder, None where there is none; the one before where the newest is damaged.
 
     Raises
     ------
     ResumeError
-        Where it cannot be read or holds what no run writes, or what it names is gone or shorter than it was.
+        None of them is whole: it cannot be read or holds what no run writes, or a file that it names is gone, shorter
+        than it was, or another one.
     """
-    path = folder / CHECKPOINT_FILE
-    if not path.exists():
-        return None
+    troubles = []
+    for name in (CHECKPOINT_FILE, PREVIOUS_FILE):
+        if not os.path.lexists(folder / name):
+            continue
+        try:
+            found = _read(folder / name)
+        except ResumeError as error:
+            troubles.append(str(error))
+            continue
+        if troubles:
+            log.info(f"note: {troubles[0].removesuffix(f'; {ANEW}')}; the checkpoint before it is used")
+        return found
+    if troubles:
+        raise ResumeError(troubles[0])
+    return None
+
+
+def _read(path: Path) -> Checkpoint:
+    """A checkpoint whose files are as it says."""
     try:
-        checkpoint = _checked(read_file(path, MOST_JSON))
+        found = _checked(read_file(path, MOST_JSON))
     except (OSError, ValueError) as error:
         raise ResumeError(f"{path}: cannot be read ({error}); {ANEW}") from None
-    for name, size in {checkpoint.state: 1, **checkpoint.sizes}.items():
-        if (folder / name).is_symlink():
-            raise ResumeError(f"{folder / name}: is a link; a run goes on only with files in its own folder")
-        found = (folder / name).stat().st_size if (folder / name).exists() else 0
-        if found < size:
+    for name, entry in {**found.state, **found.outputs}.items():
+        place = path.parent / name
+        if place.is_symlink():
+            raise ResumeError(f"{place}: is a link; a run goes on only with files in its own folder")
+        size = place.stat().st_size if place.exists() else 0
+        if size < entry.size or not place.is_file():
             raise ResumeError(
-                f"{folder / name}: {found} bytes, {size} or more were there when the run was interrupted; without "
+                f"{place}: {size} bytes, {entry.size} or more were there when the run was interrupted; without "
                 f"them it cannot go on; {ANEW}"
             )
-    return checkpoint
+        if _sum_up_to(place, entry.size) != entry.sha256:
+            raise ResumeError(f"{place}: is not what the run had written (its SHA-256 differs); {ANEW}")
+    return found
+
+
+def _sum_up_to(path: Path, size: int) -> str:
+    found = hashlib.sha256()
+    with path.open("rb") as file:
+        while size and (chunk := file.read(min(CHUNK, size))):
+            found.update(chunk)
+            size -= len(chunk)
+    return found.hexdigest()
 
 
 def _checked(text: bytes) -> Checkpoint:
     """The checkpoint in a file; ValueError where a value is none that a run writes: names become paths and commands."""
     try:
-        found = TypeAdapter(Checkpoint).validate_json(text, strict=True)
+        content = json.loads(text)
+        if not isinstance(content, dict):
+            raise ValueError("it holds no checkpoint")
+        told = content.pop("sum", None)
+        found = TypeAdapter(Checkpoint).validate_json(json.dumps(content), strict=True)
+    except RecursionError:
+        raise ValueError("brackets inside brackets, too deep to be read") from None
     except ValidationError as error:
         first = error.errors()[0]
         raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".lstrip(": ")) from None
-    named = STATE_NAME.fullmatch(found.state)
-    if named is None or int(named[1]) != found.step or found.result.steps != found.step:
-        raise ValueError(f"state: {found.state!r} is not the state of step {found.step}")
+    engine_files = [".npz"] if found.result.engine == "native" else [".npz", ".restart"]
+    if sorted(Path(name).suffix for name in found.state) != engine_files or found.result.steps != found.step:
+        raise ValueError(f"state: it is not that of step {found.step}")
+    for name in found.state:
+        named = STATE_NAME.fullmatch(name)
+        if named is None or int(named[1]) != found.step:
+            raise ValueError(f"state: {name!r} is not the state of step {found.step}")
     if found.result.kernel not in ("stock", "compiled", "numba"):
         raise ValueError(f"result.kernel: {found.result.kernel!r} is not known")
-    for name in found.sizes:
-        if name not in APPENDED:
-            raise ValueError(f"sizes: {name!r} is no file that a run appends to")
+    for name in found.outputs:
+        if not (APPENDED.fullmatch(name) or RAW_FORCES.fullmatch(name)):
+            raise ValueError(f"outputs: {name!r} is no file that a run appends to")
+    if told != sum_of(content):
+        raise ValueError("its SHA-256 is not that of its content")
     return found
 
 
 def remove_checkpoint(folder: Path) -> None:
-    """Delete a checkpoint, the file that makes it one first."""
-    (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
-    for pattern in STATE_FILES:
-        for path in folder.glob(pattern):
-            path.unlink()
+    """Delete the checkpoints, the files that make them some first, and the force records of LAMMPS that they name."""
+    for name in (CHECKPOINT_FILE, PREVIOUS_FILE):
+        (folder / name).unlink(missing_ok=True)
+    for path in [*_states(folder), *folder.glob("forces_*.raw")]:
+        path.unlink()
+
+
+def join_part(folder: Path) -> None:
+    """Put the binary dump of a part that went on behind that of the part before; the checkpoint then names it so.
+
+    The file of the part is deleted last: a process that ends before begins again by `cut_back`.
+    """
+    part, whole = folder / BINARY_PART, folder / DUMP_NAMES["binary"]
+    if not part.exists():
+        return
+    with part.open("rb") as source, whole.open("ab") as target:
+        shutil.copyfileobj(source, target)
+    flush(whole)
+    found = _newest(folder)
+    if found is not None and BINARY_PART in found.outputs:
+        outputs = dict(found.outputs)
+        size = outputs[whole.name].size + outputs.pop(BINARY_PART).size
+        outputs[whole.name] = Sum(size, _sum_up_to(whole, size))
+        put_checkpoint(folder, replace(found, outputs=outputs))
+        (folder / PREVIOUS_FILE).unlink()  # it names the part
+    part.unlink()
 
 
 def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
-    """Cut off what a part that was killed has appended since the checkpoint."""
-    for name, size in checkpoint.sizes.items():
+    """Cut off, or delete, what a part that was killed has written since the checkpoint."""
+    for name, entry in checkpoint.outputs.items():
         make_own(folder / name)
-        os.truncate(folder / name, size)
+        os.truncate(folder / name, entry.size)
+        if name == DUMP_NAMES["gz"]:
+            _end_gzip(folder / name)
+    for path in folder.iterdir():
+        later = (APPENDED.fullmatch(path.name) or RAW_FORCES.fullmatch(path.name)) and path.name != "forces.csv"
+        if later and path.name not in checkpoint.outputs:
+            path.unlink()
+
+
+def _end_gzip(path: Path) -> None:
+    """End the last stream of a gzip file that was cut off between two blocks: what is appended begins another one.
+
+    Of RFC 1951 and 1952: an empty last block, the CRC-32 of the data, its length.
+    """
+    stream, check, length, begun = zlib.decompressobj(31), 0, 0, False
+    with path.open("rb") as file:
+        while chunk := file.read(CHUNK):
+            while chunk:
+                if stream.eof:
+                    stream, check, length = zlib.decompressobj(31), 0, 0
+                data = stream.decompress(chunk)
+                check, length, begun = zlib.crc32(data, check), length + len(data), True
+                chunk = stream.unused_data
+    if begun and not stream.eof:
+        with path.open("ab") as file:
+            file.write(b"\x03\x00" + check.to_bytes(4, "little") + (length % 2**32).to_bytes(4, "little"))

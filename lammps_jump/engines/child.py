@@ -229,7 +229,8 @@ def child_for(job: Job) -> Iterator[Child]:
 
 
 @atexit.register
-def _close_all() -> None:
+def close_idle() -> None:
+    """End the processes that have no job."""
     for children in _idle.values():
         while children:
             children.pop().close()

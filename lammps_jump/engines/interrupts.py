@@ -86,8 +86,8 @@ def held_back(numbers: Iterable[int]) -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-class StopRequest:
-    """Whether the parent has asked this process to end its run in order."""
+class Request:
+    """Whether an engine was asked for something."""
 
     def __init__(self) -> None:
         self._made = threading.Event()
@@ -124,5 +124,5 @@ class StopRequest:
             self._act = None
 
 
-stop_request = StopRequest()
-"""Of this process: an engine's worker makes it when the parent asks."""
+stop_request, save_request = Request(), Request()
+"""Of this process: to end the run in order, as its parent asked; to write a checkpoint."""

@@ -17,7 +17,7 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import write_script
 from lammps_jump.script.resume import write_continuation
 
-from .checkpoint import Checkpoint
+from .checkpoint import Checkpoint, last_saved
 from .child import Child, child_for, prepare_worker
 from .interrupts import handled_by
 from .lammps.drive import make_ready
@@ -103,7 +103,9 @@ def _write_inputs(job: Job) -> None:
     if resume is None:
         path = write_script(scene, job.folder, **options)
     else:
+        present, removed = resume.result.present, resume.result.removed
         checkpoint = {"step": resume.step, "removed": resume.removed}
+        checkpoint["poured"] = present + removed - len(scene.positions)
         (job.folder / "in.resume.lammps").unlink(missing_ok=True)  # it may have other names
         path = write_continuation(scene, job.folder, **checkpoint, **options)
     if setting.script is not None:
@@ -113,12 +115,14 @@ def _write_inputs(job: Job) -> None:
 
 def _without_result(job: Job, child: Child) -> RunResult:
     """The result of a run whose process was killed, or ended by itself."""
-    said = [line for line in child.output if "ERROR" in line] or child.output[-3:]
-    log = read_log(job.folder / "log.lammps").error
+    blamed = [line for line in child.output if "ERROR" in line]
+    said, log = blamed or child.output[-3:], read_log(job.folder / "log.lammps").error
     status = child.process.returncode
     error = " ".join(said[:1]) or log or (f"the engine's process ended with status {status}" if status else "")
+    again = last_saved(job.folder)
     if job.setting.engine == "lammps":
-        return conclude(job, Outcome(error="" if child.asked else error, interrupted=child.asked > 0))
+        found = conclude(job, Outcome(error="" if child.asked else error, interrupted=child.asked > 0))
+        return found if found.status != "failed" or blamed or log else _from_outside(found, job, again)
     scene, last = job.scene, child.last or Progress(0, job.scene.steps, 0.0, len(job.scene.positions))
     found = RunResult(
         engine="native", kernel="numba", status="failed", steps=last.step, disc_steps=0.0, inserted=last.discs,
@@ -126,11 +130,18 @@ def _without_result(job: Job, child: Child) -> RunResult:
         message=f"the engine's process ended at t = {last.time:.4g} s: {error}. What it wrote is kept in {job.folder}.",
     )  # fmt: skip
     if not child.asked:
-        return found
+        return _from_outside(found, job, again)
     reason = "it was ended by force, so its state was not saved"
-    again = job.resume.time if job.resume else None
     return replace(
         found,
         status="interrupted",
         message=interruption(last.time, scene.time(scene.steps), job.folder, again=again, reason=reason),
     )
+
+
+def _from_outside(found: RunResult, job: Job, again: float | None) -> RunResult:
+    """The result of a run whose process was killed, with how to go on where it has left a checkpoint."""
+    if again is None:
+        return found
+    how = f" `lammps-jump run {job.folder} --resume` goes on from t = {again:.4g} s."
+    return replace(found, message=found.message + how, outside=True)

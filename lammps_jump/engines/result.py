@@ -13,12 +13,23 @@ MARK = "\x1e"
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """One report from a running engine."""
+    """One report of a run.
+
+    Attributes
+    ----------
+    step, steps : int
+    time : float
+        s.
+    discs : int
+    doing : str
+        What is done now that the engine has come to its end; empty while it runs.
+    """
 
     step: int
     steps: int
     time: float
     discs: int
+    doing: str = ""
 
 
 ProgressCallback = Callable[[Progress], None]
@@ -50,6 +61,8 @@ class RunResult:
         Seconds by kind of work (pair, neighbour, modify, output …) where the engine tells.
     resumed : tuple of float
         Simulated times (s) at which the run went on after an interruption; all other numbers are of all parts.
+    outside : bool
+        It failed for a cause outside the run, so that it can go on from its checkpoint.
     cpu_seconds : float
         Processor time of the stepping, s; of LAMMPS on several ranks, that of the first rank times their number.
     """
@@ -70,6 +83,7 @@ class RunResult:
     breakdown: dict[str, float | None] = field(default_factory=dict)
     resumed: tuple[float, ...] = ()
     cpu_seconds: float = 0.0
+    outside: bool = False
 
     @classmethod
     def from_json(cls, stored: dict[str, Any]) -> RunResult:

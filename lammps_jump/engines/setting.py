@@ -32,7 +32,10 @@ class Setting:
     script : str, optional
         Text of the LAMMPS script in place of the one that is made of the scene.
     stop_at : int, optional
-        End the run as an interruption does at this step. LAMMPS with probes goes on to the end of their window.
+        End the run as an interruption does at this step. LAMMPS goes on to the end of a window of the probes, and by at
+        least one step.
+    checkpoint_interval : float
+        Wall time between checkpoints, s.
     ledger : bool
         Native engine: keep the energy ledger, a quarter of the stepping time.
     cell_size : float, optional
@@ -47,6 +50,7 @@ class Setting:
     header: tuple[str, ...] = ()
     script: str | None = None
     stop_at: int | None = None
+    checkpoint_interval: float = 60.0
     ledger: bool = True
     cell_size: float | None = None
 

@@ -106,6 +106,7 @@ def _run_job(job: Job) -> RunResult:
         progress=report,
         should_stop=stop_request.is_made,
         stop_at=setting.stop_at,
+        checkpoint_interval=setting.checkpoint_interval,
         dump_format=setting.dump_format,
         report_every=REPORT_SECONDS,
         cell_size=setting.cell_size,

@@ -6,7 +6,7 @@ from __future__ import annotations
 import importlib
 import os
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Ahead:
-    """A thread that imports the analysis, 0.7 s, and then reads the frames of a run as they are written.
+    """A thread that imports the analysis, 0.9 s, and then reads the frames of a run as they are written.
 
     Frames are read ahead where the engine leaves a core free and its dump can be read while it grows.
 
@@ -64,17 +64,22 @@ class Ahead:
             with suppress(Exception):  # a program that is ending; else the analysis says it
                 importlib.import_module(name)
         with suppress(JumpError, OSError):  # what is wrong with the files is said when they are read again
-            runs.results.prepare()
+            runs.results.prepare(self._case)
             if self._follows:
                 self.packer = runs.results.packer_for(self._case)
-                watch = (self.packer, self.check)
+                watch = (self.packer, self.check) if runs.results.has_page(self._case) else (self.check,)
                 self._gathered = runs.results.collect(self._case, self._folder, self._dump, *watch)
 
-    def result(self, outputs: Mapping[str, Mapping[str, int | str]]) -> Gathered | None:
-        """What was gathered of a run that has ended; None where the dump among its `outputs` is still to be read."""
+    def result(self, outputs: Mapping[str, Mapping[str, int | str]], waiting: Callable[[int], None]) -> Gathered | None:
+        """What was gathered of a run that has ended; None where the dump among its `outputs` is still to be read.
+
+        `waiting` is called with the number of frames read so far.
+        """
         found = outputs.get(self._dump.path.name)
         self._dump.given_up = found is None
         self._ended.set()
-        self._thread.join()
+        while self._thread.is_alive():
+            waiting(self.check.frames)
+            self._thread.join(0.2)
         same = found is not None and found["sha256"] == self._dump.read.hexdigest()
         return self._gathered if same else None

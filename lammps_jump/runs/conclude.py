@@ -19,8 +19,9 @@ import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.check import FrameCheck, force_troubles
 from lammps_jump.dump.find import read_dump
+from lammps_jump.engines.checkpoint import remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
-from lammps_jump.engines.result import RunResult
+from lammps_jump.engines.result import Progress, ProgressCallback, RunResult
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, RunError, RunInterrupted
 from lammps_jump.files import FIGURES, checksum, write_text
@@ -57,6 +58,7 @@ class Conclusion:
     steady: str
     before: Mapping[str, float]
     notes: tuple[str, ...]
+    progress: ProgressCallback | None = None
     outputs: Mapping[str, Mapping[str, int | str]] = field(init=False)
     begin: float = field(init=False)
 
@@ -64,6 +66,8 @@ class Conclusion:
         self.begin = time.perf_counter() - (self.before.get("analysis") or 0.0)
         self.ended = self.result.status in ("complete", "unchecked")  # the engine came to its end
         self.outputs = {}
+        self.phases: dict[str, float] = {}
+        self.now = ("", time.perf_counter())
         self.steps = self.result.steps if self.steady else self.case.scene().steps
 
     def first(self, ahead: Ahead) -> None:
@@ -84,6 +88,7 @@ class Conclusion:
         if self.ended:
             self.result = replace(result, status="unchecked")
         self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
+        self._forget_checkpoints()
         trouble = self._analyse({}, ahead)
         result = self.result
         if self.steady:
@@ -109,10 +114,17 @@ class Conclusion:
                 f"{self.folder}: is not what the run wrote: {'; '.join(changed)}. Nothing was changed; put the files "
                 "back, or run the case again with --force"
             )
+        self._forget_checkpoints()
         was_checked = self.result.status != "unchecked"
         self._analyse(stored)
         if not was_checked and self.result.status == "failed":
             raise RunError(self.result.message)
+
+    def _forget_checkpoints(self) -> None:
+        """Delete what a run needs to go on, where the summary says that it will not."""
+        if self.ended or (self.result.status == "failed" and not self.result.outside):
+            remove_checkpoint(self.folder)
+            (self.folder / "in.resume.lammps").unlink(missing_ok=True)
 
     def _changed(self, stored: Mapping[str, Any]) -> list[str]:
         """Files that are not as the summary says, and what is wrong with them."""
@@ -131,10 +143,28 @@ class Conclusion:
         found += force_troubles(self.folder / "forces.csv", self.case.scene(), self.steps)
         return [*(f"{name} {'differs' if name in self.outputs else 'is gone'}" for name in names), *found]
 
+    def _phase(self, name: str, more: str = "") -> None:
+        """Say what is done from now on, and keep the seconds of what was done before."""
+        before, since = self.now
+        if before:
+            self.phases[before] = self.phases.get(before, 0.0) + time.perf_counter() - since
+        self.now = (name, time.perf_counter())
+        if self.progress is not None and name:
+            scene, result = self.case.scene(), self.result
+            doing = f"analysis: {name}{more}"
+            self.progress(Progress(result.steps, scene.steps, scene.time(result.steps), result.present, doing))
+
+    def _read(self, frames: int) -> None:
+        self._phase("reading", f" frame {frames} of {self.steps // self.case.scene().output_steps + 1}")
+
     def _summary(self, parts: Mapping[str, Any]) -> dict[str, Any]:
         seconds = {"build": self.before.get("build") or 0.0, "run": self.result.seconds}
         seconds["analysis"] = time.perf_counter() - self.begin
-        told = {**parts, **({"stopped_when_steady": self.steady} if self.steady else {})}
+        told = {
+            "analysis_seconds": self.phases,
+            **parts,
+            **({"stopped_when_steady": self.steady} if self.steady else {}),
+        }
         return compose(self.case, self.setting, self.result, seconds=seconds, parts=told, notes=self.notes)
 
     def _write(self, summary: Mapping[str, Any], analysis: Mapping[str, Any] | None) -> None:
@@ -147,11 +177,14 @@ class Conclusion:
         with staging(folder) as stage:
             try:
                 with _told_how_to_go_on(folder):
-                    gathered = ahead.result(self.outputs if self.ended and not self.steady else {}) if ahead else None
+                    self._phase("reading")
+                    whole = self.outputs if self.ended and not self.steady else {}
+                    gathered = ahead.result(whole, self._read) if ahead else None
                     if ahead and gathered is not None:
                         check, packer = ahead.check, ahead.packer
-                    watch = [packer, *([check] if self.ended else [])]
-                    parts = runs.results.analyse(self.case, folder, stage, watch, gathered)
+                    page = runs.results.has_page(self.case)
+                    watch = [*([packer] if page else []), *([check] if self.ended else [])]
+                    parts = runs.results.analyse(self.case, folder, stage, watch, gathered, self._phase)
             except DumpError as error:
                 if ahead is None:
                     raise
@@ -162,10 +195,13 @@ class Conclusion:
                 self._judge(check, parts["warnings"], trouble)
             if note and self.result.status != "failed":
                 parts["warnings"].append(note)
+            self._phase("report")
             summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
-            if self.case.fields.analysis.figures != "none":
+            if runs.results.has_page(self.case):
                 self._link_the_rest(stage)
                 runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
+            self._phase("")
+            summary["analysis_seconds"] = dict(self.phases)
             self._write(summary, None)  # ended between here and the last line: it is analysed again
             clear(folder, ["report.html", *stored.get("files", ())])
             names = publish(stage, folder)

@@ -27,7 +27,9 @@ def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
     if engine.name == "native" and engine.ranks not in (1, "auto"):
         raise case.source.error("engine.ranks", f"{engine.ranks} ranks; the native engine runs on one core")
     setting, notes = choose(engine.name, engine.kernel, engine.ranks, case.scene())
-    return case, replace(setting, dump_format=case.fields.run.dump_format), (*chosen, *notes)
+    asked = case.fields.run
+    setting = replace(setting, dump_format=asked.dump_format, checkpoint_interval=asked.checkpoint_interval)
+    return case, setting, (*chosen, *notes)
 
 
 def with_header(case: ReadCase, setting: Setting) -> Setting:

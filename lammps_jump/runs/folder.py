@@ -133,6 +133,7 @@ def result_of(
         cpu_seconds=stored.get("cpu_seconds", 0.0),
         breakdown=stored["breakdown_seconds"] or {},
         resumed=tuple(stored.get("resumed_at", ())),
+        outside=stored.get("can_go_on", False),
     )
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lammps_jump.analysis import draw as drawing
 from lammps_jump.analysis import quantities
-from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
 from lammps_jump.analysis.profiles import bin_frame
+from lammps_jump.analysis.report import compare
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player
@@ -27,7 +28,7 @@ from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
 from lammps_jump.errors import CaseError, DumpError, SetupError
-from lammps_jump.files import RESULT_FILES
+from lammps_jump.files import FIGURES, RESULT_FILES, write_text
 from lammps_jump.folders import (
     MARKER_FILE,
     Marker,
@@ -87,8 +88,10 @@ def flow_of(case: ReadCase) -> Flow:
     )
 
 
-def prepare() -> None:
-    """Load the loops that read dumps and sum over discs: 0.2 s at their first use in a process."""
+def prepare(case: ReadCase) -> None:
+    """Load what loads on first use: the loops that read dumps and sum over discs, 0.2 s, and matplotlib, 0.2 s."""
+    if case.fields.analysis.figures != "none":
+        assert drawing.snapshots and drawing.style
     nothing = np.zeros(0)
     skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
     bin_frame(nothing, nothing, nothing, nothing, nothing, nothing, 0.0, 1.0, np.zeros((6, 1)), np.zeros(2))
@@ -104,20 +107,27 @@ def collect(case: ReadCase, folder: Path, dump: Dump, *watch: Collector) -> Gath
 
 
 def analyse(
-    case: ReadCase, folder: Path, out: Path, watch: Sequence[Collector] = (), gathered: Gathered | None = None
+    case: ReadCase,
+    folder: Path,
+    out: Path,
+    watch: Sequence[Collector] = (),
+    gathered: Gathered | None = None,
+    told: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Analyse the dump of a run folder as its case asks; the parts of the summary. Tables and figures go to `out`.
 
-    `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`.
+    `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`. `told` is called with
+    what is done.
     """
     quiet = not log.isEnabledFor(logging.INFO)
     asked = case.fields.analysis
     options = {
-        "figures": asked.figures != "none",
+        "figures": asked.figures,
         "film": asked.animation,
         "quiet": quiet,
         "watch": watch,
         "gathered": gathered,
+        "told": told,
     }
     return quantities.analyse(flow_of(case), find_dump(folder), out, _wanted(case), **options)
 
@@ -234,12 +244,12 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     table = path.parent / "forces.csv"
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or path.parent / "animation.mp4"
-    written = destination if film.has_ffmpeg() else destination.with_suffix(".gif")
+    written = destination if drawing.film.has_ffmpeg() else destination.with_suffix(".gif")
     require_replaceable(written)
     with locked(path.parent) if out is None and read_marker(path.parent) else nullcontext():
-        film.animate(open_dump(path), _flow(path, case), written, fps=fps, forces=forces)
+        drawing.film.animate(open_dump(path), _flow(path, case), written, fps=fps, forces=forces)
     if written != destination:
-        log.info(f"note: {film.NO_FFMPEG}")
+        log.info(f"note: {drawing.film.NO_FFMPEG}")
     return written
 
 
@@ -251,14 +261,27 @@ def draw(found: Found, folder: Path, name: str) -> Figure:
     DumpError
         A name that is not known, or a figure for which the run has no data.
     """
-    drawings = quantities.drawings(found.gathered, found.results, find_dump(folder))
-    known = {file.removesuffix(".png"): make for file, make in drawings.items()}
+    shown = quantities.drawings(found.gathered, found.results)
+    known = [file.removesuffix(".png") for file in FIGURES]
     if name not in known:
         raise DumpError(f"figure '{name}' is not known; allowed is one of {', '.join(known)}")
-    figure = known[name]()
-    if figure is None:
-        raise DumpError(f"figure '{name}': the run in {folder} holds no data for it; use another of {', '.join(known)}")
-    return figure
+    there = [*shown, quantities.DISCS]
+    if name not in there:
+        raise DumpError(f"figure '{name}': the run in {folder} holds no data for it; use another of {', '.join(there)}")
+    return quantities.figure(name, shown, find_dump(folder), found.gathered.flow)
+
+
+def draw_all(found: Found, folder: Path) -> list[Path]:
+    """Draw every figure of a run folder into its ``figures``; the paths."""
+    shown = quantities.drawings(found.gathered, found.results)
+    names = [*shown, quantities.DISCS]
+    quantities.draw_figures(names, shown, folder / "figures", find_dump(folder), found.gathered.flow)
+    return [folder / "figures" / f"{name}.png" for name in names]
+
+
+def has_page(case: ReadCase) -> bool:
+    """Whether a case asks for pictures and a report."""
+    return case.fields.analysis.figures != "none"
 
 
 def packer_for(case: ReadCase) -> FramePacker:
@@ -276,6 +299,24 @@ def packed(case: ReadCase, folder: Path) -> FramePacker:
     except DumpError as error:
         log.info(f"note: the report has no player: {error}")
     return packer
+
+
+def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], ReadCase]], path: Path) -> Path:
+    """Write the page of two runs, each given by name, folder, summary and case.
+
+    Raises
+    ------
+    DumpError
+        The file cannot be written.
+    """
+    sides = [
+        compare.Side(name, summary, report.curves(folder), make_player(packed(case, folder), folder))
+        for name, folder, summary, case in runs
+    ]
+    try:
+        return write_text(path, compare.comparison(*sides))
+    except OSError as error:
+        raise DumpError(f"{path}: the page cannot be written ({error.strerror}).") from error
 
 
 def write_report(

@@ -280,6 +280,11 @@ class Run:
         """
         return runs.results.draw(self._found, self.folder, name)
 
+    def figures(self) -> list[Path]:
+        """Draw every figure of the run as a PNG file into ``figures`` of its folder; the paths."""
+        with locked(self.folder):
+            return runs.results.draw_all(self._found, self.folder)
+
     def report(self, path: str | Path | None = None) -> Path:
         """Write the report page; into the run folder where no `path` is given. Figures are those of the folder."""
         if path is None:
@@ -287,6 +292,21 @@ class Run:
         with nullcontext() if path else locked(self.folder):
             packer = runs.results.packed(self.case, self.folder)
             return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
+
+    def compare(self, other: Run, path: str | Path) -> Path:
+        """Write a page of this run and another one, side by side, with one time.
+
+        Raises
+        ------
+        SetupError
+            A file stands at `path` already.
+        DumpError
+            The page cannot be written.
+        """
+        require_replaceable(Path(path))
+        names = _apart(self.folder, other.folder)
+        pair = [(name, run.folder, run.summary, run.case) for name, run in zip(names, (self, other), strict=True)]
+        return runs.results.write_comparison(pair, Path(path))
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r}, {self.status})"
@@ -299,6 +319,12 @@ class Run:
             lead.append(f"<p>{html.escape(self.jump.verdict)}: {html.escape(self.jump.reason)}</p>")
         parts = [getattr(self, name) for name in ("jump", "front", "energy") if getattr(asked, name)]
         return "\n".join([*lead, number_table(parts), _picture(self.figure())])
+
+
+def _apart(first: Path, second: Path) -> tuple[str, str]:
+    """Names of two folders; their paths where the names are the same."""
+    first, second = first.absolute(), second.absolute()
+    return (first.name, second.name) if first.name != second.name else (str(first), str(second))
 
 
 def _picture(figure: Figure) -> str:

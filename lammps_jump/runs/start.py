@@ -13,7 +13,7 @@ from pathlib import Path
 import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
-from lammps_jump.engines.checkpoint import Checkpoint, remove_checkpoint
+from lammps_jump.engines.checkpoint import Checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
@@ -33,7 +33,7 @@ from .ahead import Ahead
 from .conclude import Conclusion
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
-from .state import ToDo, difference, has_output, marker_of, resumable, to_do
+from .state import ToDo, difference, has_output, marker_of, resumable, to_do, to_resume
 from .summary import SUMMARY_FILE, read_summary
 
 log = logging.getLogger(__name__)
@@ -77,8 +77,8 @@ def start(
 
 def _left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool, resume: bool) -> ToDo:
     if resume:
-        resumable(case, folder, setting)
-    elif not force:
+        return to_resume(case, folder, setting)
+    if not force:
         return to_do(case, folder, setting)
     require_ours(folder, marker_of(case, setting))
     return "run"
@@ -97,8 +97,8 @@ def _run(
     """Run in a folder that this process holds."""
     scene, checkpoint = case.scene(), None
     before: Mapping[str, float] = {}
-    if resume and (checkpoint := resumable(case, folder, setting)) is None:
-        log.info(f"{folder} holds no checkpoint: the run starts from the beginning")
+    if resume:
+        checkpoint = resumable(case, folder, setting)
     if checkpoint is not None:
         setting = replace(setting, kernel=checkpoint.result.kernel)
         before = read_summary(folder).get("wall_seconds") or {}
@@ -112,7 +112,7 @@ def _run(
             f"{setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
             f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m"
         )
-    for note in (*scene.warnings, *scene.adapted, *notes):
+    for note in (*scene.warnings, *scene.adapted, *notes, *(_of_resume(case, folder, checkpoint) if resume else ())):
         log.info(f"note: {note}")
     log.info(f"{scene.name}: {said} -> {folder}")
     if checkpoint is None:
@@ -123,10 +123,19 @@ def _run(
             result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
             if checkpoint is not None:
                 clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-            if result.status != "interrupted":
-                remove_checkpoint(folder)
-                (folder / "in.resume.lammps").unlink(missing_ok=True)
-            Conclusion(case, folder, setting, result, steady, before, notes).first(ahead)
+            Conclusion(case, folder, setting, result, steady, before, notes, progress).first(ahead)
+
+
+def _of_resume(case: ReadCase, folder: Path, checkpoint: Checkpoint | None) -> Iterator[str]:
+    """What to tell of a run that goes on."""
+    scene = case.scene()
+    if checkpoint is None:
+        yield f"{folder} holds no checkpoint: the run starts from its beginning"
+    elif checkpoint.result.engine == "lammps":
+        done = checkpoint.result
+        left = sum(item.count for item in scene.pours) + len(scene.positions) - done.present - done.removed
+        if scene.pours and left > 0:
+            yield f"the {left} discs that are still to be poured come from a new random stream"
 
 
 def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from lammps_jump.case.case import ReadCase
-from lammps_jump.engines.checkpoint import ANEW, CHECKPOINT_FILE, Checkpoint, read_checkpoint
+from lammps_jump.engines.checkpoint import ANEW, Checkpoint, has_checkpoint, read_checkpoint
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES, OWN_FILES, checksum
@@ -52,9 +52,9 @@ def to_do(case: ReadCase, folder: Path, setting: Setting) -> ToDo:
             f"{folder}: holds another run ({found}); name another folder with --out, or delete that run with --force"
         )
     stored = read_summary(folder)
-    status = stored.get("status") or _status_of_files(case, folder, setting)
+    status = _status(case, folder, setting, stored)
     if status in ("interrupted", "failed"):
-        goes_on = "--resume goes on with it, " if (folder / CHECKPOINT_FILE).exists() else ""
+        goes_on = "--resume goes on with it, " if has_checkpoint(folder) else ""
         was = {"interrupted": "was interrupted", "failed": "failed"}[status]
         raise SetupError(
             f"{folder}: holds a run of this case that {was}; {goes_on}--force deletes it and starts anew, --out names "
@@ -63,7 +63,13 @@ def to_do(case: ReadCase, folder: Path, setting: Setting) -> ToDo:
     return "nothing" if is_analysed(case, folder, stored) else "analyse"
 
 
-def _status_of_files(case: ReadCase, folder: Path, setting: Setting) -> str:
+def _status(case: ReadCase, folder: Path, setting: Setting, stored: Mapping[str, Any]) -> str:
+    """What has become of the run in a folder; where it left no summary, what it wrote tells."""
+    if stored.get("status"):
+        return str(stored["status"])
+    recorded = any(standing(folder, name) for name in ("forces.csv", "forces_*.raw"))
+    if has_checkpoint(folder) or (case.fields.probes.forces and not recorded):
+        return "interrupted"
     try:
         return result_of_files(case.scene(), folder, setting, write=False).status
     except DumpError:
@@ -72,7 +78,7 @@ def _status_of_files(case: ReadCase, folder: Path, setting: Setting) -> str:
 
 def has_output(folder: Path) -> bool:
     """Whether an engine has written to a folder."""
-    return any(standing(folder, name) for name in (*OUTPUTS, "forces_*.raw", CHECKPOINT_FILE))
+    return has_checkpoint(folder) or any(standing(folder, name) for name in (*OUTPUTS, "forces_*.raw"))
 
 
 def outputs_of(folder: Path) -> dict[str, dict[str, int | str]]:
@@ -122,25 +128,47 @@ def _leaves(tree: object, path: str = "") -> Iterator[tuple[str, object]]:
         yield path, tree
 
 
-def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint | None:
-    """The checkpoint of the interrupted run of this very case in a folder, None where it has not left any yet.
+def to_resume(case: ReadCase, folder: Path, setting: Setting) -> ToDo:
+    """What is left to be done where a run is to go on: 'run' from its checkpoint, without one from its beginning.
 
     Raises
     ------
     ResumeError
-        Another case, a run that is finished or failed, a checkpoint that is damaged or of another program or kernel.
+        The folder holds the run of another case, or one that failed and would fail again.
+    SetupError, DumpError
+        As of `to_do`.
     """
+    require_ours(folder, marker_of(case, setting))
     marker = read_marker(folder)
-    if marker is None or marker.kind != "run" or not has_output(folder):
-        return None
+    if marker is None or not has_output(folder):
+        return "run"
     if not (folder / "case.yaml").exists():
-        raise ResumeError(f"{folder}: holds no run that could go on; {ANEW}")
+        raise ResumeError(f"{folder}: holds no run that could go on, for its case.yaml is gone; {ANEW}")
     if found := difference(case, None, marker):
         raise ResumeError(
             f"{folder}: the run there differs from the case that was asked for ({found}), so it cannot go on as that "
             f"case; `lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
         )
-    _require_interrupted(case, folder, setting)
+    stored = read_summary(folder)
+    status = _status(case, folder, setting, stored)
+    if status == "failed" and not stored.get("can_go_on"):
+        raise ResumeError(
+            f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
+            "new run"
+        )
+    if status in ("complete", "unchecked"):
+        return "nothing" if is_analysed(case, folder, stored) else "analyse"
+    return "run"
+
+
+def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint | None:
+    """The checkpoint of the run of this very case in a folder; None where there is none, and it starts anew.
+
+    Raises
+    ------
+    ResumeError
+        No checkpoint is whole, or it is of another program, kernel or engine.
+    """
     checkpoint = read_checkpoint(folder)
     if checkpoint is None:
         return None
@@ -156,22 +184,3 @@ def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint | No
     if checkpoint.result.engine != setting.engine:
         raise ResumeError(f"{folder}: began on the {checkpoint.result.engine} engine; {ANEW}")
     return checkpoint
-
-
-def _require_interrupted(case: ReadCase, folder: Path, setting: Setting) -> None:
-    stored = read_summary(folder)
-    status = stored.get("status")
-    if status == "complete" and stored.get("analysed"):
-        raise ResumeError(f"{folder}: the run is finished, nothing is left to do; {ANEW}")
-    if status is None and not (folder / CHECKPOINT_FILE).exists():
-        status = _status_of_files(case, folder, setting)
-    if status in ("complete", "unchecked"):
-        raise ResumeError(
-            f"{folder}: the run reached its end, nothing of it is left to do; only its analysis is missing: "
-            f"`lammps-jump analyze {folder}` makes it"
-        )
-    if status == "failed":
-        raise ResumeError(
-            f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
-            "new run"
-        )

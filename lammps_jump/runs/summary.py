@@ -66,6 +66,7 @@ class Stored(BaseModel, strict=True):
     breakdown_seconds: dict[str, float | None] | None
     ledger: dict[str, float | None] | None
     resumed_at: list[FiniteFloat] = []
+    can_go_on: bool = False
     warnings: list[str] = []
     jump: dict[str, Any] | None = None
     front: dict[str, Any] | None = None
@@ -120,6 +121,7 @@ def compose(
             "steps": result.steps,
             "simulated_time": scene.time(result.steps),
             **({"resumed_at": result.resumed} if result.resumed else {}),
+            **({"can_go_on": True} if result.outside else {}),
             "wall_seconds": seconds,
             "cpu_seconds": result.cpu_seconds,
             "disc_steps": result.disc_steps,

@@ -20,9 +20,8 @@ Section = tuple[str, list[str]]
 """Title and commands of a part of a script."""
 
 STOP_FILE = "stop.request"
-"""File in the run folder that ends a run of several ranks in order."""
+"""File in the run folder at which a run of several ranks pauses."""
 STOP_STEPS = 100
-STATE = "checkpoint-{step}.restart"
 SCRIPTS = {"stock": "in.lammps", "compiled": "in.plugin.lammps"}
 """Name of the script, by its kernel; the first is always there, for a machine without the plugin."""
 
@@ -76,7 +75,6 @@ def script_text(scene: Scene, **options) -> str:
         ("output", stock.output(scene, how.dump_format)),
         ("log", stock.thermo(scene)),
         ("run", stock.schedule(scene, how.style.gates(scene), how.style.own_sizes(scene), how.kernel)),
-        ("state, where the end was asked for", save_at_end(scene, how.kernel, how.ranks, stock.first_step(scene))),
     ]
     return joined(title, SCRIPTS[how.kernel], how, sections)
 
@@ -109,42 +107,31 @@ def balance(scene: Scene, ranks: int) -> list[str]:
 
 
 def stop_on_request(scene: Scene, ranks: int) -> list[str]:
-    """End a run of several ranks in order if there is a file `STOP_FILE`; the first rank looks for all."""
+    """Pause a run of several ranks if there is a file `STOP_FILE`; the first rank looks for all."""
     if ranks == 1:
         return []
     return [
         f"variable        asked equal is_file({STOP_FILE})",
-        f"fix             stop all halt {_stop_steps(scene, ranks)} v_asked != 0 error soft",
+        f"fix             stop all halt {stop_steps(scene, ranks)} v_asked != 0 error soft",
     ]
 
 
-def _stop_steps(scene: Scene, ranks: int) -> int:
+def stop_steps(scene: Scene, ranks: int) -> int:
     """Steps between possible stops of ranks: ends of probe windows, because no restart file keeps a window's sums."""
     if ranks == 1:
         return 1
     return scene.probe_steps if scene.probes else min(scene.output_steps, STOP_STEPS)
 
 
-def stop_at_step(script: str, scene: Scene, ranks: int, step: int) -> str:
-    """The script with an end at a step, as on request; several ranks go on to the end of the window."""
-    every = _stop_steps(scene, ranks)
-    step = -(-step // every) * every
-    head, run, rest = script.partition("\nrun ")
-    # equal, not beyond: what saves the state goes on for some steps
-    halt = (
-        f"\nvariable        here equal step=={step}\nfix             stop_here all halt {every} v_here != 0 error soft"
-    )
-    return head + halt + run + rest
-
-
-def save_at_end(scene: Scene, kernel: str, ranks: int, first: int) -> list[str]:
-    """Write the restart file of several ranks that ended on request behind step `first`, and a last log line."""
-    if ranks == 1:
-        return []
-    commands = ["timer timeout off", "run 0 pre no post no", *stock.half_step_back(scene, kernel)]
-    commands.append(f"write_restart {STATE.format(step='$(step)')}")
-    words = " &\n                ".join(f'"{" ".join(command.split())}"' for command in commands)
-    return [f'if "$(step) > {first} && $(step) < {scene.steps}" then &\n                {words}']
+def stop_at(scene: Scene, step: int) -> tuple[int, list[str]]:
+    """The step at which a run with these commands pauses: that before this one, or before the end of its window."""
+    window = scene.probe_steps if scene.probes else 1
+    step = -(-step // window) * window - 1
+    # equal, not beyond: what saves the state goes on to the next step
+    return step, [
+        f"variable        here equal step=={step}",
+        "fix             stop_here all halt 1 v_here != 0 error soft",
+    ]
 
 
 def data_text(scene: Scene) -> str:

@@ -117,7 +117,7 @@ def run_and_requeue(command: str, site: Site) -> str:
             f"# USR1 comes before the time limit: the run saves its state, ends with {INTERRUPTED}, is requeued.",
             "# TERM comes from scancel: the run saves its state, and the job ends.",
             "signalled=",
-            *(f"trap 'signalled={name}; kill -{name} \"$child\"' {name}" for name in ("USR1", "TERM")),
+            *(f"trap 'signalled={name}; kill -{name} $!' {name}" for name in ("USR1", "TERM")),
             f"{command} &",
             "child=$!",
             'wait "$child"',

@@ -4,57 +4,79 @@
 LAMMPS' granular forces depend on velocity. A step evaluates them with the velocities of its half step, v_(n-1/2). The
 first forces of a new run are evaluated with v_n instead, so that a restarted run differs at once (see LAMMPS'
 documentation of `read_restart`; measured: 5e-7 d after fifty steps of a dam break with friction, 1e-4 d after 650).
-The restart files of this project therefore hold v_(n-1/2) = v_n - dt F_n / (2 m). The first forces of the next part
-then equal the last ones of the part before, up to the order of sums. Half a kick gives v_n back, and the run continues
-with those forces (``run … pre no``).
+A checkpoint therefore also holds v_(n-1/2) = v_n - dt F_n / (2 m) of every disc. They are set before the first ``run``
+of this script, ``run 0`` (see `lammps_jump.engines.lammps.steps`). Its forces then equal the last ones of the part
+before, up to the order of sums. Behind it v_n is set, and the run continues with those forces (``run … pre no``).
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from lammps_jump.files import DUMP_NAMES
-from lammps_jump.scene.scene import Scene
+from lammps_jump.files import BINARY_PART, DUMP_NAMES
+from lammps_jump.scene.scene import Pour, Scene
 
 from . import stock
-from .assemble import STATE, Options, control, joined, save_at_end
+from .assemble import Options, control, joined
+from .probes import raw_forces
 
 SCRIPT = "in.resume.lammps"
-LOG = "log.resume.lammps"
-BINARY_PART = "dump.resume.lammpsbin"
-"""LAMMPS appends to text and gzip dumps, not to binary ones; these are put together afterwards."""
+STATE = "checkpoint-{step}.restart"
 
 
-def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], **options) -> str:
+def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], poured: int = 0, **options) -> str:
     """The script that goes on; further keywords as of `Options`.
 
     Parameters
     ----------
     scene : Scene
     step : int
-        Of the restart file, written after `lammps_jump.script.stock.half_step_back`: behind
-        `lammps_jump.script.stock.first_step`, and the end of a window of the probes.
+        Of the restart file; the end of a window of the probes.
     removed : tuple of int
         Discs that each outlet has taken so far: ``fix evaporate`` keeps no count over a restart.
+    poured : int
+        Discs of the pour that are there: ``fix pour`` keeps no state. The others come from a new random stream.
     """
     how = Options(**options)
-    # gates that wait in a scene with inlets are gone by now; those without go on moving out of the way
-    gates = [] if scene.inlets else how.style.gates(scene)
-    half_step = stock.half_step(scene, how.kernel)
+    first = stock.first_step(scene)
+    pours = replace(scene, pours=rest_of_pours(scene, poured), seed=(scene.seed + step) % MOST_SEED)
     sizes = how.style.own_sizes(scene)  # the last poured discs may still wait for theirs
+    schedule = stock.schedule(scene, how.style.gates(scene), how.style.own_sizes(scene), how.kernel)
+    if step <= first:  # gates are still closed, or inlets wait
+        at = schedule.index(f"run             {first}")
+        gates, run = schedule[:at], [f"run             {first} upto pre no", *schedule[at + 1 :]]
+    else:
+        # gates that wait in a scene with inlets are gone by now; those without go on moving out of the way
+        gates = [] if scene.inlets else how.style.gates(scene)
+        gates += stock.inlets(scene, sizes)
+        run = [f"run             {scene.steps} upto pre no"]
     sections = [
-        ("settings", how.style.settings(scene, how.ranks)),
+        ("settings", ["log             log.lammps append", *how.style.settings(scene, how.ranks)]),
         ("state", [f"read_restart    {STATE.format(step=step)}", *stock.size_variables(scene), *stock.molecule(scene)]),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
+        ("pour", stock.pours(pours, sizes) if pours.pours else sizes if scene.pours else []),
         *control(scene, how),
         ("output", _output(scene, how.dump_format)),
         ("log", stock.thermo(scene, removed)),
-        ("gates and inlets", [*gates, *stock.inlets(scene, sizes), *(sizes if scene.pours else [])]),
-        ("forces of the half step, then the velocities of the step", ["run             0 post no", *half_step]),
-        ("run", [f"run             {scene.steps} upto pre no", *save_at_end(scene, how.kernel, how.ranks, step)]),
+        ("gates and inlets", gates),
+        ("forces of the half step", ["run             0 post no"]),
+        ("run", run),
     ]
-    return joined(f"{scene.name}: goes on from step {step}", SCRIPT, how, sections)
+    text = joined(f"{scene.name}: goes on from step {step}", SCRIPT, how, sections)
+    for name in scene.probes:
+        text = text.replace(f" file {raw_forces(name)} ", f" append {raw_forces(name)} ")
+    return text
+
+
+MOST_SEED = 900_000_000
+"""LAMMPS takes seeds below this."""
+
+
+def rest_of_pours(scene: Scene, poured: int) -> tuple[Pour, ...]:
+    """The pour with the discs that are left, none where all are there."""
+    return tuple(replace(item, count=item.count - poured) for item in scene.pours if item.count > poured)
 
 
 def _output(scene: Scene, dump_format: str) -> list[str]:

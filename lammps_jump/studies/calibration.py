@@ -8,7 +8,8 @@ The distance of a candidate (e, ks, n, sill height) is the root mean square of t
 - front of a collapsing column (n^2 = 2) against Martin & Moyce's table (RMS for T > 0.8).
 
 The search varies one coordinate at a time on fixed grids, from the values of the case, until a whole round changes
-nothing. A candidate without a jump counts as 100 % off in the first two. Finished runs are kept in ``calibrate.json``.
+nothing. A candidate without a jump counts as 100 % off in the first two. The runs are kept: an interrupted search
+continues. Its result is in ``calibrate.json`` too.
 """
 
 from __future__ import annotations
@@ -19,10 +20,11 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump import load_case
+from lammps_jump.engines import usable_cores
+from lammps_jump.sweeps import Pool, run_starts
+from lammps_jump.sweeps.store import Say, Store
 
-from .runs import set_texts
-from .sensitivity import JUMP_CASE, QUICK_CHANGES, stored_run
-from .store import Say, Store
+from .sensitivity import JUMP_CASE, QUICK_CHANGES, starts_of
 from .table import filled, markdown
 
 Candidate = Mapping[str, float]
@@ -59,18 +61,18 @@ relative distances from Bélanger, the USBR curve, and Martin & Moyce; ``distanc
 the starts that found a jump, "2 of 3"."""
 
 
-def distances(candidate: Candidate, store: Store, *, quick: bool, members: int) -> Row:
-    """Return the three distances of a candidate and their root mean square."""
+def distances(candidate: Candidate, folder: Path, pool: Pool, *, quick: bool, members: int, fresh: bool = False) -> Row:
+    """Return the three distances of a candidate and their root mean square; its runs are kept in a folder."""
     contact = {f"contact.{name}": candidate[name] for name in ("restitution", "friction", "penetration_fraction")}
     jump = {**(QUICK_CHANGES if quick else {}), **contact, "walls.sill.y": [-5, candidate["sill"]]}
     column = {**({"discs.diameter": 0.2} if quick else {}), **contact}
     jumps, columns = (
-        [stored_run(store, case.name, case, set_texts(changes), member) for member in range(members)]
+        run_starts(case, starts_of(case, changes, members), folder, pool, fresh=fresh)
         for case, changes in ((load_case(JUMP_CASE), jump), (load_case(COLUMN), column))
     )
     found = [run.jump for run in jumps if run.jump]
     without = [1.0] * (len(jumps) - len(found))
-    fronts = [(run.measures.get("martin_moyce") or {}).get("rms_bulk") for run in columns]
+    fronts = [((run.summary.get("front") or {}).get("martin_moyce") or {}).get("rms_bulk") for run in columns]
     parts = {
         "depth": [*(abs(one["sequent_ratio"] / one["belanger_ratio"] - 1) for one in found), *without],
         "length": [*(abs(one["length"] / one["length_usbr"] - 1) for one in found), *without],
@@ -100,20 +102,22 @@ def run_calibration(
         Run again what is stored.
     say : callable
     """
-    store = Store((Path(out) if out else Path("runs") / "calibrate") / "calibrate.json", fresh=fresh)
+    folder = Path(out) if out else Path("runs") / "calibrate"
     tried: dict[tuple[float, ...], Row] = {}
 
     def distance(candidate: Candidate) -> float:
         key = tuple(candidate.values())
         if key not in tried:
-            tried[key] = distances(candidate, store, quick=quick, members=1 if quick else 3)
+            options = {"quick": quick, "members": 1 if quick else 3, "fresh": fresh}
+            tried[key] = distances(candidate, folder, pool, **options)
             say("  " + describe(tried[key]))
         return tried[key]["distance"]
 
-    best = search(distance, START, QUICK_GRIDS if quick else GRIDS)
+    with Pool(usable_cores()) as pool:
+        best = search(distance, START, QUICK_GRIDS if quick else GRIDS)
     rows = sorted(tried.values(), key=lambda row: row["distance"])
-    store.finish(best=tried[tuple(best.values())], rows=rows)
-    return store.write_table(calibration_table(rows))
+    store = Store(folder / "calibrate.json", fresh=True)
+    return store.finish(calibration_table(rows), best=tried[tuple(best.values())], rows=rows)
 
 
 def search(distance: Callable[[Candidate], float], start: Candidate, grids: Mapping[str, Sequence[float]]) -> Candidate:

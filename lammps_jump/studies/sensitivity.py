@@ -3,13 +3,13 @@
 
 The thesis' recommendation 1. Every study changes one value of a base case, the frictionless ``quick_jump`` (a jet of
 0.6 m at 10 m/s against a 1.2 m sill). It measures the jump in the frame of its moving front, from a few slightly moved
-starts. Finished runs are kept in ``sensitivity.json``; an interrupted study continues from there.
+starts. The runs are kept: an interrupted study continues. The tables are in ``sensitivity.json`` too.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
@@ -19,14 +19,14 @@ import pandas as pd
 from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.case.templates import scene_folder
-from lammps_jump.engines import usable_kernels
+from lammps_jump.engines import usable_cores, usable_kernels
 from lammps_jump.files import plain
 from lammps_jump.physics import jump as theory
+from lammps_jump.sweeps import Made, Pool, Start, run_starts
+from lammps_jump.sweeps.store import Say, Store
 
-from .measure import Measured, run_setting
-from .runs import in_turn, middle, set_texts
+from .runs import middle
 from .settings import Setting, listed, reference_setting, stable
-from .store import Say, Store
 from .table import markdown, number, percent
 
 DEPTH, GRAVITY = 0.6, 9.81
@@ -115,13 +115,6 @@ JUMP_CASE = scene_folder() / "quick_jump.yaml"
 """Base case of the studies of the jump."""
 
 
-def fast_setting(case: Case) -> Setting:
-    """Return the quickest kernel at f = 0.1, or less where that is not stable for the coefficients of the case."""
-    kernel = reference_setting(0.1, [name for name in usable_kernels()[0] if name != "stock"]).kernel
-    restitution = case.fields.contact.restitution
-    return next(s for s in (Setting(kernel, f) for f in (0.1, 0.05, 0.02)) if stable(s, restitution))
-
-
 def run_sensitivity(
     out: Path | None = None,
     *,
@@ -151,43 +144,47 @@ def run_sensitivity(
     """
     names = listed("--only", only, list(STUDIES)) or tuple(STUDIES)
     folder = Path(out) if out else Path("runs") / "sensitivity"
-    store = Store(folder / "sensitivity.json", fresh=fresh)
-    rows: dict[str, list[Row]] = {}
-    for name in names:
-        rows[name] = run_study(STUDIES[name], store, quick=quick, say=say)
-        draw_study(STUDIES[name], rows[name], folder / f"sensitivity_{name}.png")
-    store.finish(studies={**store.data.get("studies", {}), **rows})
-    return store.write_table("\n".join(study_table(STUDIES[name], rows[name]) for name in names))
+    store, rows = Store(folder / "sensitivity.json"), {}
+    with Pool(usable_cores()) as pool:
+        for name in names:
+            rows[name] = run_study(STUDIES[name], folder, pool, quick=quick, fresh=fresh, say=say)
+            draw_study(STUDIES[name], rows[name], folder / f"sensitivity_{name}.png")
+    table = "\n".join(study_table(STUDIES[name], rows[name]) for name in names)
+    return store.finish(table, studies={**store.data.get("studies", {}), **rows})
 
 
-def run_study(study: Study, store: Store, *, quick: bool, say: Say) -> list[Row]:
+def run_study(study: Study, folder: Path, pool: Pool, *, quick: bool, fresh: bool, say: Say) -> list[Row]:
     """Return a row for each value of the parameter."""
-    base, common = load_case(JUMP_CASE), set_texts(QUICK_CHANGES if quick else {})
+    base, values = load_case(JUMP_CASE, QUICK_CHANGES if quick else {}), study.quick if quick else study.values
 
-    def run(value: float, member: int) -> Measured | None:
-        if value >= study.costly and member >= 2:
-            return None  # minutes each; large numbers of discs scatter less
-        found = stored_run(store, f"{study.name} {value}", base, common + set_texts(study.changes(value)), member)
-        say(f"  {study.label} = {value:g}, start {member + 1}: {found.verdict or found.message}")
-        return found
+    def said(made: Made) -> None:
+        value, member = values[made.start.point], made.start.seed - base.fields.run.seed
+        say(f"  {study.label} = {value:g}, start {member + 1}: {made.message or made.outcome}")
 
-    groups = in_turn(*((study.quick, 1) if quick else (study.values, 4)), run)
-    return [summarise_runs(value, [run for run in group if run]) for value, group in groups.items()]
-
-
-def stored_run(store: Store, name: str, base: Case, changes: list[str], member: int) -> Measured:
-    """Return the run of a changed case from start `member` with its `fast_setting`, made where it is not stored."""
-    case = base.replace(changes)
-    setting = fast_setting(case)
-    key = f"{name} {member} {changes} {setting.label}"
-    return store.piece(key, lambda: run_setting(case, setting, member), Measured)
+    starts = [
+        start
+        for point, value in enumerate(values)
+        # runs of minutes are made twice; large numbers of discs scatter less
+        for start in starts_of(base, study.changes(value), 1 if quick else (2 if value >= study.costly else 4), point)
+    ]
+    made = run_starts(base, starts, folder, pool, fresh=fresh, said=said)
+    return [summarise_runs(v, [one for one in made if one.start.point == point]) for point, v in enumerate(values)]
 
 
-def summarise_runs(value: float, runs: list[Measured]) -> Row:
+def starts_of(base: Case, changes: Mapping[str, object], members: int, point: int = 0) -> list[Start]:
+    """Return starts of a changed case on the quickest kernel at f = 0.1, or less where that is not stable."""
+    restitution = base.replace(changes).fields.contact.restitution
+    kernel = reference_setting(0.1, [name for name in usable_kernels()[0] if name != "stock"]).kernel
+    fast = next(s for s in (Setting(kernel, f) for f in (0.1, 0.05, 0.02)) if stable(s, restitution))
+    seed = base.fields.run.seed
+    return [Start(point, {**fast.changes(1.0), **changes}, seed + member) for member in range(members)]
+
+
+def summarise_runs(value: float, runs: list[Made]) -> Row:
     """Return the row of one value of the parameter."""
     table = pd.DataFrame([run.jump for run in runs if run.jump], columns=NUMBERS, dtype=float)
-    row: Row = {"value": value, "verdicts": dict(Counter(run.verdict or run.status for run in runs))}
-    row["seconds"] = middle(run.cpu_seconds or 0.0 for run in runs)
+    row: Row = {"value": value, "verdicts": dict(Counter(run.outcome for run in runs))}
+    row["seconds"] = middle(run.summary.get("cpu_seconds", 0.0) for run in runs)
     row |= plain({**table.mean(), **table.sem().add_suffix("_error")})
     ratio, expected = row["sequent_ratio"], row["belanger_ratio"]
     row["deviation"] = ratio / expected - 1 if ratio and expected else None

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
@@ -90,11 +88,6 @@ class Setting:
         if self.skin is not None:
             found["engine.skin"] = self.skin * (self.diameter or diameter)
         return found
-
-    def key(self, *more: object) -> str:
-        """Return sixteen hex digits of the setting and of all else that decides the result."""
-        text = json.dumps([asdict(self), *more], sort_keys=True, default=str)
-        return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def listed(option: str, text: str | None, allowed: Sequence[str]) -> tuple[str, ...]:

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import page as page
+from . import pool as pool
 from . import table as table
+from .members import Made as Made
 from .members import Start as Start
 from .members import plan as plan
+from .members import run_starts as run_starts
 from .pool import Pool as Pool
 from .study import parse_axis as parse_axis
 from .study import parse_set as parse_set

@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE
 from lammps_jump.engines.result import Progress
-from lammps_jump.errors import DumpError, ResumeError, SetupError
+from lammps_jump.errors import DumpError, JumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.folders import holder, require_unlocked
 from lammps_jump.provenance import short_hash
@@ -22,6 +23,7 @@ from lammps_jump.runs.state import has_output
 from lammps_jump.runs.summary import read_summary
 
 from . import worker
+from .pool import Outcome, Pool
 
 JITTER = 1e-6
 """Least shift of discs at the start, in diameters. Rows of inflow differ by as much (`physics.inlet.SHIFT`): no mean
@@ -70,7 +72,7 @@ class State(NamedTuple):
 
 def started(case: Case, seed: int) -> Case:
     """The case with another start, the same on every engine; seed 0 is the case without any shift."""
-    changes: dict[str, object] = {"run.seed": seed}
+    changes: dict[str, object] = {"run.seed": seed, "run.members": None}
     if seed:
         changes |= {f"initial.{i}.jitter": max(item.jitter, JITTER) for i, item in enumerate(case.fields.initial)}
     return case.replace(changes)
@@ -95,6 +97,78 @@ def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) ->
         key if shared[key] == 1 else short_hash({"key": key, **one.rest}) for key, one in zip(keys, cases, strict=True)
     ]
     return [Member(start.point, start.seed, one, key) for start, one, key in zip(starts, cases, keys, strict=True)]
+
+
+class Made(NamedTuple):
+    """A start that was run, or not: its folder, the summary of a complete run, else why there is none."""
+
+    start: Start
+    folder: Path
+    summary: Mapping[str, Any]
+    message: str
+
+    @property
+    def jump(self) -> Mapping[str, Any]:
+        """Numbers of the jump, empty where none was found."""
+        found = self.summary.get("jump") or {}
+        return found if found.get("verdict") == "jump" else {}
+
+    @property
+    def outcome(self) -> str:
+        """Verdict of the jump where one was looked for, else what became of the run."""
+        return (self.summary.get("jump") or {}).get("verdict") or ("complete" if self.summary else "failed")
+
+
+def run_starts(
+    case: Case,
+    starts: Sequence[Start],
+    store: Path,
+    pool: Pool,
+    *,
+    fresh: bool = False,
+    said: Callable[[Made], None] = lambda made: None,
+) -> list[Made]:
+    """Run the starts that a store lacks, for a study that reads their results itself; dumps are not kept.
+
+    Parameters
+    ----------
+    case : Case
+        Says what is analysed.
+    starts : sequence of Start
+        Begun in their order. One that cannot be run is no error: its message says why.
+    store : Path
+    pool : Pool
+    fresh : bool
+        Run again what is there.
+    said : callable
+        Called with every start that is made now.
+    """
+    found: dict[int, Made] = {}
+    left: list[tuple[int, Member]] = []
+    for number, start in enumerate(starts):
+        try:
+            (member,) = plan(case, [start], {"analysis.figures": "none"})
+        except JumpError as error:
+            found[number] = Made(start, store, {}, str(error))
+            continue
+        if not fresh and state_of(member, store).stage in ("done", "failed"):
+            found[number] = _made(start, member, store)
+        else:
+            left.append((number, member))
+
+    def done(place: int, outcome: Outcome) -> None:
+        number, member = left[place]
+        made = _made(starts[number], member, store)
+        found[number] = made if made.summary else made._replace(message=made.message or str(outcome.value))
+        said(found[number])
+
+    pool.run([partial(run_member, m.case, m.folder(store), fresh, False) for _, m in left], done=done)
+    return [found[number] for number in range(len(starts))]
+
+
+def _made(start: Start, member: Member, store: Path) -> Made:
+    state, folder = state_of(member, store), member.folder(store)
+    return Made(start, folder, read_summary(folder) if state.stage == "done" else {}, state.message)
 
 
 def state_of(member: Member, store: Path) -> State:

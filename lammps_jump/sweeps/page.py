@@ -58,7 +58,29 @@ def draw(found: Sweep) -> list[Path]:
     files = [save_lines(found.table, study, axis, folder / f"sweep_{axis.name}.png") for axis in axes]
     if len(axes) == len(study.axes) == 2:
         files.append(save_map(found.table, study, axes, folder / "sweep_map.png"))
+    if not study.axes and found.runs:
+        files.append(save_profiles(found, folder / "sweep_profiles.png"))
     return files
+
+
+def save_profiles(found: Sweep, path: Path) -> Path:
+    """Draw mean profiles of the members of a case: each member as a thin line, the interval of the mean as a band."""
+    profiles = [run.profiles for run in found.runs]
+    panels = (("mass_depth_mean", "mass depth [m]"), ("velocity_mean", "velocity [m/s]"))
+    with drawing(7.2, 4.6, 2, 1, sharex=True) as (figure, axes):
+        for panel, (name, label) in zip(axes, panels, strict=True):
+            lines = np.array([one[name].values for one in profiles])
+            confidence = found.study.fields.confidence
+            cells = [sweeps.table.statistics(line, np.full(len(line), np.nan), confidence) for line in lines.T]
+            mean, low, high = (np.array([cell[key] for cell in cells]) for key in ("mean", "low", "high"))
+            x = profiles[0]["x"].values
+            panel.plot(x, lines.T, color=GREY, lw=0.5)
+            panel.fill_between(x, low, high, color=BLUE, alpha=0.3, lw=0, label="interval over members")
+            panel.plot(x, mean, color=BLUE, label=f"mean of {len(lines)} members")
+            panel.set_ylabel(label)
+        axes[0].legend()
+        axes[1].set_xlabel("x [m]")
+        return save(figure, path)
 
 
 def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
@@ -116,7 +138,7 @@ def _doubts(found: Sweep) -> list[str]:
     said = [
         f"{name}: members differ in kind: {words}. Only numbers that go with a verdict are counted."
         for name, words in zip(names, frame["verdicts"], strict=True)
-        if words
+        if ", " in words
     ]
     said += [
         f"{item.path}: members scatter more than single runs say of themselves (chi2/dof {chi2:.1f}): use the interval "
@@ -182,7 +204,8 @@ def _own_errors(found: Sweep) -> tuple[list[list[Any]], list[str]]:
 def caption(path: Path) -> str:
     """Caption of a figure of a study."""
     name = path.stem.removeprefix("sweep_")
-    return "Means over both axes" if name == "map" else f"Against {name}; band: interval over members"
+    words = {"map": "Means over both axes", "profiles": "Profiles, mean of the window; thin lines: members"}
+    return words.get(name, f"Against {name}; band: interval over members")
 
 
 def write_page(found: Sweep) -> Path:

@@ -16,9 +16,10 @@ from functools import partial
 from multiprocessing.connection import wait
 from typing import Any, NamedTuple
 
+from lammps_jump import errors
 from lammps_jump.engines.child import ONE_SIGNAL
 from lammps_jump.engines.interrupts import handled_by
-from lammps_jump.errors import RunInterrupted
+from lammps_jump.errors import JumpError, RunInterrupted
 
 ENDED = "the study was ended; what it had is kept, and the same command continues from there"
 
@@ -37,6 +38,10 @@ class Outcome(NamedTuple):
 
     kind: str
     value: Any
+
+    def error(self) -> JumpError:
+        """The error that a call ended with; a `RunError` for a bug, crash or hang."""
+        return getattr(errors, self.kind, errors.RunError)(str(self.value))
 
 
 class Worker:
@@ -63,7 +68,7 @@ class Worker:
         """Begin a call."""
         self.number, self.deadline = number, time.monotonic() + patience
         with suppress(OSError):  # it has ended: the pool finds that out
-            self.pipe.send((call.func, call.args))
+            self.pipe.send(call)
 
     def ask(self) -> None:
         """Ask the call at work to stop in order: by a signal, and by a word in case it does not listen yet."""
@@ -116,7 +121,7 @@ class Pool:
         Parameters
         ----------
         calls : sequence of functools.partial
-            Of functions at the top level of a module, with positional arguments.
+            Of functions at the top level of a module.
         done : callable
             Called with the number of a call and its outcome.
         news : callable

@@ -97,7 +97,9 @@ def _axes(given: object) -> object:
 
 
 def _seeds(given: object) -> object:
-    """Seeds 1 … n of a number, or the seeds themselves as a list or ``9-16``."""
+    """Seeds 1 … n of a number, or the seeds themselves as a list or ``9-16``; none of the default, ()."""
+    if given == ():
+        return ()
     if isinstance(given, str) and (parts := given.split("-"))[0].isdigit() and parts[-1].isdigit() and len(parts) < 3:
         low, high = (int(parts[0]), int(parts[-1])) if len(parts) == 2 else (1, int(parts[0]))
         given = list(range(low, min(high, low + MOST_MEMBERS) + 1))
@@ -117,7 +119,7 @@ class StudyFields(Strict):
     case: str | dict[str, Any]
     set: dict[str, Any] = Field(default_factory=dict)
     axes: Annotated[dict[str, dict[str, list[Any]]], BeforeValidator(_axes)] = Field(default_factory=dict)
-    members: Annotated[tuple[Annotated[int, Field(ge=0)], ...], BeforeValidator(_seeds)] = (1,)
+    members: Annotated[tuple[Annotated[int, Field(ge=0)], ...], BeforeValidator(_seeds)] = ()
     collect: Annotated[tuple[str, ...], AfterValidator(lambda names: tuple(dict.fromkeys(names)))] = ()
     confidence: float = Field(default=0.95, gt=0, lt=1)
     until: dict[str, Share] = Field(default_factory=dict)
@@ -222,6 +224,9 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
         raise explain(error, file, StudyFields) from None
     read = read_case(fields.case if isinstance(fields.case, dict) else place / fields.case, fields.set)
     case = Case(read.fields, read.source)
+    if not fields.members:
+        seeds = tuple(range(1, (case.fields.run.members or 1) + 1))
+        fields = fields.model_copy(update={"members": seeds})
     if (runs := prod(len(next(iter(c.values()))) for c in fields.axes.values()) * len(fields.members)) > MOST_RUNS:
         raise file.error("axes", f"{runs} runs; allowed are {MOST_RUNS}")
     paths = (*fields.collect, *fields.until) or tuple(_usual(case))

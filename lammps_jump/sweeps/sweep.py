@@ -7,7 +7,7 @@ import html
 import logging
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -17,9 +17,10 @@ import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.profiles import write_netcdf
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.choice import usable_cores
-from lammps_jump.errors import CaseError, RunInterrupted, SetupError
+from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.files import SWEEP_FILES, plain, read_json, write_json, write_text
-from lammps_jump.folders import Marker, claim, clear, locked
+from lammps_jump.folders import Marker, clear
+from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.runs.summary import read_summary
 
@@ -217,6 +218,27 @@ class Sweep:
                 counts[point] = max(counts[point], sweeps.table.members_needed(found, share) or 0)
         return counts
 
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The statistics of each point as plain data: what ``summary.json`` of the folder holds."""
+        names = sweeps.table.STATISTICS
+        cells = {item: self.table[item.path].values.reshape(-1, len(names)) for item in self.study.collect}
+        points = [
+            {
+                "values": values,
+                "members": int(self.table["members"].values.ravel()[index]),
+                "verdicts": str(self.table["verdicts"].values.ravel()[index]),
+                "numbers": {
+                    item.path: {**dict(zip(names, cell[index], strict=True)), "unit": item.unit}
+                    for item, cell in cells.items()
+                },
+            }
+            for index, values in enumerate(self.study.points)
+        ]
+        about = {"name": self.study.case.name, "description": self.study.case.fields.description}
+        failed = [{"point": f.point, "seed": f.seed, "message": f.message} for f in self.failed]
+        return {**about, "confidence": self.study.fields.confidence, "points": points, "failed": failed}
+
     def status(self) -> str:
         """One line: how many runs are done, failed, at work, and still to come."""
         counts = Counter(self.states[member.key].stage for member in self.members)
@@ -229,6 +251,7 @@ class Sweep:
         frame = sweeps.table.flat(self.table, self.study)
         write_text(self.folder / "table.csv", frame.to_csv(index=False, lineterminator="\n"))
         write_netcdf(self.table, self.folder / "table.nc")
+        write_json(self.folder / "summary.json", self.summary, indent=2)
         return sweeps.page.write_page(self)
 
     def __repr__(self) -> str:
@@ -250,21 +273,9 @@ def _starts(study: Study, folder: Path) -> Iterator[Start]:
     return (Start(point, points[point], seed) for point, seed in sorted(seeds))
 
 
-@contextmanager
-def study_folder(folder: Path) -> Iterator[None]:
-    """Hold the folder of a study, made where it is missing, as the only process that runs it.
-
-    Raises
-    ------
-    SetupError
-        The folder cannot be made, holds something else, or another process runs a study in it.
-    """
-    try:
-        claim(folder, Marker("sweep", SWEEP_FILES, {}))
-    except OSError as error:
-        raise SetupError(f"{folder}: cannot be written ({error.strerror or error}); name another with --out") from None
-    with locked(folder):
-        yield
+def study_folder(folder: Path) -> AbstractContextManager[None]:
+    """Hold the folder of a study, made where it is missing, as the only process that runs it; see `run_folder`."""
+    return run_folder(folder, Marker("sweep", SWEEP_FILES, {}))
 
 
 def default_folder(study: str | Path | Mapping[str, Any] | ReadCase, case: Case) -> Path:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from lammps_jump.analysis.report.headline import belongs
 
@@ -45,7 +46,7 @@ def row_of(summary: Mapping[str, Any], study: Study) -> dict[str, float | str]:
     return row
 
 
-def statistics(values: Sequence[float], errors: Sequence[float], confidence: float) -> dict[str, float]:
+def statistics(values: ArrayLike, errors: ArrayLike, confidence: float) -> dict[str, float]:
     """`STATISTICS` of one number over members; NaN values are left out.
 
     The interval is that of Student's t with n - 1 degrees of freedom. For right errors of single runs with k degrees
@@ -80,7 +81,7 @@ def table_of(study: Study, values: pd.DataFrame) -> xr.Dataset:
     -------
     xarray.Dataset
         Dimensions are the axes, and ``statistic``; one variable for each collected number. ``members`` is the number
-        of runs that are done, ``verdicts`` what they found, in words, where they differ in kind.
+        of runs that are done, ``verdicts`` what they found, in words.
     """
     import xarray as xr  # 0.3 s
 
@@ -113,26 +114,25 @@ def _coordinate(values: Sequence[Any]) -> list[Any]:
 
 
 def kinds(group: pd.DataFrame) -> str:
-    """What members of a point found, where they differ in kind: ``jump 5, marginal jump 3``; else empty."""
+    """What the members of a point found, with their number: ``jump 5, marginal jump 3``; empty without a verdict."""
     said = []
     for name in (column for column in group if column.endswith(".verdict")):
         counts = group[name].fillna("none").value_counts()
-        if len(counts) > 1:
-            said.append(", ".join(f"{word} {count}" for word, count in counts.items()))
+        said.append(", ".join(f"{word} {count}" for word, count in counts.items()))
     return "; ".join(said)
 
 
 def flat(table: xr.Dataset, study: Study) -> pd.DataFrame:
     """The table as rows, one a point: values of the axes, ``<path>`` and ``<path>_<statistic>`` of each number."""
-    frame = pd.DataFrame(study.points)
+    cells: dict[str, Any] = {}
     for item in study.collect:
-        cells = table[item.path].values.reshape(-1, len(STATISTICS))
-        for index, name in enumerate(STATISTICS):
-            frame[item.path if name == "mean" else f"{item.path}_{name}"] = cells[:, index]
-        frame[f"{item.path}_n"] = frame[f"{item.path}_n"].astype(int)
-    frame["members"] = table["members"].values.ravel()
-    frame["verdicts"] = table["verdicts"].values.ravel()
-    return frame
+        for name in STATISTICS:
+            values = table[item.path].sel(statistic=name).values.ravel()
+            cells[item.path if name == "mean" else f"{item.path}_{name}"] = (
+                values if name != "n" else values.astype(int)
+            )
+    cells |= {name: table[name].values.ravel() for name in ("members", "verdicts")}
+    return pd.concat([pd.DataFrame(study.points), pd.DataFrame(cells)], axis=1)
 
 
 def members_needed(found: Mapping[str, float], share: float) -> int | None:

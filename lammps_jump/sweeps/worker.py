@@ -14,7 +14,7 @@ import select
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from functools import partial
 from multiprocessing.connection import Connection
 
 from lammps_jump.errors import JumpError
@@ -42,16 +42,16 @@ def serve(pipe: Connection) -> None:
         while True:
             call = pipe.recv()
             if call is not None:  # a request to stop that came too late
-                pipe.send(_answer(*call))
+                pipe.send(_answer(call))
     except (EOFError, OSError):
         return
 
 
-def _answer(function: Callable[..., object], arguments: tuple[object, ...]) -> tuple[str, object]:
+def _answer(call: partial[object]) -> tuple[str, object]:
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
-            return "done", function(*arguments)
+            return "done", call()
         finally:
             signal.signal(signal.SIGINT, signal.SIG_IGN)
     except KeyboardInterrupt:

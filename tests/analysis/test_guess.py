@@ -60,7 +60,9 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
     page = (folder / "report.html").read_text()
     assert "speed, Froude number and head are not known" in page
     assert "its front is at 40.00 m at the last frame." in headline({"front": front})
-    assert not (folder / "figures" / "martin_moyce.png").exists() and (folder / "figures" / "jump_track.png").exists()
+    curves = json.loads((folder / "curves.json").read_text())
+    assert "martin_moyce" not in curves and "jump_frame" not in curves
+    assert curves["jump_track"]["x"] == curves["front"]["x"] == "Step" and not curves["front"]["time"]
 
 
 def test_a_given_time_step_is_as_good_as_times(tmp_path):

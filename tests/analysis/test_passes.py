@@ -5,6 +5,7 @@ import json
 import re
 from fnmatch import fnmatch
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -58,7 +59,7 @@ def analysed(tmp_path_factory):
     path = dump_of(out / "dump.lammpstrj", [bore(25.0 - 0.2 * k) for k in range(12)])
     rows = "".join(f"{0.1 * k + 0.1:g},floor,0,-5,0\n" for k in range(11))
     (out / "forces.csv").write_text("time,structure,fx,fy,moment\n" + rows)
-    return out, analyse(context(probes=("floor",)), path, out, EVERYTHING)
+    return out, analyse(context(probes=("floor",)), path, out, EVERYTHING, figures="all")
 
 
 def test_one_pass_leaves_all_files_and_numbers(analysed):
@@ -74,6 +75,8 @@ def test_one_pass_leaves_all_files_and_numbers(analysed):
         for name in ("depth_profile", "jump_frame", "jump_stream", "jump_balance", "front", "energy", "forces")
     }
     assert figures <= set(parts["files"])
+    curves = json.loads((out / "curves.json").read_text())
+    assert {Path(name).stem for name in figures} <= set(curves) and "depth_map" not in curves
     assert_ours(parts["files"])
     assert parts["jump"]["verdict"] == "jump"
     assert parts["jump"]["speed"] == pytest.approx(-2.0, abs=1e-6)  # the file's ten digits
@@ -90,9 +93,18 @@ def test_energy_of_the_dump(analysed):
     assert parts["energy"]["initial"] == pytest.approx(expected, rel=1e-8)
 
 
+def test_two_pictures_are_drawn_unless_all_are_asked_for(tmp_path):
+    """The page draws the curves: matplotlib would take longer for its ten figures than the rest of the analysis."""
+    path = dump_of(tmp_path / "d", [bore(25.0 - 0.2 * k) for k in range(12)])
+    parts = analyse(context(), path, tmp_path / "out", ("jump", "front"))
+    pictures = sorted(path.name for path in (tmp_path / "out" / "figures").iterdir())
+    assert pictures == ["depth_profile.png", "snapshots.png"]
+    assert [f"figures/{name}" for name in pictures] == [name for name in parts["files"] if name.endswith(".png")]
+
+
 def test_nothing_but_profiles_when_nothing_is_asked(tmp_path):
     path = dump_of(tmp_path / "d", [bore(20.0)])
-    parts = analyse(context(), path, tmp_path / "new" / "folder", (), figures=False)
+    parts = analyse(context(), path, tmp_path / "new" / "folder", (), figures="none")
     assert parts["files"] == ["profiles.nc"]
     assert not {"jump", "front", "energy", "force"} & set(parts)
     assert read_profiles(tmp_path / "new" / "folder" / "profiles.nc").sizes["time"] == 1
@@ -120,7 +132,7 @@ def test_next_to_nothing(tmp_path, frames):
 
 def test_window_without_frames_falls_back_and_says_so(tmp_path):
     path = dump_of(tmp_path / "d", [bore(20.0)] * 4)
-    parts = analyse(context(window=(50.0, 60.0)), path, tmp_path, (), figures=False)
+    parts = analyse(context(window=(50.0, 60.0)), path, tmp_path, (), figures="none")
     assert any("second half" in warning for warning in parts["warnings"])
     assert parts["profiles"]["window"][1] == pytest.approx(0.3)
 
@@ -147,7 +159,7 @@ def test_unknown_export_is_refused(tmp_path):
 
 def test_exports_and_fields(tmp_path):
     path = dump_of(tmp_path / "dump.lammpstrj", [bore(20.0)] * 2)
-    parts = analyse(context(), path, tmp_path, ("fields",), figures=False)
+    parts = analyse(context(), path, tmp_path, ("fields",), figures="none")
     files = [*parts["files"], *(written.name for written in export(tmp_path, ("csv", "vtk", "pictures")))]
     assert {"fields.nc", "fields.vti", "profiles.csv", "picture0.dat", "discs.pvd"} <= set(files)
     assert_ours(files)

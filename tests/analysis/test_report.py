@@ -17,6 +17,7 @@ from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.definitions import DEFINITIONS
 from lammps_jump.analysis.report.headline import verdict
+from lammps_jump.analysis.report.key_numbers import key_numbers
 from lammps_jump.analysis.report.page import Curve, Player, Section, Table, Text, render, text
 from lammps_jump.analysis.report.run import LARGEST, write_report
 from lammps_jump.errors import DumpError
@@ -104,17 +105,17 @@ def made_jump(**given):
 
 def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_comparison(tmp_path):
     jump = made_jump(speed=-1.0, speed_error=None, u1=9.0, sequent_ratio=5.0, sequent_ratio_error=0.04)
-    jump |= {"belanger_ratio": 5.2, "belanger_deviation": -0.038, "length": 7.0}
+    jump |= {"belanger_ratio": 5.2, "belanger_deviation": -0.038, "length": 7.0, "lower_bounds": ["sequent_ratio"]}
     force = {"sill": {"peak": 4200.0, "peak_error": 300.0, "hydrostatic": 2100.0, "mean_fx": 1.0}}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump, "force": force}))
     title = "A hydraulic jump. Its depth ratio is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
     assert content.index(title) < content.index("Compare this − with that.") < content.index('class="numbers"')
     assert tiles(content) == {
-        "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04||Bélanger 5.2|"),
+        "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04†||Bélanger 5.2|"),
         "Velocity of the front": ("−1", " m/s|"),
         "Peak force on the sill": ("4.20", " ± 0.3 kN/m||ρgh²/2 2.1 kN/m|"),
     }
-    sure = "± is one standard error within this run. Without ±: no error from one run; repeat it from other starts."
+    sure = "± is one standard error within this run. † Or more: one run cannot tell. Without ±: no error from one run;"
     assert sure in content
     assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
     jump |= {"verdict": "no jump found"}
@@ -242,3 +243,19 @@ def test_a_number_without_an_error_is_said_to_have_none():
     ):
         texts = [block.text for block in QUANTITIES[key].section(found).blocks if isinstance(block, Text)]
         assert said in " ".join(texts), key
+
+
+def test_boxes_have_the_errors_of_both_numbers_and_say_what_one_run_cannot_tell():
+    jump = {key: None for key in numbers(Jump("", ""))} | {"verdict": "jump", "y1": 0.6, "y1_error": 0.01}
+    jump |= {"tail": {"depth": 3.5, "depth_error": 0.02, "belanger_y2": 3.6, "belanger_y2_error": 0.03}}
+    jump["tail"]["lower_bounds"] = ["depth"]
+    summary = {"jump": jump, "inflow": {"depth": 0.61, "depth_error": 0.002}}
+    boxes, sure = key_numbers(summary)
+    tail, depth = boxes
+    assert "† Or more" in sure
+    assert (tail.value, tail.error, tail.unit) == ("3.500", "0.02†", "m") and "3.600 ± 0.03 m" in tail.against
+    assert depth.unit == "m"
+    assert depth.against == "behind the inlet 0.6100 ± 0.002 m"  # what came in, not what was asked
+    assert "Without ±" not in sure
+    assert "Without ±" in key_numbers(summary | {"inflow": {"depth": 0.61}})[1]
+    assert key_numbers(summary | {"jump": jump | {"verdict": "locked heap"}})[0] == []

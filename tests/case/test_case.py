@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from math import ceil
+from math import ceil, sqrt
 
 import pytest
 from hypothesis import given, settings
@@ -329,3 +329,21 @@ def test_the_seed_gives_another_jet():
     ]
     differ = [old for old, new in zip(*texts, strict=True) if old != new]
     assert differ and all(line.startswith(("fix             inlet_", "fix             outlet_")) for line in differ)
+
+
+@pytest.mark.parametrize(
+    ("changes", "interval"),
+    [
+        ((), 0.4 * sqrt(0.2 / 9.81)),
+        (("discs.diameter=0.05",), 0.4 * sqrt(0.05 / 9.81)),
+        (("run.duration=40",), 40 / 400),
+        (("gravity=0",), 0.1),
+        (("run.output_interval=0.25",), 0.25),
+    ],
+)
+def test_frames_are_close_enough_for_playing_unless_asked_otherwise(changes, interval):
+    case = case_with(assignments=("run.duration=10", *changes))
+    scene = case.scene()
+    assert case.fields.output_interval == pytest.approx(interval)
+    assert scene.output_steps * scene.time_step == pytest.approx(interval, rel=0.02)
+    assert scene.steps <= 400 * scene.output_steps

@@ -22,7 +22,7 @@ ENGINES = {
     "compiled": ["--kernel", "compiled"],
     "ranks": ["--kernel", "stock", "--ranks", 2],
 }
-STEP = 30_000
+STEP = 3000
 
 
 def signalled(folder, engine: str, number: int, who: str = "first") -> str:
@@ -45,6 +45,7 @@ def signalled(folder, engine: str, number: int, who: str = "first") -> str:
         (signal.SIGUSR2, "ranks"),
     ],
 )
+@pytest.mark.fault("signals")
 def test_a_signal_saves_the_run_and_nothing_is_analysed(number, engine, plugin, tmp_path):
     """HUP and USR1 killed the program, XCPU and QUIT the engine too; an analysis of seconds followed the others."""
     folder = tmp_path / "run"
@@ -62,6 +63,7 @@ def test_a_signal_saves_the_run_and_nothing_is_analysed(number, engine, plugin, 
 
 @pytest.mark.lammps
 @pytest.mark.parametrize("engine", ["native", "stock", "ranks"])
+@pytest.mark.fault("signals")
 def test_the_engines_own_limit_of_processor_time_ends_the_run_in_order(engine, tmp_path):
     """The system tells each process of its own: XCPU killed the engine, and left no checkpoint."""
     signalled(tmp_path / "run", engine, signal.SIGXCPU, "engine")
@@ -70,12 +72,14 @@ def test_the_engines_own_limit_of_processor_time_ends_the_run_in_order(engine, t
 
 @pytest.mark.lammps
 @pytest.mark.parametrize("engine", ["native", "stock", "ranks"])
+@pytest.mark.fault("signals")
 def test_a_batch_system_signals_every_process(engine, tmp_path):
     signalled(tmp_path / "run", engine, signal.SIGUSR1, "all")
     assert read_checkpoint(tmp_path / "run").step >= STEP
 
 
 @pytest.mark.parametrize("place", ["lammps_jump.runs.start.write_folder", "lammps_jump.engines.run"])
+@pytest.mark.fault("signals")
 def test_a_signal_outside_the_engine_says_how_to_go_on(place, tmp_path, monkeypatch):
     def signal_comes(*arguments, **options):
         signal.raise_signal(signal.SIGUSR1)

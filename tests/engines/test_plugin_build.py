@@ -91,6 +91,7 @@ def test_another_compiler_or_source_is_another_entry(make_believe, monkeypatch):
 
 
 @pytest.mark.parametrize("damage", ["truncate", "empty", "no record", "record of another", "record is no JSON"])
+@pytest.mark.fault("surroundings")
 def test_a_damaged_entry_is_built_again(make_believe, damage):
     log = make_believe()
     path = plugin_path()
@@ -146,6 +147,7 @@ def test_no_compiler_names_what_to_install(monkeypatch):
     assert "CXX=no-such-compiler -m64 is not found" in availability().reason
 
 
+@pytest.mark.fault("surroundings")
 def test_a_compiler_that_does_not_run_is_named(monkeypatch):
     monkeypatch.setenv("CXX", "false")
     build._compiler_version.cache_clear()
@@ -162,6 +164,7 @@ def test_no_headers_names_the_wheel(make_believe, monkeypatch):
         assert "mpi.h" in availability().reason
 
 
+@pytest.mark.fault("surroundings")
 def test_an_unwritable_cache_names_the_variable(make_believe, monkeypatch, tmp_path):
     make_believe()
     blocked = tmp_path / "file"
@@ -191,6 +194,7 @@ def test_commands_that_tell_of_the_plugin(plugin, capsys):
     assert capsys.readouterr().out.strip()
 
 
+@pytest.mark.fault("surroundings")
 def test_garbage_with_a_record_of_its_own_is_built_again(make_believe):
     log = make_believe()
     path = plugin_path()
@@ -202,6 +206,7 @@ def test_garbage_with_a_record_of_its_own_is_built_again(make_believe):
     assert availability().path is None
 
 
+@pytest.mark.fault("surroundings")
 def test_a_compiler_that_makes_garbage_is_named(make_believe):
     make_believe(fail='while [ $# -gt 0 ]; do if [ "$1" = "-o" ]; then echo garbage > "$2"; exit 0; fi; shift; done')
     with pytest.raises(SetupError, match="no plugin"):
@@ -210,6 +215,7 @@ def test_a_compiler_that_makes_garbage_is_named(make_believe):
 
 @pytest.mark.parametrize("which", ["library", "record", "folder"])
 @pytest.mark.parametrize("how", ["owner", "everybody"])
+@pytest.mark.fault("surroundings")
 def test_what_others_own_or_may_change_is_not_loaded(make_believe, monkeypatch, which, how):
     make_believe()
     path = plugin_path()

@@ -11,7 +11,7 @@ import sys
 
 import pytest
 from children import run_child, run_program
-from made_up import INPUTS
+from made_up import INPUTS, without_analysis
 
 import lammps_jump as lj
 from lammps_jump.cli.app import main
@@ -19,7 +19,7 @@ from lammps_jump.engines import launch
 from lammps_jump.errors import ResumeError, RunError
 from lammps_jump.runs import start
 
-SHORT = ("--set", "run.duration=0.1", "--set", "run.output_interval=0.02")
+SHORT = ("--set", "run.duration=0.1", "--set", "run.output_interval=0.02", "--set", "analysis.jump=false")
 
 
 def said_by(monkeypatch, capsys, folder, *words: str) -> tuple[int, str]:
@@ -32,6 +32,7 @@ def said_by(monkeypatch, capsys, folder, *words: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("kind", ["pipe", "device", "link to a device"])
+@pytest.mark.fault("folders")
 def test_what_never_ends_is_not_waited_for(monkeypatch, capsys, tmp_path, kind):
     place = tmp_path / "never"
     if kind == "pipe":
@@ -65,6 +66,7 @@ MEGABYTES = 150
 
 
 @pytest.mark.parametrize("name", BOMBS)
+@pytest.mark.fault("mutants of dumps")
 def test_a_gzip_bomb_is_bounded(tmp_path, name):
     """A file below 1 MB that unpacks to 150 MB: refused, in less address space than that would take as numbers."""
     start, part = BOMBS[name]
@@ -81,8 +83,10 @@ def test_a_gzip_bomb_is_bounded(tmp_path, name):
 
 
 @pytest.mark.parametrize("text", [100_000 * "[" + 100_000 * "]", 100_000 * '{"a":'], ids=["lists", "groups"])
-def test_brackets_in_the_files_of_a_folder(tmp_path, text):
+@pytest.mark.fault("values in JSON files")
+def test_brackets_in_the_files_of_a_folder(tmp_path, text, monkeypatch):
     """Deep JSON is no JSON: the run folder is read without it."""
+    without_analysis(monkeypatch)
     folder = tmp_path / "run"
     lj.load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.1"]).run(folder, engine="native")
     (folder / "summary.json").write_text(text)
@@ -95,6 +99,7 @@ def test_brackets_in_the_files_of_a_folder(tmp_path, text):
 
 
 @pytest.mark.parametrize("backend", ["nonsense", "module://no.such.module", "agg"])
+@pytest.mark.fault("surroundings")
 def test_a_backend_that_is_not_known_is_left_aside(tmp_path, backend):
     words = ("build-and-run", INPUTS / "quick_jump.yaml", *SHORT, "--quiet", "--out", tmp_path / "o")
     status, said = run_program(*words, env={"MPLBACKEND": backend})
@@ -105,6 +110,7 @@ def test_a_backend_that_is_not_known_is_left_aside(tmp_path, backend):
 
 @pytest.mark.parametrize("how", ["removed", "renamed"])
 @pytest.mark.parametrize("engine", ["native", "lammps"])
+@pytest.mark.fault("folders")
 def test_a_folder_that_is_taken_away(tmp_path, monkeypatch, engine, how):
     folder = tmp_path / "run"
 
@@ -130,6 +136,7 @@ def test_a_folder_that_is_taken_away(tmp_path, monkeypatch, engine, how):
 
 
 @pytest.mark.parametrize("blocks", [0, 1, 40])
+@pytest.mark.fault("full disk")
 def test_files_that_cannot_grow(tmp_path, blocks):
     """A limit of the file size (kB) stands for a full disk: no traceback, and no summary that says complete."""
     command = [

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -10,11 +11,11 @@ from pathlib import Path
 
 import pytest
 from children import run_program
-from made_up import INPUTS, choose_to_stop_at
+from made_up import INPUTS, choose_to_stop_at, without_analysis
 
 import lammps_jump as lj
 from lammps_jump.cli.run import print_summary
-from lammps_jump.engines.checkpoint import CHECKPOINT_FILE
+from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, sum_of
 from lammps_jump.errors import JumpError, ResumeError, RunInterrupted
 from lammps_jump.runs import engine, start
 
@@ -54,26 +55,31 @@ def resume(folder: Path) -> None:
 
 
 SHELL = "x\nshell touch PWNED"
-DEEP = "deep"
+SUM = {"size": 0, "sha256": hashlib.sha256().hexdigest()}
 WRONG = {
     "scene": [None, 3, [], "another", SHELL],
     "step": [-5, 0, 10**9, 2.5, "200", None, True, float("nan")],
     "time": ["now", float("nan"), float("inf"), None],
     "state": [
-        "../victim.txt",
-        "/etc/passwd",
-        SHELL,
-        "",
-        "checkpoint-9.npz",
-        "checkpoint-200.npz\nshell touch PWNED",
+        {"../victim.txt": SUM},
+        {"/etc/passwd": SUM},
+        {SHELL: SUM},
+        {"": SUM},
+        {},
+        {"checkpoint-9.npz": SUM},
+        {"checkpoint-200.npz\nshell touch PWNED": SUM},
+        {"checkpoint-200.npz": {"size": -1, "sha256": 64 * "0"}},
+        "checkpoint-200.npz",
         3,
     ],
-    "sizes": [
-        {"../victim.txt": 0},
-        {"case.yaml": 0},
-        {"dump.lammpstrj": -1},
-        {"log.lammps": 10**12},
-        {SHELL: 0},
+    "outputs": [
+        {"../victim.txt": SUM},
+        {"case.yaml": SUM},
+        {"forces_../victim.raw": SUM},
+        {"dump.lammpstrj": {"size": -1, "sha256": 64 * "0"}},
+        {"dump.lammpstrj": {"size": 1, "sha256": SHELL}},
+        {"log.lammps": {"size": 10**12, "sha256": 64 * "0"}},
+        {SHELL: SUM},
         [],
         7,
     ],
@@ -96,16 +102,22 @@ def spoilt(stored: dict, path: str, value: object) -> dict:
     for group in groups:
         inner = inner[group]
     inner[key] = value
-    return copied
+    copied.pop("sum")
+    try:
+        return {**copied, "sum": sum_of(copied)}  # by somebody with bad intentions
+    except ValueError:
+        return copied
 
 
-def test_every_field_of_a_checkpoint_is_checked(folder):
+@pytest.mark.fault("values in JSON files")
+def test_every_field_of_a_checkpoint_is_checked(folder, tried):
     path = folder / CHECKPOINT_FILE
     stored = json.loads(path.read_text())
-    assert stored["step"] >= STEP and set(stored) == {name.partition(".")[0] for name in WRONG}
+    assert stored["step"] >= STEP and set(stored) == {"sum", *(name.partition(".")[0] for name in WRONG)}
     before = snapshot(folder.parent)
     texts = [json.dumps(spoilt(stored, name, value)) for name, values in WRONG.items() for value in values]
     texts += [json.dumps({key: stored[key] for key in stored if key != name}) for name in stored]
+    texts.append(json.dumps({**stored, "time": stored["time"] + 1}))
     texts += [100_000 * "[" + 100_000 * "]", 100_000 * '{"a":', "", "null", "[]", "3", "\x00", '{"step": 200}']
     for text in texts:
         path.write_text(text)
@@ -113,12 +125,14 @@ def test_every_field_of_a_checkpoint_is_checked(folder):
             resume(folder)
         assert "\n" not in str(caught.value) and len(str(caught.value)) < 500, text[:200]
         assert snapshot(folder.parent) == {**before, str(path): text.encode()}, text[:200]
+    tried(len(texts))
     path.write_text(json.dumps(stored))
     resume(folder)  # the one that was not touched goes on
     assert lj.open_run(folder).status == "complete"
     assert not list(folder.parent.rglob("PWNED"))
 
 
+@pytest.mark.fault("folders")
 def test_a_link_is_not_followed(folder):
     (name,) = [name for name in ("dump.lammpstrj",) if (folder / name).is_file()]
     outside = folder.parent / "outside"
@@ -139,6 +153,7 @@ EDITS = [
 
 
 @pytest.mark.parametrize("field, named", EDITS)
+@pytest.mark.fault("folders")
 def test_an_edited_case_is_refused_with_what_differs(folder, field, named):
     path = folder / "case.yaml"
     text = path.read_text()
@@ -167,7 +182,8 @@ def test_a_copy_of_the_case_may_be_edited(folder, tmp_path):
     assert lj.load_case(copied).fields.run.seed == 2
 
 
-def test_an_analysis_that_was_asked_for_is_no_edit(folder):
+def test_an_analysis_that_was_asked_for_is_no_edit(folder, monkeypatch):
+    without_analysis(monkeypatch)
     resume(folder)
     start.reanalyse(folder, ["analysis.bin_width=0.5"])
     assert lj.open_run(folder).case.fields.analysis.bin_width == 0.5
@@ -177,8 +193,10 @@ def test_an_analysis_that_was_asked_for_is_no_edit(folder):
 SUMMARY_VALUES = [None, -5, float("nan"), "x\nshell touch PWNED", [], {}, 10**400, [[[[]]]]]
 
 
-def test_every_field_of_a_summary_is_checked(folder):
+@pytest.mark.fault("values in JSON files")
+def test_every_field_of_a_summary_is_checked(folder, monkeypatch, tried):
     """A summary is believed, refused in a sentence, or left aside: no traceback, nothing outside is touched."""
+    without_analysis(monkeypatch)
     resume(folder)
     path = folder / "summary.json"
     stored = json.loads(path.read_text())
@@ -199,6 +217,7 @@ def test_every_field_of_a_summary_is_checked(folder):
         if not path.exists() or path.read_text() != text:
             path.write_text(json.dumps(stored))
     assert not list(folder.parent.rglob("PWNED"))
+    tried(len(texts))
 
 
 def test_a_summary_that_is_a_pipe_is_not_waited_for(folder):

@@ -11,13 +11,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from children import engines_that_save_at
 from made_up import choose_to_stop_at, run_case, without_analysis
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import open_dump
-from lammps_jump.engines.checkpoint import read_checkpoint
+from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, PREVIOUS_FILE, read_checkpoint
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.launch import Setting, run
@@ -26,7 +27,7 @@ from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
 from lammps_jump.runs import engine
 from lammps_jump.scene.scene import Gate, Pour
 from lammps_jump.scene.walls import Plane
-from lammps_jump.script.resume import continuation_text, write_continuation
+from lammps_jump.script.resume import continuation_text
 
 INPUTS = Path(__file__).parents[2] / "inputs"
 pytestmark = pytest.mark.lammps
@@ -138,46 +139,94 @@ def test_full_step_velocities_would_not_do(tmp_path):
     place = tmp_path / "parts"
     run(scene, place, Setting(stop_at=scene.steps // 5))
     checkpoint = read_checkpoint(place)
-    options = {"step": checkpoint.step, "removed": checkpoint.removed}
-    lines = continuation_text(scene, **options).splitlines()
-    # set the velocities of the step first, and let the run compute its forces with them
-    start = lines.index("run             0 post no")
-    last = next(i for i, line in enumerate(lines) if line.endswith("upto pre no"))
-    lines = [*lines[:last], lines[last].replace(" pre no", ""), *lines[last + 1 :]]
-    assert start < last
-    run(scene, place, Setting(script="\n".join(lines) + "\n"), resume=checkpoint)
+    path = place / f"checkpoint-{checkpoint.step}.npz"
+    stored = dict(np.load(path))
+    np.savez(path, **{**stored, "half": stored["whole"]})  # the run computes its forces with the velocities of the step
+    run(scene, place, resume=checkpoint)
     one, two = frames(tmp_path / "whole"), frames(place)
     later = next(i for i, frame in enumerate(one) if frame.step > checkpoint.step + 50)
     assert 1e-8 * scene.diameter < apart(one[later], two[later]) < 1e-3 * scene.diameter
 
 
-# --- what cannot go on ---------------------------------------------------------------------------------------------
+# --- what could not go on before ------------------------------------------------------------------------------------
 
 
-def test_a_pour_that_goes_on_is_refused(tmp_path):
-    pour = Pour(x=(12.0, 20.0), y=(6.0, 8.0), count=2000, volume_fraction=0.2, speed_down=1.0)
-    scene = scene_of("dam_break", *COLLAPSE)
+@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+def test_a_pour_goes_on_with_the_discs_that_are_left(kernel, tmp_path):
+    """fix pour keeps no state: the others come from a new random stream, and all are there in the end."""
+    pour = Pour(x=(12.0, 20.0), y=(6.0, 8.0), count=300, volume_fraction=0.2, speed_down=1.0)
+    scene = scene_of("dam_break", "run.duration=1.2", "run.output_interval=0.01")
     scene = replace(scene, pours=(pour,), probes=())
-    result = run(scene, tmp_path, Setting(stop_at=scene.steps // 5))
-    assert result.status == "interrupted" and "still pouring" in result.message
-    assert read_checkpoint(tmp_path) is None and not list(tmp_path.glob("checkpoint*"))
+    engine = {"kernel": kernel, "plugin": plugin_of(kernel)}
+    begun = len(scene.positions)
+    first = run(scene, tmp_path, Setting(stop_at=scene.steps // 5, **engine))
+    assert first.status == "interrupted" and begun < first.inserted < begun + 300
+    checkpoint = read_checkpoint(tmp_path)
+    options = {"step": checkpoint.step, "removed": (), "kernel": kernel}
+    seeds = [re.search(r"pour 300 0 (\d+)", (tmp_path / "in.lammps").read_text())[1]]
+    text = continuation_text(scene, poured=first.inserted - begun, **options)
+    seeds.append(re.search(rf"pour {begun + 300 - first.inserted} 0 (\d+)", text)[1])
+    assert seeds[0] != seeds[1] and "fix             pour_1" not in continuation_text(scene, poured=300, **options)
+    last = go_on(scene, tmp_path, **engine)
+    assert last.status == "complete" and last.lost == 0 and last.inserted == begun + 300
+    ids = [frame.ids for frame in frames(tmp_path)]
+    assert np.array_equal(ids[-1], np.arange(1, begun + 301))
 
 
-def test_a_gate_before_inlets_is_refused_until_it_is_open(tmp_path):
+@pytest.mark.parametrize("stop", [1000, 3500])
+@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+def test_a_gate_before_inlets_goes_on_closed_or_open(kernel, stop, tmp_path):
     gate = Gate(Plane("gate", "x", 3.0, "below"), 3000)
-    scene = scene_of("quick_jump", "run.duration=2")
+    scene = scene_of("quick_jump", "run.duration=2", "contact.friction=0.1")
     rows = tuple(replace(row, first_step=row.first_step + 3000) for row in scene.inlets)
-    scene = replace(scene, gates=(gate,), settle_steps=3000, inlets=rows, positions=np.array([[1.0, 0.1]]))
-    scene = replace(scene, velocities=np.zeros((1, 2)))
-    result = run(scene, tmp_path, Setting(stop_at=1000))
-    assert 0 < result.steps <= 1000  # of the last line of the log
-    assert result.status == "interrupted" and "gates open and inlets begin" in result.message
-    assert read_checkpoint(tmp_path) is None
-    assert run(scene, tmp_path, Setting(stop_at=3500)).status == "interrupted"
-    assert 3500 <= read_checkpoint(tmp_path).step < 3500 + scene.probe_steps
-    assert "wall_gate" not in write_continuation(scene, tmp_path, step=1, removed=()).read_text()
-    result = go_on(scene, tmp_path)
-    assert result.status == "complete" and result.lost == 0
+    scene = replace(scene, gates=(gate,), settle_steps=3000, inlets=rows, steps=5900)
+    discs = np.array([[1.0 + 0.1601 * i, 0.1 + 0.16 * j] for i in range(12) for j in range(4)])
+    scene = replace(scene, positions=discs, velocities=np.zeros_like(discs))
+    engine = {"kernel": kernel, "plugin": plugin_of(kernel)}
+    whole = run(scene, tmp_path / "whole", Setting(**engine))
+    parts = tmp_path / "parts"
+    first = run(scene, parts, Setting(stop_at=stop, **engine))
+    assert first.status == "interrupted" and stop <= read_checkpoint(parts).step < stop + scene.probe_steps
+    last = go_on(scene, parts, **engine)
+    assert last.status == "complete" and last.lost == 0 and last.inserted == whole.inserted > len(discs)
+    one, two = frames(tmp_path / "whole"), frames(parts)
+    assert [frame.step for frame in one] == [frame.step for frame in two]
+    joined = next(i for i, frame in enumerate(one) if frame.step > first.steps)
+    assert apart(one[joined], two[joined]) < 1e-8
+    forces = [read_forces(place / "forces.csv")["sill"] for place in (tmp_path / "whole", parts)]
+    assert forces[0].time == pytest.approx(forces[1].time, abs=1e-12)
+
+
+# --- checkpoints on the way -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kernel", "ranks", "name", "changes"),
+    [
+        ("stock", 1, "quick_jump", (*JUMP, "contact.friction=0.1", "contact.rotation=true")),
+        ("compiled", 1, "quick_jump", (*JUMP, "contact.friction=0.1")),
+        ("stock", 1, "wave_structure", FRICTION),
+        ("compiled", 2, "quick_jump", (*JUMP, "run.duration=0.4")),
+    ],
+)
+def test_checkpoints_on_the_way_change_nothing(kernel, ranks, name, changes, tmp_path):
+    """The motion is that of a run without, to the last bit: of discs, forces on walls, and sizes of frames."""
+    scene = scene_of(name, *changes)
+    setting = Setting(kernel=kernel, plugin=plugin_of(kernel), ranks=ranks, dump_format="binary")
+    setting = replace(setting, checkpoint_interval=1e9)
+    run(scene, tmp_path / "whole", setting)
+    with engines_that_save_at(700, 1100, 1500, 2001):
+        result = run(scene, tmp_path / "saved", setting)
+    assert result.status == "complete" and not result.resumed
+    steps = [json.loads((tmp_path / "saved" / name).read_text())["step"] for name in (CHECKPOINT_FILE, PREVIOUS_FILE)]
+    assert steps[0] > 2001 > steps[1] > 1500
+    one, two = frames(tmp_path / "whole"), frames(tmp_path / "saved")
+    assert [frame.step for frame in one] == [frame.step for frame in two]
+    for before, after in zip(one, two, strict=True):
+        assert all(np.array_equal(before.columns[key], after.columns[key]) for key in before.columns)
+    forces = [read_forces(place / "forces.csv") for place in (tmp_path / "whole", tmp_path / "saved")]
+    for wall, history in forces[0].items():
+        assert np.array_equal(history.fx, forces[1][wall].fx) and np.array_equal(history.moment, forces[1][wall].moment)
 
 
 def test_an_end_asked_for_too_late_is_no_interruption(tmp_path):

@@ -12,8 +12,8 @@ from one_node_slurm import missing, one_node_slurm, wait_for
 
 import lammps_jump as lj
 from lammps_jump.engines.lammps.log import read_log
-from lammps_jump.runs.job import Site
 from lammps_jump.runs.start import build
+from lammps_jump.script.job import Site
 
 pytestmark = [pytest.mark.slurm, pytest.mark.skipif(bool(missing()), reason=missing())]
 

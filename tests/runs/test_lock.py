@@ -40,6 +40,7 @@ def case():
     return lj.load_case(INPUTS / "quick_jump.yaml", SHORT)
 
 
+@pytest.mark.fault("folders")
 def test_a_second_writer_is_refused_with_pid_and_host_and_changes_nothing(case, tmp_path):
     """Two runs in one folder ended well, each on the other's data; analyze deleted what LAMMPS was writing."""
     seen = []
@@ -61,6 +62,7 @@ def test_a_second_writer_is_refused_with_pid_and_host_and_changes_nothing(case, 
     assert lj.open_run(tmp_path / "run").status == "interrupted"
 
 
+@pytest.mark.fault("folders")
 def test_the_lock_of_a_killed_process_is_free(tmp_path):
     status, output = run_child([sys.executable, "-c", HELD, tmp_path])
     assert status == -signal.SIGKILL
@@ -93,6 +95,7 @@ def test_without_flock_the_text_decides(tmp_path, monkeypatch, changes, alive):
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", "[" * 100_000, "\udcff"])
+@pytest.mark.fault("folders")
 def test_a_lock_file_of_garbage_is_no_holder(tmp_path, text):
     (tmp_path / LOCK_FILE).write_text(text, errors="surrogateescape")
     assert holder(tmp_path) == ""
@@ -100,6 +103,7 @@ def test_a_lock_file_of_garbage_is_no_holder(tmp_path, text):
         assert holder(tmp_path)
 
 
+@pytest.mark.fault("folders")
 def test_a_link_as_lock_file_is_not_followed(tmp_path):
     (tmp_path / "mine").write_text("of the user")
     (tmp_path / LOCK_FILE).symlink_to("mine")

@@ -43,6 +43,7 @@ def names(folder: Path) -> set[str]:
 
 @pytest.mark.parametrize("options", [[], ["--force"]])
 @pytest.mark.parametrize("command", ["build-and-run", "build"])
+@pytest.mark.fault("folders")
 def test_a_folder_of_the_user_is_refused_with_what_stands_there(monkeypatch, capsys, tmp_path, command, options):
     """`build-and-run case.yaml --out .` deleted or overwrote six files of the user, the case among them."""
     monkeypatch.chdir(tmp_path)
@@ -57,6 +58,7 @@ def test_a_folder_of_the_user_is_refused_with_what_stands_there(monkeypatch, cap
 
 
 @pytest.mark.parametrize("name", ["dump.lammpstrj", "figures", ".analysis.new"])
+@pytest.mark.fault("folders")
 def test_links_to_other_places_are_refused(case, tmp_path, name):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / name).symlink_to(tmp_path / "elsewhere")
@@ -74,6 +76,7 @@ def test_figures_that_became_a_link_are_not_followed(folder, tmp_path):
     assert files(tmp_path / "elsewhere") == before
 
 
+@pytest.mark.fault("folders")
 def test_other_files_of_the_user_stay_beside_a_run(case, tmp_path, monkeypatch):
     without_analysis(monkeypatch)
     (tmp_path / "mine.txt").write_text("of the user")
@@ -95,6 +98,7 @@ def test_only_known_names_of_a_marker_are_believed(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"files": 3, "kind": "run", "about": {}}', "[" * 100_000])
+@pytest.mark.fault("values in JSON files")
 def test_a_marker_that_is_none_is_refused(monkeypatch, capsys, folder, text):
     (folder / MARKER_FILE).write_text(text)
     before = files(folder)
@@ -104,6 +108,7 @@ def test_a_marker_that_is_none_is_refused(monkeypatch, capsys, folder, text):
     assert files(folder) == before
 
 
+@pytest.mark.fault("folders")
 def test_analysis_of_a_dump_overwrites_nothing(monkeypatch, capsys, folder, tmp_path):
     dump, out = folder / "dump.lammpstrj", tmp_path / "out"
     out.mkdir()
@@ -124,6 +129,7 @@ def test_analysis_of_a_dump_overwrites_nothing(monkeypatch, capsys, folder, tmp_
     assert status == 2 and "holds the analysis of a dump" in message and files(other) == before
 
 
+@pytest.mark.fault("folders")
 def test_a_film_overwrites_nothing(monkeypatch, capsys, folder, tmp_path):
     film = tmp_path / "film.gif"
     film.write_text("of the user")
@@ -136,6 +142,7 @@ def test_a_film_overwrites_nothing(monkeypatch, capsys, folder, tmp_path):
     assert not [name for name in names(tmp_path) if name.endswith((".new", ".lock"))]
 
 
+@pytest.mark.fault("folders")
 def test_exports_overwrite_nothing(monkeypatch, capsys, folder, tmp_path):
     out = tmp_path / "tables"
     out.mkdir()
@@ -163,6 +170,7 @@ def linked(folder: Path, backup: Path) -> dict[str, bytes]:
     return files(backup)
 
 
+@pytest.mark.fault("folders")
 def test_hard_linked_backups_stay_as_they_are(case, folder, tmp_path, monkeypatch):
     """The next analyze or resume wrote into them."""
     before = linked(folder, tmp_path / "one")
@@ -209,6 +217,7 @@ def test_variants_of_a_case_have_folders_of_their_own(tmp_path, monkeypatch):
     )
 
 
+@pytest.mark.fault("folders")
 def test_another_run_is_refused_with_what_differs(case, folder):
     before = files(folder)
     for changes, said in (

@@ -258,6 +258,21 @@ def test_progress_of_a_part_that_goes_on_counts_from_its_first_report():
     assert "95 %" in stream.getvalue() and "20 s left" in stream.getvalue()
 
 
+def test_progress_line_goes_on_with_the_analysis(monkeypatch):
+    """It used to stand still at the last step it had shown, with no time left."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "120")
+    stream, clock = Terminal(), iter((0.0, 10.0, 10.1, 10.2, 10.3))
+    line = ProgressLine(10.0, stream=stream, clock=lambda: next(clock))
+    line(Progress(step=870, steps=1000, time=8.7, discs=10))
+    for doing in ("analysis: reading", "analysis: reading", "analysis: report"):
+        line(Progress(step=1000, steps=1000, time=10.0, discs=10, doing=doing))
+    line.finish()
+    text = stream.getvalue()
+    assert text.index("87 %") < text.index("analysis: reading") < text.index("analysis: report")
+    assert text.count("analysis: reading") == 1  # too early for the same again
+
+
 LOG = """\
 LAMMPS (22 Jul 2025)
    Step          Time          Atoms      f_outlet_1     c_top

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Benchmark arithmetic: settings, errors, Pareto fronts, choices, storage; nothing is run."""
 
-import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,18 +9,16 @@ from made_up import INPUTS
 
 from lammps_jump import load_case
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.errors import CaseError, RunInterrupted
-from lammps_jump.studies import measure, runs
+from lammps_jump.errors import CaseError
 from lammps_jump.studies.bench import errors as bench_errors
 from lammps_jump.studies.bench import page as bench_page
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.errors import QuantityError
 from lammps_jump.studies.bench.study import Axes, read_axes
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
-from lammps_jump.studies.measure import JITTER, Measured, moved_start
 from lammps_jump.studies.runs import in_turn, middle
 from lammps_jump.studies.settings import Setting, make_settings, reference_setting, stable
-from lammps_jump.studies.store import Store
+from lammps_jump.sweeps.members import JITTER, started
 
 
 def test_only_stable_steps_are_settings():
@@ -56,8 +52,8 @@ def test_assignments_make_the_case(tmp_path):
     assert case.engine.name == "native" and case.run.time_step_fraction == 0.02
     assert case.contact.touch == "smooth" and case.contact.penetration_fraction == 20
     assert case.contact.correct_restitution is False and case.engine.skin == pytest.approx(0.08)
-    moved = moved_start(load_case(path), 3).fields
-    assert moved.run.seed == case.run.seed + 3 and moved.initial[0].jitter == JITTER
+    moved = started(load_case(path), 3).fields
+    assert moved.run.seed == 3 and moved.initial[0].jitter == JITTER
 
 
 def test_collisions_have_the_contact_of_a_case():
@@ -110,8 +106,10 @@ def test_exact_quantities_use_the_median():
 def test_missing_values_leave_no_number():
     assert bench_errors.quantity_error("sequent depth", [None], [1.0]).error is None
     assert bench_errors.quantity_error("sequent depth", [1.0], []).error is None
-    runs = [Measured("complete", "", {"verdict": "jump", "jump": {"y2": 1.0}, "shock speed": 1.0})]
-    assert bench_errors.names_of(runs) == ["shock speed"]
+    assert bench_errors.names_of([{"sequent depth": None, "shock speed": 1.0}, {"curve": [1.0]}]) == [
+        "shock speed",
+        "curve",
+    ]
 
 
 def test_pareto_front():
@@ -139,40 +137,6 @@ def test_turns_go_to_and_fro():
     assert calls == [(0, "a"), (0, "b"), (1, "b"), (1, "a"), (2, "a"), (2, "b")]
     assert found == {"a": ["a0", "a1", "a2"], "b": ["b0", "b1", "b2"]}
     assert middle([3.0, None, 1.0]) == 2.0 and middle([None]) is None
-
-
-def test_store_goes_on_where_it_was(tmp_path):
-    made = []
-    store = Store(tmp_path / "s" / "bench.json")
-    for _ in range(2):
-        store.piece("a", lambda: made.append(1) or {"x": float("nan")})
-    again = Store(tmp_path / "s" / "bench.json")
-    assert again.piece("a", lambda: made.append(2)) == {"x": None}  # NaN is null in JSON
-    assert made == [1]
-    json.loads((tmp_path / "s" / "bench.json").read_text())
-    assert Store(tmp_path / "s" / "bench.json", fresh=True).pieces == {}
-    (tmp_path / "broken.json").write_text("{")
-    assert Store(tmp_path / "broken.json").pieces == {}
-
-
-def test_key_tells_settings_apart():
-    one = Setting("stock", 0.05)
-    assert one.key("case") == Setting("stock", 0.05).key("case")
-    assert len({one.key("case"), one.key("other"), replace(one, skin=0.1).key("case"), one.key("case", 1)}) == 4
-
-
-def test_an_interrupted_run_ends_the_study_and_is_not_stored(tmp_path, monkeypatch):
-    path = tmp_path / "case.yaml"
-    path.write_text(
-        "name: t\ngravity: 0\ndiscs: {diameter: 0.4}\ncontact: {restitution: 0.5, impact_speed: 5}\n"
-        "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
-    )
-    ended = SimpleNamespace(status="interrupted", message="ended")
-    monkeypatch.setattr(runs, "run_native", lambda *_, **__: ended)
-    store = Store(tmp_path / "bench.json")
-    with pytest.raises(RunInterrupted, match="continues from there"):
-        store.piece("a", lambda: measure.run_setting(load_case(path), Setting("native", 0.05), 0))
-    assert not store.pieces
 
 
 def json_row(label, seconds, error, **others):

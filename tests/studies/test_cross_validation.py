@@ -6,15 +6,17 @@ from math import comb, exp
 
 import numpy as np
 import pytest
+import yaml
 from scipy import stats
 
-from lammps_jump.case import load_case, parse_case
+import lammps_jump as lj
+from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.errors import SetupError
-from lammps_jump.studies.cross_validation import ensembles, trajectories
+from lammps_jump.errors import RunError, SetupError
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
-from lammps_jump.studies.cross_validation.ensembles import MEMBERS_FILE, Study
+from lammps_jump.studies.cross_validation import trajectories
+from lammps_jump.studies.cross_validation.ensembles import Study
 from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
 from lammps_jump.studies.cross_validation.report import verdict_text
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
@@ -25,10 +27,12 @@ from lammps_jump.studies.cross_validation.trajectories import (
     crossing_step,
     first_contact,
     fit_growth,
+    perturbed,
     separation,
     trajectory,
 )
-from lammps_jump.studies.measure import JITTER, perturbed
+from lammps_jump.sweeps import Pool
+from lammps_jump.sweeps.members import JITTER, started
 
 DROP = """
 name: drops
@@ -44,16 +48,16 @@ analysis: {bin_width: 0.5}
 
 
 def _case(*changes):
-    return parse_case(DROP, "drops.yaml", ["run.integrator=velocity_verlet", *changes])
+    return lj.load_case(yaml.safe_load(DROP), ["run.integrator=velocity_verlet", *changes])
 
 
 def _scene(*changes):
     return _case(*changes).scene()
 
 
-def _study(folder, said, *changes):
+def _study(folder, said, pool, *changes):
     case = _case(*changes)
-    return Study(case, case.scene(), "stock", folder, (1,), [], said.append, None)
+    return Study(case, case.scene(), "stock", folder, pool, (1,), [], said.append)
 
 
 class TestWelch:
@@ -222,50 +226,51 @@ class TestScenes:
 class TestEnsembles:
     def test_jitter_is_small_reproducible_and_leaves_the_rest_alone(self):
         scene = _scene()
-        one, again, other = (perturbed(scene, seed) for seed in (1, 1, 2))
+        one, again, other = (perturbed(scene, seed, JITTER) for seed in (1, 1, 2))
         assert np.array_equal(one.positions, again.positions) and not np.array_equal(one.positions, other.positions)
         shift = np.abs(one.positions - scene.positions).max() / scene.diameter
         assert 0 < shift <= JITTER * (1 + 1e-6)
         assert np.array_equal(one.velocities, scene.velocities) and one.steps == scene.steps
-        assert perturbed(scene, 0) is scene
 
     def test_jitter_of_inflow_changes_speeds_only(self):
         scene = build_scene(load_case("inputs/quick_jump.yaml"))
-        moved = perturbed(scene, 3)
+        moved = perturbed(scene, 3, JITTER)
         for before, after in zip(scene.inlets, moved.inlets, strict=True):
             assert 0 < abs(after.vx / before.vx - 1) <= JITTER
             assert replace(after, vx=before.vx) == before
 
+    def test_both_engines_get_the_same_starts(self):
+        starts = [
+            started(lj.load_case("inputs/quick_jump.yaml", {"engine.name": name}), 3) for name in ("lammps", "native")
+        ]
+        one, two = (start.scene() for start in starts)
+        assert one.inlets == two.inlets and one.sizes == two.sizes
+
     def test_members_are_kept_and_found_again_until_something_changes(self, tmp_path):
         said = []
-        study = _study(tmp_path, said)
-        again, changed = (_study(tmp_path, said, *change) for change in ((), ("contact.restitution=0.31",)))
-        for one in (study, again, changed):
-            one.run(one.scene, "native")
+        with Pool(1) as pool:
+            study = _study(tmp_path, said, pool)
+            again, changed = (_study(tmp_path, said, pool, *change) for change in ((), ("contact.restitution=0.31",)))
+            for one in (study, again, changed):
+                one.run(one.case, "native")
         assert ["was there" in text for text in said] == [False, True, False]
         (first,), (second,) = study.members["native"], again.members["native"]
-        assert first == second != changed.members["native"][0]
+        assert first.scalars == second.scalars != changed.members["native"][0].scalars
         assert first.run["present"] == 9 and first.scalars["impulse on floor, y"][0] < 0
-        assert [path.name for path in tmp_path.iterdir()] == [MEMBERS_FILE]  # no dump, no half-done folder is left
-
-    def test_key_tells_engines_seeds_and_bins_apart(self):
-        scene, half = _scene(), _case().fields.analysis
-        keys = {
-            ensembles.member_key(scene, "native", half),
-            ensembles.member_key(perturbed(scene, 1), "native", half),
-            ensembles.member_key(scene, "native", _case("analysis.bin_width=0.25").fields.analysis),
-            ensembles.member_key(scene, "native", _case("analysis.window=[0, 0.1]").fields.analysis),
-            ensembles.member_key(scene, "native", _case("analysis.front=true").fields.analysis),
-            ensembles.member_key(scene, "stock", half),
-            ensembles.member_key(replace(scene, integrator="leapfrog_extrapolated"), "native", half),
-        }
-        assert len(keys) == 7
+        assert len(list((tmp_path / "runs").iterdir())) == 2
 
     def test_energy_of_a_member_is_conserved_but_for_the_dashpots(self, tmp_path):
-        study = _study(tmp_path, [], "contact.restitution=1", "run.time_step_fraction=0.02")
-        study.run(study.scene, "native")
+        with Pool(1) as pool:
+            study = _study(tmp_path, [], pool, "contact.restitution=1", "run.time_step_fraction=0.02")
+            study.run(study.case, "native")
         # second-order scheme with a kink at first touch, f = 0.02: a few 1e-4
         assert 0 < study.members["native"][0].scalars["energy, largest deviation"][0] < 3e-3
+
+    def test_a_member_that_fails_is_an_error_with_its_reason(self, tmp_path):
+        with Pool(1) as pool:
+            study = _study(tmp_path, [], pool, "initial.0.velocities={9: [60, 0]}")
+            with pytest.raises(RunError, match=r"native, member 1: .*domain"):
+                study.run(study.case, "native")
 
 
 def test_a_wrong_stiffness_is_found_out(monkeypatch):

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Stress study on the native engine: limits against closed forms, judgement of outcomes, the worker's patience."""
 
-import os
-import signal
 from types import SimpleNamespace
 
 import pytest
 
 from lammps_jump.studies.stress import limits as stress_limits
 from lammps_jump.studies.stress import scenes as stress_scenes
-from lammps_jump.studies.stress.worker import Worker
+from lammps_jump.sweeps.pool import Outcome
 
 NATIVE = ("native velocity_verlet", "native leapfrog_extrapolated")
 
@@ -104,16 +102,11 @@ def test_heating_is_an_outcome_of_its_own():
     assert stress_scenes.judge(case, "native verlet").outcome in ("heated", "stopped")
 
 
-def test_worker_survives_hang_crash_and_bug():
-    answer = (("outcome", "stable"),)
-    with Worker() as worker:
-        assert worker.call(dict, answer, timeout=600) == {"outcome": "stable"}
-        assert worker.call(signal.pause, timeout=0.3).outcome == "hang"
-        bug = worker.call(int, "no", timeout=600)
-        assert bug.outcome == "bug" and bug.message.startswith("ValueError")
-        crash = worker.call(os._exit, 3, timeout=600)
-        assert crash.outcome == "crash" and "3" in crash.message
-        assert worker.call(dict, answer, timeout=600) == {"outcome": "stable"}
+@pytest.mark.parametrize(
+    ("kind", "outcome"), [("hang", "hang"), ("crash", "crash"), ("bug", "bug"), ("OSError", "bug")]
+)
+def test_a_process_that_does_not_answer_is_an_outcome(kind, outcome):
+    assert stress_scenes.ended(Outcome(kind, "why")) == stress_scenes.Outcome(outcome, "why")
 
 
 def test_limit_reports_its_deviation(monkeypatch):

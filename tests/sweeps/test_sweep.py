@@ -67,7 +67,16 @@ def test_the_table_holds_what_the_runs_say(done):
 
 def test_the_folder_is_the_store(done):
     names = {path.name for path in done.folder.iterdir()} - {".lammps-jump", ".lock"}
-    assert names == {"study.yaml", "points.json", "table.csv", "table.nc", "sweep.html", "figures", "runs"}
+    assert names == {
+        "study.yaml",
+        "points.json",
+        "table.csv",
+        "table.nc",
+        "sweep.html",
+        "summary.json",
+        "figures",
+        "runs",
+    }
     frame = pd.read_csv(done.folder / "table.csv")
     assert len(frame) == 4 and frame["energy.max_deviation_n"].tolist() == [2] * 4
     with xr.open_dataset(done.folder / "table.nc") as stored:
@@ -207,3 +216,20 @@ def test_members_are_added_until_the_interval_is_narrow(tmp_path):
     assert 2 <= cell[2] <= 6 and len(found.members) == cell[2]
     assert lj.sweep(study, tmp_path / "out", jobs=1).table.equals(found.table)
     assert narrow == ("would take" not in (tmp_path / "out" / "sweep.html").read_text())
+
+
+def test_members_of_one_case(tmp_path, monkeypatch, capsys):
+    path = tmp_path / "box.yaml"
+    path.write_text(yaml.safe_dump({**BOX, "run": {**BOX["run"], "members": 3}, "analysis": {"energy": True}}))
+    monkeypatch.chdir(tmp_path)
+    status, out, _ = call(monkeypatch, capsys, "build-and-run", path)
+    folder = tmp_path / "runs" / "box,members"
+    assert status == 0 and "3 runs at 1 points: 3 done" in out and (folder / "figures/sweep_profiles.png").exists()
+    point = json.loads((folder / "summary.json").read_text())["points"][0]
+    peaks = [run.summary["force"]["box"]["peak"] for run in open_sweep(folder).runs]
+    assert point["numbers"]["force.box.peak"]["mean"] == pytest.approx(np.mean(peaks)) and point["members"] == 3
+    assert {run.case.fields.run.seed for run in open_sweep(folder).runs} == {1, 2, 3}
+    before = written(folder)
+    assert call(monkeypatch, capsys, "build-and-run", path, "--members", "2", "--quiet") == (0, "", "")
+    assert written(folder) == before
+    assert "is for one run" in call(monkeypatch, capsys, "build-and-run", path, "--force")[2]

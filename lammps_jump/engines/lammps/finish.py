@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lammps_jump.engines.checkpoint import join_part, last_saved
 from lammps_jump.engines.result import RunResult, interruption
 from lammps_jump.engines.setting import Job
 from lammps_jump.files import FORCES_HEADER, write_text
@@ -17,10 +18,8 @@ from lammps_jump.script.probes import raw_forces
 from .. import lammps  # explains failures; loads on first use
 from .loader import wheel_version
 from .log import LogSummary, read_log
-from .save import LOG, join_parts, keep_checkpoint
 
-STOPPED_SCRIPT = "in.stopped.lammps"
-"""The script with the stop of `Setting.stop_at`; it is deleted after the run."""
+LOG = "log.lammps"
 
 
 @dataclass
@@ -53,65 +52,56 @@ class Outcome:
 
 
 def conclude(job: Job, outcome: Outcome) -> RunResult:
-    """Join the files of the parts of a run, keep a checkpoint where it was interrupted, and tell what was done.
+    """Join the files of the parts of a run, and tell what was done.
 
     Status 'failed', with a message, where LAMMPS gave an error, its process ended, or discs are lost.
     """
     scene, folder = job.scene, job.folder
-    for name in (STOPPED_SCRIPT, STOP_FILE):
-        (folder / name).unlink(missing_ok=True)
+    (folder / STOP_FILE).unlink(missing_ok=True)
     gather_forces(scene, folder)
-    join_parts(folder)
+    join_part(folder)
     log = read_log(folder / LOG)
     if log.step >= scene.steps:
         outcome.interrupted = False  # asked for when there was nothing left to end
-    elif job.setting.stop_at is not None and not outcome.error:
-        outcome.interrupted = True
-    result = _result(job, outcome, log)
-    return _interrupted(job, outcome, log, result) if outcome.interrupted else result
-
-
-def _interrupted(job: Job, outcome: Outcome, log: LogSummary, result: RunResult) -> RunResult:
-    """Keep the checkpoint of an interrupted run; its result, with the message that says how to go on."""
-    scene, folder = job.scene, job.folder
+    result = result_of(job, outcome, log)
+    if not outcome.interrupted:
+        return result
     now, end = scene.time(log.step), scene.time(scene.steps)
-    saved = replace(result, message=interruption(now, end, folder, again=now))
-    reason = outcome.unsaved or keep_checkpoint(scene, folder, log, saved)
-    if not reason:
-        return saved
-    if job.resume is not None:  # the checkpoint that this part began with is still there
-        return replace(result, message=interruption(now, end, folder, again=job.resume.time))
-    return replace(result, message=interruption(now, end, folder, reason=reason))
+    reason = outcome.unsaved or "it was ended by force, so its state was not saved"
+    return replace(result, message=interruption(now, end, folder, again=last_saved(folder), reason=reason))
 
 
 def gather_forces(scene: Scene, folder: Path) -> None:
     """Make one ``forces.csv`` of the structures' files, in order of time, without their rows before the first step.
 
-    Rows of an earlier part of the run that stand there are kept.
+    The files stay: parts that go on append to them, and checkpoints name them.
     """
     rows = []
     for order, name in enumerate(scene.probes):
         raw = folder / raw_forces(name)
-        if not raw.exists():
-            continue
-        rows += [(time, order, line) for time, line in _force_rows(raw.read_text().splitlines()[2:])]
+        if raw.exists():
+            rows += [(time, order, line) for time, line in _force_rows(raw.read_text().splitlines())]
     path = folder / "forces.csv"
-    if rows and path.exists():
-        begin = min(time for time, *_ in rows)
-        rows += [(time, -1, line) for time, line in _force_rows(path.read_text().splitlines()[1:]) if time < begin]
     if scene.probes and (rows or not path.exists()):
         lines = [FORCES_HEADER, *(line for *_, line in sorted(rows, key=lambda row: row[:2]))]
         write_text(path, "\n".join(lines) + "\n")
-    for name in scene.probes:
-        (folder / raw_forces(name)).unlink(missing_ok=True)
 
 
 def _force_rows(lines: list[str]) -> list[tuple[float, str]]:
-    """(time, line) of whole rows; the last line of a run that was ended may be torn."""
-    return [(float(line.split(",", 1)[0]), line) for line in lines if line.count(",") == FORCES_HEADER.count(",")]
+    """(time, line) of whole rows but the first of each part, of its start; the last line of all may be torn."""
+    rows, first = [], True
+    for line in lines:
+        if line == FORCES_HEADER:
+            first = True
+        elif first:
+            first = False
+        elif line.count(",") == FORCES_HEADER.count(","):
+            rows.append((float(line.split(",", 1)[0]), line))
+    return rows
 
 
-def _result(job: Job, outcome: Outcome, log: LogSummary) -> RunResult:
+def result_of(job: Job, outcome: Outcome, log: LogSummary) -> RunResult:
+    """The result of all parts of a run, from its log and what the stepping left behind."""
     scene, resume = job.scene, job.resume
     removed, present = log.removed, log.discs
     if not log.rows:  # it ended before the first line

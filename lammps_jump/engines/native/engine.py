@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from time import perf_counter, process_time
 
@@ -12,8 +12,8 @@ from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.write import run_writer
 from lammps_jump.engines import step_hook
-from lammps_jump.engines.checkpoint import Checkpoint, cut_back, remove_checkpoint, write_checkpoint
-from lammps_jump.engines.interrupts import counted_interrupts
+from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, Pace, cut_back, remove_checkpoint
+from lammps_jump.engines.interrupts import counted_interrupts, save_request
 from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.errors import RunError
 from lammps_jump.files import DUMP_NAMES
@@ -54,6 +54,7 @@ def run_native(
     cell_size: float | None = None,
     ledger: bool = True,
     resume: Checkpoint | None = None,
+    checkpoint_interval: float = inf,
 ) -> RunResult:
     """Run a scene on the native engine and leave dump and forces.csv in `folder`.
 
@@ -76,27 +77,16 @@ def run_native(
     resume : Checkpoint, optional
         Go on with the interrupted run that left it in `folder` (see `lammps_jump.engines.checkpoint`), with the same
         scene, `dump_format` and `ledger`. Its frames are those of an uninterrupted run, bit for bit.
+    checkpoint_interval : float
+        Wall time between checkpoints, s.
 
     Returns
     -------
     RunResult
         Status 'failed' with a message where a guard ended the run; what there was is kept.
     """
-    if resume is not None:
-        cut_back(folder, resume)
-        simulation = load_state(scene, Path(folder) / resume.state, ledger=ledger)
-    else:
-        simulation = make_simulation(scene, cell_size, ledger)
-    if folder is not None:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        if resume is None:
-            remove_checkpoint(Path(folder))  # of an earlier run: not this one's beginning
-    append = resume is not None
-    writer = run_writer(Path(folder), scene, dump_format, append=append) if folder is not None else None
-
-    def output() -> None:
-        if writer is not None:
-            writer.write_frame(take_frame(simulation))
+    part = _Part(scene, folder, dump_format, resume, cell_size, ledger)
+    simulation, pace = part.simulation, Pace(checkpoint_interval)
 
     def report() -> None:
         if progress is not None:
@@ -104,20 +94,22 @@ def run_native(
 
     last = scene.steps if stop_at is None else min(stop_at, scene.steps)
     status, message = "complete", ""
-    spent = _Spent()
-    processor = process_time()
     try:
         with counted_interrupts() as pressed:
             if resume is None:
-                output()
+                part.output()
             reported = perf_counter()
             while simulation.step < last:
-                now = _to_next_output(simulation, last, spent, output)
+                now = part.to_next_output(last)
                 if now - reported >= report_every:
                     reported = now
                     report()
-                if simulation.step < scene.steps and (pressed() or (should_stop is not None and should_stop())):
-                    raise KeyboardInterrupt
+                if simulation.step < scene.steps:
+                    if pressed() or (should_stop is not None and should_stop()):
+                        raise KeyboardInterrupt
+                    if pace.due() or save_request.is_made():
+                        save_request.clear()
+                        pace.wait(part.save())
             if simulation.step < scene.steps:
                 raise KeyboardInterrupt
     except KeyboardInterrupt:
@@ -125,97 +117,139 @@ def run_native(
     except RunError as error:
         status, message = "failed", str(error)
     finally:
-        if writer is not None:
-            writer.close()
-            if scene.probes:
-                write_forces(Path(folder) / "forces.csv", scene, simulation.forces)
+        part.close()
     report()
-    spent.processor = process_time() - processor
-    result = _result(scene, simulation, status, message, spent, resume.result if resume else None)
     if status == "interrupted":
-        result = _interrupted(simulation, folder, dump_format, result, cell_size is None, spent.between_steps)
-    return result
+        return part.interrupted()
+    return part.result(status, message)
 
 
-@dataclass
-class _Spent:
-    """Seconds of stepping, of writing and of the processor, and whether the stepping stands between two steps.
+class _Part:
+    """A part of a run, from its start or checkpoint to where it ends: stepping, files, clocks.
 
-    An interruption that did not wait may leave arrays half sorted, or half a frame.
+    Attributes
+    ----------
+    between_steps : bool
+        Whether the stepping stands between two steps: an interruption that did not wait may leave arrays half sorted,
+        or half a frame.
     """
 
-    seconds: float = 0.0
-    writing: float = 0.0
-    processor: float = 0.0
-    between_steps: bool = False
+    def __init__(self, scene, folder, dump_format, resume, cell_size, ledger):
+        self.scene, self.folder = scene, None if folder is None else Path(folder)
+        self.earlier: RunResult | None = resume.result if resume else None
+        self.saved: float | None = resume.time if resume else None
+        if resume is not None:
+            cut_back(self.folder, resume)
+            (name,) = resume.state
+            self.simulation = load_state(scene, self.folder / name, ledger=ledger)
+        else:
+            self.simulation = make_simulation(scene, cell_size, ledger)
+        self.writer = self.checkpoints = None
+        self.between_steps, self.reason = True, ""
+        self.seconds = self.writing = 0.0
+        self.processor = process_time()
+        if self.folder is None:
+            return
+        self.folder.mkdir(parents=True, exist_ok=True)
+        if resume is None:
+            remove_checkpoint(self.folder)  # of an earlier run: not this one's beginning
+        self.writer = run_writer(self.folder, scene, dump_format, append=resume is not None)
+        if cell_size is None:
+            outputs = (DUMP_NAMES[dump_format], *(["forces.csv"] if scene.probes else []))
+            self.checkpoints = CheckpointWriter(scene, self.folder, outputs)
 
+    def output(self) -> None:
+        """Write a frame."""
+        if self.writer is not None:
+            self.writer.write_frame(take_frame(self.simulation))
 
-def _to_next_output(simulation, last: int, spent: _Spent, output: Callable[[], None]) -> float:
-    """Step towards the next frame, for a tenth of a second at most, and write it there; the clock after the steps."""
-    every = simulation.scene.output_steps
-    target = min(last, (simulation.step // every + 1) * every)
-    started = perf_counter()
-    spent.between_steps = False
-    if step_hook.at_step is None:
-        simulation.run_some(target)
-    else:
-        simulation.run_some(simulation.step + 1)
-        step_hook.at_step(simulation.step)
-    now = perf_counter()
-    spent.seconds += now - started
-    if simulation.step == target:
-        simulation.check()
-        if target % every == 0:
-            output()
-            spent.writing += perf_counter() - now
-    spent.between_steps = True
-    return now
+    def to_next_output(self, last: int) -> float:
+        """Step towards the next frame, for a tenth of a second at most, write it there; the clock after the steps."""
+        simulation, every = self.simulation, self.scene.output_steps
+        target = min(last, (simulation.step // every + 1) * every)
+        started = perf_counter()
+        self.between_steps = False
+        if step_hook.at_step is None:
+            simulation.run_some(target)
+        else:
+            simulation.run_some(simulation.step + 1)
+            step_hook.at_step(simulation.step)
+        now = perf_counter()
+        self.seconds += now - started
+        if simulation.step == target:
+            simulation.check()
+            if target % every == 0:
+                self.output()
+                self.writing += perf_counter() - now
+        self.between_steps = True
+        return now
 
+    def close(self) -> None:
+        """Finish the files."""
+        if self.writer is not None:
+            self.writer.close()
+            self._write_forces()
 
-def _result(scene, simulation, status, message, spent: _Spent, earlier: RunResult | None) -> RunResult:
-    """The result of all parts of a run; a simulation that was read back counts on by itself, but for the clock."""
-    boundaries = simulation.boundaries
-    if earlier is not None:
-        spent.seconds += earlier.seconds
-        spent.writing += earlier.breakdown.get("output", 0.0)
-        spent.processor += earlier.cpu_seconds
-    return RunResult(
-        engine="native",
-        kernel="numba",
-        status=status,
-        message=message,
-        steps=simulation.step,
-        disc_steps=float(simulation.disc_steps),
-        inserted=boundaries.inserted,
-        present=simulation.discs.n,
-        removed=boundaries.removed,
-        lost=boundaries.inserted - boundaries.removed - simulation.discs.n,
-        seconds=spent.seconds,
-        versions=versions(),
-        ledger=simulation.ledger if status != "failed" else None,
-        breakdown={
-            "forces and motion": spent.seconds - simulation.rebuild_seconds,
-            "neighbour": simulation.rebuild_seconds,
-            "output": spent.writing,
-        },
-        resumed=(*earlier.resumed, scene.time(earlier.steps)) if earlier else (),
-        cpu_seconds=spent.processor,
-    )
+    def _write_forces(self) -> None:
+        if self.scene.probes:
+            write_forces(self.folder / "forces.csv", self.scene, self.simulation.forces)
 
-
-def _interrupted(simulation, folder, dump_format, result, saved, between_steps) -> RunResult:
-    """Leave a checkpoint of an interrupted run where there can be one; its result, with what to tell the user."""
-    scene = simulation.scene
-    now, end = scene.time(simulation.step), scene.time(scene.steps)
-    reason = "" if between_steps else "a second interruption came before the step was done"
-    if folder is not None and saved and between_steps:
-        folder = Path(folder)
-        result = replace(result, message=interruption(now, end, folder, again=now))
+    def save(self) -> float:
+        """Write a checkpoint where there can be one; the seconds that it took. `reason` says why there is none."""
+        started, simulation = perf_counter(), self.simulation
+        if self.checkpoints is None or not self.between_steps or not simulation.step:
+            return 0.0
+        again = self.scene.time(simulation.step)
         state = f"checkpoint-{simulation.step}.npz"
         try:
-            save_state(simulation, folder / state)
-            write_checkpoint(scene, folder, state, (DUMP_NAMES[dump_format],), result)
-            return result
+            self._write_forces()
+            save_state(simulation, self.folder / state)
+            self.checkpoints.write([state], self.result("interrupted", self._ended(again)))
+            self.saved, self.reason = again, ""
         except OSError as error:
-            reason = f"its state could not be saved ({error})"
-    return replace(result, message=interruption(now, end, folder or "memory", reason=reason))
+            self.reason = f"its state could not be saved ({error})"
+        self.writing += perf_counter() - started
+        return perf_counter() - started
+
+    def interrupted(self) -> RunResult:
+        """Leave a checkpoint where there can be one; the result, with what to tell the user."""
+        if not self.between_steps:
+            self.reason = "a second interruption came before the step was done"
+        self.save()
+        return self.result("interrupted", self._ended(self.saved))
+
+    def _ended(self, again: float | None) -> str:
+        scene = self.scene
+        now, end = scene.time(self.simulation.step), scene.time(scene.steps)
+        return interruption(now, end, self.folder or "memory", again=again, reason=self.reason)
+
+    def result(self, status: str, message: str) -> RunResult:
+        """The result of all parts; a simulation that was read back counts on by itself, but for the clock."""
+        simulation, boundaries, earlier = self.simulation, self.simulation.boundaries, self.earlier
+        seconds, writing, processor = self.seconds, self.writing, process_time() - self.processor
+        if earlier is not None:
+            seconds += earlier.seconds
+            writing += earlier.breakdown.get("output") or 0.0
+            processor += earlier.cpu_seconds
+        return RunResult(
+            engine="native",
+            kernel="numba",
+            status=status,
+            message=message,
+            steps=simulation.step,
+            disc_steps=float(simulation.disc_steps),
+            inserted=boundaries.inserted,
+            present=simulation.discs.n,
+            removed=boundaries.removed,
+            lost=boundaries.inserted - boundaries.removed - simulation.discs.n,
+            seconds=seconds,
+            versions=versions(),
+            ledger=simulation.ledger if status != "failed" else None,
+            breakdown={
+                "forces and motion": seconds - simulation.rebuild_seconds,
+                "neighbour": simulation.rebuild_seconds,
+                "output": writing,
+            },
+            resumed=(*earlier.resumed, self.scene.time(earlier.steps)) if earlier else (),
+            cpu_seconds=processor,
+        )

@@ -9,7 +9,6 @@ the probes, the turns of the inlets, the random generator of a pour, and the ene
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import astuple
 from pathlib import Path
 
@@ -24,7 +23,7 @@ COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds", "_window_start")
 
 
 def save_state(simulation: NativeSimulation, path: Path) -> None:
-    """Write a simulation that stands between two steps to an npz file, in one move.
+    """Write a simulation that stands between two steps to an npz file.
 
     Parameters
     ----------
@@ -47,8 +46,8 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
     }
     arrays = {name: getattr(d, name)[: d.n] for name in (*d.names, "ids")}
     near = simulation._near[: simulation._face_start[-1]]
-    new = path.with_name(path.name + ".new")
-    with new.open("wb") as file:
+    path.unlink(missing_ok=True)  # a hard-linked backup stays as it is
+    with path.open("xb") as file:
         np.savez(
             file,
             plain=np.array(json.dumps(plain)),
@@ -62,7 +61,6 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
             stations=simulation.stations.sums,
             **arrays,
         )
-    os.replace(new, path)
 
 
 def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimulation:

@@ -15,9 +15,9 @@ from lammps_jump import Case
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.engines.native import run_native
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.runs import in_turn, middle, versions
-from lammps_jump.studies.store import Results, Say, Store
+from lammps_jump.studies.runs import in_turn, middle
 from lammps_jump.studies.table import filled, markdown
+from lammps_jump.sweeps.store import Results, Say, Store, all_versions
 
 SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
 """Cell sizes in diameters; the thesis used 2."""
@@ -47,7 +47,7 @@ def time_cells(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
         cell_time(replace(scene, steps=2, output_steps=2), size)
 
     def timed(size: float | None, turn: int) -> tuple[float, float]:
-        key = f"{size} {turn} {scene.steps} {case.hash} {versions()}"
+        key = f"{size} {turn} {scene.steps} {case.hash} {all_versions()}"
         found = store.piece(key, lambda: cell_time(scene, size))
         say(f"  {search_name(size)}: {found[0]:.2f} s")
         return found

@@ -8,10 +8,13 @@ from pathlib import Path
 
 from lammps_jump import Case, load_case
 from lammps_jump.errors import CaseError
-from lammps_jump.studies.store import Say, Store
+from lammps_jump.files import plain
+from lammps_jump.provenance import machine
+from lammps_jump.sweeps.store import Say, Store
 
 from .cells import cell_page, time_cells
 from .collision import collision_page, compare_collisions
+from .overhead import overhead_page, time_commands
 from .page import draw_quantity, page
 from .skips import measure_skips, skip_page
 from .speed import speed_page, time_kernels
@@ -22,6 +25,7 @@ PARTS = {
     "cells": (time_cells, cell_page),
     "skips": (measure_skips, skip_page),
     "speed": (time_kernels, speed_page),
+    "overhead": (time_commands, overhead_page),
     "collision": (compare_collisions, collision_page),
 }
 """Benchmarks beside that of the settings by the stem of their JSON file: what measures, and what makes the page."""
@@ -63,9 +67,9 @@ def run_bench(
         part, fresh = "collision", True
     name = case.name if case else part
     store = Store((out or FOLDER / name) / f"{part}.json", fresh=fresh)
-    measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes or Axes()), settings_page)
-    store.finish(case=name, **measure(case, store, quick=quick, say=say))
-    return store.write_table(show(store.data, store.path.parent))
+    measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes or Axes(), fresh=fresh), settings_page)
+    store.data |= plain(measure(case, store, quick=quick, say=say)) | {"case": name, "machine": machine()}
+    return store.finish(show(store.data, store.path.parent))
 
 
 def settings_page(data: dict, folder: Path) -> str:

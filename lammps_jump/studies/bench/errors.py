@@ -10,15 +10,17 @@ the largest deviation, and its floor is 0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from lammps_jump.studies.measure import Measured
-from lammps_jump.studies.store import Results
+from lammps_jump.analysis.profiles import read_profiles
+from lammps_jump.dump.find import read_forces
+from lammps_jump.sweeps import Made
+from lammps_jump.sweeps.store import Results
 
 EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""
@@ -82,17 +84,41 @@ def _root_mean_square(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def names_of(runs: Sequence[Measured]) -> list[str]:
-    """Return the quantities that some run measured, in order; a verdict is no quantity."""
-    values = (item for run in runs for item in run.measures.items())
-    return list(dict.fromkeys(name for name, value in values if isinstance(value, int | float | list)))
+CURVE_POINTS = 20
 
 
-def setting_errors(runs: Sequence[Measured], reference: Sequence[Measured]) -> dict[str, QuantityError]:
+def measure(run: Made) -> dict[str, Value]:
+    """Return the numbers and curves of a run that its case asks for; none of a run that is not complete."""
+    found: dict[str, Value] = {}
+    summary, folder = run.summary, run.folder
+    if energy := summary.get("energy"):
+        found["energy deviation"] = energy["max_deviation"]
+    if summary.get("front"):
+        table = pd.read_csv(folder / "front.csv")
+        times = np.linspace(0.1, 1.0, CURVE_POINTS) * summary["simulated_time"]
+        found["front position"] = np.interp(times, table["time"], table["quantile"]).tolist()
+        found["column height"] = np.interp(times, table["time"], table["height"]).tolist()
+    if jump := summary.get("jump"):
+        depth = read_profiles(folder / "profiles.nc")["mass_depth_mean"].values
+        found["depth profile"] = np.nan_to_num(depth, posinf=0.0, neginf=0.0).tolist()
+        found |= {"sequent depth": jump["y2"], "shock speed": jump["speed"]}
+    for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():
+        step = float(np.median(np.diff(force.time)))
+        found[f"impulse {name}"] = float(np.hypot(force.fx.sum(), force.fy.sum())) * step
+    return found
+
+
+def names_of(runs: Sequence[Mapping[str, Value]]) -> list[str]:
+    """Return the quantities that some run measured, in order."""
+    return list(dict.fromkeys(name for run in runs for name, value in run.items() if value is not None))
+
+
+def setting_errors(
+    runs: Sequence[Mapping[str, Value]], reference: Sequence[Mapping[str, Value]]
+) -> dict[str, QuantityError]:
     """Return `quantity_error` of every quantity of a setting's runs."""
-    sides = [[run.measures for run in side if run.complete] for side in (runs, reference)]
     return {
-        name: quantity_error(name, *([measures.get(name) for measures in side] for side in sides))
+        name: quantity_error(name, *([measures.get(name) for measures in side] for side in (runs, reference)))
         for name in names_of([*runs, *reference])
     }
 

@@ -19,9 +19,9 @@ from lammps_jump import Case
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import script_text
-from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames, versions
-from lammps_jump.studies.store import Results, Say, Store
+from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
 from lammps_jump.studies.table import markdown, percent
+from lammps_jump.sweeps.store import Results, Say, Store, all_versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
 PRECISE = ("format float %.10g", "format float %.17g")
@@ -150,7 +150,7 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
     """
     case = case.replace(kernel_changes("stock"))
     scene, rounds = case.scene(), 1 if quick else 5
-    identity = f"{case.hash} {versions()} {rounds}"
+    identity = f"{case.hash} {all_versions()} {rounds}"
     rows = []
     for skip in SKIPS:
         rows.append(store.piece(f"{skip.name} {identity}", lambda s=skip: _row(scene, s, rounds)))

@@ -17,10 +17,10 @@ from lammps_jump.errors import SetupError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.trajectories import CONTACT_STEPS
-from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames, versions
+from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
 from lammps_jump.studies.settings import SKINS
-from lammps_jump.studies.store import Results, Say, Store
 from lammps_jump.studies.table import markdown
+from lammps_jump.sweeps.store import Results, Say, Store, all_versions
 
 WORK, QUICK_WORK = 6e7, 2e6
 """Disc-steps of one timed run: seconds for the slowest, so that starting LAMMPS (0.05 s) does not count."""
@@ -76,7 +76,7 @@ def time_kernels(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     say(f"{case.name}: {discs} discs, {developed.description}; {rounds} rounds of {steps} steps")
     variants = make_variants(kernels, case.fields.contact.friction, developed.diameter, skins=not quick)
     scenes = {name: started_from(developed, variant_scene(case, one), steps) for name, one in variants.items()}
-    identity = f"{case.hash} {steps} {versions()}"
+    identity = f"{case.hash} {steps} {all_versions()}"
 
     def timed(name: str, turn: int) -> float | None:
         rate, seconds = store.piece(f"rate {name} {turn} {identity}", lambda: run_rate(scenes[name], variants[name][0]))

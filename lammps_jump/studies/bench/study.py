@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The benchmark of the settings: run time against error; resumable, in one ``bench.json``."""
+"""The benchmark of the settings: run time against error; its runs are kept, and their rows in ``bench.json``."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from lammps_jump import Case
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.studies import settings
-from lammps_jump.studies.measure import Measured, run_setting
-from lammps_jump.studies.runs import KERNELS, in_turn, middle, versions
+from lammps_jump.studies.runs import KERNELS, in_turn, middle
 from lammps_jump.studies.settings import Setting, listed
-from lammps_jump.studies.store import Results, Say, Store
+from lammps_jump.sweeps import Made, Pool, Start, run_starts
+from lammps_jump.sweeps.store import Results, Say, Store
 
-from .errors import EXACT, cheapest, names_of, pareto, setting_errors
+from .errors import EXACT, Value, cheapest, measure, names_of, pareto, setting_errors
 
 TARGETS = (0.01, 0.05)
 """Errors for which the cheapest setting is named."""
@@ -72,7 +72,7 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...]:
     return values
 
 
-def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, say: Say) -> Results:
+def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh: bool, say: Say) -> Results:
     """Run every setting from several starts; returns rows, Pareto fronts and choices.
 
     With `quick`: three steps, two starts, nothing but step, kernel and touch.
@@ -100,20 +100,27 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, say: 
         say(f"note: {note}")
     say(f"{case.name}: {len(chosen)} settings x {rounds} starts -> {store.path.parent}")
 
-    def run(setting: Setting, member: int) -> Measured:
-        key = setting.key(case.hash, versions(), member)
-        known = key in store.pieces
-        found = store.piece(key, lambda: run_setting(case, setting, member), Measured)
-        outcome = f"{found.cpu_seconds:.2f} s" if found.complete else f"{found.status}: {found.message}"
-        if not known:
-            say(f"  {setting.label}, start {member + 1} of {rounds}: {outcome}")
-        return found
+    starts: list[Start] = []
+    in_turn(chosen, rounds, lambda setting, member: starts.append(
+        Start(chosen.index(setting), setting.changes(fields.discs.diameter), fields.run.seed + member)
+    ))  # fmt: skip
 
-    runs = in_turn(chosen, rounds, run)
-    every = [found for group in runs.values() for found in group]
-    if not any(found.complete for found in every):
-        raise RunError(f"no setting of {case.name} came to its end; the first one says: {every[0].message}")
-    rows = [make_row(setting, group, runs[reference], setting == reference) for setting, group in runs.items()]
+    def said(made: Made) -> None:
+        outcome = made.message or f"{made.summary['cpu_seconds']:.2f} s"
+        label, member = chosen[made.start.point].label, made.start.seed - fields.run.seed + 1
+        say(f"  {label}, start {member} of {rounds}: {outcome}")
+
+    with Pool(1) as pool:  # one at a time: they are timed
+        made = run_starts(case, starts, store.path.parent, pool, fresh=fresh, said=said)
+    if not any(run.summary for run in made):
+        raise RunError(f"no setting of {case.name} came to its end; the first one says: {made[0].message}")
+    groups = [[run for run in made if run.start.point == point] for point in range(len(chosen))]
+    measures = [[measure(run) for run in group if run.summary] for group in groups]
+    every = [one for found in measures for one in found]
+    rows = [
+        make_row(setting, group, found, measures[0], setting == reference)
+        for setting, group, found in zip(chosen, groups, measures, strict=True)
+    ]
     return {
         "case_hash": case.hash,
         "restitution": fields.contact.restitution,
@@ -128,26 +135,35 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, say: 
     }
 
 
-def make_row(setting: Setting, runs: list[Measured], reference: list[Measured], is_reference: bool) -> Results:
+def make_row(
+    setting: Setting,
+    runs: list[Made],
+    measures: list[dict[str, Value]],
+    reference: list[dict[str, Value]],
+    is_reference: bool,
+) -> Results:
     """Return what is stored of a setting: medians over its complete runs, messages of the others, errors."""
-    complete = [run for run in runs if run.complete]
-    errors = setting_errors(runs, reference) if complete else {}
+    complete = [run.summary for run in runs if run.summary]
+    errors = setting_errors(measures, reference) if complete else {}
     if is_reference:  # its distance from itself says nothing
         errors = {n: e if n in EXACT else e._replace(error=None, floor=None) for n, e in errors.items()}
+    seconds = [found["cpu_seconds"] for found in complete]
+    kinds = sorted({kind for found in complete for kind in found["breakdown_seconds"] or {}})
     return {
         "label": setting.label,
         "family": setting.family,
         "setting": asdict(setting),
         "plain": setting.plain,
         "runs": len(complete),
-        "failed": [run.message for run in runs if not run.complete],
-        "seconds": middle(run.cpu_seconds for run in complete),
-        "seconds_all": [run.cpu_seconds for run in complete],
-        "wall_seconds": middle(run.wall_seconds for run in complete),
-        "disc_steps_per_second": middle(run.disc_steps / run.cpu_seconds for run in complete if run.cpu_seconds),
+        "failed": [run.message for run in runs if not run.summary],
+        "seconds": middle(seconds),
+        "seconds_all": seconds,
+        "wall_seconds": middle(found["wall_seconds"]["run"] for found in complete),
+        "disc_steps_per_second": middle(
+            found["disc_steps"] / spent for found, spent in zip(complete, seconds, strict=True) if spent
+        ),
         "breakdown": {
-            kind: middle(run.breakdown.get(kind) for run in complete)
-            for kind in sorted({kind for run in complete for kind in run.breakdown})
+            kind: middle((found["breakdown_seconds"] or {}).get(kind) for found in complete) for kind in kinds
         },
         "reference": is_reference,
         "errors": {name: entry._asdict() for name, entry in errors.items()},

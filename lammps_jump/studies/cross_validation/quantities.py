@@ -4,25 +4,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil, nan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import xarray as xr
+import pandas as pd
 
-from lammps_jump.analysis.energy import analyse_energy
-from lammps_jump.analysis.flow import Flow, from_scene
-from lammps_jump.analysis.front import FrontHistory
-from lammps_jump.analysis.jump.result import analyse_jump
-from lammps_jump.analysis.jump.summary import summarise_jump
-from lammps_jump.case.fields import Analysis
-from lammps_jump.dump.find import ForceHistory
-from lammps_jump.engines.result import RunResult
+from lammps_jump.analysis.profiles import read_profiles
+from lammps_jump.dump.find import ForceHistory, read_forces
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.measure import observe
-from lammps_jump.studies.store import Results
+from lammps_jump.sweeps.store import Results
 
 from .statistics import DECIDES, Difference, block_means, compare_curves, holm, welch
 
@@ -44,10 +38,6 @@ class Curve:
     unit: str
 
 
-RUN_NUMBERS = (
-    "engine", "kernel", "steps", "disc_steps", "seconds", "inserted", "present", "removed", "lost", "ledger",
-)  # fmt: skip
-"""What is kept of an engine's `RunResult`."""
 JUMP_NUMBERS = (
     ("speed", "shock speed", "m/s"),
     ("y1", "depth before the jump", "m"),
@@ -70,7 +60,7 @@ class Quantities:
     verdict : str
         Of the jump analysis; empty where none was asked for.
     run : dict
-        `RUN_NUMBERS` of the run.
+        Engine, kernel, steps, time (s), discs and energy ledger.
     """
 
     scalars: dict[str, tuple[float | None, str]]
@@ -78,62 +68,64 @@ class Quantities:
     verdict: str = ""
     run: dict = field(default_factory=dict)
 
-    @classmethod
-    def from_json(cls, stored: dict) -> Quantities:
-        """Return the quantities that a store holds; None stands for NaN."""
-        return cls(**{**stored, "curves": {name: Curve(**curve) for name, curve in stored["curves"].items()}})
 
-
-def measure(folder: Path, scene: Scene, asked: Analysis, result: RunResult) -> Quantities:
-    """Return all numbers and curves that are compared of a finished run."""
-    flow = from_scene(scene, bin_width=asked.bin_width, window=asked.window)
-    seen = observe(folder, flow)
-    profiles, energy = seen.profiles, seen.energy
-    moved, open_ = energy.kinetic + energy.rotational, bool(scene.inlets or scene.pours or scene.outlets)
-    run, coefficients = energy.time >= 0, scene.coefficients
-    found = Quantities({}, {}, run={name: getattr(result, name) for name in RUN_NUMBERS})
+def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantities:
+    """Return all numbers and curves that are compared, from what the analysis of a run has left in its folder."""
+    profiles, energy = read_profiles(folder / "profiles.nc"), pd.read_csv(folder / "energy.csv")
+    energy = energy[energy["time"] >= 0]
+    moved, open_ = energy["kinetic"] + energy["rotational"], bool(scene.inlets or scene.pours or scene.outlets)
+    coefficients, discs = scene.coefficients, summary["discs"]
+    kept = {name: summary[name] for name in ("engine", "kernel", "steps", "disc_steps", "ledger")}
+    found = Quantities({}, {}, run={**kept, "seconds": summary["wall_seconds"]["run"], **discs})
     scalars, curves = found.scalars, found.curves
     blocks = -(-profiles.sizes["x"] // max(1, -(-profiles.sizes["x"] // MOST_BINS)))
     for name, unit in (("mass_depth", "m"), ("surface_depth", "m"), ("velocity", "m/s"), ("discharge", "m2/s")):
         at, values = (block_means(profiles[part].values, blocks) for part in ("x", f"{name}_mean"))
         curves[f"{name} profile"] = Curve("x", at, values, unit)
-    histories = {"discs": (energy.discs, "1")} if open_ else {}
+    histories = {"discs": (energy["discs"], "1")} if open_ else {}
     histories |= {"kinetic": (moved, "J/m")}
-    histories |= {"gravitational": (energy.potential, "J/m")} if any(scene.gravity) else {}
+    histories |= {"gravitational": (energy["potential"], "J/m")} if any(scene.gravity) else {}
     for name, (values, unit) in histories.items():
-        curves[f"{name} history"] = _history(energy.time[run], values[run].astype(float), unit)
+        curves[f"{name} history"] = _history(energy["time"], values, unit)
     depth, discharge = (profiles[name].values for name in ("mass_depth_mean", "discharge_mean"))
     wet = depth > 0.5 * scene.diameter
     closed = coefficients.restitution == 1.0 and not coefficients.friction and not scene.inlets
     rows = (
-        ("kinetic energy, mean", "J/m", True, moved[run].mean),
-        ("energy at the end", "J/m", True, lambda: energy.total[-1]),
-        ("energy, largest deviation", "1", closed, lambda: analyse_energy(energy, flow).max_deviation),
-        ("discs in play, mean", "1", open_, energy.discs[run].mean),
-        ("discs inserted", "1", scene.inlets or scene.pours, lambda: result.inserted),
-        ("discs removed", "1", scene.outlets, lambda: result.removed),
+        ("kinetic energy, mean", "J/m", True, moved.mean),
+        ("energy at the end", "J/m", True, lambda: energy["total"].iloc[-1]),
+        ("energy, largest deviation", "1", closed, lambda: summary["energy"]["max_deviation"]),
+        ("discs in play, mean", "1", open_, energy["discs"].mean),
+        ("discs inserted", "1", scene.inlets or scene.pours, lambda: discs["inserted"]),
+        ("discs removed", "1", scene.outlets, lambda: discs["removed"]),
         ("depth, mean over wet bins", "m", wet.any(), depth[wet].mean),
         ("discharge, mean over wet bins", "m2/s", wet.any() and open_, discharge[wet].mean),
     )
     scalars.update({name: (float(value()), unit) for name, unit, known, value in rows if known})
-    if asked.front:
-        _front(seen.front, found)
-    for name, force in seen.forces.items():
+    if summary.get("front"):
+        _front(pd.read_csv(folder / "front.csv"), found)
+    for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():
         _force(name, force, found)
-    return replace(found, verdict=_jump(profiles, flow, found)) if asked.jump else found
+    if jump := summary.get("jump"):
+        numbers = ((label, jump.get(key), unit) for key, label, unit in JUMP_NUMBERS)
+        scalars.update({label: (nan if value is None else value, unit) for label, value, unit in numbers})
+        if (folder / "jump_track.csv").is_file():
+            track = pd.read_csv(folder / "jump_track.csv")
+            if track["found"].sum() >= TIME_BLOCKS:
+                curves["jump toe history"] = _toe(track["time"].to_numpy(), track["toe"].to_numpy())
+    return replace(found, verdict=jump["verdict"] if jump else "")
 
 
-def _history(time: np.ndarray, values: np.ndarray, unit: str) -> Curve:
-    return Curve("t", block_means(time, TIME_BLOCKS), block_means(values, TIME_BLOCKS), unit)
+def _history(time: pd.Series, values: pd.Series, unit: str) -> Curve:
+    parts = (block_means(part.to_numpy(float), TIME_BLOCKS) for part in (time, values))
+    return Curve("t", *parts, unit)
 
 
-def _front(front: FrontHistory, found: Quantities) -> None:
-    run, end = front.time >= 0, front.time[-1]
-    for label, places in (("front", front.bulk), ("99 % front", front.quantile)):
-        time, values = front.time[run], places[run] + front.back
-        found.curves[f"{label} history"] = _history(time, values, "m")
+def _front(front: pd.DataFrame, found: Quantities) -> None:
+    run, end = front[front["time"] >= 0], front["time"].iloc[-1]
+    for label, name in (("front", "bulk"), ("99 % front", "quantile")):
+        found.curves[f"{label} history"] = _history(run["time"], run[name], "m")
         for moment in (0.25 * end, 0.5 * end, end):
-            found.scalars[f"{label} at t = {moment:.3g} s"] = float(np.interp(moment, time, values)), "m"
+            found.scalars[f"{label} at t = {moment:.3g} s"] = float(np.interp(moment, run["time"], run[name])), "m"
 
 
 def _force(name: str, force: ForceHistory, found: Quantities) -> None:
@@ -147,17 +139,7 @@ def _force(name: str, force: ForceHistory, found: Quantities) -> None:
     if len(fx) > width:
         smooth = np.convolve(fx, np.full(width, 1.0 / width), mode="valid")
         found.scalars[f"largest force on {name}, x"] = float(smooth[np.argmax(np.abs(smooth))]), "N/m"
-    found.curves[f"force on {name}, x"] = _history(time, fx, "N/m")
-
-
-def _jump(profiles: xr.Dataset, flow: Flow, found: Quantities) -> str:
-    """Put the numbers of a jump into `found`; returns the verdict."""
-    jump = analyse_jump(profiles, flow)
-    numbers = summarise_jump(jump)
-    found.scalars.update({label: (float(getattr(numbers, key)), unit) for key, label, unit in JUMP_NUMBERS})
-    if jump.track is not None and jump.track.found.sum() >= TIME_BLOCKS:
-        found.curves["jump toe history"] = _toe(jump.track.time, jump.direction * jump.track.toe)
-    return jump.verdict
+    found.curves[f"force on {name}, x"] = _history(pd.Series(time), pd.Series(fx), "N/m")
 
 
 def _toe(time: np.ndarray, toe: np.ndarray) -> Curve:

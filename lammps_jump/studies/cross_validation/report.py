@@ -8,9 +8,8 @@ from pathlib import Path
 
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
 from lammps_jump.files import plain
-from lammps_jump.provenance import versions
-from lammps_jump.studies.measure import JITTER
-from lammps_jump.studies.store import Results
+from lammps_jump.sweeps.members import JITTER
+from lammps_jump.sweeps.store import Results, all_versions
 
 from .ensembles import Study
 from .figures import DIVERGENCE, LAW_FIGURES, SHOWN
@@ -42,7 +41,7 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
         "name": study.name,
         "passed": passed and all(item["met"] is not False for item in criteria),
         "seconds": seconds,
-        "versions": versions(),
+        "versions": all_versions(),
         "seeds": study.seeds,
         "jitter": JITTER,
         "confidence": CONFIDENCE,

@@ -9,24 +9,23 @@ restitution correction is measured. `docs/cross_validation.md` says how to read 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from math import isfinite, nan
 from pathlib import Path
 
 from lammps_jump import Case
-from lammps_jump.engines import choose, usable_kernels
+from lammps_jump.engines import choose, usable_cores, usable_kernels
 from lammps_jump.errors import SetupError
 from lammps_jump.files import write_json
-from lammps_jump.studies.measure import perturbed
-from lammps_jump.studies.store import Results, Say
+from lammps_jump.sweeps import Pool
+from lammps_jump.sweeps.store import Results, Say
 
 from . import trajectories
-from .ensembles import Line, Study
+from .ensembles import Study
 from .figures import draw_all
 from .quantities import Comparison
 from .report import as_dict, write_report
 from .scenes import friction_scene, micro_scenes
-from .trajectories import CONTACT_STEPS, TWIN_JITTER, Divergence, Growth
+from .trajectories import CONTACT_STEPS, TWIN_JITTER, Divergence, Growth, perturbed
 
 MEMBERS, QUICK_MEMBERS = 6, 3
 DIVERGENCE_WORK = 4e7
@@ -53,7 +52,6 @@ def cross_validate(
     members: int | None = None,
     quick: bool = False,
     kernel: str = "auto",
-    line: Callable[[float], Line] | None = None,
     say: Say = print,
 ) -> dict:
     """Compare the engines on a case and leave ``cross_validation.json``, figures and a report in a folder.
@@ -69,8 +67,6 @@ def cross_validate(
         Fewer members, a shorter divergence run, no comparison of laws.
     kernel : {'auto', 'stock', 'compiled'}
         LAMMPS kernel of the ensembles. The disc-by-disc part uses every kernel that runs here.
-    line : callable, optional
-        Makes the progress line of a run from its end time, s.
     say : callable
         Takes a line of what was found.
 
@@ -87,13 +83,14 @@ def cross_validate(
         Where a run fails.
     """
     begin = time.perf_counter()
-    study = _prepare(case, out, kernel, members, quick, line, say)
-    divergence = _disc_by_disc(study, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
-    found = study.compare(study.run(study.scene, study.kernel), study.run(study.scene, "native"))
-    for row in found.quantities:
-        say(f"  {row['name']}: {row['text']}")
-    if not quick:
-        _laws(study, case)
+    with Pool(usable_cores()) as pool:
+        study = _prepare(case, out, kernel, members, quick, pool, say)
+        divergence = _disc_by_disc(study, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
+        found = study.compare(study.run(study.case, study.kernel), study.run(study.case, "native"))
+        for row in found.quantities:
+            say(f"  {row['name']}: {row['text']}")
+        if not quick:
+            _laws(study, case)
     limits = criteria(study, found)
     report = as_dict(study, divergence, found, limits, time.perf_counter() - begin)
     write_json(study.folder / RESULT_FILE, report)
@@ -107,7 +104,7 @@ def default_folder(name: str) -> Path:
     return Path("runs") / f"{name}_cross_validation"
 
 
-def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, line, say: Say) -> Study:
+def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, pool: Pool, say: Say) -> Study:
     """Return the study of a case with the same law and integrator for both engines: hooke and velocity Verlet."""
     count = members if members is not None else (QUICK_MEMBERS if quick else MEMBERS)
     if count < 2:
@@ -126,7 +123,8 @@ def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, lin
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise SetupError(f"{folder}: cannot be made ({error.strerror or error}); name another with --out") from None
-    study = Study(case, scene, setting.kernel, folder, tuple(range(1, count + 1)), [*scene.warnings, *notes], say, line)
+    seeds, said = tuple(range(1, count + 1)), [*scene.warnings, *notes]
+    study = Study(case, scene, setting.kernel, folder, pool, seeds, said, say)
     for note in study.notes:
         say(f"note: {note}")
     return study
@@ -173,7 +171,7 @@ def _laws(study: Study, case: Case) -> None:
         if label == "leap-frog" and elastic and not rubs:
             # without velocities in the force the two integrators are the same algebra: identical trajectories
             continue
-        name = study.run(base.replace(changes).scene(), "native", f"native_{label}")
+        name = study.run(base.replace(changes), "native", f"native_{label}")
         study.laws[label] = text, study.compare("native", name, label)
 
 

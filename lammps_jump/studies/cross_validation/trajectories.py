@@ -15,9 +15,8 @@ import numpy as np
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
-from lammps_jump.studies.measure import perturbed
 from lammps_jump.studies.runs import run_frames
-from lammps_jump.studies.store import Results
+from lammps_jump.sweeps.store import Results
 
 AGREEMENT = 1e-9
 """Positions that must agree do so to this many diameters."""
@@ -129,6 +128,15 @@ def separation(one: Trajectory, other: Trajectory, diameter: float) -> Separatio
         rows.append((step, 0.0, 0.0, 0) if k is None else (step, distance[k], np.sqrt(np.mean(distance**2)), ids[k]))
     steps, largest, rms, worst = np.array(rows, float).reshape(-1, 4).T
     return Separation(steps.astype(int), largest, rms, worst.astype(int), other_discs)
+
+
+def perturbed(scene: Scene, seed: int, jitter: float) -> Scene:
+    """Return a copy of the scene with its start shifted by at most `jitter` diameters, row speeds by that share."""
+    rng = np.random.default_rng(seed)
+    positions = scene.positions + rng.uniform(-jitter, jitter, scene.positions.shape) * scene.diameter
+    positions.setflags(write=False)
+    inlets = tuple(replace(row, vx=row.vx * (1.0 + rng.uniform(-jitter, jitter))) for row in scene.inlets)
+    return replace(scene, positions=positions, inlets=inlets)
 
 
 def first_contact(scene: Scene, limit: int) -> int | None:

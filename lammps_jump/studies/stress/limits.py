@@ -26,7 +26,7 @@ from lammps_jump.scene.walls import Box, Plane
 from lammps_jump.script import stock
 from lammps_jump.script.stock import number
 from lammps_jump.studies.runs import run_frames
-from lammps_jump.studies.store import Results
+from lammps_jump.sweeps.store import Results
 
 DIAMETER, DENSITY, STIFFNESS = 0.2, 1000.0, 2.56e7
 MASS = contact.disc_mass(DENSITY, DIAMETER)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import nan
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Box
 from lammps_jump.studies.runs import execute, kernel_changes
+from lammps_jump.sweeps import pool
 
 GOOD = ("stable", "refused", "stopped")
 """Good outcomes."""
@@ -72,9 +73,10 @@ class Outcome:
     seconds: float | None = None
     gain: float | None = None
 
-    def stored(self) -> dict[str, str | float]:
-        """Return the fields that are not None."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
+
+def ended(outcome: pool.Outcome) -> Outcome:
+    """Return the outcome of a scene whose process hung, crashed, or met an error that is none of its own."""
+    return Outcome(outcome.kind if outcome.kind in ("hang", "crash") else "bug", str(outcome.value))
 
 
 def base_case(**changes: object) -> dict:

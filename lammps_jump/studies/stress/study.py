@@ -4,20 +4,21 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from pathlib import Path
 
-from lammps_jump.engines import usable_kernels
-from lammps_jump.files import plain
+from lammps_jump.engines import usable_cores, usable_kernels
+from lammps_jump.provenance import machine
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
-from lammps_jump.studies.store import Results, Say, Store
+from lammps_jump.sweeps import Pool
+from lammps_jump.sweeps.store import Results, Say, Store
 
 from .limits import ARRANGEMENTS, ENGINES, integrator_of, measure_limit, periodic_hexagonal, resting_bed
 from .report import draw_map, report
-from .scenes import BYPASSED, ENGINE_CHANGES, GOOD, hard_scenes, judge, judge_bypassed, random_case
-from .worker import Worker
+from .scenes import BYPASSED, ENGINE_CHANGES, GOOD, ended, hard_scenes, judge, judge_bypassed, random_case
 
 STRESS_FILE = "stress.json"
 TIMEOUT = 120.0
@@ -31,6 +32,7 @@ class Stress:
     Attributes
     ----------
     store : Store
+    pool : Pool
     kernels : list of str
         That run here.
     say : callable
@@ -40,6 +42,7 @@ class Stress:
     """
 
     store: Store
+    pool: Pool
     kernels: list[str]
     say: Say
     quick: bool = False
@@ -58,86 +61,75 @@ class Stress:
     def limits(self) -> list[Results]:
         """Measure limits for arrangements, restitutions, friction and spin on each engine."""
         size = {"steps": 2000, "side": 12, "tolerance": 0.01} if self.quick else {}
-        rows = []
-        for option, engine in product(limit_options(self.quick), self.engines):
-            key = f"limit {sorted(option.items())} {engine} {sorted(size.items())}"
-            rows.append(self.store.piece(key, partial(measure_limit, engine=engine, **option, **size)))
-            self.say("  " + describe_limit(rows[-1]))
-        return rows
+        calls = {
+            f"limit {sorted(option.items())} {engine} {sorted(size.items())}": partial(
+                measure_limit, engine=engine, **option, **size
+            )
+            for option, engine in product(limit_options(self.quick), self.engines)
+        }
+        return [*self._call(calls, describe_limit).values()]
 
     def periodic(self) -> list[Results]:
         """Bracket the closed form on a periodic crystal of stock LAMMPS: 0.280 is stable, 0.285 is not (e = 0.2)."""
         points = [(0.2, 0.28), (0.2, 0.285)]
         points = points if self.quick else [(0.2, 0.275), *points, (1.0, 0.575), (1.0, 0.58)]
-        rows = []
-        for e, f in points if "stock" in self.kernels else []:
-            value = self.store.piece(f"periodic {e} {f}", partial(crystal_growth, e, f))["growth"]
-            rows.append({"restitution": e, "fraction": f, "growth": value, "stable": value < 1.0})
-            self.say(f"  periodic crystal, e = {e:g}, f = {f:g}: kinetic energy x {value:.3g} in 20,000 steps")
-        return rows
+        calls = {f"periodic {e} {f}": partial(crystal_growth, e, f) for e, f in points if "stock" in self.kernels}
+        return [*self._call(calls, "periodic crystal, e = {restitution:g}, f = {fraction:g}: kinetic energy "
+                                   "x {growth:.3g} in 20,000 steps".format_map).values()]  # fmt: skip
 
     def growth_per_contact(self) -> list[Results]:
         """Measure the relative change of energy of one elastic collision below the limit, over entry phases."""
         fractions = (0.05, 0.2) if self.quick else (0.01, 0.05, 0.1, 0.2, 0.4)
         return [
-            {"engine": engine, "fraction": f} | self.store.piece(f"growth {engine} {f}", partial(gain, engine, f))
-            for engine, f in product(self.engines, fractions)
+            *self._call({f"growth {e} {f}": partial(gain, e, f) for e, f in product(self.engines, fractions)}).values()
         ]
 
     def scenes(self) -> list[Results]:
-        """Run every hard scene on every engine, in a process of its own."""
+        """Run every hard scene on every engine; a hang or a crash of its process is an outcome."""
         few = ("ks 2, e 0.01, spin", "ks 0.5, e 0.5")
-        points = [
-            (name, f"scene {name} {{}} {longer}", right, judge, case, 10 * TIMEOUT if longer else TIMEOUT)
-            for name, (case, right) in hard_scenes(self.long).items()
-            for longer in (self.long and name == "inlet drowned",)
+        right = {
+            name: (good, judge, case)
+            for name, (case, good) in hard_scenes(self.long).items()
             if not (self.quick and name.startswith("ks") and name not in few)
-        ]
-        points += [
-            (name, f"bypassed {name} {{}}", ("stopped",), judge_bypassed, start, TIMEOUT)
-            for name, start in BYPASSED.items()
-        ]
+        }
+        right |= {name: (("stopped",), judge_bypassed, start) for name, start in BYPASSED.items()}
+        points = {f"scene {n} {e} {self.long}": (n, e) for n, e in product(right, self.scene_engines)}
+        calls = {key: partial(right[name][1], right[name][2], engine) for key, (name, engine) in points.items()}
         rows = []
-        with Worker() as worker:
-            for name, key, right, function, start, patience in points:
-                for engine in self.scene_engines:
-                    run = partial(worker.call, function, start, engine, timeout=patience)
-                    found = self.store.piece(key.format(engine), lambda run=run: run().stored())
-                    rows.append({"scene": name, "engine": engine, **found, "right": found["outcome"] in right})
-                    if not rows[-1]["right"]:
-                        self.say(f"  BAD: {name} ({engine}): {found['outcome']}: {found['message']}")
-                outcomes = sorted({row["outcome"] for row in rows if row["scene"] == name})
-                self.say(f"  {name}: {', '.join(outcomes)}")
+        for key, found in self._call(calls, patience=10 * TIMEOUT if self.long else TIMEOUT).items():
+            name, engine = points[key]
+            rows.append({"scene": name, "engine": engine, **found, "right": found["outcome"] in right[name][0]})
+        for name in right:
+            outcomes = sorted({row["outcome"] for row in rows if row["scene"] == name})
+            self.say(f"  {name}: {', '.join(outcomes)}")
         return rows
 
-    def random_scenes(self, count: int, seed: int) -> dict:
+    def random_scenes(self, count: int, seed: int) -> Results:
         """Run `count` random scenes on every engine; only tallies and what ended badly are kept."""
         tally: dict[str, Counter] = {engine: Counter() for engine in self.scene_engines}
-        bad, pieces = [], self.store.pieces
-        with Worker() as worker:
-            for number in range(seed, seed + count):
-                case, key = random_case(number), f"random {number}"
-                if key not in pieces:
-                    pieces[key] = plain({e: worker.call(judge, case, e, timeout=TIMEOUT).stored() for e in tally})
-                right = GOOD + (("heated",) if may_heat(case) else ())
-                for engine, result in pieces[key].items():
-                    tally[engine][result["outcome"]] += 1
-                    if result["outcome"] not in right:
-                        bad.append({"seed": number, "engine": engine, **result})
-                        self.say(f"  BAD: random scene {number} ({engine}): {result['outcome']}: {result['message']}")
-                if number % 25 == 24:
-                    self.store.save()
-        self.store.save()
+        bad, cases = [], {number: random_case(number) for number in range(seed, seed + count)}
+        points = {f"random {number} {engine}": (number, engine) for number, engine in product(cases, tally)}
+        calls = {key: partial(judge, cases[number], engine) for key, (number, engine) in points.items()}
+        for key, result in self._call(calls, patience=TIMEOUT).items():
+            number, engine = points[key]
+            tally[engine][result["outcome"]] += 1
+            if result["outcome"] not in GOOD + (("heated",) if may_heat(cases[number]) else ()):
+                bad.append({"seed": number, "engine": engine, **result})
         self.say(f"  {count} random scenes: " + "; ".join(f"{e} {dict(t)}" for e, t in tally.items()))
         return {"count": count, "first_seed": seed, "tally": {e: dict(t) for e, t in tally.items()}, "bad": bad}
 
     def beds(self, steps: int) -> list[Results]:
         """Let a settled bed rest on every engine."""
-        rows = []
-        for engine in self.engines:
-            rows.append(self.store.piece(f"bed {engine} {steps}", partial(resting_bed, engine, steps)))
-            self.say(f"  resting bed, {engine}, {steps} steps: {rows[-1]['message']}")
-        return rows
+        calls = {f"bed {engine} {steps}": partial(resting_bed, engine, steps) for engine in self.engines}
+        return [*self._call(calls, "resting bed, {engine}, {steps} steps: {message}".format_map).values()]
+
+    def _call(
+        self, calls: dict[str, partial], tell: Callable[[Results], str] | None = None, patience: float | None = None
+    ) -> Results:
+        """Make pieces in the pool; what a call with `patience` (s) does not return is an outcome too."""
+        said = (lambda key, piece: self.say("  " + tell(piece))) if tell else (lambda key, piece: None)
+        lost = {"otherwise": ended, "patience": patience} if patience else {}
+        return self.store.call(calls, self.pool, said=said, **lost)
 
 
 def stress(
@@ -173,8 +165,22 @@ def stress(
     kernels, notes = usable_kernels()
     for note in notes:
         say(f"note: {note}")
-    study = Stress(store, kernels, say, quick, long)
-    results: Results = {
+    with Pool(usable_cores()) as pool:
+        results = everything(Stress(store, pool, kernels, say, quick, long), random, seed)
+    found = [(row["scene"], row) for row in results["scenes"] if not row["right"]]
+    found += [(f"random scene {row['seed']}", row) for row in results["random"]["bad"]]
+    bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in found]
+    bad += [f"resting bed ({bed['engine']}): {bed['message']}" for bed in results["bed"] if not bed["right"]]
+    results |= {"bad": bad, "notes": notes}
+    store.finish(report(results | {"machine": machine()}), **results)
+    draw_map(results["limits"], folder / "stress_map.png")
+    return bad
+
+
+def everything(study: Stress, random: int | None, seed: int) -> Results:
+    """Do all parts of a study; returns their results by name."""
+    quick, long = study.quick, study.long
+    return {
         "limits": study.limits(),
         "periodic": study.periodic(),
         "growth": study.growth_per_contact(),
@@ -182,26 +188,19 @@ def stress(
         "random": study.random_scenes(random if random is not None else (10 if quick else 200), seed),
         "bed": study.beds(20_000 if quick else (10_000_000 if long else 200_000)),
     }
-    found = [(row["scene"], row) for row in results["scenes"] if not row["right"]]
-    found += [(f"random scene {row['seed']}", row) for row in results["random"]["bad"]]
-    bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in found]
-    bad += [f"resting bed ({bed['engine']}): {bed['message']}" for bed in results["bed"] if not bed["right"]]
-    store.finish(**results, bad=bad, notes=notes)
-    store.write_table(report(store.data))
-    draw_map(results["limits"], folder / "stress_map.png")
-    return bad
 
 
 def crystal_growth(restitution: float, fraction: float) -> Results:
     """Return the growth in a periodic crystal; 1e300 stands for infinity."""
-    return {"growth": min(periodic_hexagonal(restitution, fraction), 1e300)}
+    growth = min(periodic_hexagonal(restitution, fraction), 1e300)
+    return {"restitution": restitution, "fraction": fraction, "growth": growth, "stable": growth < 1.0}
 
 
 def gain(engine: str, fraction: float) -> Results:
     """Return mean and scatter over entry phases of the relative change of energy of one elastic collision."""
     scene = collision_scene(fraction, 1.0, integrator=integrator_of(engine))
     found = measure_collisions(scene, ENGINES[engine])["restitution"] ** 2 - 1.0
-    return {"mean": float(found.mean()), "scatter": float(found.std())}
+    return {"engine": engine, "fraction": fraction, "mean": float(found.mean()), "scatter": float(found.std())}
 
 
 def limit_options(quick: bool) -> list[dict]:

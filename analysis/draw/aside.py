@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Work on a second core: in a copy of this process, which has everything that the work needs."""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import ParamSpec
+
+Given = ParamSpec("Given")
+
+
+@contextmanager
+def aside(work: Callable[Given, None], *given: Given.args, **named: Given.kwargs) -> Iterator[None]:
+    """Do a work that leaves files, while the block goes on; it is done when the block is left.
+
+    Where it fails it is done once more, in this process and with its errors.
+    """
+    process = multiprocessing.get_context("fork").Process(target=_quietly, args=(work, given, named))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # other threads: none holds a lock that the work needs
+        process.start()
+    try:
+        yield
+        process.join()
+        done = process.exitcode == 0
+    finally:
+        process.kill()
+        process.join()
+    if not done:
+        work(*given, **named)
+
+
+def _quietly(work: Callable, given: tuple, named: dict) -> None:
+    """Do the work in the copy; what fails is told by the process that does it again."""
+    with suppress(BaseException):
+        work(*given, **named)
+        return
+    sys.exit(1)

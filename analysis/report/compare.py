@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Two runs on one page, side by side: their numbers, their discs at one time, their curves on the same axes."""
+
+# ruff: noqa: RUF001  (minus signs are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from dataclasses import dataclass
+from math import hypot
+from typing import Any
+
+from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.units import Number, numbers_of, shown
+
+from .headline import belongs
+from .page import Beside, Curve, Player, Section, Table, Text, heading, render, with_error
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the runs.
+
+    Attributes
+    ----------
+    name : str
+        Tells the two apart.
+    summary : mapping
+        As in ``summary.json``.
+    curves : mapping of str to Curve
+        Of `run.curves`.
+    player : Player or None
+    """
+
+    name: str
+    summary: Mapping[str, Any]
+    curves: Mapping[str, Curve]
+    player: Player | None
+
+
+def comparison(left: Side, right: Side) -> str:
+    """The page of two runs."""
+    names = left.name, right.name
+    heads = Beside([Text(name, "lead") for name in names])
+    players = [side.player for side in (left, right) if side.player is not None]
+    discs = [heads, Beside(players)] if len(players) == 2 else []
+    both = [name for name in left.curves if name in right.curves]
+    pairs = [Beside(_on_one_scale(left.curves[name], right.curves[name])) for name in both]
+    alone = [f"{name}: {curve.caption}" for name, side, other in ((names[0], left, right), (names[1], right, left))
+             for key, curve in side.curves.items() if key not in other.curves]  # fmt: skip
+    table = Table(list(_rows(left.summary, right.summary)), ("", *names, "difference"))
+    sections = [
+        Section("", discs),
+        Section("Numbers", [table, Text("± is one standard error within each run.", "small")]),
+        Section("Curves", [heads, *pairs, Text(f"Of one run alone: {'; '.join(alone)}." if alone else "", "small")]),
+    ]
+    return render(" and ".join(names), sections, tab=" and ".join(names))
+
+
+def _rows(left: Mapping, right: Mapping) -> Iterator[tuple[str, str, str, str]]:
+    """Label, both numbers with their errors, and their difference with its error."""
+    for name, quantity in QUANTITIES.items():
+        first, second = (_parts(summary.get(name)) for summary in (left, right))
+        for part in dict.fromkeys([*first, *second]):
+            sides = first.get(part, {}), second.get(part, {})
+            for number in numbers_of(quantity.result).values():
+                known = [side for side in sides if side.get(number.key) is not None and belongs(number.key, side)]
+                if number.label != number.meaning and known:
+                    yield _row(part, number, *sides)
+
+
+def _parts(found: object) -> dict[str, Mapping]:
+    """What holds the numbers of a quantity, by the name of the structure where there are several."""
+    if not isinstance(found, Mapping):
+        return {}
+    structures = {name: part for name, part in found.items() if isinstance(part, Mapping) and "peak" in part}
+    return structures or {"": found}
+
+
+def _row(part: str, number: Number, left: Mapping, right: Mapping) -> tuple[str, str, str, str]:
+    key, unit = number.key, number.unit
+    texts = [with_error(side, key) if side.get(key) is not None else shown(None) for side in (left, right)]
+    values, errors = ([side.get(name) for side in (left, right)] for name in (key, f"{key}_error"))
+    difference = shown(None)
+    if all(isinstance(value, int | float) for value in values):
+        error = hypot(*errors) if all(isinstance(error, float) for error in errors) else None
+        difference = shown(values[1] - values[0], error=error).replace("-", "−")
+    label = heading(number.meaning, unit)
+    return (f"{part}: {label}" if part else label, *texts, difference)
+
+
+def _on_one_scale(left: Curve, right: Curve) -> list[Curve]:
+    """Both curves with the axes of both; panels that only one of them has keep their own."""
+    pair = [Curve(curve.caption, deepcopy(dict(curve.data))) for curve in (left, right)]
+    for panels in zip(*(curve.data.get("panels", ()) for curve in pair), strict=False):
+        for axis, limits in (("x", "xlim"), ("y", "ylim")):
+            ends = [_ends(panel, axis, limits) for panel in panels]
+            if all(ends):
+                low, high = min(end[0] for end in ends), max(end[1] for end in ends)
+                for panel in panels:
+                    panel[limits] = [low, high]
+    return pair
+
+
+def _ends(panel: Mapping, axis: str, limits: str) -> tuple[float, float] | None:
+    """Least and greatest value on an axis of a panel; None where there is none."""
+    faint = len(panel["lines"]) > 1
+    values = [value for line in panel["lines"] if not (faint and line["look"] in ("faint", "dots"))
+              for value in line.get(axis, ()) if value is not None]  # fmt: skip
+    values += [value for _, value in panel["levels"]] if axis == "y" else []
+    if not values:
+        return None
+    low, high = panel[limits]
+    return min(values) if low is None else low, max(values) if high is None else high

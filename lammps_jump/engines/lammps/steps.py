@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The commands of a script, with pauses of its runs at which the state is saved; all ranks go through them together.
+
+A pause is no part of the motion: ``run … pre no`` goes on with forces, lists and fixes as they stand. A run with pauses
+is the same to the last bit as one without. The restart file is written inside a run (command ``restart``);
+``write_restart`` would move discs between ranks and leave lists that no longer suit. A restart file holds v_n. The
+velocities of the half step (see `lammps_jump.script.resume`) lie beside it, in an npz file.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.engines import step_hook
+from lammps_jump.engines.interrupts import save_request, stop_request
+from lammps_jump.engines.setting import Job
+from lammps_jump.script.assemble import STOP_FILE, stop_at
+from lammps_jump.script.resume import STATE
+
+from .save import Saver
+
+HALF_STEP = "checkpoint-{step}.npz"
+END, SAVE = "end", "save"
+
+
+class Steps:
+    """A part of a run, from its script's first command to its last, or to where it is asked to end.
+
+    Parameters
+    ----------
+    engine : lammps.lammps
+    job : Job
+    saver : Saver or None
+        Of the first rank.
+
+    Attributes
+    ----------
+    ended : bool
+        Whether it was ended before its script was.
+    unsaved : str
+        Why the last pause left no checkpoint; empty where it did.
+    """
+
+    def __init__(self, engine, job: Job, saver: Saver | None):
+        self.engine, self.scene, self.setting, self.saver = engine, job.scene, job.setting, saver
+        self.resume = job.resume
+        self.ended, self.unsaved = False, ""
+        self._stop_step: float = float("inf")
+
+    def ask(self) -> None:
+        """Pause the run soon, for the request that was made; any thread may call this."""
+        if self.setting.ranks == 1:
+            self.engine.lib.lammps_force_timeout(self.engine.lmp)
+            return
+        new = Path(f"{STOP_FILE}.{os.getpid()}")
+        new.write_text(f"{END if stop_request.is_made() else SAVE}\n")
+        os.replace(new, STOP_FILE)
+
+    def play(self, text: str) -> None:
+        """Run a script to its end, or until the end is asked for."""
+        head, *runs = re.split(r"(?m)^(?=run )", text)
+        self.engine.commands_string(head)
+        if self.setting.stop_at is not None:
+            self._stop_step, commands = stop_at(self.scene, self.setting.stop_at)
+            self.engine.commands_string("\n".join(commands))
+        if step_hook.at_step is not None:
+            self._hook()
+        velocities = None if self.resume is None else np.load(HALF_STEP.format(step=self.resume.step))
+        for number, part in enumerate(runs):
+            line, _, rest = part.partition("\n")
+            if number == 0 and velocities is not None:
+                self._set_velocities(velocities, "half")
+            self._run(line)
+            if number == 0 and velocities is not None:
+                self._set_velocities(velocities, "whole")
+            if self.ended:
+                return
+            self.engine.commands_string(rest)
+
+    def _hook(self) -> None:
+        """Let `fix external` call the step hook of a test."""
+
+        def call(_, step, count, ids, positions, forces) -> None:
+            forces[:] = 0.0  # LAMMPS leaves those of discs that have just come as they are
+            step_hook.at_step(step)
+
+        self.engine.command("fix step_hook all external pf/callback 1 1")
+        self.engine.set_fix_external_callback("step_hook", call)
+
+    @property
+    def _step(self) -> int:
+        return self.engine.extract_global("ntimestep")
+
+    def _run(self, line: str) -> None:
+        """One ``run`` of the script, with its pauses."""
+        _, number, *words = line.split()
+        target = int(number) if "upto" in words else self._step + int(number)
+        self.engine.command(line)
+        while True:
+            self.engine.command("timer timeout off")
+            if self._step >= target:
+                break
+            order = self._order()
+            if not self._pause(target):
+                break
+            if order == END:
+                self.ended = True
+                return
+            self.engine.command(f"run {target} upto pre no")
+        if self.saver is not None and (stop_request.is_made() or save_request.is_made()):
+            self.ask()  # too late for this run: the next one pauses at once
+
+    def _order(self) -> str:
+        """What the pause is for; the same on every rank, of which the first alone knows."""
+        if self._step == self._stop_step:
+            return END
+        if self.setting.ranks == 1:
+            return END if stop_request.is_made() else SAVE
+        self.engine.command(
+            f"variable order file {STOP_FILE}"
+        )  # LAMMPS reads it on the first rank, and tells the others
+        order = self.engine.extract_variable("order")
+        self.engine.command("variable order delete")
+        if self.saver is not None:
+            Path(STOP_FILE).unlink(missing_ok=True)
+            if order != END and stop_request.is_made():
+                self.ask()
+        return order
+
+    def _pause(self, target: int) -> bool:
+        """Go on to the next end of a window of the probes and save the state there; False where the run ends before."""
+        window = self.scene.probe_steps if self.scene.probes else 1
+        step = (self._step // window + 1) * window
+        self._prepare(min(step, target))
+        if step >= target:
+            return False
+        self.unsaved = self._reason()
+        if not self.unsaved:
+            arrays = self._velocities()
+            self.engine.command("log log.lammps append")  # all of it is in the file then
+            if self.saver is not None:
+                self.unsaved = self.saver.save(step, arrays)
+        elif self.saver is not None:
+            self.saver.pace.wait(0.0)
+        save_request.clear()
+        return True
+
+    def _prepare(self, step: int) -> None:
+        """Run on to a step, and write the restart file there; nobody who asks meanwhile ends that."""
+        if not self._reason():
+            if self.saver is not None:
+                Path(STATE.format(step=step)).unlink(missing_ok=True)  # a hard-linked backup stays as it is
+            self.engine.command(f"restart {step} {STATE.format(step='*')}")
+        while self._step < step:
+            self.engine.command("timer timeout off")
+            self.engine.command(f"run {step} upto pre no post no")
+        self.engine.command("restart 0")
+
+    def _reason(self) -> str:
+        """Why there can be no checkpoint; empty where there can."""
+        if self.engine.get_natoms() == 0:
+            return "there was no disc yet"
+        if len(self.scene.pours) > 1:
+            return "it has several pours, and LAMMPS' fix pour keeps no state"
+        return ""
+
+    def _velocities(self) -> dict[str, np.ndarray]:
+        """Ids, velocities and spin of all discs: of the step, and of its half step."""
+        shapes = {"x": 3, "v": 3, "f": 3, "omega": 3, "torque": 3, "rmass": 1, "radius": 1}
+        found = {
+            name: np.array(self.engine.gather_concat(name, 1, count)).reshape(-1, count)
+            for name, count in shapes.items()
+        }
+        ids = np.array(self.engine.gather_concat("id", 0, 1))
+        # the compiled kernel keeps gravity out of the forces, unless a pour needs LAMMPS' own
+        outside = self.setting.kernel == "compiled" and not self.scene.pours
+        gravity = np.array(self.scene.gravity if outside else (0.0, 0.0))
+        mass, radius, dt = found["rmass"], found["radius"], self.scene.time_step
+        whole = np.column_stack([found["v"][:, :2], found["omega"][:, 2]])
+        kick = 0.5 * dt * (found["f"][:, :2] / mass + gravity)
+        turn = dt * found["torque"][:, 2:] / (mass * radius**2)  # I = m R^2 / 2
+        if not self.scene.rotation:
+            turn *= 0.0
+        order = np.argsort(ids)
+        return {"id": ids[order], "whole": whole[order], "half": (whole - np.column_stack([kick, turn]))[order]}
+
+    def _set_velocities(self, velocities, kind: str) -> None:
+        """Give each disc of this rank its velocity and spin of a checkpoint."""
+        n = self.engine.extract_setting("nlocal")
+        rows = velocities[kind][np.searchsorted(velocities["id"], self.engine.numpy.extract_atom("id")[:n])]
+        self.engine.numpy.extract_atom("v")[:n, :2] = rows[:, :2]
+        self.engine.numpy.extract_atom("omega")[:n, 2] = rows[:, 2]

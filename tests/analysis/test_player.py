@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the player is told of a run: what to show, walls and gates, and Bélanger's depth of each instant."""
+
+import numpy as np
+import pytest
+from made_up import disc_frame, flow_context
+
+from lammps_jump.analysis.report.frames import FramePacker
+from lammps_jump.analysis.report.player import make_player
+from lammps_jump.dump.exports import write_table
+from lammps_jump.physics.jump import sequent_depth
+from lammps_jump.scene.scene import Gate
+from lammps_jump.scene.walls import Block, Box, Plane
+
+WALLS = (Block("floor", (-5, 30), (-2, 0)), Block("sill", (20, 21), (-2, 1)))
+
+
+def header(tmp_path, *, track=None, **given):
+    """The header of a run of five frames, 0.5 s apart, with a track of the jump."""
+    flow = flow_context(**{"domain": ((0, 30), (-5, 10)), "x_range": (0, 30), "walls": WALLS, "sized": False} | given)
+    packer = FramePacker(flow)
+    for k in range(5):
+        frame = disc_frame([1.0, 12.0], [0.1, 2.0], [3.0, -4.0], box=[[0, 30], [-5, 10]], time=0.5 * k)
+        packer.add(frame, frame.time)
+    if track is not None:
+        write_table(track, tmp_path / "jump_track.csv")
+    return make_player(packer, tmp_path).header
+
+
+def track(**changes):
+    """A front that moves upstream at 1 m/s from x = 18 m, before it 0.6 m of depth at 10 m/s."""
+    time = 0.5 * np.arange(5)
+    columns = {"time": time, "position": 18 - time, "mass_depth_1": np.full(5, 0.6), "velocity_1": np.full(5, 10.0)}
+    return columns | {"found": np.array([0, 1, 1, 1, 1])} | changes
+
+
+def test_line_of_belanger_belongs_to_the_stream_as_seen_from_the_front(tmp_path):
+    lines = header(tmp_path, track=track())["sequent"]
+    assert lines[0] is None
+    start, end, depth = lines[3]
+    assert start == pytest.approx(16.5) and end == pytest.approx(20, abs=0.1)  # as far as the sill
+    assert depth == pytest.approx(sequent_depth(11.0, 0.6, 9.81))
+
+
+def test_a_stream_to_the_left_has_its_line_to_the_left(tmp_path):
+    walls = (Block("floor", (0, 30), (-2, 0)), Block("sill", (4, 5), (-2, 1)))
+    mirrored = track(position=10 + 0.5 * np.arange(5), velocity_1=np.full(5, -10.0))
+    start, end, depth = header(tmp_path, track=mirrored, walls=walls)["sequent"][2]
+    assert (start, end) == (pytest.approx(11.0), pytest.approx(5, abs=0.1))
+    assert depth == pytest.approx(sequent_depth(11.0, 0.6, 9.81))
+
+
+def test_without_a_track_or_with_a_damaged_one_there_is_no_line(tmp_path):
+    assert header(tmp_path)["sequent"] == [None] * 5
+    (tmp_path / "jump_track.csv").write_text("time,position\n1,2\n")
+    assert header(tmp_path)["sequent"] == [None] * 5
+    nan = np.full(5, np.nan)
+    assert header(tmp_path, track=track(position=nan, mass_depth_1=nan))["sequent"] == [None] * 5
+    assert header(tmp_path, track=track(), timed=False)["sequent"] == [None] * 5
+
+
+def test_walls_and_gates_are_closed_polygons(tmp_path):
+    gate = Gate(Block("gate", (5, 5), (0, 3)), 2000)
+    found = header(tmp_path, walls=(*WALLS, Box("box", (0, 29), (-3, 9)), Plane("lid", "y", 9, "below")), gates=(gate,),
+                   time_step=1e-3)  # fmt: skip
+    assert [(wall["name"], wall["hollow"], len(wall["points"])) for wall in found["walls"]] == [
+        ("floor", False, 4), ("sill", False, 4), ("box", True, 4), ("lid", False, 4),
+    ]  # fmt: skip
+    assert [(gate["name"], gate["until"]) for gate in found["gates"]] == [("gate", pytest.approx(2.0))]
+
+
+def test_what_is_shown_reaches_over_discs_and_blocks(tmp_path):
+    found = header(tmp_path)
+    (x0, x1), (y0, y1) = found["seen"]
+    assert x0 <= 1 and x1 >= 21 and y0 < 0 and y1 > 2.1
+    assert found["fastest"] == pytest.approx(4.0, rel=0.03) and found["bed"] == 0.0
+    assert found["area"] == pytest.approx(40 / 1000 / 0.1**2) and found["unit"] == "s"
+
+
+def test_a_run_without_discs_has_no_player(tmp_path):
+    packer = FramePacker(flow_context(domain=((0, 1), (0, 1)), x_range=(0, 1)))
+    assert make_player(packer, tmp_path) is None

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`show` and `compare` print the path of a page, and open it where there is a display; `figures` draws all."""
+
+import webbrowser
+
+import pytest
+from made_up import INPUTS, call
+
+import lammps_jump as lj
+
+SHORT = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native"}
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    place, case = tmp_path_factory.mktemp("shown"), lj.load_case(INPUTS / "quick_jump.yaml", SHORT)
+    return [case.replace({"run.seed": seed}).run(place / f"seed{seed}").folder for seed in (1, 2)]
+
+
+@pytest.fixture
+def opened(monkeypatch):
+    pages = []
+    monkeypatch.setattr(webbrowser, "open", pages.append)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    return pages
+
+
+def test_the_report_is_opened_where_there_is_a_display(folders, opened, monkeypatch, capsys):
+    path = folders[0] / "report.html"
+    assert call(monkeypatch, capsys, "show", folders[0]) == (0, f"{path}\n", "") and not opened
+    monkeypatch.setenv("DISPLAY", ":7")
+    assert call(monkeypatch, capsys, "show", folders[0])[1] == f"{path}\n" and opened == [path.as_uri()]
+
+
+def test_a_folder_without_a_report_is_refused(tmp_path, opened, monkeypatch, capsys):
+    status, out, error = call(monkeypatch, capsys, "show", tmp_path)
+    assert status == 2 and not out and "there is no report; `lammps-jump analyze" in error
+
+
+def test_two_runs_share_a_page(folders, opened, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert call(monkeypatch, capsys, "compare", *folders) == (0, "seed1_and_seed2.html\n", "")
+    page = (tmp_path / "seed1_and_seed2.html").read_text()
+    assert page.count('class="player"') == 2 and page.count('<figure class="curve"') >= 4
+    status, _, error = call(monkeypatch, capsys, "compare", *folders)
+    assert status == 2 and "stands there already" in error
+    assert call(monkeypatch, capsys, "compare", *folders, "--out", "other.html")[1] == "other.html\n"
+
+
+def test_every_figure_is_drawn_when_asked(folders, opened, monkeypatch, capsys):
+    assert {path.name for path in (folders[1] / "figures").iterdir()} == {"depth_profile.png", "snapshots.png"}
+    status, out, _ = call(monkeypatch, capsys, "figures", folders[1])
+    drawn = {path.name for path in (folders[1] / "figures").iterdir()}
+    assert status == 0 and {"depth_map.png", "forces.png", "energy.png", "snapshots.png"} <= drawn
+    assert len(out.splitlines()) == len(drawn)

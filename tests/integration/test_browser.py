@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Reports in Chromium: they load, play and seek, show what dump and summary hold, and nothing else acts in them.
+
+`make browser` runs these tests, one for each scene of `inputs/` among them.
+"""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chromium import PROGRAM, Page, chromium
+from made_up import flow_context
+from PIL import Image
+
+from lammps_jump import load_case
+from lammps_jump.analysis.profiles import read_profiles
+from lammps_jump.analysis.report import frames
+from lammps_jump.analysis.report.frames import FramePacker
+from lammps_jump.analysis.report.player import make_player
+from lammps_jump.analysis.report.run import write_report
+from lammps_jump.dump.find import read_dump
+from lammps_jump.dump.frame import make_frame
+from lammps_jump.scene.scene import InletRow, Outlet
+from lammps_jump.scene.walls import Block, Box
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+HOSTILE = '</script><img src=x onerror="hit = 1"><b>name</b>'
+STATE = "(({time, playing, view, colour}) => ({time, playing, colour, scale: view.scale, x: view.x}))(players[0])"
+AT_FRAME = """((k) => {
+  const p = players[0], f = discsAt(p.run, p.run.times[k], p.found), cut = (a) => Array.from(a.subarray(0, f.count));
+  const depth = massDepth(p.run, f, p.depth);
+  return { id: cut(f.disc).map((k) => p.run.ids[k]), x: cut(f.x), y: cut(f.y), u: cut(f.u), v: cut(f.v),
+           depth: [...depth], radius: cut(f.disc).map((k) => p.run.radii[p.run.shade[k]]) };
+})"""
+
+PIXEL = """((x, y) => {
+  const p = players[0], at = [MARGIN.left + column(p, x), MARGIN.legend + row(p, y)];
+  return String(p.context.getImageData(...at, 1, 1).data.slice(0, 3));
+})"""
+
+pytestmark = [pytest.mark.browser, pytest.mark.skipif(not PROGRAM, reason="Chromium is not installed")]
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    with chromium(tmp_path_factory.mktemp("profile")) as running:
+        yield running
+
+
+def made_frames(count=6):
+    """Discs that come in from the left, fall over an edge and leave."""
+    frames = []
+    for k in range(count):
+        ids = np.arange(1, 40 + 5 * k)[3 * k :]
+        x, y = 0.2 * (40 + 5 * k - ids) - 0.1, 0.1 + 0.2 * (ids % 3)
+        columns = {"id": ids, "x": x, "y": y, "vx": 0 * x + 2.0, "vy": np.sin(ids), "radius": 0.06 + 0.001 * (ids % 40)}
+        frames.append(make_frame(k, 0.5 * k, [[0, 10], [-2, 5]], columns))
+    return frames
+
+
+FLOOR = (Block("floor", (-1, 7), (-1, 0)),)
+
+
+def made_report(folder, *, name="made-up", walls=FLOOR, timed=True):
+    """A report of made-up frames and the summary in it."""
+    inlet = InletRow(x=0.0, y=0.1, vx=2.0, vy=0.0, first_step=0, every_steps=1, clearance=0.2)
+    flow = flow_context(
+        domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=walls, name=name, sized=True, diameter=0.2, timed=timed,
+        inlets=(inlet,), outlets=(Outlet("x", 9.0, "above", 1),),
+    )  # fmt: skip
+    packer = FramePacker(flow)
+    for frame in made_frames():
+        packer.add(frame, frame.time)
+    summary = {"name": name, "description": name, "discs": {"inserted": 64, "present": 49}, "warnings": [name]}
+    (folder / "figures").mkdir()
+    Image.new("RGB", (40, 20)).save(folder / "figures" / "snapshots.png")
+    return write_report(folder, summary, "name: a\n", player=make_player(packer, folder))
+
+
+@pytest.fixture
+def made(browser, tmp_path):
+    page = Page(browser, made_report(tmp_path))
+    yield page
+    page.close()
+
+
+def key(page, name):
+    for kind in ("keyDown", "keyUp"):
+        page.call("Input.dispatchKeyEvent", type=kind, key=name, text=name if len(name) == 1 else "")
+
+
+def mouse(page, kind, x, y, **more):
+    page.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+
+
+def place_of(page, name):
+    """Middle of an element of the player."""
+    box = f"document.querySelector('.player {name}').getBoundingClientRect()"
+    return page.run(f"(({{x, y, width, height}}) => [x + width / 2, y + height / 2])({box})")
+
+
+def click(page, x, y):
+    for kind in ("mousePressed", "mouseReleased"):
+        mouse(page, kind, x, y, button="left", clickCount=1)
+
+
+def test_it_plays_and_seeks(made):
+    made.run("times = []; document.addEventListener('time', ({detail}) => times.push(detail)); 0")
+    assert made.run(STATE)["time"] == 0.0
+    made.run("Object.assign(players[0], {playing: true, last: 1000}); 0")
+    made.run("advance(players[0], 1300); setPlaying(players[0], false)")
+    assert made.run("players[0].time") == pytest.approx(0.3)
+    for name, time in (("End", 2.5), ("Home", 0.0), ("ArrowRight", 0.5), ("ArrowRight", 1.0), ("ArrowLeft", 0.5)):
+        key(made, name)
+        assert made.run("players[0].time") == time
+    made.run("tell('seek', 1.23)")
+    assert made.run("players[0].time") == 1.23 and "1.23 / 2.50 s" in made.run("document.body.innerText")
+    assert made.run("times")[-1] == 1.23 and made.run("times").count(0.5) == 2
+    key(made, "ArrowLeft")
+    assert made.run("players[0].time") == 1.0
+    click(made, *place_of(made, ".on"))
+    assert made.run("players[0].time") == 1.5
+    click(made, *place_of(made, ".play"))
+    assert made.run("players[0].playing") is True
+    click(made, *place_of(made, ".play"))
+    assert made.run("players[0].playing") is False
+    assert made.troubles() == []
+
+
+def test_it_plays_once_on_its_own_unless_still_pages_are_preferred(browser, tmp_path):
+    path = made_report(tmp_path)
+    assert Page(browser, path, still=True).run(STATE)["playing"] is False
+    page = Page(browser, path, still=False)
+    page.run("new Promise((done) => document.addEventListener('time', ({detail}) => detail >= 2.5 && done()))")
+    state = page.run(STATE)
+    assert (state["time"], state["playing"]) == (2.5, False)
+
+
+def test_zoom_pan_and_the_values_of_a_disc(made):
+    home = made.run(STATE)["scale"]
+    key(made, "+")
+    assert made.run(STATE)["scale"] == pytest.approx(1.5 * home)
+    x, y = place_of(made, "canvas")
+    before = made.run(STATE)["x"]
+    mouse(made, "mousePressed", x, y - 80, button="left", clickCount=1)
+    mouse(made, "mouseMoved", x - 60, y - 80, button="left", buttons=1)
+    mouse(made, "mouseReleased", x - 60, y - 80, button="left", clickCount=1)
+    assert made.run(STATE)["x"] == pytest.approx(before + 60 / (1.5 * home))
+    key(made, "0")
+    assert made.run(STATE)["scale"] == pytest.approx(home)
+    left, top, wide = made.run(
+        "(() => { const p = players[0], b = p.canvas.getBoundingClientRect();"
+        " return [b.x + MARGIN.left + column(p, p.found.x[7]), b.y + MARGIN.legend + row(p, p.found.y[7]), p.wide] })()"
+    )
+    disc = made.run("({id: players[0].run.ids[players[0].found.disc[7]], x: players[0].found.x[7]})")
+    mouse(made, "mouseMoved", left, top)
+    tip = made.run("document.querySelector('.tip').innerText")
+    assert f"disc {disc['id']}\nx {disc['x']:.2f}" in tip and "m/s" in tip and "diameter 0." in tip
+    mouse(made, "mouseMoved", left + wide, top)
+    assert made.run("document.querySelector('.tip').hidden") is True
+    made.run(
+        "(box => { box.value = 'age'; box.dispatchEvent(new Event('change')); })(document.querySelector('.colour'))"
+    )
+    assert made.run(STATE)["colour"] == "age" and made.troubles() == []
+
+
+SAVED = "new Promise((done) => {{ save = (p, blob, ending) => done([blob.type, blob.size, ending]); {} }})"
+RECORDER = """MediaRecorder = class {
+  constructor(stream, { mimeType }) { this.tracks = stream.getVideoTracks().length; this.kind = mimeType; }
+  static isTypeSupported(kind) { return kind === "video/webm"; }
+  start() { this.began = players[0].time; }
+  stop() { this.ondataavailable({ data: new Blob(["film"]) }); this.onstop(); }
+}; 0"""
+
+
+def test_picture_is_saved(made):
+    kind, size, ending = made.run(SAVED.format("savePicture(players[0]);"))
+    assert (kind, ending) == ("image/png", "png") and size > 300
+    assert made.troubles() == []
+
+
+def test_film_is_recorded_to_the_end_or_to_the_second_press(made):
+    made.run(RECORDER)  # what a real one has caught by then depends on the machine
+    made.run("tell('seek', 2.4)")
+    assert made.run(SAVED.format("saveFilm(players[0]);")) == ["video/webm", 4, "webm"]
+    assert made.run("[players[0].time, players[0].playing, players[0].film]") == [2.5, False, None]
+    made.run("part(players[0], 'film').click()")
+    assert made.run("[part(players[0], 'film').textContent, players[0].film.tracks]") == ["Stop and save", 1]
+    assert made.run(SAVED.format("part(players[0], 'film').click();")) == ["video/webm", 4, "webm"]
+    assert made.run("part(players[0], 'film').textContent") == "Save film" and made.troubles() == []
+
+
+def test_between_frames_discs_move_on_cubics_come_from_the_inlet_and_fall_out(made):
+    found = made.run(
+        "(() => { const f = discsAt(players[0].run, 0.25, players[0].found);"
+        " return Array.from(f.disc.subarray(0, f.count), (k, i) => [players[0].run.ids[k], f.x[i], f.y[i]]) })()"
+    )
+    names = ("id", "x", "y", "vy")
+    first, second = (
+        {int(disc): rest for disc, *rest in zip(*(frame.columns[name] for name in names), strict=True)}
+        for frame in made_frames()[:2]
+    )
+    seen = {disc: (x, y) for disc, x, y in found}
+    q = made.run("players[0].run.q")
+    for disc in first.keys() & second.keys():
+        (xa, ya, va), (xb, yb, vb) = first[disc], second[disc]
+        wanted = ((xa + xb) / 2, (ya + yb) / 2 + 0.5 / 8 * (va - vb))
+        assert np.abs(np.subtract(seen[disc], wanted)).max() < 2 * q, disc
+    entered = {disc for disc, (x, *_) in second.items() if disc not in first and x - 2.0 * 0.25 >= 0}
+    left = {disc for disc, (x, *_) in first.items() if disc not in second and x + 2.0 * 0.25 <= 9.0}
+    assert entered and left and seen.keys() == (first.keys() & second.keys()) | entered | left
+    x, y, v = first[min(left)]
+    assert np.allclose(seen[min(left)], (x + 0.5, y + v * 0.25 - 9.81 * 0.25**2 / 2), atol=0.02)
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_walls_discs_and_paper_have_their_colours(browser, tmp_path, dark):
+    walls = (Box("box", (0, 8), (-1, 4)), Block("sill", (5, 6), (-1, 1)))
+    page = Page(browser, made_report(tmp_path, walls=walls), dark=dark)
+    paper, solid = ("20,23,27", "42,47,54") if dark else ("255,255,255", "236,237,240")
+    assert [page.run(f"{PIXEL}({x}, {y})") for x, y in ((2, 3), (5.5, 0.9), (5.5, -1.1))] == [paper, solid, solid]
+    disc = page.run(f"{PIXEL}(players[0].found.x[9], players[0].found.y[9])")
+    assert disc in page.run("players[0].colours.map((c) => String(c))")
+    assert page.troubles() == []
+
+
+def test_nothing_but_the_page_itself_acts_in_it(browser, tmp_path):
+    page = Page(browser, made_report(tmp_path, name=HOSTILE))
+    assert page.troubles() == []
+    assert page.run("typeof hit") == "undefined" and page.run("document.querySelector('img[src=x], body b b')") is None
+    assert HOSTILE in page.run("document.querySelector('.name').textContent")
+    attacks = (
+        "document.body.insertAdjacentHTML('beforeend', '<img src=x onerror=\"hit = 1\">')",
+        "document.body.append(Object.assign(document.createElement('script'), {textContent: 'hit = 1'}))",
+        "document.body.insertAdjacentHTML('beforeend', '<p style=\"color: red\" class=red>x</p>')",
+        "document.body.append(Object.assign(new Image(), {src: 'http://127.0.0.1:9/a.png'}))",
+    )
+    for attack in attacks:
+        page.run(f"{attack}; 0")
+    assert page.run("fetch('http://127.0.0.1:9/').then(() => 'sent', () => 'blocked')") == "blocked"
+    assert page.run("typeof hit") == "undefined"
+    assert page.run("getComputedStyle(document.querySelector('.red')).color") != "rgb(255, 0, 0)"
+    assert sum("Content Security Policy" in text for text in page.troubles()) >= 4
+
+
+def test_without_scripts_the_pictures_stand(browser, tmp_path):
+    page = Page(browser, made_report(tmp_path), scripts=False)
+    root = page.call("DOM.getDocument")["root"]["nodeId"]
+    picture = page.call("DOM.querySelector", nodeId=root, selector="details.still[open] img")["nodeId"]
+    assert page.call("DOM.getBoxModel", nodeId=picture)["model"]["height"] >= 1
+    player = page.call("DOM.querySelector", nodeId=root, selector=".player[hidden]")["nodeId"]
+    with pytest.raises(RuntimeError, match="box model"):
+        page.call("DOM.getBoxModel", nodeId=player)
+
+
+def test_a_dump_without_times_plays_by_steps(browser, tmp_path):
+    page = Page(browser, made_report(tmp_path, timed=False))
+    page.run("Object.assign(players[0], {playing: true, last: 1000}); 0")
+    page.run("advance(players[0], 1100); setPlaying(players[0], false)")
+    assert page.run("players[0].time") == pytest.approx(0.5)  # steps are 0.5 apart, ten of them a second
+    assert "/ 3 steps" in page.run("document.body.innerText")
+    assert page.troubles() == []
+
+
+@pytest.mark.parametrize(("most", "said"), [(50, " % of them are shown."), (12, "as large as all that it stands for.")])
+def test_thinned_discs_stand_for_all(browser, tmp_path, monkeypatch, most, said):
+    monkeypatch.setattr(frames, "MOST_DISCS", most)
+    page = Page(browser, made_report(tmp_path))
+    assert said in page.run("document.querySelector('.thin').innerText")
+    own = "p.run.radii[p.run.shade[p.found.disc[0]]]"
+    share, drawn, own = page.run(f"((p) => [p.run.share, radiusOf(p, 0), {own}])(players[0])")
+    assert drawn == pytest.approx(own if share > 0.5 else own / share**0.5)
+    assert page.troubles() == []
+
+
+def test_phone(browser, tmp_path):
+    page = Page(browser, made_report(tmp_path), width=390, height=800, scale=2, phone=True)
+    assert page.run("document.documentElement.scrollWidth") == 390
+    state = page.run(STATE)
+    assert state["scale"] == pytest.approx(2 * page.run("players[0].whole"))
+    key(page, "0")
+    assert page.run(STATE)["scale"] == pytest.approx(page.run("players[0].whole"))
+    assert page.troubles() == []
+
+
+def read_back(page, folder):
+    """Compare what the page holds with the dump and with the profiles."""
+    times = page.run("players[0].run.times")
+    q, qv, sizes = (page.run(f"players[0].run.{name}") for name in ("q", "qv", "radii.length"))
+    profiles = read_profiles(folder / "profiles.nc")
+    frames = {frame.time: frame.sorted() for frame in read_dump(folder)}
+    assert len(times) <= 400 and set(times) <= set(frames)
+    for k in range(0, len(times), max(1, len(times) // 20)):
+        frame, found = frames[times[k]], page.run(f"{AT_FRAME}({k})")
+        assert found["id"] == frame.ids.tolist()
+        for name, column, quantum in (("x", "x", q), ("y", "y", q), ("u", "vx", qv), ("v", "vy", qv)):
+            wrong = np.abs(np.array(found[name]) - frame.columns[column])
+            assert (wrong <= (0.5 + 1e-4) * quantum).all(), (name, times[k])
+        depth = profiles["mass_depth"].sel(time=times[k], method="nearest").values
+        assert np.allclose(found["depth"], depth, atol=0.02 * max(depth.max(), 0.1)), times[k]
+        if sizes > 1 and k:  # a disc that has just come in may not have its own size yet
+            known = np.isin(frame.ids, frames[times[k - 1]].ids)
+            assert np.allclose(np.array(found["radius"])[known], frame.radii[known], rtol=0, atol=1e-3 * q * 128)
+
+
+def numbers_agree(page, summary):
+    """The numbers at the top are those of the summary."""
+    plain = [value for value in flat(summary) if isinstance(value, float | int) and value is not True]
+    shown = page.run("[...document.querySelectorAll('.numbers b')].map((b) => b.textContent)")
+    assert 2 <= len(shown) <= 5
+    for text in shown:
+        value = float(text.replace("\u2212", "-").replace("\u202f", ""))
+        digits = len(text.partition(".")[2])
+        near = [one for one in plain for scale in (1, 1e-3, 100) if abs(one * scale - value) <= 0.51 * 10**-digits]
+        assert near, text
+
+
+def flat(found):
+    values = found.values() if isinstance(found, dict) else found if isinstance(found, list) else None
+    return [found] if values is None else [one for value in values for one in flat(value)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", sorted(path.stem for path in INPUTS.glob("*.yaml")))
+def test_report_of_a_scene(browser, tmp_path, scene):
+    folder = tmp_path / scene
+    load_case(INPUTS / f"{scene}.yaml").run(folder)
+    page = Page(browser, folder / "report.html")
+    assert page.troubles() == []
+    read_back(page, folder)
+    numbers_agree(page, json.loads((folder / "summary.json").read_text()))
+    end = page.run("players[0].end")
+    page.run(f"tell('seek', {0.7 * end})")
+    assert page.run("players[0].time") == pytest.approx(0.7 * end)
+    text = page.run("document.getElementById('frames0').textContent")
+    rows = page.run("players[0].run.rows")
+    assert len(text) * 3 / 4 <= 2.9 * rows + 20_000
+    assert page.troubles() == []
+    page.close()

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Results of a study in one file: pieces are made once, by hand or by calls in a pool."""
+
+import json
+import os
+from functools import partial
+
+import pytest
+
+from lammps_jump.errors import RunError
+from lammps_jump.sweeps import Pool
+from lammps_jump.sweeps.store import Store
+
+
+def test_store_goes_on_where_it_was(tmp_path):
+    made = []
+    store = Store(tmp_path / "s" / "bench.json")
+    for _ in range(2):
+        store.piece("a", lambda: made.append(1) or {"x": float("nan")})
+    again = Store(tmp_path / "s" / "bench.json")
+    assert again.piece("a", lambda: made.append(2)) == {"x": None}  # NaN is null in JSON
+    assert made == [1]
+    json.loads((tmp_path / "s" / "bench.json").read_text())
+    assert Store(tmp_path / "s" / "bench.json", fresh=True).pieces == {}
+    (tmp_path / "broken.json").write_text("{")
+    assert Store(tmp_path / "broken.json").pieces == {}
+
+
+def test_calls_are_made_once_and_kept_as_they_come(tmp_path):
+    store, said = Store(tmp_path / "s.json"), []
+    calls = {"one": partial(int, "1"), "two": partial(int, "11", base=3)}
+    with Pool(1) as pool:
+        assert store.call(calls, pool, said=lambda key, piece: said.append(key)) == {"one": 1, "two": 4}
+        again = Store(tmp_path / "s.json")
+        assert again.call({"two": partial(os._exit, 1), "one": partial(os._exit, 1)}, pool) == {"two": 4, "one": 1}
+    assert said == ["one", "two"]
+
+
+def test_a_call_that_fails_is_an_error_or_an_outcome_and_the_others_are_kept(tmp_path):
+    store = Store(tmp_path / "s.json")
+    calls = {"bad": partial(os._exit, 3), "good": partial(int, "1")}
+    with Pool(1) as pool:
+        with pytest.raises(RunError, match="status 3"):
+            store.call(calls, pool)
+        assert Store(tmp_path / "s.json").pieces == {"good": 1}
+        assert store.call(calls, pool, otherwise=lambda outcome: outcome.kind) == {"bad": "crash", "good": 1}
