@@ -69,7 +69,7 @@ ALLOWED: dict[str, str] = {
 
 MASKED_KEYS = {
     "versions": "versions of the program and its libraries; no result",
-    "seconds|wall_seconds|cpu_seconds": "clock: how long a run and its parts took",
+    "seconds|wall_seconds|cpu_seconds|analysis_seconds": "clock: how long a run and its parts took",
     "breakdown|breakdown_seconds": "clock: how long the parts of an engine took",
     "disc_steps_per_second": "clock: speed",
     "outputs|analysed": "checksums of files that are compared themselves",

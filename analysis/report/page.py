@@ -233,7 +233,7 @@ def picture(path: Path, caption: str) -> Picture:
         from PIL import Image
 
         buffer = io.BytesIO()
-        Image.open(io.BytesIO(data)).convert("RGB").save(buffer, "JPEG", quality=85, optimize=True)
+        Image.open(io.BytesIO(data)).convert("RGB").save(buffer, "JPEG", quality=75, optimize=True)
         if len(buffer.getvalue()) < 0.7 * len(data):
             data, kind = buffer.getvalue(), "image/jpeg"
     return Picture(caption, f"data:{kind};base64,{base64.b64encode(data).decode()}")

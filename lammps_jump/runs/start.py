@@ -130,7 +130,7 @@ def _of_resume(case: ReadCase, folder: Path, checkpoint: Checkpoint | None) -> I
     """What to tell of a run that goes on."""
     scene = case.scene()
     if checkpoint is None:
-        yield f"{folder} holds no checkpoint: the run starts from its beginning"
+        yield f"{folder} holds no checkpoint: the run starts from the beginning"
     elif checkpoint.result.engine == "lammps":
         done = checkpoint.result
         left = sum(item.count for item in scene.pours) + len(scene.positions) - done.present - done.removed

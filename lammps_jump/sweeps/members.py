@@ -191,7 +191,7 @@ def _is_analysed(case: Case, stored: Mapping[str, Any]) -> bool:
     """Whether the results are of this analysis, with or without pictures."""
     if not stored.get("analysed"):
         return False
-    figures = (case.replace({"analysis.figures": word}) for word in ("none", "default"))
+    figures = (case.replace({"analysis.figures": word}) for word in ("none", "default", "all"))
     return stored["analysed"]["key"] in [analysis_key(one, stored["outputs"]) for one in figures]
 
 

@@ -120,7 +120,8 @@ def test_frames_have_a_budget_between_the_stations_of_the_case(jump):
     moved = front.speed * (times[-1] - times[0])
     assert still.start == pytest.approx(-2.0 - 0.5 * moved, abs=0.01)  # the toe moves between them
     window = [round(float(time), 2) for time in (times[0], times[-1])]
-    text = f"{{x: [{alike.x[0]:.2f}, {alike.x[1]:.2f}], speed: {alike.speed:.3f}, window: [{window[0]:g}, {window[1]:g}]}}"
+    text = f"{{x: [{alike.x[0]:.2f}, {alike.x[1]:.2f}], speed: {alike.speed:.3f}, "
+    text += f"window: [{window[0]:g}, {window[1]:g}]}}"
     assert sentence(as_summary(alike)).endswith(f"probes.stations = {text}.")
 
 

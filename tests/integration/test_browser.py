@@ -166,6 +166,8 @@ def test_zoom_pan_and_the_values_of_a_disc(made):
 
 
 SAVED = "new Promise((done) => {{ save = (p, blob, ending) => done([blob.type, blob.size, ending]); {} }})"
+MARKS = """[...document.querySelectorAll('figure.timed line.now[visibility=visible]')].map((line) =>
+  [line.closest('figure').dataset.curve, Number(line.getAttribute('x1'))])"""
 RECORDER = """MediaRecorder = class {
   constructor(stream, { mimeType }) { this.tracks = stream.getVideoTracks().length; this.kind = mimeType; }
   static isTypeSupported(kind) { return kind === "video/webm"; }
@@ -330,9 +332,14 @@ def test_report_of_a_scene(browser, tmp_path, scene):
     assert page.troubles() == []
     read_back(page, folder)
     numbers_agree(page, json.loads((folder / "summary.json").read_text()))
-    end = page.run("players[0].end")
-    page.run(f"tell('seek', {0.7 * end})")
-    assert page.run("players[0].time") == pytest.approx(0.7 * end)
+    end, marks = page.run("players[0].end"), []
+    for share in (0.5, 0.7):
+        page.run(f"tell('seek', {share * end})")
+        assert page.run("players[0].time") == pytest.approx(share * end)
+        marks.append(page.run(MARKS))
+    before, after = (dict(map(tuple, found)) for found in marks)
+    both = before.keys() & after.keys()
+    assert both and all(before[curve] < after[curve] for curve in both)  # the linked curves show the time
     text = page.run("document.getElementById('frames0').textContent")
     rows = page.run("players[0].run.rows")
     assert len(text) * 3 / 4 <= 2.9 * rows + 20_000

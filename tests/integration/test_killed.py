@@ -103,7 +103,7 @@ def test_without_a_checkpoint_it_starts_from_the_beginning_and_says_so(engine, w
     status, output = run_program(*command(folder, engine))
     assert status == 2 and "was interrupted" in output and "--force" in output
     status, output = run_program(*command(folder, engine), "--resume")
-    assert status == 0 and "holds no checkpoint: the run starts from its beginning" in output
+    assert status == 0 and "holds no checkpoint: the run starts from the beginning" in output
     one, two = whole(engine), folder
     assert (one / "dump.lammpstrj").read_bytes() == (two / "dump.lammpstrj").read_bytes()
     assert "resumed_at" not in json.loads((two / "summary.json").read_text())

@@ -135,7 +135,7 @@ class Steps:
         """Go on to the next end of a window of the probes and save the state there; False where the run ends before."""
         window = self.scene.probe_steps if self.scene.probes else 1
         step = (self._step // window + 1) * window
-        self._prepare(min(step, target))
+        self._go_on_to(min(step, target), save=step < target and not self._reason())
         if step >= target:
             return False
         self.unsaved = self._reason()
@@ -149,9 +149,9 @@ class Steps:
         save_request.clear()
         return True
 
-    def _prepare(self, step: int) -> None:
-        """Run on to a step, and write the restart file there; nobody who asks meanwhile ends that."""
-        if not self._reason():
+    def _go_on_to(self, step: int, *, save: bool) -> None:
+        """Run on to a step, also where an end is asked for meanwhile; with `save`, write the restart file there."""
+        if save:
             if self.saver is not None:
                 Path(STATE.format(step=step)).unlink(missing_ok=True)  # a hard-linked backup stays as it is
             self.engine.command(f"restart {step} {STATE.format(step='*')}")

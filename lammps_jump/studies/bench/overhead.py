@@ -14,9 +14,9 @@ from lammps_jump import Case
 from lammps_jump.errors import RunError
 from lammps_jump.files import write_text
 from lammps_jump.runs.summary import SUMMARY_FILE
-from lammps_jump.studies.runs import in_turn, middle, versions
-from lammps_jump.studies.store import Results, Say, Store
+from lammps_jump.studies.runs import in_turn, middle
 from lammps_jump.studies.table import filled, markdown
+from lammps_jump.sweeps.store import Results, Say, Store, all_versions
 
 ROUNDS = 5
 PHASES = {
@@ -58,7 +58,7 @@ def time_commands(case: Case, store: Store, *, quick: bool, say: Say) -> Results
     """Time the whole command several times; a row holds the median seconds of a phase, and its share of the engine."""
 
     def timed(name: str, turn: int) -> dict[str, float]:
-        found = store.piece(f"{turn} {case.hash} {versions()}", lambda: command_time(case))
+        found = store.piece(f"{turn} {case.hash} {all_versions()}", lambda: command_time(case))
         say(f"  whole command {found['whole']:.2f} s, engine {found['engine']:.2f} s")
         return found
 
