@@ -85,9 +85,11 @@ def run_sweep(
             found = lj.sweep(study, out, jobs=jobs, retry=retry, progress=line, **given)
         finally:
             line.finish()
-    for failure in found.failed:
-        print(f"{sweeps.page.point_name(found.study, failure.point)}, member {failure.seed}: {failure.message}")
-    if not quiet:
+    if quiet:
+        for failure in found.failed:
+            print(f"{sweeps.page.point_name(found.study, failure.point)}, member {failure.seed}: {failure.message}")
+    else:
+        print(*(f"note: {text}\n" for text in sweeps.page.doubts(found)), sep="", end="")
         studies.table.show(sweeps.page.table_text(found))
         print(f"{found.status()}\npage: {found.folder / 'sweep.html'}")
     if found.failed:

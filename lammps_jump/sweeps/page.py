@@ -131,7 +131,7 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
         return save(figure, path)
 
 
-def _doubts(found: Sweep) -> list[str]:
+def doubts(found: Sweep) -> list[str]:
     """Sentences on what the table cannot say by itself."""
     study, frame = found.study, sweeps.table.flat(found.table, found.study)
     names = [point_name(study, index) for index in range(len(frame))]
@@ -172,7 +172,7 @@ def sections(found: Sweep) -> list[Section]:
     frame = summary_frame(found)
     pictures: list[Picture] = [picture(path, caption(path)) for path in draw(found)]
     return [
-        Section("", [Text(lead, "lead"), Items(_doubts(found), "What to know")]),
+        Section("", [Text(lead, "lead"), Items(doubts(found), "What to know")]),
         Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *pictures]),
         Section("Members beside single runs", [Text(OWN_ERRORS), Table(*_own_errors(found))]),
         Section("How to repeat it", [

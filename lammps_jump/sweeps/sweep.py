@@ -406,6 +406,6 @@ def _more(found: Sweep) -> list[Start]:
     fields, more = found.study.fields, []
     for point, needed in enumerate(found.needed()):
         seeds = [start.seed for start in found.starts if start.point == point]
-        count = min(needed, 2 * len(seeds), fields.most_members) - len(seeds)
+        count = min(needed, max(sweeps.table.FIRST, 2 * len(seeds)), fields.most_members) - len(seeds)
         more += [Start(point, found.study.points[point], max(seeds) + 1 + k) for k in range(count)]
     return more

@@ -135,12 +135,18 @@ def flat(table: xr.Dataset, study: Study) -> pd.DataFrame:
     return pd.concat([pd.DataFrame(study.points), pd.DataFrame(cells)], axis=1)
 
 
+FIRST = 4
+"""Members from which the width of an interval is told for the first time."""
+
+
 def members_needed(found: Mapping[str, float], share: float) -> int | None:
     """Members for which the interval would be within ± `share` of the mean; None where that cannot be told.
 
-    The half width goes with one over the root of the members.
+    The half width goes with one over the root of the members. Without an interval it is `FIRST`.
     """
     half, target = found["high"] - found["mean"], share * abs(found["mean"])
-    if not (isfinite(half) and target > 0):
+    if not isfinite(half):
+        return FIRST
+    if not target > 0:
         return None
     return max(2, ceil(found["n"] * (half / target) ** 2)) if half > target else int(found["n"])

@@ -53,4 +53,5 @@ def test_numbers_that_mean_nothing_beside_their_verdict_are_none():
 def test_members_needed_go_with_the_square_of_the_width():
     found = {"mean": -2.0, "high": -1.8, "n": 4.0}
     assert members_needed(found, 0.05) == 16 and members_needed(found, 0.2) == 4
-    assert members_needed({"mean": 2.0, "high": NAN, "n": 1.0}, 0.05) is None
+    assert members_needed({"mean": 0.0, "high": 0.1, "n": 4.0}, 0.05) is None
+    assert members_needed({"mean": 2.0, "high": NAN, "n": 1.0}, 0.05) == 4  # a first interval
