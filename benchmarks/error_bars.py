@@ -49,7 +49,7 @@ def row(key: str, starts: list[Numbers]) -> tuple[list[str], bool]:
     chi2 = np.mean((off / errors) ** 2) * n / (n - 1)
     covered = np.mean(off < STUDENT * errors)
     ratio = np.sqrt(np.mean(errors**2)) / deviation
-    note = "or more" if said[0] else ("±" if covered >= LEAST else "BELOW")
+    note = "± at least …" if said[0] else ("±" if covered >= LEAST else "BELOW")
     return [f"`{key}`", f"{mean:.4g}", f"{deviation:.2g}", f"{ratio:.2f}", f"{chi2:.1f}", f"{WAVES / (WAVES - 2):.1f}",
             f"{covered:.2f}", note], note != "BELOW"  # fmt: skip
 

@@ -81,6 +81,8 @@ def as_summary(result: object) -> dict[str, object]:
     return found
 
 
+AT_LEAST = "at least "
+"""Stands before an error that is a lower bound."""
 LARGE = 99.0
 """Errors from here on are written as whole numbers: 100, not 1e+02."""
 ROUND_OFF = 1e-12
@@ -101,7 +103,7 @@ def shown(value: object, unit: str = "", error: float | None = None, *, digits: 
     digits : int
         Significant digits of a number without an error.
     bound : bool
-        The error is a lower bound; "or more" is put behind it.
+        The error is a lower bound; "at least" is put before it.
     """
     if value is None or (isinstance(value, float) and value != value):
         return ABSENT
@@ -111,10 +113,10 @@ def shown(value: object, unit: str = "", error: float | None = None, *, digits: 
         return str(value)
     if error is not None and isfinite(error) and error > ROUND_OFF * abs(value):
         sure = f"{error:.2g}" if error < LARGE else f"{error:.0f}"
-        text, more = f"{value:.{max(0, 1 - floor(log10(error)))}f} ± {sure}", " or more" if bound else ""
+        text = f"{value:.{max(0, 1 - floor(log10(error)))}f} ± {AT_LEAST * bound}{sure}"
     else:
-        text, more = f"{value:.{digits}g}" if isinstance(value, float) else str(value), ""
-    return f"{text} {unit}{more}" if unit else f"{text}{more}"
+        text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+    return f"{text} {unit}" if unit else text
 
 
 def is_bound(found: Mapping, key: str) -> bool:

@@ -19,7 +19,7 @@ from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.report.headline import belongs
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
 from lammps_jump.analysis.statistics import STUDENT, Mean, propagated
-from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
+from lammps_jump.units import ABSENT, AT_LEAST, is_bound, numbers_of, shown
 
 from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
 from .frame import Balance
@@ -183,8 +183,8 @@ def _share(value: float | None, error: float | None, bound: bool = False) -> str
     """A share in per cent with its error, which may be a lower bound."""
     if value is None:
         return ABSENT
-    sure = "" if error is None else f" ± {100 * error:.1f}"
-    return f"{100 * value:+.1f}{sure} %{' or more' if bound and sure else ''}".replace("-", "−")
+    sure = "" if error is None else f" ± {AT_LEAST * bound}{100 * error:.1f}"
+    return f"{100 * value:+.1f}{sure} %".replace("-", "−")
 
 
 def certainty(jump: Mapping) -> Text:

@@ -8,7 +8,7 @@ from dataclasses import fields, replace
 from math import isfinite
 
 from lammps_jump.analysis.statistics import Mean, propagated
-from lammps_jump.units import shown
+from lammps_jump.units import AT_LEAST, shown
 
 from .summary import Jump
 
@@ -71,10 +71,10 @@ def compared(jump: Jump) -> str:
         state, sequent, off = "delivered inflow", tail.belanger_y2, tail.belanger_y2_error
     by_bound = state == "delivered inflow"  # its front is one of the numbers that one run cannot tell
     by = propagated(lambda found, expected: 100 * (found / expected - 1), Mean(depth, error), Mean(sequent, off))
-    more = f" ± {by.error:.1f}" if isfinite(by.error) else ""
+    more = f" ± {AT_LEAST}{by.error:.1f}" if isfinite(by.error) else ""
     return (
         f"{behind} with {shown(sequent, 'm', off, bound=by_bound)} by Bélanger for the {state} in the front's frame: "
-        f"{by.value:+.1f}{more} %{' or more' * bool(more)}."
+        f"{by.value:+.1f}{more} %."
     )
 
 
@@ -91,12 +91,11 @@ def _how_sure(jump: Jump) -> str:
 def belongs_to(jump: Jump) -> str:
     """The state that the numbers of index 1, and with them Bélanger's, belong to."""
     near, far = -jump.measured.upstream.zone[1], -jump.measured.upstream.zone[0]
-    ratio, depth, froude = (
-        _rounded(getattr(jump, key), getattr(jump, f"{key}_error")) for key in ("belanger_ratio", "y1", "froude")
-    )
+    ratio, depth = (_rounded(getattr(jump, key), getattr(jump, f"{key}_error")) for key in ("belanger_ratio", "y1"))
+    froude = shown(jump.froude, error=jump.froude_error, bound=True)
     text = (
         f"Bélanger's ratio {ratio} belongs to the stream {near:.1f} to {far:.1f} m before the front (s₁ = {depth} m, "
-        f"Fr = {froude} or more; ± within this run)"
+        f"Fr = {froude}; ± within this run)"
     )
     stream = jump.stream
     if stream is None or not isfinite(stream.compression):

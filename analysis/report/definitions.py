@@ -27,7 +27,7 @@ packing     area of the discs over that below the surface;  bulk density: ρ s/h
 density     ratio of the bulk densities, downstream over upstream
 roller      where the mean velocity of the surface discs is below the front's own
 parts       of the momentum balance: each over the downstream momentum function, 1 less 2
-± e         standard error within this run, from eight pieces of the window; "or more": one run cannot tell it
+± e         standard error within this run, from eight pieces of the window; "at least": one run cannot tell it
 tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
 """,
     "stations": """\

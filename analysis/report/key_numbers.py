@@ -13,7 +13,7 @@ from lammps_jump.analysis.forces.history import Force
 from lammps_jump.analysis.front import Front, MartinMoyce
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.jump.tail import Tail
-from lammps_jump.units import numbers_of, shown
+from lammps_jump.units import AT_LEAST, numbers_of, shown
 
 from .headline import A_JUMP, belongs
 from .page import Box, heading, with_error
@@ -23,7 +23,7 @@ WITHIN = "± is one standard error within this run."
 EXACT = ("energy", "inflow.delivered")
 """Numbers that are counted, or exact for this run."""
 MORE = "†"
-BOUND = "† Or more: one run cannot tell."
+BOUND = "† At least: one run cannot tell."
 UNSURE = "Without ±: no error from one run; repeat it from other starts."
 
 
@@ -121,4 +121,5 @@ def _box(wanted: Wanted, key: str, found: Mapping, other: tuple[object, object],
         off = off / wanted.scale if isinstance(off, float | int) else None
         told = f"{wanted.words} {shown(beside / wanted.scale, wanted.beside or unit, off)}".replace("-", "−")
     label = heading((wanted.label or number.meaning).format(name=name), "")
-    return Box(label, value, unit, sure.replace(" or more", MORE), told)
+    sure = sure.removeprefix(AT_LEAST) + MORE * sure.startswith(AT_LEAST)
+    return Box(label, value, unit, sure, told)

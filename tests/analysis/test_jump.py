@@ -408,8 +408,8 @@ def test_numbers_that_one_run_cannot_tell_say_so_everywhere():
     assert all(f"{key}_error" in known for key in LOWER_BOUNDS)
     assert all(f"{key}_error" in numbers_of(Tail) for key in TAIL_BOUNDS)
     rows = {row[0]: row for block in section(found).blocks if isinstance(block, Table) for row in block.rows}
-    assert rows["Mass depth s [m]"][2].endswith(" or more") and "or more" not in rows["Mass depth s [m]"][1]
-    assert rows["Length of the jump [m]"][1].endswith(" or more") and rows["Length of the jump [m]"][4].endswith("more")
+    assert "± at least " in rows["Mass depth s [m]"][2] and "at least" not in rows["Mass depth s [m]"][1]
+    assert all("± at least " in rows["Length of the jump [m]"][column] for column in (1, 4))
     assert "front at " in jump.headline and " m/s or more." in jump.headline and " m/s or more." in jump.reason
 
 

@@ -189,7 +189,7 @@ def test_no_jump_has_no_length_on_the_screen():
         in main_numbers({"jump": {"verdict": "jump", **found}})[0]
     )
     untold = {"verdict": "jump", **found, "lower_bounds": ["y2"]}
-    assert "y2 3.00 ± 0.1 m or more, shock speed -1.00 ± 0.2 m/s, length 5" in main_numbers({"jump": untold})[0]
+    assert "y2 3.00 ± at least 0.1 m, shock speed -1.00 ± 0.2 m/s, length 5" in main_numbers({"jump": untold})[0]
     assert main_numbers({"jump": {"verdict": "locked heap", **found}}) == [
         "jump: verdict locked heap, shock speed -1.00 ± 0.2 m/s"
     ]

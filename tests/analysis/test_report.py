@@ -115,7 +115,7 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
         "Velocity of the front": ("−1", " m/s|"),
         "Peak force on the sill": ("4.20", " ± 0.3 kN/m||ρgh²/2 2.1 kN/m|"),
     }
-    sure = "± is one standard error within this run. † Or more: one run cannot tell. Without ±: no error from one run;"
+    sure = "± is one standard error within this run. † At least: one run cannot tell. Without ±: no error from one run;"
     assert sure in content
     assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
     jump |= {"verdict": "no jump found"}
@@ -252,7 +252,7 @@ def test_boxes_have_the_errors_of_both_numbers_and_say_what_one_run_cannot_tell(
     summary = {"jump": jump, "inflow": {"depth": 0.61, "depth_error": 0.002}}
     boxes, sure = key_numbers(summary)
     tail, depth = boxes
-    assert "† Or more" in sure
+    assert "† At least" in sure
     assert (tail.value, tail.error, tail.unit) == ("3.500", "0.02†", "m") and "3.600 ± 0.03 m" in tail.against
     assert depth.unit == "m"
     assert depth.against == "behind the inlet 0.6100 ± 0.002 m"  # what came in, not what was asked
