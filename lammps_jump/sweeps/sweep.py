@@ -288,34 +288,6 @@ def default_folder(study: str | Path | Mapping[str, Any] | ReadCase, case: Case)
     return Path("runs") / (f"{Path(study).stem}_sweep" if of_a_case else Path(study).stem)
 
 
-def run_one(folder: Path, number: int) -> None:
-    """Run a member of a study that was prepared, in this process: the task of a batch system.
-
-    Only its run folder is written, so that tasks run at once. A member that is done is left as it is; one that was
-    interrupted goes on.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the study.
-    number : int
-        Of the member in ``points.json``, from 0.
-
-    Raises
-    ------
-    CaseError
-        No study there, or no such member.
-    RunError, RunInterrupted
-        As of `lammps_jump.run`.
-    """
-    found = open_sweep(folder)
-    if not 0 <= number < len(found.members):
-        raise CaseError(f"--member {number}: {folder} has members 0 to {len(found.members) - 1}")
-    member = found.members[number]
-    if state_of(member, folder).stage != "done":
-        run_member(member.case, member.folder(folder), False, True)
-
-
 def open_sweep(folder: str | Path) -> Sweep:
     """The study in a folder, finished or not; nothing is written.
 
