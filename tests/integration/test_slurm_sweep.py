@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 import yaml
-from children import run_program
+from children import HOOK, run_program
 from made_up import INPUTS
 from one_node_slurm import missing, one_node_slurm, wait_for
+
+import lammps_jump as lj
+from lammps_jump.sweeps import open_sweep
 
 pytestmark = [pytest.mark.slurm, pytest.mark.skipif(bool(missing()), reason=missing())]
 
@@ -19,6 +24,7 @@ STUDY = {
     "collect": ["jump.y2", "jump.speed", "jump.froude", "force.sill.impulse"],
 }
 STEP = 1500
+ENDED = ("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL")
 
 
 @pytest.fixture(scope="module")
@@ -78,3 +84,67 @@ def test_the_table_is_the_same_here_and_under_slurm(slurm, tmp_path, engine):
     assert table(tmp_path / "there") == here(path, tmp_path / "here")
     verdicts = (tmp_path / "here/table.csv").read_text()
     assert "jump 2" in verdicts or "jump 1" in verdicts  # the collected numbers are there
+
+
+def site(place, task: int, variables: str):
+    """A site file, whose program gets variables of the test hook in one task, until that is started again."""
+    program = place / "bin/lammps-jump"
+    program.parent.mkdir()
+    program.write_text(
+        f'#!/bin/bash\n[ -n "$SLURM_RESTART_COUNT" ] || [ "$SLURM_ARRAY_TASK_ID" != {task} ] || '
+        f'export PYTHONPATH={HOOK} {variables}\nexec {sys.prefix}/bin/lammps-jump "$@"\n'
+    )
+    program.chmod(0o755)
+    (place / "site.yaml").write_text(f"environment: {place}")
+    return place / "site.yaml"
+
+
+@pytest.mark.parametrize("engine", ["native", "lammps"])
+def test_a_task_out_of_time_goes_on(slurm, tmp_path, engine):
+    """The engine sends the shell of the job USR1 at a step, as Slurm does before the time limit."""
+    path, folder = written(tmp_path, set={"engine.name": engine}), tmp_path / "there"
+    stop = f"JUMP_TEST_SIGNAL=10@{STEP}@first JUMP_TEST_PROCESS=$PPID"
+    task = f"{submit(slurm, path, folder, site(tmp_path, 1, stop))}_1"
+    assert slurm.wait(task, "PENDING", *ENDED)["Restarts"] == "1", printed(folder)
+    slurm.start_soon(task)
+    assert slurm.wait(task, *ENDED)["JobState"] == "COMPLETED", printed(folder)
+    end(slurm, folder, 6)
+    assert "goes on at" in printed(folder)
+    found = table(folder)
+    if engine == "native":  # a LAMMPS member that goes on differs in chaos
+        assert found == here(path, tmp_path / "here")
+
+
+def test_a_study_at_work_is_seen_cancelled_and_submitted_again(slurm, tmp_path):
+    path, folder = written(tmp_path, set={"engine.name": "native"}), tmp_path / "there"
+    number = submit(slurm, path, folder, site(tmp_path, 1, "JUMP_TEST_SLEEP=0.02"))  # minutes: it never ends by itself
+    wait_for(lambda: "3 done, 1 running, 2 waiting" in open_sweep(folder).status(), "the end of the first task")
+    wait_for(lambda: slurm.job(f"{number}_0")["JobState"] == "COMPLETED", "the end of the first task in the queue")
+    said = sweep(slurm, folder, "--status", "--table")
+    assert "3 done, 1 running, 2 waiting; tasks of Slurm: 1 running" in said and "| 0.05 |" in said
+    assert run_program("sweep", folder, "--slurm", env=slurm.environment)[0] == 2  # not twice
+    slurm.ask("scancel", number)
+    wait_for(lambda: not slurm.ask("squeue", "-h"), "the end of the tasks")
+    assert "3 done, 1 interrupted, 2 waiting\n" in sweep(slurm, folder, "--status")
+    sweep(slurm, folder, "--slurm")
+    end(slurm, folder, 6)
+    assert table(folder) == here(path, tmp_path / "here")
+
+
+def test_a_task_that_is_killed_is_submitted_again(slurm, tmp_path):
+    path, folder = written(tmp_path, set={"engine.name": "native"}), tmp_path / "there"
+    task = f"{submit(slurm, path, folder, site(tmp_path, 0, f'JUMP_TEST_SIGNAL=9@{STEP}@first'))}_0"
+    assert slurm.wait(task, *ENDED)["JobState"] == "FAILED"
+    wait_for(lambda: not slurm.ask("squeue", "-h"), "the end of the tasks")
+    assert "3 done, 1 interrupted, 2 waiting" in sweep(slurm, folder, "--status")
+    sweep(slurm, folder, "--slurm")
+    end(slurm, folder, 6)
+    assert table(folder) == here(path, tmp_path / "here")
+
+
+def test_members_of_two_ranks(slurm, tmp_path):
+    path = written(tmp_path, axes={}, collect=["discs.present"], set={"run.duration": 0.5, "analysis.window": None})
+    submit(slurm, path, tmp_path / "there", "--ranks", "2")
+    end(slurm, tmp_path / "there", 2)
+    runs = open_sweep(tmp_path / "there").runs
+    assert [lj.open_run(run.folder).summary["ranks"] for run in runs] == [2, 2]
