@@ -22,6 +22,8 @@ import pytest  # noqa: E402
 from hypothesis import settings  # noqa: E402
 from made_up import plugin_or_skip  # noqa: E402
 
+from lammps_jump.engines.interrupts import SIGNALS  # noqa: E402
+
 settings.register_profile("same_each_time", deadline=None, derandomize=True)
 settings.register_profile("random", deadline=None, print_blob=True)
 settings.load_profile("same_each_time")  # --hypothesis-profile=random, as in `make check`, comes later and wins
@@ -55,10 +57,12 @@ def pytest_sessionfinish(session, exitstatus):
 
 @pytest.fixture
 def ctrl_c_heard():
-    """Ctrl-C raises a KeyboardInterrupt, also in the background of a shell, where it is ignored."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Ctrl-C raises a KeyboardInterrupt and no signal is ignored, as in the background of a shell or under nohup."""
+    before = {number: signal.signal(number, signal.SIG_DFL) for number in SIGNALS}
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 @pytest.fixture(scope="session")

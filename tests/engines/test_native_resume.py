@@ -264,7 +264,7 @@ def test_without_a_checkpoint_the_run_starts_from_the_beginning(left, tmp_path, 
         cli.build(INPUTS / "quick_jump.yaml", out=folder, set_=CHANGES)
     found = resume(folder)
     assert found["status"] == "complete" and "resumed_at" not in found
-    assert "no checkpoint: the run starts from its beginning" in caplog.text
+    assert "no checkpoint: the run starts from the beginning" in caplog.text
 
 
 def set_in(path: Path, **values) -> None:

@@ -155,7 +155,7 @@ def test_full_step_velocities_would_not_do(tmp_path):
 def test_a_pour_goes_on_with_the_discs_that_are_left(kernel, tmp_path):
     """fix pour keeps no state: the others come from a new random stream, and all are there in the end."""
     pour = Pour(x=(12.0, 20.0), y=(6.0, 8.0), count=300, volume_fraction=0.2, speed_down=1.0)
-    scene = scene_of("dam_break", "run.duration=1.2", "run.output_interval=0.01")
+    scene = scene_of("dam_break", "run.duration=1.5", "run.output_interval=0.01")  # time for places in the last layer
     scene = replace(scene, pours=(pour,), probes=())
     engine = {"kernel": kernel, "plugin": plugin_of(kernel)}
     begun = len(scene.positions)

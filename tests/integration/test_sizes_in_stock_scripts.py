@@ -87,9 +87,10 @@ def test_a_pour_packs_alike_on_all_engines(tmp_path):
 
 
 def test_poured_discs_that_wait_for_their_size_get_it_after_a_resume():
-    """`fix set` acts every hundred steps: the script that goes on must hold it, though nothing is poured any more."""
+    """`fix set` acts every hundred steps: the script that goes on must hold it, also where all discs are poured."""
     scene = parse_case(CASE.replace("SIZES", SIZES["uniform"]) + POUR).scene()
     first = script_text(scene)
     (fix,) = [line for line in first.splitlines() if " set 100 " in line]
-    goes_on = continuation_text(scene, step=50, removed=())
-    assert goes_on.splitlines().count(fix) == 1 and " pour " not in goes_on
+    for poured in (0, sum(pour.count for pour in scene.pours)):
+        goes_on = continuation_text(scene, step=50, removed=(), poured=poured)
+        assert goes_on.splitlines().count(fix) == 1 and (" pour " in goes_on) == (poured == 0)
