@@ -62,13 +62,16 @@ first=$((SLURM_ARRAY_TASK_ID * {each}))
 def submit(found: Sweep, site: Site, *, at_once: int = AT_ONCE, retry: bool = False) -> str:
     """Submit one array job for the members of a study that are not done; its number, empty where none is left.
 
+    Where all are done, ``until`` may ask for more.
+
     Raises
     ------
     CaseError, SetupError
         A point that cannot be run, a folder in use, tasks of the study in the queue; ``sbatch`` is lacking or refuses.
     """
-    over = ("done",) if retry else ("done", "failed")
-    left = [number for number, member in enumerate(found.members) if found.states[member.key].stage not in over]
+    left = _left(found, retry)
+    if not left and (wider := found.wider()):
+        found, left = wider, _left(wider, retry)
     if not left:
         return ""
     if tasks := queued(found.folder):
@@ -89,6 +92,12 @@ def submit(found: Sweep, site: Site, *, at_once: int = AT_ONCE, retry: bool = Fa
     if done.returncode:
         raise SetupError(f"sbatch refuses {found.folder / ARRAY_FILE}: {' '.join(done.stderr.split())}; see --site")
     return done.stdout.strip().partition(";")[0]
+
+
+def _left(found: Sweep, retry: bool) -> list[int]:
+    """Numbers of the members that are to be run."""
+    over = ("done",) if retry else ("done", "failed")
+    return [number for number, member in enumerate(found.members) if found.states[member.key].stage not in over]
 
 
 def queued(folder: Path) -> Counter[str]:
@@ -150,7 +159,8 @@ def _run_each(folder: Path, members: str, retry: bool) -> list[str]:
     listed = read_json(folder / POINTS_FILE)["members"]
     if [item["key"] for item in listed] != [member.key for member in found.members]:
         raise SetupError(
-            f"{folder}: was prepared with another version, LAMMPS or kernel; use the same here, with engine.kernel set"
+            f"{folder}: was prepared with another version of lammps-jump or LAMMPS, or another kernel, than this machine "
+            "uses; install the same versions on both, and set engine.kernel"
         )
     wrong = []
     for number in numbers:

@@ -153,6 +153,16 @@ def test_a_member_that_fails_does_not_keep_the_next_from_being_run(tmp_path):
     assert failure.point == 0 and len(slurm.open_sweep(found.folder).runs) == 1
 
 
+def test_members_that_until_asks_for_are_submitted(tmp_path, programs):
+    fields = {**STUDY, "axes": {}, "members": 1, "until": {"force.box.impulse_x": "1e-6%"}, "most_members": 6}
+    for members in (1, 4, 6):
+        found = Sweep(read_study(fields), tmp_path / "out")
+        assert slurm.submit(found, Site()) == "17"
+        assert len(slurm.open_sweep(found.folder).members) == members
+        slurm.run_task(found.folder, f"0-{members - 1}")
+    assert slurm.submit(Sweep(read_study(fields), tmp_path / "out"), Site()) == ""
+
+
 def test_a_signal_ends_a_task_and_the_same_call_goes_on(tmp_path):
     found = prepared(tmp_path / "out")
     words = "sweep", found.folder, "--member", "0-2"
