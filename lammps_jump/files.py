@@ -86,8 +86,10 @@ RESULT_FILES = (
     *(f"figures/{name}" for name in FIGURES),
 )
 """What is made of them; ``force_<structure>.csv`` of each probe besides."""
+ARRAY_FILE = "sweep.slurm"
 SWEEP_FILES = (
     "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", "figures/sweep_*.png",
+    ARRAY_FILE,
 )  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""
 FORCES_HEADER = "time,structure,fx,fy,moment"

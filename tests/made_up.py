@@ -27,6 +27,25 @@ from lammps_jump.units import as_summary
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
+BOX = {
+    "name": "box", "gravity": 0.0, "discs": {"diameter": 0.2}, "contact": {"restitution": 1.0, "impact_speed": 8},
+    "domain": {"x": [-1, 3], "y": [-1, 3]},
+    "walls": [{"name": "box", "kind": "box", "x": [0, 2], "y": [0, 2]}],
+    "initial": [{"kind": "lattice", "nx": 4, "ny": 4, "spacing": 0.45, "origin": [0.3, 0.3],
+                 "velocities": {1: [6.0, 5.0]}}],
+    "probes": {"forces": ["box"]},
+    "run": {"duration": 0.3, "time_step_fraction": 0.1, "output_interval": 0.05},
+    "engine": {"name": "native"},
+}  # fmt: skip
+"""A case of sixteen discs in a box."""
+STUDY = {
+    "case": BOX,
+    "axes": {"run.time_step_fraction": [0.05, 0.1], "discs.density": [500, 1000]},
+    "members": 2,
+    "collect": ["energy.max_deviation", "force.box.impulse_x", "discs.present"],
+}
+"""Four points of two members."""
+
 
 def run_case(path: Path, folder: Path, changes: Iterable[str] = (), **options) -> dict:
     """Summary of a case run in a folder; `changes` are ``--set`` texts."""

@@ -11,8 +11,24 @@ import typer
 import lammps_jump as lj
 import lammps_jump.studies as studies
 import lammps_jump.sweeps as sweeps
+from lammps_jump.errors import CaseError
+from lammps_jump.script.job import Site, read_site
 
-from .options import CaseFile, Fresh, Jobs, Members, Quiet, QuietStudy, Sets, Until, place, sayer, told
+from .options import (
+    CaseFile,
+    Fresh,
+    Jobs,
+    Members,
+    Quiet,
+    QuietStudy,
+    Ranks,
+    Sets,
+    Until,
+    assignments,
+    place,
+    sayer,
+    told,
+)
 from .progress import StudyLine
 
 app = typer.Typer(rich_markup_mode=None)
@@ -21,6 +37,12 @@ app = typer.Typer(rich_markup_mode=None)
 @app.command()
 def sweep(
     study: Annotated[Path, typer.Argument(help="Study file, case file, or the folder of a study.", show_default=False)],
+    site: Annotated[
+        Path | None, typer.Argument(help="Site file for --slurm (YAML; docs/scaling.md).", show_default=False)
+    ] = None,
+    slurm: Annotated[
+        bool, typer.Option("--slurm", help="Submit what is left as one array job; --jobs limits its tasks at once.")
+    ] = False,
     axis: Annotated[
         list[str] | None,
         typer.Option("--axis", metavar="PATH=VALUES", help="Values of a field, 0,0.05,0.1. May be repeated."),
@@ -36,25 +58,35 @@ def sweep(
     ] = None,
     jobs: Jobs = None,
     set_: Sets = None,
+    ranks: Ranks = None,
     retry: Annotated[bool, typer.Option("--retry", help="Run again what failed.")] = False,
     status: Annotated[bool, typer.Option("--status", help="Tell how far it is; run nothing.")] = False,
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is there; run nothing.")] = False,
     member: Annotated[
-        int | None, typer.Option(min=0, help="Run this member alone, of a folder; for job files.")
+        str | None, typer.Option(help="Run this member alone, or a range, 4-7, of a folder; for job files.")
     ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Run a case at many points, several starts each; table, figures and page. Continues where it stopped."""
     if member is not None:
-        return sweeps.run_one(out or study, member)
+        with told(quiet):
+            return sweeps.slurm.run_task(out or study, member, retry=retry)
+    if site is not None and not slurm:
+        raise CaseError(f"{site}: a site file is for --slurm; add it, or leave the file out")
+    set_ = assignments(set_, ranks=ranks)
     given = study_fields(members=members, until=until, axis=axis, collect=collect, set_=set_)
     given |= {"most_members": most_members} if most_members else {}
-    if not (status or table):
+    if not (status or table or slurm):
         return run_sweep(study, out, jobs=jobs, retry=retry, quiet=quiet, **given)
     read = sweeps.read_study(study, **given)
     found = sweeps.Sweep(read, out or sweeps.default_folder(study, read.case))
+    if slurm:
+        at = read_site(site) if site else Site()
+        number = sweeps.slurm.submit(found, at, at_once=jobs or sweeps.slurm.AT_ONCE, retry=retry)
+        done = f"nothing to submit: `lammps-jump sweep {found.folder}` writes table and page"
+        print(f"{found.folder}: array job {number}" if number else f"{found.folder}: {done}")
     if status:
-        print(found.status())
+        print(sweeps.slurm.status(found))
     if table:
         studies.table.show(sweeps.page.table_text(found))
     return None

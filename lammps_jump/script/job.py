@@ -88,10 +88,8 @@ def read_site(path: Path) -> Site:
 
 def job_text(scene: Scene, ranks: int, site: Site | None = None) -> str:
     """The job file of a run folder: one task a rank, memory and time from the size of the scene."""
-    discs, site = scene.expected_discs, site or Site()
-    minutes = -(-int(1.5 * discs * scene.steps / (DISC_STEPS_PER_SECOND * ranks)) // 60) + 5
-    megabytes = MEGABYTES + MEGABYTES_OF_RANK * ranks + BYTES_PER_DISC * discs // 1_000_000
-    options = f"--ntasks={ranks}", f"--mem={megabytes}M", f"--time={minutes}", "--output=slurm-%j.out"
+    site = site or Site()
+    options = (*needs(scene, ranks), "--output=slurm-%j.out")
     return f"""{head(scene.name, options, site)}
 # Submit it from this folder: sbatch job.slurm. lammps-jump must be known there; the run and its analysis are made here.
 cd "${{SLURM_SUBMIT_DIR:-$(dirname "$0")}}" || exit 2
@@ -100,6 +98,18 @@ if [ ! -f case.yaml ]; then
     exit 2
 fi
 {run_and_requeue("lammps-jump run . --resume", site)}"""
+
+
+def seconds_of(scene: Scene, ranks: int) -> float:
+    """Wall time of a run, s: an estimate."""
+    return scene.expected_discs * scene.steps / (DISC_STEPS_PER_SECOND * ranks)
+
+
+def needs(scene: Scene, ranks: int, runs: int = 1) -> tuple[str, ...]:
+    """Options for tasks, memory and time of a job that makes some runs of a scene, one after the other."""
+    minutes = -(-int(1.5 * runs * seconds_of(scene, ranks)) // 60) + 5
+    megabytes = MEGABYTES + MEGABYTES_OF_RANK * ranks + BYTES_PER_DISC * scene.expected_discs // 1_000_000
+    return f"--ntasks={ranks}", f"--mem={megabytes}M", f"--time={minutes}"
 
 
 def head(name: str, options: tuple[str, ...], site: Site) -> str:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import page as page
 from . import pool as pool
+from . import slurm as slurm
 from . import table as table
 from .members import Made as Made
 from .members import Start as Start
@@ -17,6 +18,5 @@ from .sweep import default_folder as default_folder
 from .sweep import open_sweep as open_sweep
 from .sweep import prepare as prepare
 from .sweep import run_members as run_members
-from .sweep import run_one as run_one
 from .sweep import study_folder as study_folder
 from .sweep import sweep as sweep

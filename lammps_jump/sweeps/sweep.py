@@ -218,6 +218,19 @@ class Sweep:
                 counts[point] = max(counts[point], sweeps.table.members_needed(found, share) or 0)
         return counts
 
+    def wider(self) -> Sweep | None:
+        """The study with more members of points whose intervals are wider than ``until`` allows; None where none is.
+
+        A point at most doubles its members, and has ``table.FIRST`` at least.
+        """
+        more: list[Start] = []
+        for point, needed in enumerate(self.needed()):
+            seeds = [start.seed for start in self.starts if start.point == point]
+            count = min(needed, max(sweeps.table.FIRST, 2 * len(seeds)), self.study.fields.most_members) - len(seeds)
+            more += [Start(point, self.study.points[point], max(seeds) + 1 + k) for k in range(count)]
+        starts = sorted([*self.starts, *more], key=lambda start: (start.point, start.seed))
+        return Sweep(self.study, self.folder, starts) if more else None
+
     @property
     def summary(self) -> dict[str, Any]:
         """The statistics of each point as plain data: what ``summary.json`` of the folder holds."""
@@ -286,34 +299,6 @@ def default_folder(study: str | Path | Mapping[str, Any] | ReadCase, case: Case)
         return Path(study)
     of_a_case = Path(case.source.file) == Path(study)
     return Path("runs") / (f"{Path(study).stem}_sweep" if of_a_case else Path(study).stem)
-
-
-def run_one(folder: Path, number: int) -> None:
-    """Run a member of a study that was prepared, in this process: the task of a batch system.
-
-    Only its run folder is written, so that tasks run at once. A member that is done is left as it is; one that was
-    interrupted goes on.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the study.
-    number : int
-        Of the member in ``points.json``, from 0.
-
-    Raises
-    ------
-    CaseError
-        No study there, or no such member.
-    RunError, RunInterrupted
-        As of `lammps_jump.run`.
-    """
-    found = open_sweep(folder)
-    if not 0 <= number < len(found.members):
-        raise CaseError(f"--member {number}: {folder} has members 0 to {len(found.members) - 1}")
-    member = found.members[number]
-    if state_of(member, folder).stage != "done":
-        run_member(member.case, member.folder(folder), False, True)
 
 
 def open_sweep(folder: str | Path) -> Sweep:
@@ -386,12 +371,12 @@ def _complete(found: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepPr
         except RunInterrupted as error:
             raise RunInterrupted(f"{found.folder}: {error}. {Sweep(found.study, found.folder).status()}") from None
         found._said = {key: state for key, state in said.items() if state.message}
-        more = _more(found)
-        if not more:
+        wider = found.wider()
+        if wider is None:
             return found
-        log.info(f"{len(more)} more runs: {', '.join(found.study.fields.until)} is not known well enough yet")
-        starts = sorted([*found.starts, *more], key=lambda start: (start.point, start.seed))
-        found = Sweep(found.study, found.folder, starts)
+        more = len(wider.starts) - len(found.starts)
+        log.info(f"{more} more runs: {', '.join(found.study.fields.until)} is not known well enough yet")
+        found = wider
 
 
 def prepare(found: Sweep) -> None:
@@ -399,13 +384,3 @@ def prepare(found: Sweep) -> None:
     write_text(found.folder / "study.yaml", found.study.to_yaml())
     listed = [{"point": member.point, "seed": member.seed, "key": member.key} for member in found.members]
     write_json(found.folder / POINTS_FILE, {"points": found.study.points, "members": listed})
-
-
-def _more(found: Sweep) -> list[Start]:
-    """Further starts of the points whose intervals are wider than ``until`` allows, at most as many as there are."""
-    fields, more = found.study.fields, []
-    for point, needed in enumerate(found.needed()):
-        seeds = [start.seed for start in found.starts if start.point == point]
-        count = min(needed, max(sweeps.table.FIRST, 2 * len(seeds)), fields.most_members) - len(seeds)
-        more += [Start(point, found.study.points[point], max(seeds) + 1 + k) for k in range(count)]
-    return more

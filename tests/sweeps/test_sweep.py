@@ -12,29 +12,13 @@ import pytest
 import xarray as xr
 import yaml
 from children import run_child, run_program
-from made_up import call
+from made_up import BOX, STUDY, call
 
 import lammps_jump as lj
 from lammps_jump.folders import locked
-from lammps_jump.sweeps import Sweep, open_sweep, prepare, run_one, study_folder
+from lammps_jump.sweeps import Sweep, open_sweep, prepare, slurm, study_folder
 from lammps_jump.sweeps.members import run_member
 
-BOX = {
-    "name": "box", "gravity": 0.0, "discs": {"diameter": 0.2}, "contact": {"restitution": 1.0, "impact_speed": 8},
-    "domain": {"x": [-1, 3], "y": [-1, 3]},
-    "walls": [{"name": "box", "kind": "box", "x": [0, 2], "y": [0, 2]}],
-    "initial": [{"kind": "lattice", "nx": 4, "ny": 4, "spacing": 0.45, "origin": [0.3, 0.3],
-                 "velocities": {1: [6.0, 5.0]}}],
-    "probes": {"forces": ["box"]},
-    "run": {"duration": 0.3, "time_step_fraction": 0.1, "output_interval": 0.05},
-    "engine": {"name": "native"},
-}  # fmt: skip
-STUDY = {
-    "case": BOX,
-    "axes": {"run.time_step_fraction": [0.05, 0.1], "discs.density": [500, 1000]},
-    "members": 2,
-    "collect": ["energy.max_deviation", "force.box.impulse_x", "discs.present"],
-}
 OUT_OF_THE_BOX = {**STUDY, "axes": {"walls.box.x": [[0, 2], [0, 20]]}, "collect": ["discs.present"]}
 """The second box is wider than the domain: its fast disc leaves the domain, and the run fails."""
 
@@ -192,7 +176,7 @@ def test_folders_of_others_are_refused(tmp_path, done):
     with pytest.raises(lj.SetupError, match="nothing there is overwritten"):
         lj.sweep(STUDY, tmp_path, jobs=1)
     with pytest.raises(lj.CaseError, match="holds no study"):
-        run_one(tmp_path, 0)
+        slurm.run_task(tmp_path, "0")
 
 
 def test_a_task_of_a_batch_system_runs_one_member(done, tmp_path, monkeypatch, capsys):
