@@ -16,7 +16,7 @@ from pathlib import Path
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "scontrol", "sinfo")
 SEARCHED = f"{os.environ['PATH']}:/usr/sbin:/sbin"
-PAUSE, LIMIT = 0.1, 60
+PAUSE, LIMIT = 0.1, 300
 """Seconds between two looks, and the end of a hang."""
 
 SETTINGS = """\

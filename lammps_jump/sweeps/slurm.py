@@ -159,8 +159,8 @@ def _run_each(folder: Path, members: str, retry: bool) -> list[str]:
     listed = read_json(folder / POINTS_FILE)["members"]
     if [item["key"] for item in listed] != [member.key for member in found.members]:
         raise SetupError(
-            f"{folder}: was prepared with another version of lammps-jump or LAMMPS, or another kernel, than this machine "
-            "uses; install the same versions on both, and set engine.kernel"
+            f"{folder}: was prepared with another version of lammps-jump or LAMMPS, or another kernel; install "
+            "the same versions on all machines, and set engine.kernel"
         )
     wrong = []
     for number in numbers:
