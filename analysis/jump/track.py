@@ -190,7 +190,7 @@ def _look(edges, depth, discharge, gravity, diameter) -> Look:
         return Look("the channel is dry")
     ramp = fit_ramp(edges, depth)
     if ramp is None or ramp.depth_2 < LEAST_RATIO * max(ramp.depth_1, 0.0):
-        return Look(f"the depth nowhere rises {LEAST_RATIO}-fold")
+        return Look(f"the depth nowhere rises by a factor of {LEAST_RATIO}")
     middle = 0.5 * (edges[1:] + edges[:-1])
     before, behind = middle < ramp.toe, middle > ramp.end
     if not before.any() or not behind.any():
