@@ -34,9 +34,9 @@ test-repeat: $(VENV)/.ready
 browser: $(VENV)/.ready
 	$(BIN)/python -m pytest -m browser tests/integration
 
-# the long form of the tests of faults, at most half an hour; writes the table of docs/reliability.md
+# the long form of the tests of faults, some minutes; writes the table of docs/reliability.md
 faults: $(VENV)/.ready
-	JUMP_FAULTS=long $(BIN)/python -m pytest -m fault
+	JUMP_FAULTS=long $(BIN)/python -m pytest -m fault -n 2
 
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
 slurm: $(VENV)/.ready
