@@ -13,9 +13,8 @@ import lammps_jump as lj
 import lammps_jump.analysis as analysis
 import lammps_jump.cli as cli
 import lammps_jump.runs as runs
+import lammps_jump.script as script
 from lammps_jump.errors import CaseError, RunError
-from lammps_jump.script import job as job_file
-from lammps_jump.script.stock import lacking
 
 from .options import (
     Accuracy,
@@ -86,12 +85,12 @@ def build(
     """Write the run folder (case and LAMMPS script) without running it."""
     loaded = lj.load_case(case, assignments(set_, kernel=kernel, ranks=ranks))
     folder = out or runs.folder.default_folder(loaded)
-    job = job_file.read_site(site) if site else job_file.Site() if slurm else None
+    job = script.job.read_site(site) if site else script.job.Site() if slurm else None
     runs.start.build(loaded, folder, job=job, force=force)
     if job is not None:
         print(f"job file: {folder / 'job.slurm'}")
-    script = (folder / "in.lammps").exists() and not lacking(loaded.scene())
-    there = ", or there with `lmp -in in.lammps`" if script else ""
+    alone = (folder / "in.lammps").exists() and not script.stock.lacking(loaded.scene())
+    there = ", or there with `lmp -in in.lammps`" if alone else ""
     print(f"{folder}: run it with `lammps-jump run {folder}`{there}")
 
 

@@ -9,10 +9,10 @@ from typing import Annotated, Any
 import typer
 
 import lammps_jump as lj
+import lammps_jump.script as script
 import lammps_jump.studies as studies
 import lammps_jump.sweeps as sweeps
 from lammps_jump.errors import CaseError
-from lammps_jump.script.job import Site, read_site
 
 from .options import (
     CaseFile,
@@ -81,7 +81,7 @@ def sweep(
     read = sweeps.read_study(study, **given)
     found = sweeps.Sweep(read, out or sweeps.default_folder(study, read.case))
     if slurm:
-        at = read_site(site) if site else Site()
+        at = script.job.read_site(site) if site else script.job.Site()
         number = sweeps.slurm.submit(found, at, at_once=jobs or sweeps.slurm.AT_ONCE, retry=retry)
         done = f"nothing to submit: `lammps-jump sweep {found.folder}` writes table and page"
         print(f"{found.folder}: array job {number}" if number else f"{found.folder}: {done}")

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+from . import job as job
+from . import stock as stock
 from .assemble import Options as Options
 from .assemble import script_text as script_text
 from .assemble import write_script as write_script
