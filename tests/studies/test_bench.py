@@ -160,7 +160,7 @@ def test_table_names_choices():
 
 def test_a_developed_flow_keeps_the_sizes_of_its_discs():
     """Ids begin anew, and with them the sizes: each disc gets an id whose size is all but its own."""
-    scene = load_case(INPUTS / "quick_jump.yaml", {"run.duration": 2}).scene()
+    scene = load_case(INPUTS / "quick_jump.yaml", {"run.duration": 2, "initial": []}).scene()
     simulation = NativeSimulation(replace(scene, probes=()), ledger=False)
     simulation.run(scene.steps)
     started = with_discs_of(simulation, scene)
