@@ -404,12 +404,13 @@ def test_the_section_says_what_the_numbers_are_worth():
 def test_numbers_that_one_run_cannot_tell_say_so_everywhere():
     jump = worded(summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context())))
     found, known = numbers(jump), numbers_of(Jump)
-    assert {"y2", "u2", "speed", "length", "froude"} <= set(found["lower_bounds"])
+    assert {"y2", "u2", "speed", "sequent_ratio", "froude"} <= set(found["lower_bounds"])
     assert all(f"{key}_error" in known for key in LOWER_BOUNDS)
     assert all(f"{key}_error" in numbers_of(Tail) for key in TAIL_BOUNDS)
     rows = {row[0]: row for block in section(found).blocks if isinstance(block, Table) for row in block.rows}
     assert "± at least " in rows["Mass depth s [m]"][2] and "at least" not in rows["Mass depth s [m]"][1]
-    assert all("± at least " in rows["Length of the jump [m]"][column] for column in (1, 4))
+    assert all("± at least " in rows["s₂/s₁"][column] for column in (1, 4))
+    assert "±" in rows["Length of the jump [m]"][1] and "at least" not in rows["Length of the jump [m]"][1]
     assert "front at " in jump.headline and all("± at least " in text for text in (jump.headline, jump.reason))
 
 
