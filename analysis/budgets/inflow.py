@@ -213,7 +213,9 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     planned = np.array(scene.discharges)
     with np.errstate(invalid="ignore", divide="ignore"):
         delivered = arrivals.area[later].sum(axis=0) / (arrivals.turns[later].sum(axis=0) * intervals)
-    turns, discs = arrivals.turns.sum(axis=0), int(arrivals.discs.sum())
+    turns = arrivals.turns.sum(axis=0)
+    tried = int(turns.sum())
+    lost = tried - int(arrivals.discs.sum())
     told = not (arrivals.entered < 0).any()
     refused = turns - arrivals.entered.sum(axis=0)
     depth, discharge, momentum = (mean_of(series) for series in arrivals.stream[inside].T)
@@ -232,8 +234,8 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         planned=float(planned.sum()),
         delivered=total,
         deviation=total / asked - 1.0,
-        turns=int(turns.sum()),
-        refused=int(turns.sum()) - discs,
+        turns=tried,
+        refused=lost,
         depth_asked=y1,
         speed_asked=va,
         momentum_planned=float(planned @ np.abs(speeds)),
@@ -246,7 +248,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         **_sequent(depth, Mean(u, speed.error), across),
         station=(float(ends[0]), float(ends[1])),
         rows=tuple(found),
-        notes=_notes(total, asked, int(turns.sum()) - discs, int(turns.sum()), _blocked(arrivals)),
+        notes=_notes(total, asked, lost, tried, _blocked(arrivals)),
     )
 
 
