@@ -119,17 +119,19 @@ def analyse(
     `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`. `told` is called with
     what is done.
     """
-    quiet = not log.isEnabledFor(logging.INFO)
     asked = case.fields.analysis
-    options = {
-        "figures": asked.figures,
-        "film": asked.animation,
-        "quiet": quiet,
-        "watch": watch,
-        "gathered": gathered,
-        "told": told,
-    }
-    return quantities.analyse(flow_of(case), find_dump(folder), out, _wanted(case), **options)
+    return quantities.analyse(
+        flow_of(case),
+        find_dump(folder),
+        out,
+        _wanted(case),
+        figures=asked.figures,
+        film=asked.animation,
+        quiet=not log.isEnabledFor(logging.INFO),
+        watch=watch,
+        gathered=gathered,
+        told=told,
+    )
 
 
 def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
