@@ -135,7 +135,7 @@ def _without_result(job: Job, child: Child) -> RunResult:
     return replace(
         found,
         status="interrupted",
-        message=interruption(last.time, scene.time(scene.steps), job.folder, again=again, reason=reason),
+        message=interruption(scene, last.step, job.folder, again=again, reason=reason),
     )
 
 

@@ -52,9 +52,8 @@ class Saver(CheckpointWriter):
         """
         self.tick()
         log = read_log(Path(LOG))
-        now, end = self.scene.time(step), self.scene.time(self.scene.steps)
         result = result_of(self.job, replace(self.outcome, interrupted=True), log)
-        result = replace(result, message=interruption(now, end, self.job.folder, again=now))
+        result = replace(result, message=interruption(self.scene, step, self.job.folder, again=self.scene.time(step)))
 
         def make() -> list[str]:
             name = f"checkpoint-{step}.npz"

@@ -213,9 +213,8 @@ class _Part:
         return self.result("interrupted", self._ended(self.saved))
 
     def _ended(self, again: float | None) -> str:
-        scene = self.scene
-        now, end = scene.time(self.simulation.step), scene.time(scene.steps)
-        return interruption(now, end, self.folder or "memory", again=again, reason=self.reason)
+        folder = self.folder or "memory"
+        return interruption(self.scene, self.simulation.step, folder, again=again, reason=self.reason)
 
     def result(self, status: str, message: str) -> RunResult:
         """The result of all parts; a simulation that was read back counts on by itself, but for the clock."""
