@@ -108,8 +108,8 @@ def interruption(scene: Scene, step: int, folder: object, *, again: float | None
         Why it cannot, where there is no checkpoint.
     """
     kept = (
-        f"the run was ended at t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s; the frames up to there are kept "
-        f"in {folder}: `lammps-jump analyze {folder}` looks at them"
+        f"the run was ended at t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s; the frames up to there "
+        f"are kept in {folder}: `lammps-jump analyze {folder}` looks at them"
     )
     if again is not None:
         return (
