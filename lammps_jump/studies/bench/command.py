@@ -67,6 +67,7 @@ def run_bench(
     store = Store((out or FOLDER / name) / f"{part}.json", fresh=fresh)
     measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes or Axes(), fresh=fresh), settings_page)
     store.data |= plain(measure(case, store, quick=quick, say=say)) | {"case": name, "machine": machine()}
+    store.save()
     return store.finish(show(store.data, store.path.parent))
 
 
