@@ -12,14 +12,19 @@ Column = str | Callable[[Any], object]
 
 
 class _Cells(Formatter):
-    """Formats the values of a record: ``-`` for None, a space before ``%``."""
+    """Formats the values of a record, with a space before ``%``."""
+
+    def __init__(self, absent: str):
+        self.absent = absent
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        return "-" if value is None else super().format_field(value, format_spec).replace("%", " %")
+        return self.absent if value is None else super().format_field(value, format_spec).replace("%", " %")
 
 
-def markdown(columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]]) -> str:
-    """Return a Markdown table of records, without an end of line after its last row.
+def cells(
+    columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]], absent: str = "-"
+) -> tuple[list[list[Any]], list[str]]:
+    """Return the cells of a table of records, and the titles of its columns.
 
     Parameters
     ----------
@@ -27,16 +32,24 @@ def markdown(columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]]) -
         By the title of a column what makes a cell of a row: a template (``{engine}, {share:.1%}``) or a function. An
         empty template takes what the row holds under the title. Titles that end with a colon are aligned right.
     rows : iterable of mapping
+    absent : str
+        Stands for None.
     """
+    formatter = _Cells(absent)
 
     def cell(title: str, column: Column, row: Mapping[str, Any]) -> object:
         if callable(column):
             return column(row)
-        return _Cells().vformat(column, (), row) if column else row.get(title, "-")
+        return formatter.vformat(column, (), row) if column else row.get(title, absent)
 
     titled = [(title.removesuffix(":"), column) for title, column in columns.items()]
-    lines = [[title for title, _ in titled], *([cell(*one, row) for one in titled] for row in rows)]
-    first, *others = ("|" + "|".join(f" {one} " if one != "" else " " for one in line) + "|" for line in lines)
+    return [[cell(*one, row) for one in titled] for row in rows], [title for title, _ in titled]
+
+
+def markdown(columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]]) -> str:
+    """Return the `cells` of a table in Markdown, without an end of line after its last row."""
+    lines, titles = cells(columns, rows)
+    first, *others = ("|" + "|".join(f" {c} " if c != "" else " " for c in line) + "|" for line in (titles, *lines))
     rules = ("---:" if title.endswith(":") else "---" for title in columns)
     return "\n".join([first, f"|{'|'.join(rules)}|", *others])
 
