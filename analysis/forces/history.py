@@ -16,6 +16,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Tables
+from lammps_jump.analysis.profiles import window_of
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics import jump as theory
@@ -172,8 +173,7 @@ def analyse_forces(
     identities = ()
     if momentum is not None:
         identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in ("x", "y"))
-    window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
-    structures = {name: _numbers(one, window, bool(flow.scene.inlets)) for name, one in series.items()}
+    structures = {name: _numbers(one, window_of(profiles), bool(flow.scene.inlets)) for name, one in series.items()}
     settled = _settled(series, flow, profiles, momentum)
     return Forces(flow, structures, identities, _reflected(series, flow, profiles), settled)
 
@@ -205,7 +205,7 @@ def _structure(name: str, history: ForceHistory, flow: Flow, profiles: xr.Datase
     nothing = np.full(len(history.time), nan)
     depth, hydrostatic, oncoming = nothing, nothing, nothing
     face = _face(wall)
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if face is not None and gravity > 0:
         at, foot, top, side = face
         near = _station(profiles, at, side, 1, flow)
@@ -304,7 +304,7 @@ def _settled(
 ) -> dict[str, dict[str, float]]:
     """Mean force over the last quarter of the time before the gate opens, against hydrostatics and the weight."""
     times = profiles["time"].values
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if gravity <= 0 or not (times < 0).any():
         return {}
     start = 0.25 * float(times[0])
@@ -336,6 +336,6 @@ def _reflected(structures: Mapping[str, StructureForce], flow: Flow, profiles: x
     """The wave thrown back by the first block that stands in a stream towards +x."""
     along = [force.wall for force in structures.values() if force.wall is not None and force.component == "fx"]
     blocks = [wall for wall in along if wall.finite and not wall.hollow]
-    if not blocks or -flow.scene.gravity[1] <= 0 or flow.scene.inlets:
+    if not blocks or flow.gravity <= 0 or flow.scene.inlets:
         return None
     return track_reflection(profiles, min(blocks, key=lambda wall: wall.extent[0][0]), flow)
