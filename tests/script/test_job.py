@@ -7,6 +7,7 @@ import os
 import subprocess
 
 import pytest
+from children import LIMIT
 from made_up import INPUTS
 
 import lammps_jump as lj
@@ -46,7 +47,7 @@ def start(job, submitted_in, program='#!/bin/bash\necho lammps-jump "$@"\n', **n
         (programs / name).chmod(0o755)
     environment = os.environ | {"PATH": f"{programs}:{os.environ['PATH']}", "SLURM_JOB_ID": "7"}
     environment |= {"SLURM_SUBMIT_DIR": str(submitted_in), **names}
-    done = subprocess.run(["bash", job], env=environment, cwd="/", capture_output=True, text=True, timeout=60)
+    done = subprocess.run(["bash", job], env=environment, cwd="/", capture_output=True, text=True, timeout=LIMIT)
     return done.returncode, done.stdout + done.stderr
 
 
@@ -73,6 +74,19 @@ def test_a_run_out_of_time_goes_back_into_the_queue(folder):
     assert status == 75 and said.splitlines()[1:] == ["heard USR1", "scontrol requeue 7"]
     array = {"SLURM_ARRAY_JOB_ID": "3", "SLURM_ARRAY_TASK_ID": "2"}
     assert start(folder / "job.slurm", folder, SIGNALLED.format("USR1"), **array)[1].endswith("requeue 3_2\n")
+
+
+@pytest.mark.parametrize("number, status", [("USR1", 138), ("TERM", 143)])
+def test_a_signal_before_the_program_listens_is_not_lost(folder, number, status):
+    """The signal ends a program that does not listen yet: with USR1 the job goes back into the queue all the same."""
+    deaf = "#!/bin/bash\nwhile :; do sleep 0.05; done\n"
+    requeued = "scontrol requeue 7\n" * (number == "USR1")
+    at_once = deaf.replace("\n", f"\nkill -{number} $PPID\n", 1)
+    assert start(folder / "job.slurm", folder, at_once) == (status, requeued)
+    job = folder / "job.slurm"  # the signal comes while modules are loaded
+    job.write_text(job.read_text().replace("\nif [ -z", f"\nkill -{number} $$\nif [ -z", 1))
+    ended, said = start(job, folder, deaf)
+    assert ended in (75, status) and said == requeued
 
 
 def test_a_cancelled_run_does_not(folder):
