@@ -9,7 +9,6 @@ const FRAMES_A_SECOND = 10;
 const HALF = 0.5;
 
 const players = [];
-const pageData = JSON.parse(document.getElementById("data").textContent);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 
@@ -23,8 +22,8 @@ function part(p, name) {
 
 // ---- start ----
 
-async function startPlayer(element, index) {
-  const run = await unpackFrames(pageData.players[index], document.getElementById("frames" + index).textContent);
+function startPlayer(element, index) {
+  const run = unpackFrames(pageData.players[index], document.getElementById("frames" + index).textContent);
   const canvas = element.querySelector("canvas");
   const p = {
     element, run, canvas, index, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }),
@@ -303,11 +302,9 @@ function saveFilm(p) {
 
 // ---- the page ----
 
-async function startPlayers() {
-  const elements = [...document.querySelectorAll(".player")];
-  if (!elements.length || typeof DecompressionStream === "undefined") return;
-  await Promise.all(elements.map(startPlayer));
-  if (!still.matches) tell("play", { on: true });
+function startPlayers() {
+  document.querySelectorAll(".player").forEach(startPlayer);
+  if (players.length && !still.matches) tell("play", { on: true });
 }
 
 const playersReady = startPlayers();

@@ -39,6 +39,9 @@ PIXEL = """((x, y) => {
   return String(p.context.getImageData(...at, 1, 1).data.slice(0, 3));
 })"""
 
+LARGEST = {"hydraulic_jump_graded": 3_000_000}
+"""Bytes of the page of a scene."""
+
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(not PROGRAM, reason="Chromium is not installed")]
 
 
@@ -318,6 +321,19 @@ def numbers_agree(page, summary):
         assert near, text
 
 
+def curves_agree(page, folder):
+    """The page draws what is in ``curves.json``, to five digits of the largest number of a line."""
+    stored = json.loads((folder / "curves.json").read_text())
+    shown = {chart["title"]: chart for chart in page.run("pageData.curves")}
+    for chart in stored.values():
+        for panel, drawn in zip(chart.get("panels", ()), shown[chart["title"]].get("panels", ()), strict=True):
+            for line, seen in zip(panel["lines"], drawn["lines"], strict=True):
+                for key in line.keys() & {"x", "y", "error"}:
+                    wanted, found = (np.array(side[key], float) for side in (line, seen))
+                    within = 1e-4 * np.nanmax(np.abs(wanted), initial=0)
+                    assert np.allclose(found, wanted, rtol=0, atol=0.51 * within, equal_nan=True)
+
+
 def flat(found):
     values = found.values() if isinstance(found, dict) else found if isinstance(found, list) else None
     return [found] if values is None else [one for value in values for one in flat(value)]
@@ -342,6 +358,9 @@ def test_report_of_a_scene(browser, tmp_path, scene):
     assert both and all(before[curve] < after[curve] for curve in both)  # the linked curves show the time
     text = page.run("document.getElementById('frames0').textContent")
     rows = page.run("players[0].run.rows")
-    assert len(text) * 3 / 4 <= 2.9 * rows + 20_000
+    assert len(text) <= 2.6 * rows + 20_000
+    size = (folder / "report.html").stat().st_size
+    assert size - len(text) <= 350_000 and size <= LARGEST.get(scene, size)
+    curves_agree(page, folder)
     assert page.troubles() == []
     page.close()
