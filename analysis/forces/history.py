@@ -16,11 +16,11 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Tables
-from lammps_jump.analysis.statistics import mean_of
+from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.walls import Wall
-from lammps_jump.units import as_summary, number
+from lammps_jump.units import Estimates, as_summary, estimate, number
 
 from .impulse import Identity, MomentumHistory, identity_numbers, identity_sentence, impulse_identity, window_lengths
 from .reflection import ReflectedWave, track_reflection
@@ -103,15 +103,14 @@ class StructureForce:
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(Estimates):
     """Force of the discs on one structure, per metre of width; peaks are behind the low-pass, after t = 0.
 
     `component` is the one with the larger integral of its magnitude: `peak` and `impulse` are of it.
     """
 
     component: str | None = None
-    peak: float = number("N/m", "peak force", default=nan, label="peak")
-    peak_error: float = number("N/m", "standard error of the peak force", default=nan)
+    peak: float = estimate("N/m", "peak force", label="peak")
     peak_time: float = number("s", "time of the peak", default=nan, label="at")
     peak_unfiltered: float = number("N/m", "peak of the record without low-pass", default=nan)
     impulse: float = number("N s/m", "impulse", default=nan)
@@ -123,10 +122,8 @@ class Force:
     hydrostatic: float = number("N/m", "ρgh²/2", default=nan)
     stagnation: float = number("N/m", "with ρhu²", default=nan)
     largest_depth: float = number("m", "largest mass depth in front of it", default=nan)
-    mean_fx: float = number("N/m", "mean Fx of the window", default=nan)
-    mean_fx_error: float = number("N/m", "standard error of the mean Fx", default=nan)
-    mean_fy: float = number("N/m", "mean Fy of the window", default=nan)
-    mean_fy_error: float = number("N/m", "standard error of the mean Fy", default=nan)
+    mean_fx: float = estimate("N/m", "mean Fx of the window")
+    mean_fy: float = estimate("N/m", "mean Fy of the window")
     mean_hydrostatic: float = number("N/m", "mean of ρgh²/2 in the window", default=nan)
     series: StructureForce | None = field(default=None, metadata={"summary": False})
 
@@ -290,7 +287,6 @@ def _numbers(series: StructureForce, window: tuple[float, float]) -> Force:
     before = series.impulse[np.flatnonzero(live)[0] - 1] if not live[0] else np.zeros(2)
     impulse = series.impulse[np.flatnonzero(live)[-1]] - before
     inside = (history.time > window[0]) & (history.time <= window[1] + 1e-9)
-    mean_fx, mean_fy = mean_of(history.fx[inside]), mean_of(history.fy[inside])
     known = inside & np.isfinite(series.hydrostatic)
     return Force(
         component=component,
@@ -307,10 +303,7 @@ def _numbers(series: StructureForce, window: tuple[float, float]) -> Force:
         hydrostatic=biggest(series.hydrostatic)[0],
         stagnation=biggest(series.oncoming)[0],
         largest_depth=biggest(series.depth)[0],
-        mean_fx=mean_fx.value,
-        mean_fx_error=mean_fx.error,
-        mean_fy=mean_fy.value,
-        mean_fy_error=mean_fy.error,
+        **as_fields(mean_fx=mean_of(history.fx[inside]), mean_fy=mean_of(history.fy[inside])),
         mean_hydrostatic=float(series.hydrostatic[known].mean()) if known.any() else nan,
         series=series,
     )

@@ -45,7 +45,6 @@ class Wanted(NamedTuple):
     without: str = ""
 
 
-OFF_WATER = "front against Martin & Moyce’s water"
 PERCENT = {"scale": 0.01, "unit": "%"}
 FOUND = (
     Wanted("jump.sequent_ratio", Jump, "Bélanger", "jump.belanger_ratio"),

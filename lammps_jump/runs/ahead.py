@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import importlib
-import os
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -15,6 +14,7 @@ import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.check import FrameCheck
 from lammps_jump.dump.tail import GrowingDump
+from lammps_jump.engines.choice import usable_cores
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import JumpError
 from lammps_jump.files import DUMP_NAMES
@@ -47,7 +47,7 @@ class Ahead:
         self._ended = threading.Event()
         kind = setting.dump_format
         self._dump = GrowingDump(folder / DUMP_NAMES[kind], kind, self._ended)
-        self._follows = whole and kind in ("text", "binary") and setting.ranks < len(os.sched_getaffinity(0))
+        self._follows = whole and kind in ("text", "binary") and setting.ranks < usable_cores()
         self._thread = threading.Thread(target=self._work, name="analysis")
 
     def __enter__(self) -> Self:
@@ -67,7 +67,7 @@ class Ahead:
             runs.results.prepare(self._case)
             if self._follows:
                 self.packer = runs.results.packer_for(self._case)
-                watch = (self.packer, self.check) if runs.results.has_page(self._case) else (self.check,)
+                watch = (self.packer, self.check) if runs.results.has_player(self._case) else (self.check,)
                 self._gathered = runs.results.collect(self._case, self._folder, self._dump, *watch)
 
     def result(self, outputs: Mapping[str, Mapping[str, int | str]], waiting: Callable[[int], None]) -> Gathered | None:

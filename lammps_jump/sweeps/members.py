@@ -10,7 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from lammps_jump.engines.checkpoint import CHECKPOINT_FILE
 from lammps_jump.engines.result import Progress
 from lammps_jump.errors import DumpError, JumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES
@@ -188,10 +187,11 @@ def state_of(member: Member, store: Path) -> State:
 
 
 def _is_analysed(case: Case, stored: Mapping[str, Any]) -> bool:
-    """Whether the results are of this analysis, with or without pictures."""
+    """Whether the results are of this analysis, with or without pictures; a player that is asked for is there."""
     if not stored.get("analysed"):
         return False
-    figures = (case.replace({"analysis.figures": word}) for word in ("none", "default", "all"))
+    words = ["player", "default", "all"] + (["none"] if case.fields.analysis.figures == "none" else [])
+    figures = (case.replace({"analysis.figures": word}) for word in words)
     return stored["analysed"]["key"] in [analysis_key(one, stored["outputs"]) for one in figures]
 
 
@@ -208,16 +208,13 @@ def run_member(case: Case, folder: Path, again: bool, keep_dump: bool) -> None:
     def tell(report: Progress) -> None:
         worker.tell((report.step / max(report.steps, 1), report.step * 1.0, report.discs))
 
-    ways: Sequence[Mapping[str, Any]] = [{"force": True}]
-    if not again:
-        ways = [*([{"resume": True}] if (folder / CHECKPOINT_FILE).exists() else []), {}, *ways]
-    for last, way in zip([*[False] * (len(ways) - 1), True], ways, strict=True):
-        try:
-            run_case(case, folder, progress=tell, should_stop=worker.asked_to_stop, **way)
-            break
-        except (ResumeError, SetupError):
-            if last:
-                raise
+    run = partial(run_case, case, folder, progress=tell, should_stop=worker.asked_to_stop)
+    try:
+        run(resume=not again, force=again)
+    except (ResumeError, SetupError):
+        if again:
+            raise
+        run(force=True)
     if not keep_dump:
         for name in DUMP_NAMES.values():
             (folder / name).unlink(missing_ok=True)

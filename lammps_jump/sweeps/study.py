@@ -176,10 +176,11 @@ class Study:
 
     @property
     def analysis(self) -> dict[str, object]:
-        """What is made of each run: what the collected numbers need, no pictures and no page."""
+        """What is made of each run: what the collected numbers need, without axes a player, no pictures and no page."""
         parts = {item.path.partition(".")[0] for item in self.collect}
         flags = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
-        return {**flags, "analysis.fields": False, "analysis.animation": False, "analysis.figures": "none"}
+        figures = "none" if self.axes else "player"
+        return {**flags, "analysis.fields": False, "analysis.animation": False, "analysis.figures": figures}
 
     def to_yaml(self) -> str:
         """The study as YAML, with the whole case in it, so that the folder can be moved."""

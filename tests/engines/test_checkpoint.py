@@ -8,6 +8,7 @@ import json
 import os
 import random
 import shutil
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -143,71 +144,58 @@ def test_an_output_that_was_changed_is_refused(writer, tmp_path):
 CALLS = ("fsync", "replace", "link", "open")
 
 
+class Killed(BaseException):
+    """The process ends here."""
+
+
+def third_write(scene, folder, monkeypatch, call, error, fails) -> int:
+    """How often a function of `os` is called by the third write of a checkpoint; where `fails` says so it raises."""
+    shutil.rmtree(folder)
+    folder.mkdir()
+    writer = CheckpointWriter(scene, folder, [DUMP])
+    for step in (10, 20):
+        write(writer, step)
+    calls, real = 0, getattr(os, call)
+
+    def failing(*arguments, **options):
+        nonlocal calls
+        calls += 1
+        if fails(calls):
+            raise error
+        return real(*arguments, **options)
+
+    with monkeypatch.context() as patch, suppress(type(error)):
+        patch.setattr(os, call, failing)
+        write(writer, 30)
+    return calls
+
+
 @pytest.mark.parametrize("call", CALLS)
 def test_wherever_a_write_fails_a_checkpoint_is_whole(writer, tmp_path, monkeypatch, call):
     """The N-th call fails, for N until none does: once, and from then on. The newest or the one before can be read."""
-    for persistent in (False, True):
+    full = OSError(28, "No space left on device")
+    for happens in ("__eq__", "__le__"):  # once, from then on
         for first in range(1, 60):
-            shutil.rmtree(tmp_path)
-            tmp_path.mkdir()
-            writer = CheckpointWriter(writer.scene, tmp_path, [DUMP])
-            for step in (10, 20):
-                write(writer, step)
-            calls, real = [0], getattr(os, call)
-
-            def failing(*arguments, real=real, calls=calls, first=first, persistent=persistent, **options):
-                calls[0] += 1
-                if calls[0] == first or (persistent and calls[0] > first):
-                    raise OSError(28, "No space left on device")
-                return real(*arguments, **options)
-
-            with monkeypatch.context() as patch:
-                patch.setattr(os, call, failing)
-                try:
-                    write(writer, 30)
-                except OSError:
-                    pass
+            calls = third_write(writer.scene, tmp_path, monkeypatch, call, full, getattr(first, happens))
             assert read_checkpoint(tmp_path).step in (20, 30)
-            if calls[0] < first:
+            if calls < first:
                 break
-        assert first > 1 and calls[0] < first
-
-
-class Killed(BaseException):
-    """The process ends here."""
+        assert first > 1 and calls < first
 
 
 @pytest.mark.parametrize("call", ["fsync", "replace", "link", "unlink"])
 def test_wherever_the_process_ends_a_checkpoint_is_whole(writer, tmp_path, monkeypatch, call):
     for first in range(1, 60):
-        shutil.rmtree(tmp_path)
-        tmp_path.mkdir()
-        writer = CheckpointWriter(writer.scene, tmp_path, [DUMP])
-        for step in (10, 20):
-            write(writer, step)
-        calls, real = [0], getattr(os, call)
-
-        def ending(*arguments, real=real, calls=calls, first=first, **options):
-            calls[0] += 1
-            if calls[0] >= first:
-                raise Killed
-            return real(*arguments, **options)
-
-        with monkeypatch.context() as patch:
-            patch.setattr(os, call, ending)
-            try:
-                write(writer, 30)
-            except Killed:
-                pass
+        calls = third_write(writer.scene, tmp_path, monkeypatch, call, Killed(), first.__le__)
         found = read_checkpoint(tmp_path)
         assert found.step in (20, 30)
         cut_back(tmp_path, found)
         assert (tmp_path / DUMP).read_bytes() == (found.step // 10) * b"a frame\n"
         write(CheckpointWriter(writer.scene, tmp_path, [DUMP]), 40)  # the next part writes its own
         assert read_checkpoint(tmp_path).step == 40
-        if calls[0] < first:
+        if calls < first:
             break
-    assert calls[0] < first
+    assert calls < first
 
 
 @pytest.mark.parametrize("members", [0, 1, 3])

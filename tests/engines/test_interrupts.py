@@ -63,18 +63,11 @@ def test_a_signal_saves_the_run_and_nothing_is_analysed(number, engine, plugin, 
 
 @pytest.mark.lammps
 @pytest.mark.parametrize("engine", ["native", "stock", "ranks"])
+@pytest.mark.parametrize(("number", "told"), [(signal.SIGXCPU, "engine"), (signal.SIGUSR1, "all")])
 @pytest.mark.fault("signals")
-def test_the_engines_own_limit_of_processor_time_ends_the_run_in_order(engine, tmp_path):
-    """The system tells each process of its own: XCPU killed the engine, and left no checkpoint."""
-    signalled(tmp_path / "run", engine, signal.SIGXCPU, "engine")
-    assert read_checkpoint(tmp_path / "run").step >= STEP
-
-
-@pytest.mark.lammps
-@pytest.mark.parametrize("engine", ["native", "stock", "ranks"])
-@pytest.mark.fault("signals")
-def test_a_batch_system_signals_every_process(engine, tmp_path):
-    signalled(tmp_path / "run", engine, signal.SIGUSR1, "all")
+def test_signals_that_not_only_the_program_gets_end_the_run_in_order(engine, number, told, tmp_path):
+    """The system tells each process of its limit of processor time; a batch system signals every process."""
+    signalled(tmp_path / "run", engine, number, told)
     assert read_checkpoint(tmp_path / "run").step >= STEP
 
 

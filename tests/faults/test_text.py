@@ -15,6 +15,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from children import LIMIT
 from hypothesis import example, given
 from hypothesis import strategies as st
 from made_up import disc_frame, flow_context, without_analysis
@@ -264,5 +265,5 @@ def test_an_attack_in_a_file_name_makes_no_file(tmp_path, monkeypatch):
 def test_a_job_file_with_an_attack_is_read_as_one_word(tmp_path):
     for attack in ATTACKS:
         head = job_text(scene_called(attack, attack), 1).split("\n#SBATCH --nodes")[0]
-        subprocess.run(["bash", "-c", head], cwd=tmp_path, check=True, timeout=60)
+        subprocess.run(["bash", "-c", head], cwd=tmp_path, check=True, timeout=LIMIT)
     assert not list(tmp_path.iterdir())

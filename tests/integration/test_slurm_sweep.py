@@ -115,6 +115,15 @@ def test_a_task_out_of_time_goes_on(slurm, tmp_path, engine):
         assert found == here(path, tmp_path / "here")
 
 
+def submitted_again(slurm, path, folder, here_folder):
+    """End of a study of which one member was broken off, by the same command; its table is that of a local study."""
+    wait_for(lambda: not slurm.ask("squeue", "-h"), "the end of the tasks")
+    assert "3 done, 1 interrupted, 2 waiting\n" in sweep(slurm, folder, "--status")
+    sweep(slurm, folder, "--slurm")
+    end(slurm, folder, 6)
+    assert table(folder) == here(path, here_folder)
+
+
 def test_a_study_at_work_is_seen_cancelled_and_submitted_again(slurm, tmp_path):
     path, folder = written(tmp_path, set={"engine.name": "native"}), tmp_path / "there"
     number = submit(slurm, path, folder, site(tmp_path, 1, "JUMP_TEST_SLEEP=0.02"))  # minutes: it never ends by itself
@@ -124,22 +133,14 @@ def test_a_study_at_work_is_seen_cancelled_and_submitted_again(slurm, tmp_path):
     assert "3 done, 1 running, 2 waiting; tasks of Slurm: 1 running" in said and "| 0.05 |" in said
     assert run_program("sweep", folder, "--slurm", env=slurm.environment)[0] == 2  # not twice
     slurm.ask("scancel", number)
-    wait_for(lambda: not slurm.ask("squeue", "-h"), "the end of the tasks")
-    assert "3 done, 1 interrupted, 2 waiting\n" in sweep(slurm, folder, "--status")
-    sweep(slurm, folder, "--slurm")
-    end(slurm, folder, 6)
-    assert table(folder) == here(path, tmp_path / "here")
+    submitted_again(slurm, path, folder, tmp_path / "here")
 
 
 def test_a_task_that_is_killed_is_submitted_again(slurm, tmp_path):
     path, folder = written(tmp_path, set={"engine.name": "native"}), tmp_path / "there"
     task = f"{submit(slurm, path, folder, site(tmp_path, 0, f'JUMP_TEST_SIGNAL=9@{STEP}@first'))}_0"
     assert slurm.wait(task, *ENDED)["JobState"] == "FAILED"
-    wait_for(lambda: not slurm.ask("squeue", "-h"), "the end of the tasks")
-    assert "3 done, 1 interrupted, 2 waiting" in sweep(slurm, folder, "--status")
-    sweep(slurm, folder, "--slurm")
-    end(slurm, folder, 6)
-    assert table(folder) == here(path, tmp_path / "here")
+    submitted_again(slurm, path, folder, tmp_path / "here")
 
 
 def test_members_of_two_ranks(slurm, tmp_path):

@@ -7,6 +7,7 @@ import os
 import subprocess
 
 import pytest
+from children import LIMIT
 from made_up import INPUTS
 
 import lammps_jump as lj
@@ -46,7 +47,7 @@ def start(job, submitted_in, program='#!/bin/bash\necho lammps-jump "$@"\n', **n
         (programs / name).chmod(0o755)
     environment = os.environ | {"PATH": f"{programs}:{os.environ['PATH']}", "SLURM_JOB_ID": "7"}
     environment |= {"SLURM_SUBMIT_DIR": str(submitted_in), **names}
-    done = subprocess.run(["bash", job], env=environment, cwd="/", capture_output=True, text=True, timeout=60)
+    done = subprocess.run(["bash", job], env=environment, cwd="/", capture_output=True, text=True, timeout=LIMIT)
     return done.returncode, done.stdout + done.stderr
 
 

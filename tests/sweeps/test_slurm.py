@@ -9,7 +9,7 @@ import subprocess
 
 import pytest
 import yaml
-from children import run_program
+from children import LIMIT, run_program
 from made_up import BOX, STUDY, call
 
 import lammps_jump as lj
@@ -92,7 +92,7 @@ def test_a_task_asks_for_its_members(tmp_path, programs):
     job = tmp_path / "job"  # Slurm runs a copy that lies somewhere else
     job.write_text(slurm.array_text(found, range(8), Site(), at_once=3, retry=True))
     names = {"SLURM_SUBMIT_DIR": str(found.folder), "SLURM_ARRAY_TASK_ID": "2", "SLURM_JOB_ID": "9", "ENDS": "75"}
-    done = subprocess.run(["bash", job], env=os.environ | names, cwd="/", capture_output=True, text=True, timeout=60)
+    done = subprocess.run(["bash", job], env=os.environ | names, cwd="/", capture_output=True, text=True, timeout=LIMIT)
     assert (done.returncode, done.stdout) == (75, f"{found.folder} sweep . --member 6-8 --retry\n")
 
 
