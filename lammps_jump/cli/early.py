@@ -20,7 +20,7 @@ def start_engine_early(words: list[str]) -> None:
     words : list of str
         Of the command line, the program's name left out.
     """
-    if len(words) < 2 or words[0] not in COMMANDS or {"--help", "--members", "--until", "--slurm"} & set(words):
+    if len(words) < 2 or words[0] not in COMMANDS or {"--help", "--members", "--until"} & set(words):
         return
     path = Path(words[1]) / "case.yaml" if words[0] == "run" else Path(words[1])
     try:
