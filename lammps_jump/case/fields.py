@@ -345,9 +345,7 @@ class Analysis(Strict):
     front: bool = False
     fields: bool = False
     animation: bool = False
-    figures: Literal["default", "all", "player", "none"] = Field(
-        default="default", description="none: no pictures and no report; player: frames for the page of a study alone"
-    )
+    figures: Literal["default", "all", "player", "none"] = Field(default="default", description="none: no report")
 
 
 class Engine(Strict):

@@ -83,6 +83,12 @@ Force = Annotated[bool, typer.Option("--force", help="Delete the run that the fo
 Jobs = Annotated[
     int | None, typer.Option("--jobs", min=1, help="Runs at once (default: one for each core that may be used).")
 ]
+SlurmSite = Annotated[
+    Path | None, typer.Argument(help="Site file for --slurm (YAML; docs/scaling.md).", show_default=False)
+]
+Slurm = Annotated[
+    bool, typer.Option("--slurm", help="Submit what is left as one array job; --jobs limits its tasks at once.")
+]
 Members = Annotated[str | None, typer.Option(help="Starts of each point: 4, or the seeds 9-16.")]
 Until = Annotated[
     list[str] | None,
