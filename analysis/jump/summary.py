@@ -106,7 +106,7 @@ class Jump(Estimates):
 def inflow_theory(flow: Flow) -> theory.Inflow | None:
     """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
     depth, speed = flow.inflow_depth, flow.inflow_speed
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if not depth or not speed or gravity <= 0:
         return None
     return theory.inflow_theory(depth, speed, gravity)
@@ -138,7 +138,7 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
     if jump.inflow is not None:
         stream = delivered or (Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0))
         front = Mean(result.motion.speed, jump.speed_error)
-        jump = replace(jump, tail=against_inflow(result.tail, stream, front, -result.flow.scene.gravity[1]))
+        jump = replace(jump, tail=against_inflow(result.tail, stream, front, result.flow.gravity))
     if jump.verdict == "jump" and jump.sequent_ratio < DEVELOPED_SHARE * jump.belanger_ratio:
         share = 100 * jump.sequent_ratio / jump.belanger_ratio
         also = f" The depth ratio is {share:.0f} % of Bélanger's: the flow behind is still filling up."

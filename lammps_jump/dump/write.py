@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import CaseError, DumpError
-from lammps_jump.files import DUMP_NAMES
+from lammps_jump.files import DUMP_NAMES, writes
 from lammps_jump.scene.scene import Scene
 
 from .frame import Frame, bounds_of
@@ -69,11 +69,8 @@ class DumpWriter:
         self._row = " ".join("%d" if name in INTEGER_COLUMNS else precision for name in self.columns) + "\n"
         self._first = not append
         mode = "ab" if append else "wb"
-        try:
-            # mtime 0: the same run gives the same bytes
+        with writes(path):  # mtime 0: the same run gives the same bytes
             self._file = gzip.GzipFile(path, mode, compresslevel=4, mtime=0) if fmt == "gz" else open(path, mode)
-        except OSError as error:
-            raise DumpError(f"{path}: cannot be written ({error.strerror or error}).") from error
 
     def __enter__(self) -> DumpWriter:
         return self

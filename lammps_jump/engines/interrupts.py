@@ -7,6 +7,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 SIGNALS = (
     signal.SIGINT,
@@ -40,17 +41,6 @@ def handled_by(handler: Callable) -> Iterator[None]:
 
 
 @contextmanager
-def terminate_as_interrupt() -> Iterator[None]:
-    """Let all `SIGNALS` raise a KeyboardInterrupt, as Ctrl-C does."""
-
-    def interrupt(number, stack) -> None:
-        raise KeyboardInterrupt
-
-    with handled_by(interrupt):
-        yield
-
-
-@contextmanager
 def counted_interrupts(most: float = 1) -> Iterator[Callable[[], int]]:
     """Count the signals, so that none ends a step half way.
 
@@ -74,6 +64,10 @@ def counted_interrupts(most: float = 1) -> Iterator[Callable[[], int]]:
 
     with handled_by(count):
         yield lambda: seen
+
+
+terminate_as_interrupt = partial(counted_interrupts, most=0)
+"""Let all `SIGNALS` raise a KeyboardInterrupt, as Ctrl-C does."""
 
 
 @contextmanager

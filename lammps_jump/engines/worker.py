@@ -92,27 +92,23 @@ def _lines() -> Iterator[bytes]:
 def run_job(job: Job) -> RunResult:
     """Run one job to its end."""
     os.chdir(job.home)
-    with engine_at_work(job.folder):
-        return _run_job(job)
-
-
-def _run_job(job: Job) -> RunResult:
     setting = job.setting
-    if setting.engine == "lammps":
-        return lammps.run_lammps(job, report)
-    return native.run_native(
-        job.scene,
-        job.folder,
-        progress=report,
-        should_stop=stop_request.is_made,
-        stop_at=setting.stop_at,
-        checkpoint_interval=setting.checkpoint_interval,
-        dump_format=setting.dump_format,
-        report_every=REPORT_SECONDS,
-        cell_size=setting.cell_size,
-        ledger=setting.ledger,
-        resume=job.resume,
-    )
+    with engine_at_work(job.folder):
+        if setting.engine == "lammps":
+            return lammps.run_lammps(job, report)
+        return native.run_native(
+            job.scene,
+            job.folder,
+            progress=report,
+            should_stop=stop_request.is_made,
+            stop_at=setting.stop_at,
+            checkpoint_interval=setting.checkpoint_interval,
+            dump_format=setting.dump_format,
+            report_every=REPORT_SECONDS,
+            cell_size=setting.cell_size,
+            ledger=setting.ledger,
+            resume=job.resume,
+        )
 
 
 def _load(engine: str) -> ModuleType | None:

@@ -136,7 +136,7 @@ def leave_ranks() -> None:
 def _report(engine, scene, outcome: Outcome, report: Callable, saver: Saver, ended: threading.Event) -> None:
     """Report step and discs of the last line of the log until the run has ended; ask for checkpoints when due."""
     while not ended.wait(REPORT_SECONDS):
-        if saver.pace.due() and not save_request.is_made():
+        if saver.due() and not save_request.is_made():
             save_request.make()
         try:
             values = engine.last_thermo()

@@ -14,6 +14,7 @@ that step's kick is that of the largest disc, the second half has the same force
 
 from __future__ import annotations
 
+from math import inf
 from time import perf_counter
 
 import numpy as np
@@ -148,12 +149,11 @@ class NativeSimulation:
         others = self.boundaries.next_sizes(self.step), self.stations.next(self.step)
         stop = min(target, limit, self._next_window(), *others)
         event = self._next_event()
-        hold = event is not None and event <= stop
-        self._advance(event if hold else stop, hold)
+        self._advance(int(min(event, stop)), hold=event <= stop)
         if self.boundaries.next_sizes(self.step - 1) == self.step:
             self._give_sizes()
         self._see_stations()
-        if self.scene.probes and self.step == self._window_start + self.scene.probe_steps:
+        if self.step == self._next_window():
             self._close_window()
 
     def _see_stations(self) -> None:
@@ -161,15 +161,12 @@ class NativeSimulation:
         law = self._law, self._motion, self._friction, self._sign, self._touch
         self.stations.add(self.step, self.discs, *self._rows(), *self._list()[:2], *law)
 
-    def _next_window(self) -> int:
-        return self._window_start + self.scene.probe_steps if self.scene.probes else self.scene.steps + 10**15
+    def _next_window(self) -> float:
+        return self._window_start + self.scene.probe_steps if self.scene.probes else inf
 
-    def _next_event(self) -> int | None:
-        steps = [gate.release_step for gate in self.scene.gates if gate.release_step > self.step]
-        exchange = self.boundaries.next_after(self.step)
-        if exchange is not None:
-            steps.append(exchange)
-        return min(steps) if steps else None
+    def _next_event(self) -> float:
+        steps = (gate.release_step for gate in self.scene.gates if gate.release_step > self.step)
+        return min(self.boundaries.next_after(self.step), *steps, inf)
 
     def _advance(self, stop: int, hold: bool) -> None:
         """To step `stop`; where `hold`, with what happens between its drift and its forces."""
@@ -275,9 +272,7 @@ class NativeSimulation:
 
     def _rebuild(self) -> None:
         started = perf_counter()
-        lost = self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain)
-        if lost >= 0:
-            self._fail_lost(lost)
+        self._require_inside(self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain))
         self._list_walls()
         self.rebuilds += 1
         self.rebuild_seconds += perf_counter() - started
@@ -308,11 +303,7 @@ class NativeSimulation:
 
     def check(self) -> None:
         """Look for NaN, lost discs and overlaps beyond the limit now; RunError where there are any."""
-        d = self.discs
-        (a, b), (c, e) = self.scene.domain
-        lost = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4]
-        if lost >= 0:
-            self._fail_lost(lost)
+        self._require_inside()
         self._check_overlap()
 
     def _check_overlap(self) -> None:
@@ -328,9 +319,13 @@ class NativeSimulation:
                 "the start."
             )
 
-    def _fail_lost(self, i: int) -> None:
+    def _require_inside(self, lost: int | None = None) -> None:
+        """RunError where a disc is outside the domain: that of index `lost` (-1: none), or any where none is given."""
         d = self.discs
         (a, b), (c, e) = self.scene.domain
+        i = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4] if lost is None else lost
+        if i < 0:
+            return
         if not (np.isfinite(d.x[i]) and np.isfinite(d.y[i])):
             raise RunError(
                 f"the position of disc {self._place(i)} is not a number: the run has blown up. Lower "

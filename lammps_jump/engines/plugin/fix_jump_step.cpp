@@ -82,17 +82,15 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
 int FixJumpStep::add_pieces(int a, int narg, char **arg)
 {
   if (a + 5 > narg) error->all(FLERR, "fix jump/step: sizes needs EVERY DENSITY SHIFT TURN N and N pieces");
-  nevery = utils::inumeric(FLERR, arg[a], false, lmp);
-  density = utils::numeric(FLERR, arg[a + 1], false, lmp);
-  shift = utils::numeric(FLERR, arg[a + 2], false, lmp);
-  turn = utils::numeric(FLERR, arg[a + 3], false, lmp);
-  const int n = utils::inumeric(FLERR, arg[a + 4], false, lmp);
-  if (nevery < 1 || !(density > 0.0) || n < 1 || a + 5 + 4 * n > narg)
+  auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
+  nevery = utils::inumeric(FLERR, arg[a++], false, lmp);
+  density = next();
+  shift = next();
+  turn = next();
+  const int n = utils::inumeric(FLERR, arg[a++], false, lmp);
+  if (nevery < 1 || !(density > 0.0) || n < 1 || a + 4 * n > narg)
     error->all(FLERR, "fix jump/step: sizes needs EVERY and DENSITY above 0, and N pieces of four numbers");
-  a += 5;
-  for (int p = 0; p < n; p++, a += 4)
-    pieces.push_back({utils::numeric(FLERR, arg[a], false, lmp), utils::numeric(FLERR, arg[a + 1], false, lmp),
-                      utils::numeric(FLERR, arg[a + 2], false, lmp), utils::numeric(FLERR, arg[a + 3], false, lmp)});
+  for (int p = 0; p < n; p++) pieces.push_back({next(), next(), next(), next()});
   return a;
 }
 
@@ -290,8 +288,7 @@ void FixJumpStep::reduce()
   double overlap = pair->largest_overlap();
   sum[0] = pair->elastic_energy();
   for (const auto &face : faces) {
-    const Wall &wall = walls[face.wall];
-    if (wall.until >= 0 && update->ntimestep >= wall.until) continue;
+    if (update->ntimestep >= walls[face.wall].until) continue;
     for (const int i : face.near) {
       const auto &a = pair->disc[i];
       double distance;

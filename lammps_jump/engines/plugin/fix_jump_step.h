@@ -59,7 +59,7 @@ class FixJumpStep : public Fix {
   struct Wall {
     std::string name;
     double x0, y0;        // point that the moment is about
-    bigint until;         // first step without the wall, -1 for never
+    bigint until;         // first step without the wall
     int probe;            // row of the probe, -1 for none
   };
   /** Discs of one share of all, by number: their diameters lie on a line over the quantile of their ids. */
