@@ -132,7 +132,7 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
         The stiffness is not known.
     """
     if not flow.knows_contacts:
-        raise DumpError("contact forces need the stiffness of the discs (N/m): give stiffness=… with the dump.")
+        raise DumpError("contact forces need the stiffness of the discs: analyse the dump with its case (--case).")
     points = np.column_stack([frame.x, frame.y])
     damping = damping and "vx" in frame.columns and "vy" in frame.columns
     i, j, apart, dashpot = touching_pairs(frame, flow)

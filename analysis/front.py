@@ -258,7 +258,7 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
     base, depth = history.column
     if not good.any() or not base > 0:
         return Front(reason="no frame holds a disc, so there is no front", history=history)
-    last, gravity = np.flatnonzero(good)[-1], -flow.scene.gravity[1]
+    last, gravity = np.flatnonzero(good)[-1], flow.gravity
     free = free_length(flow, history)
     live = good & (history.time >= 0)
     running = live & (history.bulk > base + 0.1 * (free - base if np.isfinite(free) else base))
@@ -363,7 +363,7 @@ def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     """Front, column height and surface speed against time; Ritter's front while it holds."""
     if not np.isfinite(history.bulk).any():
         return None
-    (base, depth), gravity, time = history.column, -flow.scene.gravity[1], history.time
+    (base, depth), gravity, time = history.column, flow.gravity, history.time
     fronts = [Line("bulk front", time, history.bulk), Line("99 % of the discs", time, history.quantile, "second")]
     if gravity > 0 and depth > 0 and flow.timed:
         limit = theory.ritter_wall_time(base, depth, gravity)
@@ -381,7 +381,7 @@ def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
 
 def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     """Front and column height in Martin & Moyce's variables with their measurements beside them."""
-    gravity, (base, depth) = -flow.scene.gravity[1], history.column
+    gravity, (base, depth) = flow.gravity, history.column
     if not (flow.timed and np.isfinite(history.bulk).any() and gravity > 0 and base > 0 and depth > 0):
         return None
     values, live = dimensionless(history, gravity), history.time >= 0

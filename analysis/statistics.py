@@ -14,6 +14,8 @@ from math import nan
 
 import numpy as np
 
+from lammps_jump.units import Estimates
+
 LEAST_SAMPLES = 8
 """Fewer samples (or blocks) than this give no standard error: its own relative error would exceed a quarter."""
 
@@ -100,6 +102,17 @@ class Mean:
 
     value: float
     error: float
+
+    @classmethod
+    def of(cls, found: Estimates, key: str) -> Mean:
+        """An estimate of a result, with its error."""
+        return cls(getattr(found, key), getattr(found, f"{key}_error"))
+
+
+def as_fields(**means: Mean) -> dict[str, float]:
+    """Fields of a result of `Estimates`: each number under its name, its error under ``<name>_error``."""
+    values = {name: mean.value for name, mean in means.items()}
+    return values | {f"{name}_error": mean.error for name, mean in means.items()}
 
 
 def piece_bounds(samples: int) -> list[int]:

@@ -23,6 +23,8 @@ DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "du
 """File of the dump in a run folder, by its format."""
 CURVES = "curves.json"
 """What the page draws, by the name of the figure."""
+PLAYER = "player.json"
+"""Header and packed frames of a member, for the page of its study."""
 BINARY_PART = "dump.resume.lammpsbin"
 """Binary dump of a part that goes on: LAMMPS appends to text and gzip dumps only."""
 FIGURES = {
@@ -70,6 +72,7 @@ RESULT_FILES = (
     "profiles.nc",
     "summary.json",
     CURVES,
+    PLAYER,
     "animation.mp4",
     "animation.gif",
     "report.html",

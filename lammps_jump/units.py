@@ -11,8 +11,8 @@ import dataclasses
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from math import floor, inf, isfinite, log10
-from typing import Annotated, Any, NamedTuple
+from math import floor, inf, isfinite, log10, nan
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, WithJsonSchema
 
@@ -57,6 +57,29 @@ def number(unit: str, meaning: str, *, default: Any = dataclasses.MISSING, label
         Short name, default the meaning.
     """
     return dataclasses.field(default=default, metadata={"number": (unit, meaning, label or meaning)})
+
+
+def estimate(unit: str, meaning: str, *, label: str = "") -> Any:
+    """`number` with a standard error, of a result that is one of `Estimates`; both are NaN where not measured."""
+    described = {"number": (unit, meaning, label or meaning), "error": (unit, f"standard error of {meaning}")}
+    return dataclasses.field(default=nan, metadata=described)
+
+
+class Estimates:
+    """Base of results: behind each `estimate` stands its standard error, the field ``<name>_error``."""
+
+    def __init_subclass__(cls) -> None:
+        fields: dict[str, Any] = {}
+        for name, kind in cls.__annotations__.items():
+            fields[name] = kind
+            if error := getattr(cls.__dict__.get(name), "metadata", {}).get("error"):
+                fields[f"{name}_error"] = "float"
+                setattr(cls, f"{name}_error", number(*error, default=nan))
+        cls.__annotations__ = fields
+
+    if TYPE_CHECKING:  # the errors
+
+        def __getattr__(self, name: str) -> float: ...
 
 
 def numbers_of(result: object) -> dict[str, Number]:

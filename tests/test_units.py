@@ -2,11 +2,11 @@
 """Numbers of results: described once, shown by one formatter, written into the summary."""
 
 from dataclasses import dataclass, field, replace
-from math import nan
+from math import isnan, nan
 
 import pytest
 
-from lammps_jump.units import ABSENT, Number, as_summary, is_bound, number, numbers_of, shown
+from lammps_jump.units import ABSENT, Estimates, Number, as_summary, estimate, is_bound, number, numbers_of, shown
 
 
 @dataclass(frozen=True)
@@ -65,3 +65,18 @@ def test_errors_of_every_size_are_told():
     assert shown(6.0, "m", 1e-15) == "6 m"  # arithmetic, no error
     assert is_bound({"lower_bounds": ["y2"]}, "y2") and not is_bound({"lower_bounds": ["y2"]}, "y1")
     assert not is_bound({}, "y2")
+
+
+def test_an_estimate_has_its_error_behind_it():
+    @dataclass(frozen=True)
+    class Flow(Estimates):
+        verdict: str
+        y2: float = estimate("m", "sequent depth", label="y2")
+        count: int = 0
+
+    assert list(as_summary(Flow("jump", 2.0, y2_error=0.1, count=3)).items()) == [
+        ("verdict", "jump"), ("y2", 2.0), ("y2_error", 0.1), ("count", 3),
+    ]  # fmt: skip
+    assert isnan(Flow("none").y2) and isnan(Flow("none").y2_error)
+    assert numbers_of(Flow)["y2_error"].unit == "m"
+    assert numbers_of(Flow)["y2_error"].meaning == "standard error of sequent depth"

@@ -12,11 +12,12 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.report.page import Section, Table, Text
-from lammps_jump.analysis.statistics import Mean, mean_of, propagated
+from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
-from lammps_jump.units import number, shown
+from lammps_jump.units import Estimates, estimate, number, shown
 
 LARGEST_LOSS = 5e-3
 """Relative difference of the discharge delivered and asked for that is not remarked on."""
@@ -163,7 +164,7 @@ class RowDelivery:
 
 
 @dataclass(frozen=True)
-class Delivery:
+class Delivery(Estimates):
     """Inflow as asked for and as delivered; means are over the window, counts over the whole record."""
 
     asked: float = number("m^2/s", "discharge asked for, Va y₁", label="asked")
@@ -175,16 +176,11 @@ class Delivery:
     depth_asked: float = number("m", "mass depth asked for", default=nan)
     speed_asked: float = number("m/s", "mean speed asked for", default=nan)
     momentum_planned: float = number("m^3/s^2", "momentum flux of the rows over density", default=nan)
-    depth: float = number("m", "mass depth behind the inlet", default=nan)
-    depth_error: float = number("m", "standard error of the mass depth, within this run", default=nan)
-    speed: float = number("m/s", "mean speed behind the inlet", default=nan)
-    speed_error: float = number("m/s", "standard error of the mean speed, within this run", default=nan)
-    momentum: float = number("m^3/s^2", "momentum flux behind the inlet over density", default=nan)
-    momentum_error: float = number("m^3/s^2", "standard error of that flux, within this run", default=nan)
-    froude: float = number("", "Froude number of the delivered stream", default=nan, label="Froude")
-    froude_error: float = number("", "standard error of that number, within this run", default=nan)
-    belanger_y2: float = number("m", "sequent depth of the delivered stream, Bélanger", default=nan, label="Bélanger")
-    belanger_y2_error: float = number("m", "standard error of that depth, within this run", default=nan)
+    depth: float = estimate("m", "mass depth behind the inlet")
+    speed: float = estimate("m/s", "mean speed behind the inlet")
+    momentum: float = estimate("m^3/s^2", "momentum flux behind the inlet over density")
+    froude: float = estimate("", "Froude number of the delivered stream", label="Froude")
+    belanger_y2: float = estimate("m", "sequent depth of the delivered stream, Bélanger", label="Bélanger")
     station: tuple[float, float] = (nan, nan)
     rows: tuple[RowDelivery, ...] = ()
     notes: tuple[str, ...] = ()
@@ -195,8 +191,7 @@ def analyse(gathered: Gathered) -> Delivery | None:
     arrivals = gathered.histories.get("inflow")
     if not isinstance(arrivals, Arrivals):
         return None
-    profiles = gathered.profiles
-    return deliver(arrivals, gathered.flow, (profiles.attrs["window_begin"], profiles.attrs["window_end"]))
+    return deliver(arrivals, gathered.flow, window_of(gathered.profiles))
 
 
 def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Delivery:
@@ -206,7 +201,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     at the ends of the window.
     """
     scene, rows = flow.scene, flow.scene.inlets
-    inside = (arrivals.time >= window[0] - 1e-9) & (arrivals.time <= window[1] + 1e-9)
+    inside = within(arrivals.time, window)
     later = inside & (np.cumsum(inside) > 1)  # what came before the window's first frame belongs to the time before
     intervals = np.array([row.every_steps * scene.time_step for row in rows])
     speeds = np.array([row.vx for row in rows])
@@ -220,10 +215,10 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     refused = turns - arrivals.entered.sum(axis=0)
     depth, discharge, momentum = (mean_of(series) for series in arrivals.stream[inside].T)
     with np.errstate(invalid="ignore", divide="ignore"):
-        speed = mean_of(arrivals.stream[inside, 1] / arrivals.stream[inside, 0])
+        scatter = mean_of(arrivals.stream[inside, 1] / arrivals.stream[inside, 0]).error
+    speed = Mean(discharge.value / depth.value if depth.value > 0 else nan, scatter)
     y1, va = flow.inflow_depth or nan, flow.inflow_speed or nan
-    asked, total, across = y1 * abs(va), float(delivered.sum()), -scene.gravity[1]
-    u = discharge.value / depth.value if depth.value > 0 else nan
+    asked, total, across = y1 * abs(va), float(delivered.sum()), flow.gravity
     found = [
         RowDelivery(row.y, row.vx, float(t), float(q), float(got), int(n), int(no) if told else None)
         for row, t, q, got, n, no in zip(rows, intervals, planned, delivered, turns, refused, strict=True)
@@ -239,31 +234,19 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         depth_asked=y1,
         speed_asked=va,
         momentum_planned=float(planned @ np.abs(speeds)),
-        depth=depth.value,
-        depth_error=depth.error,
-        speed=u,
-        speed_error=speed.error,
-        momentum=momentum.value,
-        momentum_error=momentum.error,
-        **_sequent(depth, Mean(u, speed.error), across),
+        **as_fields(depth=depth, speed=speed, momentum=momentum, **_sequent(depth, speed, across)),
         station=(float(ends[0]), float(ends[1])),
         rows=tuple(found),
         notes=_notes(total, asked, lost, tried, _blocked(arrivals)),
     )
 
 
-def _sequent(depth: Mean, speed: Mean, gravity: float) -> dict[str, float]:
+def _sequent(depth: Mean, speed: Mean, gravity: float) -> dict[str, Mean]:
     """Froude number and Bélanger's depth in the laboratory, with their errors."""
     if not (depth.value > 0 and gravity > 0):
         return {}
-    froude = propagated(lambda s, u: theory.froude(abs(u), s, gravity), depth, speed)
-    sequent = propagated(lambda s, u: theory.sequent_depth(abs(u), s, gravity), depth, speed)
-    return {
-        "froude": froude.value,
-        "froude_error": froude.error,
-        "belanger_y2": sequent.value,
-        "belanger_y2_error": sequent.error,
-    }
+    made = {"froude": theory.froude, "belanger_y2": theory.sequent_depth}
+    return {name: propagated(lambda s, u, f=f: f(abs(u), s, gravity), depth, speed) for name, f in made.items()}
 
 
 def _blocked(arrivals: Arrivals) -> str:

@@ -118,7 +118,7 @@ def balance_bars(jump: Jump) -> Bars | None:
 def head_chart(profiles: xr.Dataset, jump: Jump) -> Chart | None:
     """Energy head along the channel, averaged over the window, and its loss against theory."""
     flow = jump.measured.flow
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if gravity <= 0:
         return None
     x, depth, bed = profiles["x"].values, profiles["mass_depth_mean"].values, profiles["bed"].values

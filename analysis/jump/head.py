@@ -20,10 +20,10 @@ from numba import njit
 from lammps_jump.analysis.contacts import touching_pairs, wall_contacts
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
-from lammps_jump.analysis.statistics import mean_of
+from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.law import normal_force, stored_energy, watching_law
-from lammps_jump.units import number, shown
+from lammps_jump.units import Estimates, estimate, number, shown
 
 from .frame import growth_rate, move_along
 
@@ -48,7 +48,7 @@ class EnergyFluxes:
     def __init__(self, flow: Flow, contacts: object = None):
         self.flow, self.edges = flow, bin_edges(flow.x_range, flow.bin_width)
         c = flow.scene.coefficients
-        self.known = flow.knows_contacts and not c.friction and flow.time_step > 0 and -flow.scene.gravity[1] > 0
+        self.known = flow.knows_contacts and not c.friction and flow.time_step > 0 and flow.gravity > 0
         # LAMMPS' dashpots act with the velocity of the half step, the thesis' with that of the step
         self.rounds = ROUNDS if flow.scene.integrator == "velocity_verlet" else 0
         self._kept: list[np.ndarray] = []
@@ -65,7 +65,7 @@ class EnergyFluxes:
         place = np.floor((x - low) / width).astype(int)
         inside = (place >= 0) & (place < bins)
         height = y - np.nan_to_num(flow.bed_height(x))
-        energy = 0.5 * (u * u + v * v) - flow.scene.gravity[1] * height
+        energy = 0.5 * (u * u + v * v) + flow.gravity * height
         for row, amount in enumerate((np.ones_like(u), u, u * u, energy, energy * u)):
             fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)
         faces = [face for wall in flow.walls_at(time) for face in wall_contacts(frame, wall, flow, damping=False)]
@@ -77,9 +77,7 @@ class EnergyFluxes:
         law = c.stiffness, c.stiffness_wall, flow.touch_width
         walls = (index, overlap, nx, ny, rubber)
         half = 0.5 * flow.time_step / mass
-        _contact_fields(
-            x, y, u, v, half, flow.scene.gravity[1] * mass, *pairs, *walls, *law, self.rounds, low, width, fields
-        )
+        _contact_fields(x, y, u, v, half, -flow.gravity * mass, *pairs, *walls, *law, self.rounds, low, width, fields)
         self._kept.append(fields / (width * flow.scene.density))
 
     def result(self) -> np.ndarray | None:
@@ -163,7 +161,7 @@ _contact_fields = watching_law(njit(cache=True)(_contact_fields_py))
 
 
 @dataclass(frozen=True)
-class Budget:
+class Budget(Estimates):
     """Energy between two stations that move with the front, as heads: powers over ρ g and the discharge through it.
 
     `x` are the places of the two at the begin of `window` (m, s), the smaller one first.
@@ -177,14 +175,11 @@ class Budget:
     discharge: float = number("m^2/s", "discharge through the station upstream, front's frame", default=nan)
     carried: float = number("m", "head that discs carry in, less out", default=nan)
     contacts: float = number("m", "head that contacts hand on, in less out", default=nan)
-    inflow: float = number("m", "both: in less out", default=nan)
-    inflow_error: float = number("m", "standard error of in less out, within this run", default=nan)
+    inflow: float = estimate("m", "both: in less out")
     storage: float = number("m", "head stored between the stations", default=nan)
-    dashpots: float = number("m", "head that dashpots take", default=nan)
-    dashpots_error: float = number("m", "standard error of what dashpots take, within this run", default=nan)
+    dashpots: float = estimate("m", "head that dashpots take")
     lost: float = number("m", "head lost between the stations: in less out, less stored", default=nan)
-    residual: float = number("m", "that less what dashpots take", default=nan)
-    residual_error: float = number("m", "standard error of the difference, within this run", default=nan)
+    residual: float = estimate("m", "that less what dashpots take")
     frames: int = 0
 
 
@@ -246,12 +241,12 @@ def budget_between(
     carried = carried + a["elastic_flux"] - c * a["elastic"]
     power = a["power"] - c * a["thrust"]
     through = a["discharge"] - c * a["mass"]
-    scale = -result.flow.scene.gravity[1] * float(np.nanmean(through.interp(xi=stations[0])))
+    scale = result.flow.gravity * float(np.nanmean(through.interp(xi=stations[0])))
     discs, contacts = (
         (field.interp(xi=stations[0]) - field.interp(xi=stations[1])).values / scale for field in (carried, power)
     )
     loss = _between(a["dashpots"], stations) / scale
-    net, taken = mean_of(discs + contacts), mean_of(loss)
+    net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
     storage = growth_rate(time, _between(energy + a["elastic"], stations) / scale)
     if not np.isfinite([net.value, taken.value]).all():
         return None
@@ -261,17 +256,12 @@ def budget_between(
         x=tuple(sorted(sign * float(fronts[0] + station) for station in stations)),
         speed=sign * c,
         window=(float(time[0]), float(time[-1])),
-        discharge=scale / -result.flow.scene.gravity[1],
+        discharge=scale / result.flow.gravity,
         carried=float(np.nanmean(discs)),
         contacts=float(np.nanmean(contacts)),
-        inflow=net.value,
-        inflow_error=net.error,
         storage=storage,
-        dashpots=taken.value,
-        dashpots_error=taken.error,
         lost=net.value - storage,
-        residual=net.value - storage - taken.value,
-        residual_error=mean_of(discs + contacts - loss).error,
+        **as_fields(inflow=net, dashpots=taken, residual=Mean(net.value - storage - taken.value, scatter)),
         frames=int(np.isfinite(discs).sum()),
     )
 

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.statistics import piece_bounds
 from lammps_jump.units import number, shown
 
@@ -128,11 +129,6 @@ class JumpResult:
     pieces: tuple[JumpResult, ...] = ()
 
     @property
-    def gravity(self) -> float:
-        """Gravity across the bed, m/s^2."""
-        return -self.flow.scene.gravity[1]
-
-    @property
     def speed(self) -> float:
         """Velocity of the front in the laboratory, m/s along x."""
         return self.direction * self.motion.speed if self.motion else nan
@@ -184,12 +180,11 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     JumpResult
         With verdict 'no jump found' and the reason where there is none.
     """
-    window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
-    time, width = profiles["time"].values, profiles.attrs["bin_width"]
-    in_window = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
+    window, time, width = window_of(profiles), profiles["time"].values, profiles.attrs["bin_width"]
+    in_window = within(time, window)
     direction = -1 if np.nansum(profiles["discharge"].values[in_window]) < 0 else 1
     nothing = JumpResult("no jump found", "", flow, direction, window, in_window)
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
     reach = level_reach(profiles, flow, direction)
@@ -253,7 +248,7 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
         toe, end = result.toe, result.end
     depth = result.downstream.mass_depth.value
     tail = measure_tail(stream.isel(time=used), front, depth)
-    before = measure_stream(stream, track, used, speed, depth, result.gravity)
+    before = measure_stream(stream, track, used, speed, depth, result.flow.gravity)
     result = replace(result, stream=before and before.turned(result.direction))
     result = replace(result, developed=enough, roller=roller(moving, speed, toe, end), tail=tail)
     return replace(result, pieces=_pieces(result))
@@ -261,7 +256,7 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
 
 def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around: tuple[float, float]) -> JumpResult:
     """States, ends and balances from frames of the moving frame, in the zones of the states."""
-    one, two = (measure_state(moving, zone, result.motion.speed, result.gravity) for zone in stretches)
+    one, two = (measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
     mean = mean_profile(moving[["mass_depth", "surface_depth"]])
     toe, end = _ends(mean["mass_depth"], one.mass_depth.value, two.mass_depth.value, *around)
     ends = _ends(mean["surface_depth"], one.surface_depth.value, two.surface_depth.value, toe, end)

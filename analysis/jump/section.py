@@ -40,7 +40,7 @@ def analyse(gathered: Gathered) -> Jump:
     """Jump of a run."""
     inlet = inflow.analyse(gathered)
     known = inlet is not None and isfinite(inlet.speed)
-    delivered = (Mean(inlet.depth, inlet.depth_error), Mean(inlet.speed, inlet.speed_error)) if known else None
+    delivered = (Mean.of(inlet, "depth"), Mean.of(inlet, "speed")) if known else None
     measured = analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)
     found = summarise_jump(measured, delivered)
     if not gathered.flow.timed:

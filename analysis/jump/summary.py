@@ -12,7 +12,7 @@ import numpy as np
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.physics import jump as theory
-from lammps_jump.units import number
+from lammps_jump.units import Estimates, estimate, number
 
 from .certainty import LOWER_BOUNDS, Drift, Members, drift, errors, members
 from .frame import Balance, Mass, Roller, share
@@ -26,7 +26,7 @@ DEVELOPED_SHARE = 0.7
 
 
 @dataclass(frozen=True)
-class Jump:
+class Jump(Estimates):
     """Hydraulic jump in numbers; 1 is upstream, 2 downstream; NaN where it was not measured.
 
     ``_error`` is the standard error within this run in the same unit, NaN where one run cannot tell. Depths s are by
@@ -47,96 +47,51 @@ class Jump:
     position: float = number("m", "front at that time", default=nan)
     toe: float = number("m", "toe at that time", default=nan)
     end: float = number("m", "end at that time", default=nan)
-    froude: float = number("", "Froude number, front's frame", default=nan, label="Fr1")
-    froude_error: float = number("", "standard error of the Froude number", default=nan)
-    froude_lab: float = number("", "Froude number of the stream, laboratory frame", default=nan)
-    froude_lab_error: float = number("", "standard error of the Froude number, laboratory frame", default=nan)
-    froude_downstream: float = number("", "Froude number downstream, front's frame", default=nan)
-    froude_downstream_error: float = number("", "standard error of the Froude number downstream", default=nan)
-    y1: float = number("m", "mass depth s upstream", default=nan, label="y1")
-    y1_error: float = number("m", "standard error of y1", default=nan)
-    y2: float = number("m", "mass depth s downstream", default=nan, label="y2")
-    y2_error: float = number("m", "standard error of y2", default=nan)
-    belanger_y2: float = number("m", "sequent depth by Bélanger, front's frame", default=nan, label="Bélanger")
-    belanger_y2_error: float = number("m", "standard error of the sequent depth by Bélanger", default=nan)
-    speed: float = number("m/s", "velocity of the front", default=nan, label="shock speed")
-    speed_error: float = number("m/s", "standard error of the velocity of the front", default=nan)
-    length: float = number("m", "length of the jump", default=nan, label="length")
-    length_error: float = number("m", "standard error of the length", default=nan)
-    h1: float = number("m", "surface depth h upstream", default=nan)
-    h1_error: float = number("m", "standard error of h1", default=nan)
-    h2: float = number("m", "surface depth h downstream", default=nan)
-    h2_error: float = number("m", "standard error of h2", default=nan)
-    u1: float = number("m/s", "mean velocity u upstream", default=nan)
-    u1_error: float = number("m/s", "standard error of u1", default=nan)
-    u2: float = number("m/s", "mean velocity u downstream", default=nan)
-    u2_error: float = number("m/s", "standard error of u2", default=nan)
-    packing_1: float = number("", "packing upstream", default=nan)
-    packing_1_error: float = number("", "standard error of the packing upstream", default=nan)
-    packing_2: float = number("", "packing downstream", default=nan)
-    packing_2_error: float = number("", "standard error of the packing downstream", default=nan)
-    beta_1: float = number("", "momentum coefficient β upstream", default=nan)
-    beta_1_error: float = number("", "standard error of the β upstream", default=nan)
-    beta_2: float = number("", "momentum coefficient β downstream", default=nan)
-    beta_2_error: float = number("", "standard error of the β downstream", default=nan)
-    toe_speed: float = number("m/s", "velocity of the toe", default=nan)
-    toe_speed_error: float = number("m/s", "standard error of the velocity of the toe", default=nan)
-    end_speed: float = number("m/s", "velocity of the end", default=nan)
-    end_speed_error: float = number("m/s", "standard error of the velocity of the end", default=nan)
+    froude: float = estimate("", "Froude number, front's frame", label="Fr1")
+    froude_lab: float = estimate("", "Froude number of the stream, laboratory frame")
+    froude_downstream: float = estimate("", "Froude number downstream, front's frame")
+    y1: float = estimate("m", "mass depth s upstream", label="y1")
+    y2: float = estimate("m", "mass depth s downstream", label="y2")
+    belanger_y2: float = estimate("m", "sequent depth by Bélanger, front's frame", label="Bélanger")
+    speed: float = estimate("m/s", "velocity of the front", label="shock speed")
+    length: float = estimate("m", "length of the jump", label="length")
+    h1: float = estimate("m", "surface depth h upstream")
+    h2: float = estimate("m", "surface depth h downstream")
+    u1: float = estimate("m/s", "mean velocity u upstream")
+    u2: float = estimate("m/s", "mean velocity u downstream")
+    packing_1: float = estimate("", "packing upstream")
+    packing_2: float = estimate("", "packing downstream")
+    beta_1: float = estimate("", "momentum coefficient β upstream")
+    beta_2: float = estimate("", "momentum coefficient β downstream")
+    toe_speed: float = estimate("m/s", "velocity of the toe")
+    end_speed: float = estimate("m/s", "velocity of the end")
     developed: bool | None = None
     jump_class: str | None = field(default=None, metadata={"key": "class"})
-    sequent_ratio: float = number("", "sequent-depth ratio s₂/s₁", default=nan)
-    sequent_ratio_error: float = number("", "standard error of s₂/s₁", default=nan)
-    belanger_ratio: float = number("", "Bélanger, front's frame", default=nan)
-    belanger_ratio_error: float = number("", "standard error of Bélanger's ratio", default=nan)
-    belanger_deviation: float = number("", "s₂/s₁ over Bélanger's ratio, less one", default=nan)
-    belanger_deviation_error: float = number("", "standard error of the deviation from Bélanger", default=nan)
-    density_ratio: float = number("", "bulk density downstream over upstream", default=nan)
-    density_ratio_error: float = number("", "standard error of the density ratio", default=nan)
-    density_relation_ratio: float = number("", "s₂/s₁ by momentum, with the density ratio", default=nan)
-    density_relation_ratio_error: float = number("", "standard error of the ratio by momentum and density", default=nan)
-    density_relation_deviation: float = number("", "s₂/s₁ over that ratio, less one", default=nan)
-    density_relation_deviation_error: float = number("", "standard error of the deviation from that ratio", default=nan)
-    full_relation_ratio: float = number("", "s₂/s₁ by momentum, with density, bed force and β", default=nan)
-    full_relation_ratio_error: float = number("", "standard error of the ratio with bed force and β", default=nan)
-    pressure_relation_ratio: float = number("", "s₂/s₁ by momentum, with the contact pressure", default=nan)
-    pressure_relation_ratio_error: float = number(
-        "", "standard error of the ratio with the contact pressure", default=nan
-    )
-    pressure_coefficient_1: float = number("", "contact pressure over hydrostatic, upstream", default=nan)
-    pressure_coefficient_1_error: float = number("", "standard error of the pressure coefficient upstream", default=nan)
-    pressure_coefficient_2: float = number("", "contact pressure over hydrostatic, downstream", default=nan)
-    pressure_coefficient_2_error: float = number(
-        "", "standard error of the pressure coefficient downstream", default=nan
-    )
-    length_mass: float = number("m", "length by the mass depth", default=nan)
-    length_mass_error: float = number("m", "standard error of the length by the mass depth", default=nan)
-    length_ramp: float = number("m", "length by the fitted ramps", default=nan)
-    length_ramp_error: float = number("m", "standard error of the length by the ramps", default=nan)
-    length_over_y2: float = number("", "length over y2", default=nan)
-    length_over_y2_error: float = number("", "standard error of the length over y2", default=nan)
-    length_theory: float = number("m", "length by thesis (4.27)", default=nan)
-    length_theory_error: float = number("m", "standard error of the length by the thesis", default=nan)
-    length_usbr: float = number("m", "length by the USBR curve", default=nan)
-    length_usbr_error: float = number("m", "standard error of the length by the USBR curve", default=nan)
-    head_upstream: float = number("m", "head, front's frame, upstream", default=nan)
-    head_upstream_error: float = number("m", "standard error of the head upstream", default=nan)
-    head_downstream: float = number("m", "head, front's frame, downstream", default=nan)
-    head_downstream_error: float = number("m", "standard error of the head downstream", default=nan)
-    head_lost: float = number("m", "head lost, energy budget", default=nan, label="head lost")
-    head_lost_error: float = number("m", "standard error of the head lost, within this run", default=nan)
+    sequent_ratio: float = estimate("", "sequent-depth ratio s₂/s₁")
+    belanger_ratio: float = estimate("", "Bélanger, front's frame")
+    belanger_deviation: float = estimate("", "s₂/s₁ over Bélanger's ratio, less one")
+    density_ratio: float = estimate("", "bulk density downstream over upstream")
+    density_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the density ratio")
+    density_relation_deviation: float = estimate("", "s₂/s₁ over that ratio, less one")
+    full_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with density, bed force and β")
+    pressure_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the contact pressure")
+    pressure_coefficient_1: float = estimate("", "contact pressure over hydrostatic, upstream")
+    pressure_coefficient_2: float = estimate("", "contact pressure over hydrostatic, downstream")
+    length_mass: float = estimate("m", "length by the mass depth")
+    length_ramp: float = estimate("m", "length by the fitted ramps")
+    length_over_y2: float = estimate("", "length over y2")
+    length_theory: float = estimate("m", "length by thesis (4.27)")
+    length_usbr: float = estimate("m", "length by the USBR curve")
+    head_upstream: float = estimate("m", "head, front's frame, upstream")
+    head_downstream: float = estimate("m", "head, front's frame, downstream")
+    head_lost: float = estimate("m", "head lost, energy budget", label="head lost")
     budget: Budget | None = None
-    energy_loss: float = number("m", "difference of s + (u − c)²/2g", default=nan)
-    energy_loss_error: float = number("m", "standard error of that difference", default=nan)
-    energy_loss_theory: float = number("m", "head lost by Bélanger", default=nan)
-    energy_loss_theory_error: float = number("m", "standard error of the head lost by Bélanger", default=nan)
+    energy_loss: float = estimate("m", "difference of s + (u − c)²/2g")
+    energy_loss_theory: float = estimate("m", "head lost by Bélanger")
     energy_loss_depths: float = number("m", "head lost by the two depths", default=nan)
-    momentum_upstream: float = number("N/m", "momentum function upstream", default=nan)
-    momentum_upstream_error: float = number("N/m", "standard error of the momentum function upstream", default=nan)
-    momentum_downstream: float = number("N/m", "momentum function downstream", default=nan)
-    momentum_downstream_error: float = number("N/m", "standard error of the momentum function downstream", default=nan)
-    momentum_residual: float = number("", "momentum function 1 − 2 over 2", default=nan)
-    momentum_residual_error: float = number("", "standard error of the momentum residual", default=nan)
+    momentum_upstream: float = estimate("N/m", "momentum function upstream")
+    momentum_downstream: float = estimate("N/m", "momentum function downstream")
+    momentum_residual: float = estimate("", "momentum function 1 − 2 over 2")
     momentum_terms: Balance | None = None
     mass: Mass | None = None
     roller: Roller | None = None
@@ -151,7 +106,7 @@ class Jump:
 def inflow_theory(flow: Flow) -> theory.Inflow | None:
     """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
     depth, speed = flow.inflow_depth, flow.inflow_speed
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if not depth or not speed or gravity <= 0:
         return None
     return theory.inflow_theory(depth, speed, gravity)
@@ -183,7 +138,7 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
     if jump.inflow is not None:
         stream = delivered or (Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0))
         front = Mean(result.motion.speed, jump.speed_error)
-        jump = replace(jump, tail=against_inflow(result.tail, stream, front, -result.flow.scene.gravity[1]))
+        jump = replace(jump, tail=against_inflow(result.tail, stream, front, result.flow.gravity))
     if jump.verdict == "jump" and jump.sequent_ratio < DEVELOPED_SHARE * jump.belanger_ratio:
         share = 100 * jump.sequent_ratio / jump.belanger_ratio
         also = f" The depth ratio is {share:.0f} % of Bélanger's: the flow behind is still filling up."

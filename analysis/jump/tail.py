@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lammps_jump.analysis.statistics import Mean, mean_of, propagated
+from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.physics import jump as theory
-from lammps_jump.units import number
+from lammps_jump.units import Estimates, estimate, number
 
 from .certainty import TAIL_BOUNDS
 
@@ -26,18 +26,14 @@ LEAST_BINS = 3
 
 
 @dataclass(frozen=True)
-class Tail:
+class Tail(Estimates):
     """Tail water of a jump; NaN where the channel behind the jump is too short to tell."""
 
     length: float = number("m", "mean length of the tail water", default=nan)
-    slope: float = number("", "slope of its surface", default=nan)
-    slope_error: float = number("", "standard error of the slope", default=nan)
-    depth: float = number("m", "its mass depth", default=nan)
-    depth_error: float = number("m", "standard error of its mass depth", default=nan)
-    belanger_y2: float = number("m", "sequent depth of the inflow by Bélanger, front's frame", default=nan)
-    belanger_y2_error: float = number("m", "standard error of that sequent depth", default=nan)
-    belanger_deviation: float = number("", "its mass depth over Bélanger's, less one", default=nan)
-    belanger_deviation_error: float = number("", "standard error of that deviation", default=nan)
+    slope: float = estimate("", "slope of its surface")
+    depth: float = estimate("m", "its mass depth")
+    belanger_y2: float = estimate("m", "sequent depth of the inflow by Bélanger, front's frame")
+    belanger_deviation: float = estimate("", "its mass depth over Bélanger's, less one")
     lower_bounds: tuple[str, ...] = TAIL_BOUNDS
 
 
@@ -63,8 +59,7 @@ def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
     if len(rows) < max(2, 0.5 * len(front)):
         return Tail()
     slope, level, length = (np.array(column) for column in zip(*rows, strict=True))
-    slopes, depths = mean_of(slope), mean_of(level)
-    return Tail(float(length.mean()), slopes.value, slopes.error, depths.value, depths.error)
+    return Tail(float(length.mean()), **as_fields(slope=mean_of(slope), depth=mean_of(level)))
 
 
 def against_inflow(tail: Tail, inflow: tuple[Mean, Mean], speed: Mean, gravity: float) -> Tail:
@@ -84,13 +79,6 @@ def against_inflow(tail: Tail, inflow: tuple[Mean, Mean], speed: Mean, gravity: 
     def sequent(depth: float, velocity: float, front: float) -> float:
         return theory.sequent_depth(abs(velocity) - front, depth, gravity)
 
-    level = Mean(tail.depth, tail.depth_error)
     expected = propagated(sequent, *inflow, speed)
-    off = propagated(lambda found, *stream: found / sequent(*stream) - 1.0, level, *inflow, speed)
-    return replace(
-        tail,
-        belanger_y2=expected.value,
-        belanger_y2_error=expected.error,
-        belanger_deviation=off.value,
-        belanger_deviation_error=off.error,
-    )
+    off = propagated(lambda found, *stream: found / sequent(*stream) - 1.0, Mean.of(tail, "depth"), *inflow, speed)
+    return replace(tail, **as_fields(belanger_y2=expected, belanger_deviation=off))

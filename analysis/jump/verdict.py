@@ -4,16 +4,16 @@
 # ruff: noqa: RUF001  (minus signs are meant for readers)
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from math import isfinite
 
+from lammps_jump.analysis.report.headline import A_JUMP
+from lammps_jump.analysis.report.page import with_error
 from lammps_jump.analysis.statistics import Mean, propagated
-from lammps_jump.units import AT_LEAST, shown
+from lammps_jump.units import AT_LEAST
 
 from .summary import Jump
-
-A_JUMP = ("jump", "marginal jump", "jump not developed")
-"""Verdicts on flows that have a jump, at least now and then."""
+from .tail import Tail
 
 
 def worded(jump: Jump) -> Jump:
@@ -25,22 +25,21 @@ def worded(jump: Jump) -> Jump:
 
 WITHOUT_TIMES = (
     "y1", "y2", "h1", "h2", "u1", "u2", "packing_1", "packing_2", "sequent_ratio", "density_ratio", "length",
-    "length_mass", "length_ramp", "length_over_y2", "position", "toe", "end", "share_found",
+    "length_mass", "length_ramp", "length_over_y2", "position", "toe", "end", "share_found", "window", "frames_found",
+    "frames_in_window", "heap",
 )  # fmt: skip
 """Numbers of a jump that follow from the discs' places and, where the file has them, velocities."""
 
 
 def untimed(jump: Jump) -> Jump:
     """The jump of a dump without times: no velocity of the front, hence no Froude number, no head and no theory."""
-    given = {field.name for field in fields(jump)}
-    kept = {name for key in WITHOUT_TIMES for name in (key, f"{key}_error")} | {"window", "frames_found", "heap"}
-    known = {name: getattr(jump, name) for name in given & (kept | {"frames_in_window"})}
+    known = {name: value for name, value in vars(jump).items() if name.removesuffix("_error") in WITHOUT_TIMES}
     held = jump.measured and replace(jump.measured, motion=None, moving=None, stream=None)
     if jump.verdict not in A_JUMP:
         return Jump(jump.verdict, jump.reason, headline(jump), measured=held, **known)
     said = (
         f"A step in depth is found in {jump.frames_found} of {jump.frames_in_window} frames: mass depth "
-        f"{shown(jump.y1, 'm', jump.y1_error)} before it, {shown(jump.y2, 'm', jump.y2_error)} behind. Without times "
+        f"{_number(jump, 'y1', 'm')} before it, {_number(jump, 'y2', 'm')} behind. Without times "
         "its speed, Froude number and head are not known, and nothing says that it is a hydraulic jump."
     )
     verdict = "marginal jump" if jump.verdict == "marginal jump" else "jump"
@@ -52,30 +51,27 @@ def headline(jump: Jump) -> str:
     if jump.verdict not in A_JUMP:
         return f"No hydraulic jump to compare with Bélanger: {jump.verdict}. {_sentence(jump.reason)}"
     name = {"jump": "Hydraulic jump", "marginal jump": "Now and then a jump"}.get(jump.verdict, "Jump not developed")
-    speed, at = (
-        shown(jump.speed, "m/s", jump.speed_error, bound=True),
-        f"{jump.frames_found} of {jump.frames_in_window} frames",
-    )
-    return f"{name}: found in {at}, front at {speed}. {compared(jump)} {_how_sure(jump)}".replace("-", "−")
+    at = f"{jump.frames_found} of {jump.frames_in_window} frames, front at {_number(jump, 'speed', 'm/s')}"
+    return f"{name}: found in {at}. {compared(jump)} {_how_sure(jump)}".replace("-", "−")
 
 
 def compared(jump: Jump) -> str:
     """The depth behind the jump against Bélanger's of a named state."""
-    tail = jump.tail
+    tail, inflow = jump.tail, jump.tail is not None and isfinite(jump.tail.belanger_y2)
     level = tail is not None and isfinite(tail.depth)
-    place, depth, error = ("tail water", tail.depth, tail.depth_error) if level else ("depth", jump.y2, jump.y2_error)
-    behind = f"Compare the {place} behind it, {shown(depth, 'm', error, bound=True)},"
-    if tail is None or not isfinite(tail.belanger_y2):
-        state, sequent, off = "stream just before the toe", jump.belanger_y2, jump.belanger_y2_error
-    else:
-        state, sequent, off = "delivered inflow", tail.belanger_y2, tail.belanger_y2_error
-    by_bound = state == "delivered inflow"  # its front is one of the numbers that one run cannot tell
-    by = propagated(lambda found, expected: 100 * (found / expected - 1), Mean(depth, error), Mean(sequent, off))
-    more = f" ± {AT_LEAST}{by.error:.1f}" if isfinite(by.error) else ""
+    place, *depth = ("tail water", tail, "depth") if level else ("depth", jump, "y2")
+    state, held = ("delivered inflow", tail) if inflow else ("stream just before the toe", jump)
+    two = Mean.of(*depth), Mean.of(held, "belanger_y2")
+    off = propagated(lambda found, expected: 100 * (found / expected - 1), *two)
+    more = f" ± {AT_LEAST}{off.error:.1f}" if isfinite(off.error) else ""
     return (
-        f"{behind} with {shown(sequent, 'm', off, bound=by_bound)} by Bélanger for the {state} in the front's frame: "
-        f"{by.value:+.1f}{more} %."
+        f"Compare the {place} behind it, {_number(*depth, 'm')}, with {_number(held, 'belanger_y2', 'm')} by Bélanger "
+        f"for the {state} in the front's frame: {off.value:+.1f}{more} %."
     )
+
+
+def _number(found: Jump | Tail, key: str, unit: str = "") -> str:
+    return with_error(vars(found), key, unit=unit)
 
 
 def _how_sure(jump: Jump) -> str:
@@ -91,11 +87,12 @@ def _how_sure(jump: Jump) -> str:
 def belongs_to(jump: Jump) -> str:
     """The state that the numbers of index 1, and with them Bélanger's, belong to."""
     near, far = -jump.measured.upstream.zone[1], -jump.measured.upstream.zone[0]
-    ratio, depth = (_rounded(getattr(jump, key), getattr(jump, f"{key}_error")) for key in ("belanger_ratio", "y1"))
-    froude = shown(jump.froude, error=jump.froude_error, bound=True)
+    ratio, depth = (
+        text if "±" in (text := _number(jump, key)) else f"{getattr(jump, key):.2f}" for key in ("belanger_ratio", "y1")
+    )
     text = (
         f"Bélanger's ratio {ratio} belongs to the stream {near:.1f} to {far:.1f} m before the front (s₁ = {depth} m, "
-        f"Fr = {froude}; ± within this run)"
+        f"Fr = {_number(jump, 'froude')}; ± within this run)"
     )
     stream = jump.stream
     if stream is None or not isfinite(stream.compression):
@@ -105,11 +102,6 @@ def belongs_to(jump: Jump) -> str:
         f"inlet has Fr = {stream.froude[0]:.2f}: y₂ lies {100 * stream.deviation[0]:+.1f} % off its Bélanger depth "
         f"and {100 * jump.belanger_deviation:+.1f} % off that of the compressed stream."
     )
-
-
-def _rounded(value: float, error: float) -> str:
-    text = shown(value, error=error)
-    return text if "±" in text else f"{value:.2f}"
 
 
 def notes(jump: Jump) -> tuple[str, ...]:

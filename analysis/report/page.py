@@ -108,6 +108,14 @@ class Player(NamedTuple):
     still: Picture | None = None
 
 
+class Choice(NamedTuple):
+    """A player with a list of runs by name, of which it shows one; the number `shown` first."""
+
+    blocks: Sequence[Player]
+    names: Sequence[str]
+    shown: int
+
+
 class Beside(NamedTuple):
     """Blocks side by side, below each other on a narrow screen."""
 
@@ -118,7 +126,7 @@ class Section(NamedTuple):
     """Part of a page under a heading; without a title the blocks follow what stands before."""
 
     title: str
-    blocks: Sequence[Text | Table | Boxes | Items | Code | Picture | Curve | Player | Beside]
+    blocks: Sequence[Text | Table | Boxes | Items | Code | Picture | Curve | Player | Choice | Beside]
 
 
 def render(title: str, sections: Sequence[Section | None], *, tab: str = "", name: str = "") -> str:
@@ -131,7 +139,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
         for heading, blocks in filter(None, sections)
     ]
     given = [block for section in full for block in section.blocks]
-    blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside) else [block])]
+    blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside | Choice) else [block])]
     players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     data = {"players": [player.header for player in players], "curves": [curve.data for curve in curves]}

@@ -24,17 +24,14 @@ function part(p, name) {
 // ---- start ----
 
 async function startPlayer(element, index) {
-  const run = await unpackFrames(pageData.players[index], document.getElementById("frames" + index).textContent);
-  const canvas = element.querySelector("canvas");
+  const canvas = element.querySelector("canvas"), list = element.querySelector(".run");
   const p = {
-    element, run, canvas, index, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }),
-    deep: run.gravity.some((part) => part !== 0), // without gravity there is no depth
-    time: run.times[0], playing: false, rate: 1, colour: "speed", picked: null, pointers: new Map(),
-    pace: run.unit === "s" ? 1 : FRAMES_A_SECOND * (run.times[1] - run.times[0] || 1), // steps have no duration
-    grown: run.share < HALF ? 1 / Math.sqrt(run.share) : 1, // few discs stand for the area of all
-    digits: run.unit === "s" ? 2 : 0,
-    oldest: oldest(run), found: roomFor(run), depth: new Float64Array(run.bins.count), end: run.times[run.times.length - 1],
+    element, canvas, index, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }),
+    playing: false, rate: 1, colour: "speed", pointers: new Map(),
   };
+  await takeRun(p, list ? list.value : index);
+  p.time = p.run.times[0];
+  if (list) list.addEventListener("change", async () => (await takeRun(p, list.value)) && layOut(p));
   players.push(p);
   element.hidden = false;
   for (const folded of document.querySelectorAll("details.still")) folded.open = false;
@@ -42,16 +39,35 @@ async function startPlayer(element, index) {
   return p;
 }
 
-function setUp(p) {
+// Show a run of the page, at the time that is shown. False where another one was asked for meanwhile.
+async function takeRun(p, number) {
+  p.asked = number;
+  const run = await unpackFrames(pageData.players[number], document.getElementById("frames" + number).textContent);
+  if (p.asked !== number) return false;
+  const { times, share } = run, timed = run.unit === "s", bar = part(p, "time");
+  Object.assign(p, {
+    run, picked: null, pinned: false, end: times[times.length - 1], digits: timed ? 2 : 0,
+    deep: run.gravity.some((part) => part !== 0), // without gravity there is no depth
+    pace: timed ? 1 : FRAMES_A_SECOND * (times[1] - times[0] || 1), // steps have no duration
+    grown: share < HALF ? 1 / Math.sqrt(share) : 1, // few discs stand for the area of all
+    oldest: oldest(run), found: roomFor(run), depth: new Float64Array(run.bins.count),
+  });
+  p.time = Math.min(p.time, p.end);
+  bar.min = times[0];
+  bar.max = p.end;
   offerColours(p);
+  part(p, "thin").hidden = share === 1;
+  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * share)} % of them are shown` +
+    (p.grown > 1 ? ", each as large as all that it stands for." : ".");
+  return true;
+}
+
+function setUp(p) {
   listenToButtons(p);
   listenToPointer(p);
   listenToEvents(p);
   new ResizeObserver(() => layOut(p)).observe(p.element);
   darkness.addEventListener("change", () => layOut(p));
-  part(p, "thin").hidden = p.run.share === 1;
-  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * p.run.share)} % of them are shown` +
-    (p.grown > 1 ? ", each as large as all that it stands for." : ".");
   layOut(p);
 }
 
@@ -116,10 +132,8 @@ function showClock(p) {
 // ---- buttons and keys ----
 
 function listenToButtons(p) {
-  const bar = part(p, "time"), on = (name, event, act) => part(p, name).addEventListener(event, act);
-  bar.min = p.run.times[0];
-  bar.max = p.end;
-  on("time", "input", () => tell("seek", Number(bar.value)));
+  const on = (name, event, act) => part(p, name).addEventListener(event, act);
+  on("time", "input", () => tell("seek", Number(part(p, "time").value)));
   on("play", "click", () => tell("play", { on: !p.playing }));
   on("back", "click", () => step(p, -1));
   on("on", "click", () => step(p, 1));

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.walls import Interval, Wall
 
@@ -21,6 +23,32 @@ STILL = "snapshots.png"
 TRACK, COLUMNS = "jump_track.csv", ("time", "position", "found", "mass_depth_1", "velocity_1")
 AROUND = 1.0
 """The velocity of the front at an instant is its mean over so many seconds before and after."""
+
+MEMBER_ROWS = 400_000
+"""Discs times frames of a member, about 1 MB of the page of its study."""
+
+
+class MemberPacker(FramePacker):
+    """Keeps every n-th frame of a member, so that they are at most about `MEMBER_ROWS` rows.
+
+    Parameters
+    ----------
+    flow : Flow
+    frames : int
+        Of the whole run.
+    """
+
+    def __init__(self, flow: Flow, frames: int):
+        super().__init__(flow)
+        scene = flow.scene
+        mean = (len(scene.positions) + scene.expected_discs) / 2  # in play, where their number grows evenly
+        self._every_nth, self._shown = ceil(frames * mean / MEMBER_ROWS), 0
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+        if self._shown % self._every_nth == 0:
+            super().add(frame, time)
+        self._shown += 1
 
 
 def make_player(packer: FramePacker, folder: Path) -> Player | None:

@@ -338,7 +338,9 @@ class Analysis(Strict):
     front: bool = False
     fields: bool = False
     animation: bool = False
-    figures: Literal["default", "all", "none"] = Field(default="default", description="none: no pictures and no report")
+    figures: Literal["default", "all", "player", "none"] = Field(
+        default="default", description="none: no pictures and no report; player: frames for the page of a study alone"
+    )
 
 
 class Engine(Strict):

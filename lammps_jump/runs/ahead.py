@@ -67,7 +67,7 @@ class Ahead:
             runs.results.prepare(self._case)
             if self._follows:
                 self.packer = runs.results.packer_for(self._case)
-                watch = (self.packer, self.check) if runs.results.has_page(self._case) else (self.check,)
+                watch = (self.packer, self.check) if runs.results.has_player(self._case) else (self.check,)
                 self._gathered = runs.results.collect(self._case, self._folder, self._dump, *watch)
 
     def result(self, outputs: Mapping[str, Mapping[str, int | str]], waiting: Callable[[int], None]) -> Gathered | None:

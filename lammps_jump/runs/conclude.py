@@ -183,8 +183,8 @@ class Conclusion:
                     gathered = ahead.result(whole, self._read) if ahead else None
                     if ahead and gathered is not None:
                         check, packer = ahead.check, ahead.packer
-                    page = runs.results.has_page(self.case)
-                    watch = [*([packer] if page else []), *([check] if self.ended else [])]
+                    seen = runs.results.has_player(self.case)
+                    watch = [*([packer] if seen else []), *([check] if self.ended else [])]
                     parts = runs.results.analyse(self.case, folder, stage, watch, gathered, self._phase)
             except DumpError as error:
                 if ahead is None:
@@ -201,6 +201,8 @@ class Conclusion:
             if runs.results.has_page(self.case):
                 self._link_the_rest(stage)
                 runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
+            elif runs.results.has_player(self.case):
+                runs.results.write_player(stage, packer)
             self._phase("")
             summary["analysis_seconds"] = dict(self.phases)
             self._write(summary, None)  # ended between here and the last line: it is analysed again

@@ -22,14 +22,14 @@ from lammps_jump.analysis.profiles import bin_frame
 from lammps_jump.analysis.report import compare
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
-from lammps_jump.analysis.report.player import make_player
+from lammps_jump.analysis.report.player import MemberPacker, make_player
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.case.checks import MOST_BINS
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
 from lammps_jump.errors import CaseError, DumpError, SetupError
-from lammps_jump.files import FIGURES, RESULT_FILES, write_text, writes
+from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, write_json, write_text, writes
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import visible
 
@@ -79,7 +79,7 @@ def flow_of(case: ReadCase) -> Flow:
 
 def prepare(case: ReadCase) -> None:
     """Load what loads on first use: the loops that read dumps and sum over discs, 0.2 s, and matplotlib, 0.2 s."""
-    if case.fields.analysis.figures != "none":
+    if has_page(case):
         assert drawing.snapshots and drawing.style
     nothing = np.zeros(0)
     skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
@@ -114,7 +114,7 @@ def analyse(
         find_dump(folder),
         out,
         _wanted(case),
-        figures=asked.figures,
+        figures=asked.figures if has_page(case) else "none",
         film=asked.animation,
         quiet=not log.isEnabledFor(logging.INFO),
         watch=watch,
@@ -272,17 +272,23 @@ def draw_all(found: Found, folder: Path) -> list[Path]:
 
 def has_page(case: ReadCase) -> bool:
     """Whether a case asks for pictures and a report."""
+    return case.fields.analysis.figures in ("default", "all")
+
+
+def has_player(case: ReadCase) -> bool:
+    """Whether a case asks for its frames, for the player of its report or of the page of its study."""
     return case.fields.analysis.figures != "none"
 
 
 def packer_for(case: ReadCase) -> FramePacker:
-    """What takes in the frames of a run for the player of its report."""
-    return FramePacker(flow_of(case))
+    """What takes in the frames of a run for the player of its report, or of the page of its study."""
+    flow, scene = flow_of(case), case.scene()
+    return FramePacker(flow) if has_page(case) else MemberPacker(flow, scene.steps // scene.output_steps + 1)
 
 
 def packed(case: ReadCase, folder: Path) -> FramePacker:
     """The frames of a run folder for the player of its report; none where the dump cannot be read."""
-    packer = packer_for(case)
+    packer = FramePacker(flow_of(case))
     try:
         dump = read_dump(folder)
         for _ in feed(with_velocities(dump, packer.flow, []), packer.flow, [packer]):
@@ -306,6 +312,13 @@ def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], ReadCase
     ]
     with writes(path):
         return write_text(path, compare.comparison(*sides))
+
+
+def write_player(folder: Path, packer: FramePacker) -> None:
+    """Write the player of a member for the page of its study; nothing where no frame holds a disc."""
+    player = make_player(packer, folder)
+    if player is not None:
+        write_json(folder / PLAYER, player._asdict(), indent=None)
 
 
 def write_report(

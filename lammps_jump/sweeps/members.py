@@ -187,10 +187,11 @@ def state_of(member: Member, store: Path) -> State:
 
 
 def _is_analysed(case: Case, stored: Mapping[str, Any]) -> bool:
-    """Whether the results are of this analysis, with or without pictures."""
+    """Whether the results are of this analysis, with or without pictures; a player that is asked for is there."""
     if not stored.get("analysed"):
         return False
-    figures = (case.replace({"analysis.figures": word}) for word in ("none", "default", "all"))
+    words = ["player", "default", "all"] + (["none"] if case.fields.analysis.figures == "none" else [])
+    figures = (case.replace({"analysis.figures": word}) for word in words)
     return stored["analysed"]["key"] in [analysis_key(one, stored["outputs"]) for one in figures]
 
 

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from contextlib import suppress
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +14,8 @@ import xarray as xr
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
-from lammps_jump.analysis.report.page import Code, Items, Picture, Section, Table, Text, picture, render
-from lammps_jump.files import write_text
+from lammps_jump.analysis.report.page import Choice, Code, Items, Picture, Player, Section, Table, Text, picture, render
+from lammps_jump.files import PLAYER, read_json, write_text
 from lammps_jump.provenance import versions
 from lammps_jump.units import shown
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 MOST_LINES = 6
 """Lines of a panel, one for each point of the other axes."""
 COLOURS = (BLUE, GOLD, GREY, RED)
+LARGEST = 10_000_000
+"""Bytes of the packed frames on a page: eight members of most scenes."""
 
 
 def summary_frame(found: Sweep) -> pd.DataFrame:
@@ -131,6 +134,34 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
         return save(figure, path)
 
 
+def players(found: Sweep) -> list[Choice | Text]:
+    """One player for the members of a case, as many as the page has room for; nothing where none has frames.
+
+    Members stand in the order of their distance from the means: the sum of squares of ``(number - mean) / sd``.
+    """
+    numbers = found.values[[item.path for item in found.study.collect]]
+    apart = ((numbers - numbers.mean()) / numbers.std()) ** 2
+    order = np.argsort(apart.dropna(axis=1, how="all").fillna(inf).sum(axis=1), kind="stable")
+    seeds, runs, room = found.values["seed"], found.runs, LARGEST
+    kept: dict[int, Player] = {}
+    for number in order:
+        with suppress(OSError, ValueError, TypeError):  # lacking or damaged
+            path = runs[number].folder / PLAYER
+            room -= path.stat().st_size
+            if room >= 0 or not kept:
+                kept[int(seeds[number])] = Player(**read_json(path))
+    if not kept:
+        return []
+    first, listed = next(iter(kept)), sorted(kept)
+    text = f"Member {first} is shown first: its numbers are nearest to the means."
+    if len(kept) < len(runs):
+        text += (
+            f" The list holds {len(kept)} of {len(runs)} members, those nearest to the means: there is no more room."
+        )
+    names = [f"Member {seed}" for seed in listed]
+    return [Choice([kept[seed] for seed in listed], names, listed.index(first)), Text(text, "small")]
+
+
 def doubts(found: Sweep) -> list[str]:
     """Sentences on what the table cannot say by itself."""
     study, frame = found.study, sweeps.table.flat(found.table, found.study)
@@ -173,6 +204,7 @@ def sections(found: Sweep) -> list[Section]:
     pictures: list[Picture] = [picture(path, caption(path)) for path in draw(found)]
     return [
         Section("", [Text(lead, "lead"), Items(doubts(found), "What to know")]),
+        Section("", players(found)),
         Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *pictures]),
         Section("Members beside single runs", [Text(OWN_ERRORS), Table(*_own_errors(found))]),
         Section("How to repeat it", [

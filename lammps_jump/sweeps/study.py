@@ -176,10 +176,11 @@ class Study:
 
     @property
     def analysis(self) -> dict[str, object]:
-        """What is made of each run: what the collected numbers need, no pictures and no page."""
+        """What is made of each run: what the collected numbers need, without axes a player, no pictures and no page."""
         parts = {item.path.partition(".")[0] for item in self.collect}
         flags = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
-        return {**flags, "analysis.fields": False, "analysis.animation": False, "analysis.figures": "none"}
+        figures = "none" if self.axes else "player"
+        return {**flags, "analysis.fields": False, "analysis.animation": False, "analysis.figures": figures}
 
     def to_yaml(self) -> str:
         """The study as YAML, with the whole case in it, so that the folder can be moved."""
@@ -235,10 +236,10 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
 
 
 def _usual(case: Case) -> Iterator[str]:
-    """Paths of what is shown of a case on the screen."""
+    """Paths of what is shown of a case on the screen, but for times of a peak: their means have no interval."""
     asked = case.fields.analysis
     for name, quantity in QUANTITIES.items():
-        keys = [n.key for n in numbers_of(quantity.result).values() if n.label != n.meaning]
+        keys = [n.key for n in numbers_of(quantity.result).values() if n.label != n.meaning and n.unit != "s"]
         parents = [f"force.{probe}" for probe in case.fields.probes.forces] if name == "force" else [name]
         if getattr(asked, name, False) or name == "force":
             yield from (f"{parent}.{key}" for parent in parents for key in keys)

@@ -21,7 +21,7 @@ from lammps_jump.analysis.jump.stream import compression_front, measure_stream, 
 from lammps_jump.analysis.jump.summary import Jump, summarise_jump
 from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
-from lammps_jump.analysis.jump.verdict import belongs_to, notes, worded
+from lammps_jump.analysis.jump.verdict import belongs_to, notes, untimed, worded
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.page import Table, render
 from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of, piece_error, propagated
@@ -410,6 +410,7 @@ def test_numbers_that_one_run_cannot_tell_say_so_everywhere():
     rows = {row[0]: row for block in section(found).blocks if isinstance(block, Table) for row in block.rows}
     assert "± at least " in rows["Mass depth s [m]"][2] and "at least" not in rows["Mass depth s [m]"][1]
     assert all("± at least " in rows["Length of the jump [m]"][column] for column in (1, 4))
+    assert f"{jump.y2_error:.2g} m behind" in untimed(jump).reason and untimed(jump).reason.count("± at least ") == 1
     assert "front at " in jump.headline and all("± at least " in text for text in (jump.headline, jump.reason))
 
 

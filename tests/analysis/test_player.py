@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from made_up import disc_frame, flow_context
 
+from lammps_jump.analysis.report import player
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.dump.exports import write_table
@@ -80,3 +81,15 @@ def test_what_is_shown_reaches_over_discs_and_blocks(tmp_path):
 def test_a_run_without_discs_has_no_player(tmp_path):
     packer = FramePacker(flow_context(domain=((0, 1), (0, 1)), x_range=(0, 1)))
     assert make_player(packer, tmp_path) is None
+
+
+@pytest.mark.parametrize("frames, kept", [(3, [0, 1, 2]), (7, [0, 2, 4, 6])])
+def test_frames_of_a_member_are_thinned_in_time(monkeypatch, frames, kept):
+    monkeypatch.setattr(player, "MEMBER_ROWS", 7)
+    positions = np.array([[1.0, 0.1], [12.0, 2.0]])
+    flow = flow_context(domain=((0, 30), (-5, 10)), x_range=(0, 30), sized=False, positions=positions)
+    packer = player.MemberPacker(flow, frames)
+    for k in range(frames):
+        packer.add(disc_frame(*positions.T, box=[[0, 30], [-5, 10]], time=float(k)), float(k))
+    packed = packer.result()
+    assert packed.header["times"].tolist() == kept and packed.header["rows"] == 2 * len(kept)

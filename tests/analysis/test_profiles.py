@@ -243,7 +243,7 @@ def test_connection_is_the_transitive_closure_of_nearness():
 def test_netcdf_round_trip_with_units(tmp_path):
     x, y = lattice(5)
     frames = [frame(x, y, u=float(i), step=i, time=0.1 * i) for i in range(20)]
-    ds = compute_profiles(frames, context(), window=(0.5, 1.9))
+    ds = compute_profiles(frames, context(window=(0.5, 1.9)))
     path = write_profiles(ds, tmp_path / "profiles.nc")
     again = read_profiles(path)
     assert again.identical(ds)
@@ -258,7 +258,7 @@ def test_netcdf_round_trip_with_units(tmp_path):
 def test_window_of_the_means():
     x, y = lattice(5)
     frames = [frame(x, y, u=2.0 if i >= 10 else 0.0, step=i, time=0.1 * i) for i in range(20)]
-    ds = compute_profiles(frames, context(), window=(1.0, 5.0))
+    ds = compute_profiles(frames, context(window=(1.0, 5.0)))
     np.testing.assert_allclose(ds.velocity_mean, 2.0)
     np.testing.assert_allclose(ds.velocity_stderr, 0.0, atol=0)
     few = add_means(ds, (1.5, 1.9))

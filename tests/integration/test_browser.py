@@ -17,6 +17,7 @@ from lammps_jump import load_case
 from lammps_jump.analysis.profiles import read_profiles
 from lammps_jump.analysis.report import frames
 from lammps_jump.analysis.report.frames import FramePacker
+from lammps_jump.analysis.report.page import Choice, Section, render
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.dump.find import read_dump
@@ -126,6 +127,36 @@ def test_it_plays_and_seeks(made):
     click(made, *place_of(made, ".play"))
     assert made.run("players[0].playing") is False
     assert made.troubles() == []
+
+
+def test_a_run_is_chosen_from_a_list(browser, tmp_path):
+    """By the keyboard; the time stays, and what was asked for last is shown."""
+    players = []
+    for count in (6, 9, 4):
+        packer = FramePacker(flow_context(domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=FLOOR, sized=True))
+        for frame in made_frames(count):
+            packer.add(frame, frame.time)
+        players.append(make_player(packer, tmp_path))
+    choice = Choice(players, ["Member 3", HOSTILE, "Member 7"], 1)
+    path = tmp_path / "choice.html"
+    path.write_text(render("made-up", [Section("", [choice])]))
+    page = Page(browser, path)
+    shown = "[players.length, players[0].run.times.length, players[0].time, Number(part(players[0], 'time').max)]"
+    assert page.run(shown) == [1, 9, 0.0, 4.0]
+    assert page.run("[...part(players[0], 'run').options].map((one) => one.text)") == ["Member 3", HOSTILE, "Member 7"]
+    page.run("tell('seek', 2); part(players[0], 'run').focus()")
+    page.run(
+        "drawn = new Promise((done) => { layOut = (p) => p.run.times.length === 4 && done(moveView(p, 0, 0)); }); 0"
+    )
+    for name, code in (("ArrowUp", 38), ("ArrowDown", 40), ("ArrowDown", 40)):
+        for kind in ("rawKeyDown", "keyUp"):
+            page.call("Input.dispatchKeyEvent", type=kind, key=name, windowsVirtualKeyCode=code)
+    page.run("drawn.then(() => null)")
+    assert page.run(shown) == [1, 4, 1.5, 1.5]  # its end comes before the time
+    assert page.run("Promise.all([1, 0].map((run) => takeRun(players[0], run)))") == [False, True]
+    assert page.run(shown) == [1, 6, 1.5, 2.5] and page.run("typeof hit") == "undefined"
+    assert page.troubles() == []
+    page.close()
 
 
 def test_it_plays_once_on_its_own_unless_still_pages_are_preferred(browser, tmp_path):

@@ -158,6 +158,15 @@ def test_table_names_choices():
     assert "| compiled f=0.1 (1 failed) | 1.00 | 5.0 | 0.80 % |" in text
 
 
+def test_a_setting_without_any_error_is_cheapest_and_has_no_place_on_a_logarithmic_axis(tmp_path):
+    rows = [json_row("stock f=0.05", 4.0, 0.02, family="stock", plain=True)]
+    rows += [json_row("compiled f=0.1", 1.0, 0.0, family="compiled", plain=True)]
+    summary = {"cheapest": {"0.01": "compiled f=0.1", "0.05": "compiled f=0.1"}, "pareto": ["compiled f=0.1"]}
+    for some in (rows, rows[1:]):
+        data = {"case": "box", "rows": some, "quantities": {"q": {**summary, "floor": None}}}
+        assert bench_page.draw_quantity(data, "q", tmp_path).stat().st_size > 5000
+
+
 def test_a_developed_flow_keeps_the_sizes_of_its_discs():
     """Ids begin anew, and with them the sizes: each disc gets an id whose size is all but its own."""
     scene = load_case(INPUTS / "quick_jump.yaml", {"run.duration": 2}).scene()

@@ -10,7 +10,7 @@ the largest deviation, and its floor is 0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf
 from typing import NamedTuple
 
@@ -54,22 +54,16 @@ def quantity_error(name: str, members: Sequence[Value], reference: Sequence[Valu
     members, reference : sequence of float or of list of float
         One value or curve a run; None values (nothing measured) are left out.
     """
-    members = [member for member in members if member is not None]
-    if not members:
-        return QuantityError()
-    if name in EXACT:
-        values = np.abs(np.array(members, float) - EXACT[name])
+    curves = [[np.atleast_1d(one) for one in side or () if one is not None] for side in (members, reference)]
+    if name in EXACT and curves[0]:
+        values = np.abs(np.concatenate(curves[0]) - EXACT[name])
         spread = float(values.std(ddof=1)) if len(values) > 1 else None
         return QuantityError(float(np.median(values)), 0.0, spread, float(np.median(values)))
-    reference = [member for member in reference or () if member is not None]
-    if not reference:
-        return QuantityError()
-    curves = [np.atleast_1d(np.asarray(member, float)) for member in (*members, *reference)]
-    points = min(map(len, curves))
-    ours, theirs = np.split(np.array([curve[:points] for curve in curves]), [len(members)])
-    mean = theirs.mean(axis=0)
+    points = min((len(curve) for side in curves for curve in side), default=0)
+    ours, theirs = (np.array([curve[:points] for curve in side], float) for side in curves)
+    mean = theirs.mean(axis=0) if len(theirs) else np.zeros(1)
     size = _root_mean_square(mean)
-    if size == 0:
+    if size == 0 or not len(ours):
         return QuantityError()
     floor = scatter = None
     if len(ours) > 1 and len(theirs) > 1:
@@ -108,7 +102,7 @@ def measure(run: Made) -> dict[str, Value]:
     return found
 
 
-def names_of(runs: Sequence[Mapping[str, Value]]) -> list[str]:
+def names_of(runs: Iterable[Mapping[str, Value]]) -> list[str]:
     """Return the quantities that some run measured, in order."""
     return list(dict.fromkeys(name for run in runs for name, value in run.items() if value is not None))
 

@@ -20,7 +20,7 @@ from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import script_text
 from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
-from lammps_jump.studies.table import markdown, percent
+from lammps_jump.studies.table import markdown
 from lammps_jump.sweeps.store import Results, Say, Store, all_versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
@@ -168,23 +168,28 @@ def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
         taken = in_turn([plain, edited], rounds, lambda text, _: run_script(scene, text)[1])
         ratio = middle(with_it / without for with_it, without in zip(taken[edited], taken[plain], strict=True))
         difference = compare_skip(scene, skip)
-        verdict = f"{percent(ratio - 1, 1, '+')} time with it, trajectory differs by {difference:.1e}"
+        verdict = f"{100 * (ratio - 1):+.1f} % time with it, trajectory differs by {difference:.1e}"
     return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}
 
 
 def skip_page(data: Results, folder: Path) -> str:
     """Return the Markdown table."""
-    lines, formats = [], data["formats"]
-    for row in data["rows"]:
-        if row["ratio"] is None:
-            lines.append([row["name"], "-", row["verdict"]])
-            continue
-        difference = inf if row["difference"] is None else row["difference"]
-        where = "" if row["exact"] else f", after {EARLY_STEPS} steps"
-        same = f"{difference:.1e}{where}" if difference else "none, bit by bit"
-        lines.append([row["name"], percent(row["ratio"] - 1, 1, "+"), same])
-    for name in ("gz", "binary"):
-        if formats.get("text") and formats.get(name):
-            change = percent(formats[name] / formats["text"] - 1, 1, "+")
-            lines.append([f"dump as {name} instead of text", change, "-"])
-    return markdown(["put back in", "time with it", "largest change of the trajectory"], "lrr", lines) + "\n"
+    formats = data["formats"]
+    dumps = (
+        {"name": f"dump as {name} instead of text", "ratio": formats[name] / formats["text"], "same": "-"}
+        for name in ("gz", "binary")
+        if formats.get("text") and formats.get(name)
+    )
+    columns = {
+        "put back in": "{name}",
+        "time with it:": lambda row: "-" if row["ratio"] is None else f"{100 * (row['ratio'] - 1):+.1f} %",
+        "largest change of the trajectory:": lambda row: row.get("same") or _change(row),
+    }
+    return markdown(columns, [*data["rows"], *dumps]) + "\n"
+
+
+def _change(row: Results) -> str:
+    difference = inf if row["difference"] is None else row["difference"]
+    where = "" if row["exact"] else f", after {EARLY_STEPS} steps"
+    same = f"{difference:.1e}{where}" if difference else "none, bit by bit"
+    return row["verdict"] if row["ratio"] is None else same

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from itertools import chain
 
 from lammps_jump import Case
 from lammps_jump.engines import usable_kernels
@@ -52,12 +53,8 @@ def read_axes(
     CaseError
         An axis or a kernel that does not exist; a value that is no number above 0.
     """
-    values = (
-        _numbers("--fractions", fractions),
-        listed("--kernels", kernels, KERNELS),
-        _numbers("--diameters", diameters),
-    )
-    return Axes(listed("--axes", names, settings.AXES), *values, members)
+    steps, sizes = _numbers("--fractions", fractions), _numbers("--diameters", diameters)
+    return Axes(listed("--axes", names, settings.AXES), steps, listed("--kernels", kernels, KERNELS), sizes, members)
 
 
 def _numbers(option: str, text: str | None) -> tuple[float, ...]:
@@ -100,15 +97,15 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh
         say(f"note: {note}")
     say(f"{case.name}: {len(chosen)} settings x {rounds} starts -> {store.path.parent}")
 
+    changes = [setting.changes(fields.discs.diameter) for setting in chosen]
     starts: list[Start] = []
-    in_turn(chosen, rounds, lambda setting, member: starts.append(
-        Start(chosen.index(setting), setting.changes(fields.discs.diameter), fields.run.seed + member)
-    ))  # fmt: skip
+    in_turn(range(len(chosen)), rounds, lambda n, turn: starts.append(Start(n, changes[n], fields.run.seed + turn)))
+
+    seconds = "{cpu_seconds:.2f} s"
 
     def said(made: Made) -> None:
-        outcome = made.message or f"{made.summary['cpu_seconds']:.2f} s"
         label, member = chosen[made.start.point].label, made.start.seed - fields.run.seed + 1
-        say(f"  {label}, start {member} of {rounds}: {outcome}")
+        say(f"  {label}, start {member} of {rounds}: {made.message or seconds.format_map(made.summary)}")
 
     with Pool(1) as pool:  # one at a time: they are timed
         made = run_starts(case, starts, store.path.parent, pool, fresh=fresh, said=said)
@@ -116,7 +113,6 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh
         raise RunError(f"no setting of {case.name} came to its end; the first one says: {made[0].message}")
     groups = [[run for run in made if run.start.point == point] for point in range(len(chosen))]
     measures = [[measure(run) for run in group if run.summary] for group in groups]
-    every = [one for found in measures for one in found]
     rows = [
         make_row(setting, group, found, measures[0], setting == reference)
         for setting, group, found in zip(chosen, groups, measures, strict=True)
@@ -131,7 +127,7 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh
         "notes": notes,
         "time": "median processor seconds of the engine, output included, analysis not",
         "rows": rows,
-        "quantities": {name: summarise_quantity(rows, name) for name in names_of(every)},
+        "quantities": {name: summarise_quantity(rows, name) for name in names_of(chain.from_iterable(measures))},
     }
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
 from lammps_jump.files import plain
+from lammps_jump.studies.table import Column, cells
 from lammps_jump.sweeps.members import JITTER
 from lammps_jump.sweeps.store import Results, all_versions
 
@@ -87,14 +88,10 @@ def write_report(report: dict, description: str, figures: dict[str, Path], path:
 
 def verdict_text(report: dict) -> str:
     """Return the outcome in two sentences."""
-    failed = [
-        f"{c['name']} ({c['kernel']})"
-        for c in report["disc_by_disc"]
-        if not c["agrees"] and not c["expected_difference"]
-    ]
-    quantities = report["statistics"]["quantities"]
+    checks, quantities = report["disc_by_disc"], report["statistics"]["quantities"]
+    failed = [check for check in checks if not check["agrees"] and not check["expected_difference"]]
     found = {
-        "disc by disc": failed,
+        "disc by disc": ["{name} ({kernel})".format_map(check) for check in failed],
         "statistics": [q["name"] for q in quantities if q["verdict"] == "differ"],
         "limits": [c["name"] for c in report["criteria"] if c["met"] is False],
     }
@@ -110,26 +107,30 @@ def verdict_text(report: dict) -> str:
 
 
 def _checks(report: dict, pictures: list[Picture]) -> Section:
-    rows = []
-    for c in report["disc_by_disc"]:
-        reason = c["expected_difference"]
-        word = f"differs as expected: {reason}" if reason else ("agrees" if c["agrees"] else "DIFFERS")
-        worst = "—" if c["worst"] is None else f"{c['worst']:.1e}"
-        first = f"step {c['first_contact']}"
-        rows.append([c["name"], c["kernel"], str(c["discs"]), first, worst, f"{word} {c['note']}"])
+    def verdict(check: dict) -> str:
+        reason = check["expected_difference"]
+        word = f"differs as expected: {reason}" if reason else ("agrees" if check["agrees"] else "DIFFERS")
+        return f"{word} {check['note']}"
+
+    columns: dict[str, Column] = {
+        "scene": "{name}",
+        "kernel": "",
+        "discs": "{discs}",
+        "first contact": lambda check: f"step {check['first_contact']}",
+        "largest distance [d]": "{worst:.1e}",
+        "verdict": verdict,
+    }
     intro = Text(
         "Same scene, same law, same integrator: largest distance between the two places of any disc, over the "
         f"first {CONTACT_STEPS} steps from the first contact."
     )
-    head = ["scene", "kernel", "discs", "first contact", "largest distance [d]", "verdict"]
-    return Section("Disc by disc", [intro, Table(rows, head), _growth(report["divergence"]), *pictures])
+    table = Table(*cells(columns, report["disc_by_disc"], "—"))
+    return Section("Disc by disc", [intro, table, _growth(report["divergence"]), *pictures])
 
 
 def _growth(part: dict) -> Text:
     rates = [part[name]["rate"] for name in ("growth", "twin_growth")]
-    texts = [
-        "no exponential stretch to fit" if not rate else f"{rate:.3g} /s (e-fold in {1 / rate:.3g} s)" for rate in rates
-    ]
+    texts = [f"{r:.3g} /s (e-fold in {1 / r:.3g} s)" if r else "no exponential stretch to fit" for r in rates]
     levels = ", ".join(
         f"{level} d: " + ("never" if step is None else f"step {step} (t = {step * part['time_step']:.3g} s)")
         for level, step in part["first_step_beyond"].items()
@@ -150,37 +151,31 @@ def _statistics(report: dict, pictures: list[Picture]) -> Section:
         f"wider than ± {100 * DECIDES:g} %; the text says how many members of each ensemble would decide."
     )
     words = {True: "met", False: "NOT met", None: "for information"}
-    rows = [
-        [
-            item["name"],
-            "—" if item["value"] is None else f"{100 * item['value']:.2g} %",
-            f"{100 * item['limit']:g} %",
-            words[item["met"]],
-        ]
-        for item in report["criteria"]
-    ]
-    limits = [Table(rows, ["limit set beforehand", "found", "limit", ""])] if rows else []
-    one, two = (SHOWN.get(name, name) for name in report["statistics"]["ensembles"])
-    return Section("Statistics", [intro, *_verdicts(report["statistics"], one, two), *limits, *pictures])
+    columns: dict[str, Column] = {
+        "limit set beforehand": "{name}",
+        "found": lambda item: "—" if item["value"] is None else f"{100 * item['value']:.2g} %",
+        "limit": lambda item: f"{100 * item['limit']:g} %",
+        "": lambda item: words[item["met"]],
+    }
+    limits = [Table(*cells(columns, report["criteria"]))] if report["criteria"] else []
+    names = (SHOWN.get(name, name) for name in report["statistics"]["ensembles"])
+    return Section("Statistics", [intro, *_verdicts(report["statistics"], *names), *limits, *pictures])
 
 
 def _verdicts(part: dict, one: str, two: str) -> list[Text | Table]:
     """Return the verdicts on the jump, and the table of all quantities, of one comparison."""
-    rows = [
-        [
-            f"{q['name']}{' at ' + q['place'] if q['place'] else ''} [{q['unit']}]",
-            *(f"{_number(q[f'mean_{k}'], 4)} ± {_number(q[f'deviation_{k}'], 4)}" for k in (1, 2)),
-            Mark(q["text"], "differ") if q["verdict"] == "differ" else q["text"],
-            _number(q["p_adjusted"], 2),
-        ]
-        for q in part["quantities"]
-    ]
-    said = []
-    if any(part["jump_verdicts"]):
-        texts = [", ".join(f"{word} ({n})" for word, n in side.items()) for side in part["jump_verdicts"]]
-        said = [Text(f"Jump: {one}: {texts[0]}; {two}: {texts[1]}.")]
-    head = ["quantity", f"{one}, mean ± s.d.", f"{two}, mean ± s.d.", "verdict", "p (Holm)"]
-    return [*said, Table(rows, head)]
+    columns: dict[str, Column] = {
+        "quantity": lambda row: f"{row['name']}{' at ' + row['place'] if row['place'] else ''} [{row['unit']}]",
+        f"{one}, mean ± s.d.": "{mean_1:.4g} ± {deviation_1:.4g}",
+        f"{two}, mean ± s.d.": "{mean_2:.4g} ± {deviation_2:.4g}",
+        "verdict": lambda row: Mark(row["text"], "differ") if row["verdict"] == "differ" else row["text"],
+        "p (Holm)": "{p_adjusted:.2g}",
+    }
+    table = Table(*cells(columns, part["quantities"], "—"))
+    if not any(part["jump_verdicts"]):
+        return [table]
+    texts = [", ".join(f"{word} ({n})" for word, n in side.items()) for side in part["jump_verdicts"]]
+    return [Text(f"Jump: {one}: {texts[0]}; {two}: {texts[1]}."), table]
 
 
 def _laws(laws: dict, pictures: list[Picture]) -> list[Section]:
@@ -196,7 +191,3 @@ def _how(report: dict) -> Section:
     found = ", ".join(f"{name} {value}" for name, value in report["versions"].items())
     text = f"Seeds {', '.join(map(str, report['seeds']))}; versions: {found}; {report['seconds']:.0f} s of computing."
     return Section("How to repeat it", [Text(text), *(Text(f"Note: {note}") for note in report["notes"])])
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "—" if value is None else f"{value:.{digits}g}"

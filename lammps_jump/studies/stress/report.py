@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ import pandas as pd
 
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.physics import contact
-from lammps_jump.studies.table import filled, markdown
+from lammps_jump.studies.table import markdown
 
 from .limits import ENGINES, integrator_of
 
@@ -23,45 +22,39 @@ TITLES = {
 }
 
 
+LIMITS = {
+    "arrangement": lambda row: row["arrangement"] + (", spin" if row["rotation"] else ""),
+    "e:": "{restitution:g}",
+    "ks:": "{friction:g}",
+    "engine": "",
+    **{f"{name}:": f"{{{name}:.4f}}" for name in ("predicted", "stable", "unstable")},
+    "deviation:": "{deviation:+.1%}",
+}
+GROWTH = {"engine": "", "f:": "{fraction:g}", "mean change:": "{mean:+.3%}",
+          "scatter over entry phases:": "{scatter:.2%}"}  # fmt: skip
+
+
 def report(data: dict) -> str:
     """Return the Markdown page: what ended badly, limits, growth, scenes, random scenes, resting bed."""
     random = data["random"]
-    crystal = "- e = {restitution:g}, f = {fraction:g}: kinetic energy x {growth:.3g}"
-    growth = filled("{engine}|{fraction:g}|{mean:+.3%}|{scatter:.2%}", data["growth"])
-    bed = "- {engine}, {discs} discs, {steps} steps: {message}"
     parts = ["## What ended badly", "\n".join(f"- {text}" for text in data["bad"]) or "Nothing."]
-    parts += ["## Limits of the step, as a share of 2/omega of a pair", _limits(data["limits"])]
+    parts += ["## Limits of the step, as a share of 2/omega of a pair", markdown(LIMITS, data["limits"])]
     if data["periodic"]:
-        parts += [
-            "Periodic hexagonal crystal, 2 % compressed, 20,000 steps of stock LAMMPS:",
-            "\n".join(map(crystal.format_map, data["periodic"])),
-        ]
-    parts += ["## Energy of one elastic collision below the limit"]
-    parts += [markdown(["engine", "f", "mean change", "scatter over entry phases"], "lrrr", growth)]
-    parts += ["## Hard scenes", _outcomes(data["scenes"])]
-    parts += [f"## Random scenes: {random['count']} from seed {random['first_seed']}", _tally(random["tally"])]
+        crystal = "- e = {restitution:g}, f = {fraction:g}: kinetic energy x {growth:.3g}"
+        parts += ["Periodic hexagonal crystal, 2 % compressed, 20,000 steps of stock LAMMPS:"]
+        parts += ["\n".join(map(crystal.format_map, data["periodic"]))]
+    parts += ["## Energy of one elastic collision below the limit", markdown(GROWTH, data["growth"])]
+    outcomes: dict[str, dict[str, str]] = {}
+    for row in data["scenes"]:
+        outcomes.setdefault(row["scene"], {"scene": row["scene"]})[row["engine"]] = row["outcome"]
+    engines = dict.fromkeys(name for row in outcomes.values() for name in row)
+    parts += ["## Hard scenes", markdown(dict.fromkeys(engines, ""), outcomes.values())]
+    tally = pd.DataFrame(random["tally"]).T.fillna(0).astype(int).sort_index(axis=1)
+    counts = {"engine": "", **{f"{name}:": "" for name in tally}}
+    parts += [f"## Random scenes: {random['count']} from seed {random['first_seed']}"]
+    parts += [markdown(counts, tally.rename_axis("engine").reset_index().to_dict("records"))]
+    bed = "- {engine}, {discs} discs, {steps} steps: {message}"
     return "\n\n".join([*parts, "## Resting bed", "\n".join(map(bed.format_map, data["bed"]))]) + "\n"
-
-
-def _limits(limits: list[dict]) -> str:
-    law = "{restitution:g}|{friction:g}|{engine}|{predicted:.4f}|{stable:.4f}|{unstable:.4f}|{deviation:+.1%}"
-    rows = (row | {"spin": ", spin" if row["rotation"] else ""} for row in limits)
-    head = ["arrangement", "e", "ks", "engine", "predicted", "stable", "unstable", "deviation"]
-    return markdown(head, "lrrlrrrr", filled("{arrangement}{spin}|" + law, rows))
-
-
-def _outcomes(scenes: list[dict]) -> str:
-    engines = list(dict.fromkeys(row["engine"] for row in scenes))
-    found = {(row["scene"], row["engine"]): row["outcome"] for row in scenes}
-    names = dict.fromkeys(row["scene"] for row in scenes)
-    rows = [[name, *(found.get((name, engine), "-") for engine in engines)] for name in names]
-    return markdown(["scene", *engines], "l" * (1 + len(engines)), rows)
-
-
-def _tally(tally: dict[str, dict[str, int]]) -> str:
-    names = sorted({name for counted in tally.values() for name in counted})
-    rows = [[engine, *(Counter(counted)[name] for name in names)] for engine, counted in tally.items()]
-    return markdown(["engine", *names], "l" + "r" * len(names), rows)
 
 
 def draw_map(limits: list[dict], path: Path) -> Path:

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The page of a study: the player of its members."""
+
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+from made_up import STUDY
+
+import lammps_jump as lj
+from lammps_jump.analysis.report.page import Choice
+from lammps_jump.sweeps import Sweep, open_sweep, page, prepare, read_study, slurm, study_folder
+
+MEMBERS = {
+    **STUDY,
+    "axes": {},
+    "members": 4,
+    "set": {"run.duration": 2},
+    "collect": ["force.box.peak", "energy.max_deviation"],
+}
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    return lj.sweep(MEMBERS, tmp_path_factory.mktemp("members") / "box", jobs=1)
+
+
+def shown_seed(choice: Choice) -> int:
+    return int(choice.names[choice.shown].removeprefix("Member "))
+
+
+def test_the_page_has_one_player_and_a_list_of_all_members(done):
+    text = (done.folder / "sweep.html").read_text()
+    assert text.count('<div class="player"') == 1
+    options = re.findall(r'<option value="(\d)"( selected)?>Member (\d)', text)
+    assert [(number, seed) for number, _, seed in options] == [("0", "1"), ("1", "2"), ("2", "3"), ("3", "4")]
+    assert sum(bool(chosen) for _, chosen, _ in options) == 1
+    headers = json.loads(re.search(r'id="data">(.*?)</script>', text)[1])["players"]
+    stored = [json.loads((run.folder / "player.json").read_text()) for run in done.runs]
+    assert headers == [one["header"] for one in stored] and len(headers[0]["times"]) == 41
+    assert all(f'id="frames{k}">{one["frames"]}<' in text for k, one in enumerate(stored))
+    assert len({one["frames"] for one in stored}) == 4  # each member has its own
+
+
+def test_the_member_nearest_to_the_means_is_shown_first(done):
+    paths = [item.path for item in done.study.collect]
+    z = [(done.values[path] - done.values[path].mean()) / done.values[path].std() for path in paths]
+    choice, text = page.players(done)
+    assert shown_seed(choice) == 1 + int(np.argmin(sum(one**2 for one in z)))
+    assert f"Member {shown_seed(choice)} is shown first" in text.text and "room" not in text.text
+
+
+def test_the_page_has_a_size_and_keeps_the_members_nearest_to_the_means(done, monkeypatch):
+    first = shown_seed(page.players(done)[0])
+    for room, count in ((1, 1), (2.5, 2)):
+        sizes = [(run.folder / "player.json").stat().st_size for run in done.runs]
+        monkeypatch.setattr(page, "LARGEST", room * max(sizes))
+        choice, text = page.players(done)
+        assert len(choice.names) == len(choice.blocks) == count and shown_seed(choice) == first
+        assert f"holds {count} of 4 members" in text.text
+    monkeypatch.setattr(page, "LARGEST", 0)
+    assert page.players(done)[0].names == [f"Member {first}"]  # one always
+
+
+def test_one_member_and_members_without_frames(done, tmp_path):
+    folder = shutil.copytree(done.folder, tmp_path / "copy")
+    two = Sweep(read_study({**MEMBERS, "members": 2}), folder, done.starts[:2])
+    assert page.players(Sweep(two.study, folder, done.starts[:1]))[0].names == ["Member 1"]
+    (two.runs[0].folder / "player.json").write_text("{")
+    assert page.players(two)[0].names == ["Member 2"]
+    (two.runs[1].folder / "player.json").unlink()
+    assert page.players(two) == []
+
+
+def test_members_of_points_keep_no_frames(tmp_path):
+    """The same run as the member of a case: its frames are then read from its dump."""
+    for changes, there in (({"axes": {"discs.density": [500]}}, False), ({"set": {"discs.density": 500}}, True)):
+        found = Sweep(read_study({**STUDY, "axes": {}, "members": 1, **changes}), tmp_path / "out")
+        with study_folder(found.folder):
+            prepare(found)
+        slurm.run_task(found.folder, "0")
+        (run,) = open_sweep(found.folder).runs
+        assert (run.folder / "player.json").exists() == there == bool(page.players(found))
+    assert len(list((tmp_path / "out/runs").iterdir())) == 1
