@@ -196,10 +196,7 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
 def adapted(case: CaseFields, scene: Scene, settle: float) -> tuple[str, ...]:
     """Sentences on asked values that whole steps have changed; `settle` is the time asked for, s."""
     dt = scene.time_step
-    asked = {
-        "run.duration": (case.run.duration, scene.time(scene.steps)),
-        "settle": (settle, scene.settle_steps * dt),
-    }
+    asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
     if case.run.output_interval is not None:
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
     if case.probes.forces:
@@ -214,8 +211,7 @@ def check_stop(case: CaseFields, source: CaseSource) -> list[str]:
     """Refuse `stop_when_steady` with a dump that it cannot read; return a warning if it has no effect."""
     if case.run.stop_when_steady and case.run.dump_format != "text":
         raise source.error(
-            "run.stop_when_steady",
-            f"needs text dumps, but run.dump_format is {case.run.dump_format}: use text",
+            "run.stop_when_steady", f"needs text dumps, but run.dump_format is {case.run.dump_format}: use text"
         )
     if case.run.stop_when_steady and not isinstance(case.inflow, RowsInflow):
         return ["stop_when_steady has no effect: without inflow rows a flow does not become steady"]
