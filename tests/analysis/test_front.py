@@ -10,12 +10,13 @@ from made_up import collected, disc_frame, flow_context, numbers
 from lammps_jump.analysis.front import (
     FrontHistory,
     FrontTracker,
-    against_curve,
     analyse_front,
     back_wall,
     bulk_front,
     free_length,
+    off_curve,
     quantile_front,
+    rms,
     stack_top,
 )
 from lammps_jump.analysis.report.headline import headline
@@ -201,5 +202,6 @@ def test_unequal_discs_end_at_their_own_edges():
 
 
 def test_no_common_range_gives_no_number():
-    comparison = against_curve(np.array([0.0, 0.1]), np.array([1.0, 1.0]), [2.0, 3.0], [1.0, 1.0])
-    assert np.isnan(comparison.rms)
+    assert np.isnan(rms(off_curve(np.array([0.0, 0.1]), np.array([1.0, 1.0]), [2.0, 3.0], [1.0, 1.0])))
+    assert np.isnan(rms(off_curve(np.array([0.0]), np.array([np.nan]), [0.0], [1.0])))
+    assert off_curve(np.array([0.0, 2.0]), np.array([1.0, 3.0]), [0.0, 1.0], [2.0, 1.0], beyond=0.5) == [1.0]
