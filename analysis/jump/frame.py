@@ -101,6 +101,11 @@ class State:
     thrust: Mean
 
     @property
+    def middle(self) -> float:
+        """Middle of the zone, m from the front."""
+        return float(np.mean(self.zone))
+
+    @property
     def froude(self) -> float:
         """Froude number in the laboratory, u / sqrt(g s)."""
         return self.velocity.value / sqrt(self.gravity * self.mass_depth.value)
@@ -239,12 +244,12 @@ def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance
         return part(one) - part(two)
 
     def between(values: xr.DataArray) -> float:
-        amount = integral(values, one, two)
+        amount = integral(values, one.middle, two.middle)
         good = amount[np.isfinite(amount)]
         return float(good.mean()) if good.size else nan
 
     upstream, downstream = (state.uniform_flux + state.still(state.mass_depth) for state in (one, two))
-    momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one, two)
+    momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one.middle, two.middle)
     terms = {
         "classical": upstream - downstream,
         "profile": change(lambda state: state.relative_flux - state.uniform_flux),
@@ -259,12 +264,12 @@ def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance
     return Balance(upstream, downstream, **{name: value / downstream for name, value in terms.items()})
 
 
-def integral(values: xr.DataArray, one: State, two: State) -> np.ndarray:
-    """Integral between the middles of two zones, frame by frame, shape (frames,); NaN where not covered."""
-    xi = values.xi.values
-    half, start, stop = 0.5 * (xi[1] - xi[0]), np.mean(one.zone), np.mean(two.zone)
+def integral(field: xr.DataArray, start: float, stop: float) -> np.ndarray:
+    """Integral between two places, m from the front, frame by frame, shape (frames,); NaN where not covered."""
+    xi = field.xi.values
+    half = 0.5 * (xi[1] - xi[0])
     share = np.clip(np.minimum(xi + half, stop) - np.maximum(xi - half, start), 0.0, None)
-    return (values.values[:, share > 0] * share[share > 0]).sum(axis=1)
+    return (field.values[:, share > 0] * share[share > 0]).sum(axis=1)
 
 
 def growth_rate(time: np.ndarray, amount: np.ndarray) -> float:
@@ -290,7 +295,7 @@ class Mass:
 def mass_balance(moving: xr.Dataset, one: State, two: State) -> Mass:
     """Mass fluxes through the moving front, their relative difference, storage in between."""
     flux_1, flux_2 = one.mass_flux, two.mass_flux
-    growth = growth_rate(moving.time.values, integral(moving["mass_depth"], one, two))
+    growth = growth_rate(moving.time.values, integral(moving["mass_depth"], one.middle, two.middle))
     speed_from_mass = theory.shock_speed_from_mass(
         one.mass_depth.value, one.velocity.value, two.mass_depth.value, two.velocity.value
     )

@@ -81,7 +81,7 @@ def test_step_moves_at_its_speed(step_result):
     expected = 40.0 + SPEED * step_result.track.time
     assert step_result.track.position == pytest.approx(expected, abs=1e-9)
     assert np.abs(step_result.track.toe - expected).max() <= 0.63  # a step inside a bin: toe within that bin, to 1/8
-    assert step_result.toe_motion.speed == pytest.approx(SPEED, abs=0.05)
+    assert step_result.toe_speed == pytest.approx(SPEED, abs=0.05)
 
 
 def test_step_states_and_balance(step_result):
