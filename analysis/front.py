@@ -17,8 +17,7 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.dump.frame import Frame
-from lammps_jump.physics import jump as theory
-from lammps_jump.physics import measured
+from lammps_jump.physics import measured, waves
 from lammps_jump.units import number, shown
 
 from .contacts import ContactCollector
@@ -268,9 +267,9 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
 
 
 def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, end: float) -> Ritter:
-    limit = theory.ritter_wall_time(base, depth, gravity)
+    limit = waves.ritter_wall_time(base, depth, gravity)
     inside = (history.time > 0) & (history.time <= min(limit, end)) & np.isfinite(history.bulk)
-    expected = base + np.array([theory.ritter_front(t, depth, gravity) for t in history.time[inside]])
+    expected = base + np.array([waves.ritter_front(t, depth, gravity) for t in history.time[inside]])
     off = rms(history.bulk[inside] / expected - 1.0)
     return Ritter(limit, int(inside.sum()), 2.0 * sqrt(gravity * depth), off)
 
@@ -347,7 +346,7 @@ def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     (base, depth), gravity, time = history.column, flow.gravity, history.time
     fronts = [Line("bulk front", time, history.bulk), Line("99 % of the discs", time, history.quantile, "second")]
     if gravity > 0 and depth > 0 and flow.timed:
-        limit = theory.ritter_wall_time(base, depth, gravity)
+        limit = waves.ritter_wall_time(base, depth, gravity)
         t = np.linspace(0, max(min(limit, time.max()), 1e-9), 20)
         label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
         fronts.append(Line(label, t, base + 2 * t * np.sqrt(gravity * depth), "theory"))

@@ -17,6 +17,7 @@ import xarray as xr
 
 from lammps_jump.analysis.statistics import Mean, mean_of
 from lammps_jump.physics import jump as theory
+from lammps_jump.physics import waves
 from lammps_jump.units import number
 
 TOE_SHARE, END_SHARE = 0.05, 0.95
@@ -296,7 +297,7 @@ def mass_balance(moving: xr.Dataset, one: State, two: State) -> Mass:
     """Mass fluxes through the moving front, their relative difference, storage in between."""
     flux_1, flux_2 = one.mass_flux, two.mass_flux
     growth = growth_rate(moving.time.values, integral(moving["mass_depth"], one.middle, two.middle))
-    speed_from_mass = theory.shock_speed_from_mass(
+    speed_from_mass = waves.shock_speed_from_mass(
         one.mass_depth.value, one.velocity.value, two.mass_depth.value, two.velocity.value
     )
     return Mass(

@@ -21,8 +21,8 @@ from lammps_jump.analysis.front import (
 )
 from lammps_jump.analysis.report.headline import headline
 from lammps_jump.dump.frame import make_frame
-from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
+from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D, G = 0.2, 9.81
@@ -111,7 +111,7 @@ def made_history(time, bulk, height, column):
 def test_ritters_front_agrees_with_itself():
     base, depth = 60.0, 12.0
     time = np.linspace(0, 5, 101)
-    front = base + np.array([theory.ritter_front(t, depth, G) for t in time])
+    front = base + np.array([waves.ritter_front(t, depth, G) for t in time])
     summary = numbers(analyse_front(made_history(time, front, depth + 0 * time, (base, depth)), context()))
     ritter = summary["ritter"]
     assert ritter["rms"] == pytest.approx(0.0, abs=1e-12)
