@@ -249,7 +249,7 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
         before, behind, enough = zones(moving, toe, end, *levels)
         result = _within(result, moving, (before, behind), (toe, end))
         toe, end = result.toe, result.end
-    depth = result.downstream.mass_depth.value
+    depth = result.downstream.mass_depth
     tail = measure_tail(stream.isel(time=used), front, depth)
     before = measure_stream(stream, track, used, speed, depth, result.flow.gravity)
     result = replace(result, stream=before and before.turned(result.direction))
@@ -261,8 +261,8 @@ def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around
     """States, ends and balances from frames of the moving frame, in the zones of the states."""
     one, two = (measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
     mean = mean_profile(moving[["mass_depth", "surface_depth"]])
-    toe, end = _ends(mean["mass_depth"], one.mass_depth.value, two.mass_depth.value, *around)
-    ends = _ends(mean["surface_depth"], one.surface_depth.value, two.surface_depth.value, toe, end)
+    toe, end = _ends(mean["mass_depth"], one.mass_depth, two.mass_depth, *around)
+    ends = _ends(mean["surface_depth"], one.surface_depth, two.surface_depth, toe, end)
     return replace(
         result,
         moving=moving,
@@ -292,7 +292,7 @@ def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
         zones_kept = whole.upstream.zone, whole.downstream.zone
         moving = whole.moving.isel(time=slice(first, stop))
         result.append(_within(moved, moving, zones_kept, (whole.toe, whole.end)))
-    known = all(isfinite(piece.upstream.mass_depth.value + piece.downstream.mass_depth.value) for piece in result)
+    known = all(isfinite(piece.upstream.mass_depth + piece.downstream.mass_depth) for piece in result)
     return tuple(result) if known else ()
 
 

@@ -188,9 +188,9 @@ def _states(result: JumpResult) -> dict[str, float]:
     """Depths, velocities, packing, Froude numbers, momentum and head on both sides."""
     one, two, density, found = result.upstream, result.downstream, result.flow.scene.density, {}
     for k, state in ((1, one), (2, two)):
-        found |= {f"y{k}": state.mass_depth.value, f"h{k}": state.surface_depth.value}
-        found |= {f"u{k}": result.direction * state.velocity.value}
-        found |= {f"packing_{k}": state.packing.value, f"beta_{k}": state.beta}
+        found |= {f"y{k}": state.mass_depth, f"h{k}": state.surface_depth}
+        found |= {f"u{k}": result.direction * state.velocity}
+        found |= {f"packing_{k}": state.packing, f"beta_{k}": state.beta}
     return found | {
         "froude": one.froude_relative,
         "froude_lab": one.froude,
@@ -234,11 +234,11 @@ def _against_theory(result: JumpResult, found: Mapping[str, float]) -> dict[str,
         "energy_loss_depths": theory.energy_loss(s1, s2),
     }
     if isfinite(terms.pressure):
-        thrusts = (state.thrust.value / state.still(state.mass_depth) for state in (one, two))
+        thrusts = (state.thrust / state.still(state.mass_depth) for state in (one, two))
         largest = _largest_ratio(froude, *betas, *thrusts, push + terms.unsteady / unit)
         against["pressure_relation_ratio"] = largest
         for k, state in ((1, one), (2, two)):
-            against[f"pressure_coefficient_{k}"] = share(state.thrust.value, state.still(state.surface_depth))
+            against[f"pressure_coefficient_{k}"] = share(state.thrust, state.still(state.surface_depth))
     return against
 
 
