@@ -150,8 +150,9 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside | Choice) else [block])]
     players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
-    numbers: list[np.ndarray] = []
+    numbers: list[np.ndarray] = [np.zeros(1)]
     shown = [_lean(plain(curve.data), numbers) for curve in curves]
+    steps = np.diff(np.concatenate(numbers)).astype(int)
     data = {"players": [player.header for player in players], "curves": shown}
     style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
     return _template().render(
@@ -161,7 +162,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
         sections=[section for section in full if section.blocks],
         players=players,
         data=as_json(data) if players or curves else "",
-        numbers=Markup(_text(np.concatenate([[0], *numbers]))),
+        numbers=Markup(encode((steps, np.frexp(np.append(0, steps[:-1]))[1]))),
         style=style,
         scripts=scripts,
         policy=policy(style, scripts),
@@ -180,20 +181,14 @@ def _lean(data: object, numbers: list[np.ndarray]) -> object:
     """
     if isinstance(data, Mapping):
         return {key: _lean(value, numbers) for key, value in data.items()}
-    if not isinstance(data, list) or len(data) < LONG or not all(x is None or isinstance(x, float) for x in data):
-        return [_lean(value, numbers) for value in data] if isinstance(data, list) else data
+    if not isinstance(data, list):
+        return data
+    if len(data) < LONG or not all(value is None or isinstance(value, float) for value in data):
+        return [_lean(value, numbers) for value in data]
     values = np.array(data, float)
-    largest = np.nanmax(np.abs(values), initial=0)
-    decimals = 4 - int(np.floor(np.log10(largest))) if largest else 0
-    whole = np.where(np.isnan(values), UNKNOWN, np.rint(values * 10.0**decimals))
-    numbers.append(whole.astype(np.int64))
+    decimals = 4 - int(np.floor(np.log10(np.nanmax(np.abs(values), initial=1e-99))))
+    numbers.append(np.where(np.isnan(values), UNKNOWN, np.rint(values * 10.0**decimals)))
     return {"count": len(data), "decimals": decimals}
-
-
-def _text(numbers: np.ndarray) -> str:
-    """Text of whole numbers, each less the one before; its context is the bit length of the difference before."""
-    steps = np.diff(numbers)
-    return encode(steps, np.frexp(np.abs(np.append(0, steps[:-1])))[1])
 
 
 def policy(style: str, scripts: Sequence[str]) -> str:
