@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
-from math import ceil, exp, floor, sqrt
+from math import ceil, floor, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -31,11 +31,10 @@ from lammps_jump.scene.walls import Interval
 from . import draw
 from .contacts import find_contacts
 from .flow import Flow
-from .profiles import write_netcdf
+from .profiles import window_of, within, write_netcdf
 
 FIELD_FRAMES = 20
 """Frames of the window that the mean fields use at most: contact stress rings, one frame says little."""
-KERNELS = {"lucy": 0, "gaussian": 1}
 GAUSS = np.polynomial.legendre.leggauss(4)
 """Points along a contact's branch: exact to degree 7 for a polynomial kernel."""
 
@@ -61,12 +60,10 @@ def compute_fields(
     frame: Frame,
     flow: Flow,
     *,
-    x: Interval | None = None,
-    y: Interval | None = None,
+    x: Interval,
+    y: Interval,
     spacing: float | None = None,
     reach: float | None = None,
-    kernel: str = "lucy",
-    stress: bool | None = None,
 ) -> xr.Dataset:
     """Fields of one frame.
 
@@ -74,37 +71,30 @@ def compute_fields(
     ----------
     frame : Frame
     flow : Flow
-    x, y : (float, float), optional
-        Extent of the grid, m; default the studied stretch, and from the floor to above the highest disc in it.
+    x, y : (float, float)
+        Extent of the grid, m.
     spacing : float, optional
         Cell size, m; default half a diameter.
     reach : float, optional
-        Where the kernel ends, m; default two diameters. Lucy: W ~ (1 + 3 q)(1 - q)^3, q = r/reach (standard
-        deviation 0.37 reach, 2-D); gaussian: standard deviation reach/3, cut at reach.
-    kernel : {'lucy', 'gaussian'}
-    stress : bool, optional
-        Contact stress too; default where the stiffness is known.
+        Where the kernel ends, m; default two diameters. It is Lucy's: W ~ (1 + 3 q)(1 - q)^3, q = r/reach (standard
+        deviation 0.37 reach, 2-D).
 
     Returns
     -------
     xarray.Dataset
         Dims (y, x), cell centres; NaN inside walls, and for velocities where there is no mass. ``contact_*`` from
-        normal forces (spring and dashpot, no friction). ``hydrostatic`` is the integral of density g upwards within
-        the grid, to hold against ``contact_yy + kinetic_yy``.
+        normal forces (spring and dashpot, no friction), where the stiffness is known. ``hydrostatic`` is the integral
+        of density g upwards within the grid, to hold against ``contact_yy + kinetic_yy``.
 
     Raises
     ------
     DumpError
-        An unknown kernel, or sizes that are not positive.
+        Sizes that are not positive, or a grid of too many cells.
     """
     spacing = 0.5 * flow.scene.diameter if spacing is None else spacing
     reach = 2.0 * flow.scene.diameter if reach is None else reach
-    if kernel not in KERNELS:
-        raise DumpError(f"kernel '{kernel}': it must be one of {', '.join(KERNELS)}.")
     if not (spacing > 0 and reach > 0):
         raise DumpError(f"spacing = {spacing} m, reach = {reach} m: both must be above 0.")
-    x = x or flow.x_range
-    y = y or _heights(frame, flow, x)
     # a margin of one reach, so that discs outside the asked-for extent contribute what they should
     margin = ceil(reach / spacing)
     nx, ny = (max(1, round((high - low) / spacing)) for low, high in (x, y))
@@ -117,8 +107,8 @@ def compute_fields(
     open_ = np.ones(mesh[0].shape, bool)
     for wall in flow.walls_at(flow.time(frame)):
         open_ &= wall.distance(*mesh) > 0
-    cell_weight = _cell_weight(open_.tobytes(), open_.shape, spacing, reach, KERNELS[kernel])
-    geometry = (low_x, low_y, spacing, reach, KERNELS[kernel])
+    cell_weight = _cell_weight(open_.tobytes(), open_.shape, spacing, reach)
+    geometry = (low_x, low_y, spacing, reach)
 
     mass = flow.scene.mass * flow.relative_masses(frame)
     moving = "vx" in frame.columns and "vy" in frame.columns
@@ -138,16 +128,14 @@ def compute_fields(
         "kinetic_xy": sums[4] - density * vx * vy,
         "kinetic_yy": np.maximum(sums[5] - density * vy * vy, 0.0),
     }
-    if stress is None:
-        stress = flow.knows_contacts
-    if stress:
+    if flow.knows_contacts:
         contact = np.zeros((3, *open_.shape))
         points, moments = _force_moments(frame, flow)
         spread(points, moments, cell_weight, *geometry, contact)
         fields |= {f"contact_{name}": part for name, part in zip(("xx", "xy", "yy"), contact, strict=True)}
         fields["pressure"] = 0.5 * (contact[0] + contact[2] + fields["kinetic_xx"] + fields["kinetic_yy"])
     above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
-    fields["hydrostatic"] = above * spacing * abs(flow.scene.gravity[1])
+    fields["hydrostatic"] = above * spacing * abs(flow.gravity)
     inner = (slice(margin, margin + ny), slice(margin, margin + nx))
     variables = {}
     for name, values in fields.items():
@@ -162,7 +150,7 @@ def compute_fields(
             "time": ((), flow.time(frame), {"units": "s", "long_name": "simulated time"}),
         },
         attrs={
-            "kernel": kernel,
+            "kernel": "lucy",
             "reach": float(reach),
             "spacing": float(spacing),
             "title": f"fields of {flow.scene.name}",
@@ -227,9 +215,7 @@ def write_fields(
     DumpError
         A place that cannot be written.
     """
-    time = profiles["time"].values
-    begin, end = profiles.attrs["window_begin"], profiles.attrs["window_end"]
-    indices = np.flatnonzero((time >= begin - 1e-9) & (time <= end + 1e-9))
+    indices = np.flatnonzero(within(profiles["time"].values, window_of(profiles)))
     if len(indices) > FIELD_FRAMES:
         indices = indices[np.round(np.linspace(0, len(indices) - 1, FIELD_FRAMES)).astype(int)]
     bed = profiles["bed"].values
@@ -258,14 +244,6 @@ def write_fields(
     return files, summary
 
 
-def _heights(frame: Frame, flow: Flow, x: Interval) -> Interval:
-    floors = flow.bed_height(np.linspace(*x, 400))
-    floors = floors[np.isfinite(floors)]
-    inside = frame.y[(frame.x >= x[0]) & (frame.x <= x[1])]
-    low = float(floors.min()) if floors.size else float(inside.min(initial=flow.scene.domain[1][0]))
-    return low, max(float(inside.max(initial=low)) + flow.scene.diameter, low + 2 * flow.scene.diameter)
-
-
 def _force_moments(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray]:
     """Points along the branches of all contacts and what each carries: its share of force (x) branch."""
     found = find_contacts(frame, flow)
@@ -278,18 +256,18 @@ def _force_moments(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=1)  # the frames of a run share their walls
-def _cell_weight(open_: bytes, shape: tuple[int, int], spacing: float, reach: float, kind: int) -> np.ndarray:
+def _cell_weight(open_: bytes, shape: tuple[int, int], spacing: float, reach: float) -> np.ndarray:
     """`balance` of cells that are open where the bytes say so."""
     cells = np.frombuffer(open_, bool).reshape(shape).copy()
-    return balance(cells, _kernel_table(spacing, reach, kind), BALANCING_ROUNDS)
+    return balance(cells, _kernel_table(spacing, reach), BALANCING_ROUNDS)
 
 
-def _kernel_table(spacing: float, reach: float, kind: int) -> np.ndarray:
+def _kernel_table(spacing: float, reach: float) -> np.ndarray:
     """The kernel between cell centres, summing to 1, shape (2 k + 1, 2 k + 1) with k = floor(reach / spacing)."""
     k = int(reach / spacing)
     steps = np.arange(-k, k + 1) * spacing
     q = np.hypot(*np.meshgrid(steps, steps)) / reach
-    table = np.where(q < 1, (1 + 3 * q) * (1 - np.minimum(q, 1)) ** 3 if kind == 0 else np.exp(-4.5 * q * q), 0.0)
+    table = np.where(q < 1, (1 + 3 * q) * (1 - np.minimum(q, 1)) ** 3, 0.0)
     return table / table.sum()
 
 
@@ -327,7 +305,7 @@ def _balance_py(open_, table, rounds):
     return a
 
 
-def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, kind, sums):
+def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, sums):
     """Add each point's weights to ``sums[quantity, row, column]``, per area, over the open cells in reach.
 
     `cell_weight` is that of `balance`, zero in walls; each point's shares are normalised to one.
@@ -354,8 +332,7 @@ def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, kind,
                     q = sqrt(dx * dx + dy * dy) / reach
                     if q >= 1.0:
                         continue
-                    w = (1.0 + 3.0 * q) * (1.0 - q) ** 3 if kind == 0 else exp(-4.5 * q * q)
-                    w *= cell_weight[r, c]
+                    w = (1.0 + 3.0 * q) * (1.0 - q) ** 3 * cell_weight[r, c]
                     if pass_ == 0:
                         total += w
                     else:

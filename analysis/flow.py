@@ -88,6 +88,11 @@ class Flow:
         return hypot(*self.scene.gravity)
 
     @property
+    def gravity(self) -> float:
+        """Gravity across the bed, towards it, m/s^2."""
+        return -self.scene.gravity[1]
+
+    @property
     def knows_contacts(self) -> bool:
         """Whether the stiffness is known: without it there is no elastic energy and no contact force."""
         return isfinite(self.scene.coefficients.stiffness)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from math import cos, nan, radians, sin
+from math import nan
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.quoting import visible
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Interval, Plane, Wall
+from lammps_jump.scene.walls import Interval, Plane
 
 from .flow import Flow, radii_of_types
 
@@ -26,19 +26,13 @@ def from_dump(
     name: str | None = None,
     diameter: float | Mapping[int, float] | None = None,
     density: float | None = None,
-    mass: float | None = None,
-    gravity: float | tuple[float, float] | None = None,
-    slope: float = 0.0,
-    floor: float | None = None,
-    walls: Sequence[Wall] | None = None,
-    x_range: Interval | None = None,
     bin_width: float | None = None,
-    window: tuple[float, float] | None = None,
-    stiffness: float | None = None,
-    stiffness_wall: float | None = None,
     time_step: float | None = None,
 ) -> Flow:
     """Flow of a bare dump; what is not given is guessed, and said so in ``notes``.
+
+    It has a level floor at the lower edge of the lowest disc looked at, and gravity of 9.81 m/s^2 towards it. The
+    stiffness stays unknown: there is no elastic energy and no contact stress.
 
     Parameters
     ----------
@@ -48,16 +42,11 @@ def from_dump(
         nearest-neighbour distances of the frame with the most discs (a lower bound where discs overlap, too large in a
         dilute gas).
         Where diameters differ each disc has its own; the nominal diameter is then that of the mean mass.
-    density, mass : float, optional
-        kg/m^3 (default 1000) and kg per metre of width (default a ``mass`` column, else density diameter^2).
-        With unequal discs, of the nominal one: masses go with the square of the diameter.
-    gravity : float or (float, float), optional
-        Default 9.81 m/s^2 downwards, tilted by `slope` degrees (the flow runs down towards larger x).
-    floor : float, optional
-        Height of a level floor, m; default the lowest disc's lower edge in any frame looked at. Not used with `walls`.
-    walls : sequence of Wall, optional
-    stiffness, stiffness_wall : float, optional
-        N/m; without them no elastic energy and no contact stress.
+    density : float, optional
+        kg/m^3, default 1000. The mass of a disc is that of a ``mass`` column, else density diameter^2 per metre of
+        width; with unequal discs, of the nominal one: masses go with the square of the diameter.
+    bin_width : float, optional
+        m; default five diameters.
     time_step : float, optional
         s, for dumps without ``ITEM: TIME``. Without either, steps stand in place of times, and nothing is made of them.
 
@@ -67,8 +56,8 @@ def from_dump(
         A dump without any disc, or a value that is not positive.
     """
     types = dict(diameter) if isinstance(diameter, Mapping) else {}
-    given = [("density", density), ("mass", mass), ("time_step", time_step), ("stiffness", stiffness)]
-    given += [("bin_width", bin_width), *(("diameter", value) for value in (types.values() if types else [diameter]))]
+    given = [("density", density), ("time_step", time_step), ("bin_width", bin_width)]
+    given += [*(("diameter", value) for value in (types.values() if types else [diameter]))]
     for what, value in given:
         if value is not None and not (np.isfinite(value) and value > 0):
             raise DumpError(f"{what} = {value}: it must be a number above 0.")
@@ -79,40 +68,31 @@ def from_dump(
     if density is None:
         density = 1000.0
         notes.append("Density taken as 1000 kg/m3.")
-    if mass is None:
-        mass = _mass(frame, density * nominal**2, sized, notes)
-    if gravity is None:
-        gravity = 9.81
-        notes.append("Gravity taken as 9.81 m/s2.")
-    if np.isscalar(gravity):
-        gravity = (gravity * sin(radians(slope)), -gravity * cos(radians(slope)))
+    mass = _mass(frame, density * nominal**2, sized, notes)
+    notes.append("Gravity taken as 9.81 m/s2.")
     occupied = [(f, _radii(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
-    if walls is None:
-        walls = (Plane("floor", "y", _floor(occupied, notes) if floor is None else floor, "above"),)
-    x_range = x_range or _seen(occupied, notes)
+    floor = Plane("floor", "y", _floor(occupied, notes), "above")
+    x_range = _seen(occupied, notes)
     timed = _timed(dump, time_step, notes)
-    at_wall = stiffness if stiffness_wall is None else stiffness_wall
-    known = {"mass": mass, "stiffness": stiffness, "stiffness_wall": at_wall, "time_step": time_step}
     scene = Scene(
         name=name or visible(dump.path.name),
         description="",
         diameter=nominal,
         density=float(density),
-        gravity=(float(gravity[0]), float(gravity[1])),
-        coefficients=known_coefficients(**known),
+        gravity=(0.0, -9.81),
+        coefficients=known_coefficients(mass=mass, time_step=time_step),
         friction_law="hooke",
         rotation=False,
         integrator="velocity_verlet",
         domain=tuple((float(low), float(high)) for low, high in frame.box[:2]),
         positions=np.empty((0, 2)),
         velocities=np.empty((0, 2)),
-        walls=tuple(walls),
+        walls=(floor,),
     )
     return Flow(
         scene,
         x_range,
         bin_width or 5 * scene.diameter,
-        window,
         notes=tuple(notes),
         sized=sized,
         diameters=types if sized else {},

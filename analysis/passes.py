@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -17,7 +17,7 @@ from lammps_jump.errors import DumpError
 
 from .contacts import ContactSeries
 from .flow import Flow
-from .profiles import add_means, compute_profiles
+from .profiles import add_means, bin_frames
 
 Tables = dict[str, Mapping[str, np.ndarray]]
 """Columns of CSV files by the name of the file."""
@@ -79,14 +79,13 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
         Notes of the pass are added to it.
     """
     frames = with_velocities(dump, flow, warnings)
-    profiles = compute_profiles(feed(frames, flow, collectors), replace(flow, window=None))
+    profiles = bin_frames(feed(frames, flow, collectors), flow)
     warnings += dump.warnings
-    if flow.window is not None:
-        try:
-            profiles = add_means(profiles, flow.window)
-        except DumpError as error:
-            warnings.append(f"Means are over the second half of the frames instead: {error}")
-    return profiles
+    try:
+        return add_means(profiles, flow.window)
+    except DumpError as error:
+        warnings.append(f"Means are over the second half of the frames instead: {error}")
+        return add_means(profiles)
 
 
 def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Collector]) -> Iterator[Frame]:

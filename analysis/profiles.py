@@ -64,15 +64,13 @@ def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
     return low + bin_width * np.arange(bins + 1)
 
 
-def compute_profiles(
-    frames: Iterable[Frame],
-    flow: Flow,
-    *,
-    bin_width: float | None = None,
-    x_range: Interval | None = None,
-    window: tuple[float, float] | None = None,
-) -> xr.Dataset:
-    """Profiles of every frame, and their means and standard errors over a window.
+def compute_profiles(frames: Iterable[Frame], flow: Flow) -> xr.Dataset:
+    """`bin_frames`, with `add_means` over the window of the flow, else over the second half of the times."""
+    return add_means(bin_frames(frames, flow), flow.window)
+
+
+def bin_frames(frames: Iterable[Frame], flow: Flow) -> xr.Dataset:
+    """Profiles of every frame.
 
     The free surface is the mean, over eight vertical lines a diameter, of the top edge of the highest disc that the
     line cuts among the discs *connected* to the bed: a chain of centres no further than two diameters apart (of the
@@ -85,42 +83,27 @@ def compute_profiles(
     frames : iterable of Frame
         Streamed: one at a time in memory.
     flow : Flow
-    bin_width : float, optional
-        m; default ``flow.bin_width``.
-    x_range : (float, float), optional
-        m; default ``flow.x_range``.
-    window : (float, float), optional
-        First and last time of the means, s; default ``flow.window``, else the second half of the times.
 
     Returns
     -------
     xarray.Dataset
         Coordinates ``time`` (s) and ``x`` (bin centres, m); variables of `VARIABLES` with dims (time, x), NaN where
-        a bin holds nothing to average or has no bed; ``<name>_mean`` and ``<name>_stderr`` (x); ``bed`` (x);
-        ``step``, ``discs``, ``mass_total``, ``mass_left`` and ``mass_right`` of the bins (time), kg per metre of
-        width. A standard error is NaN where the window holds fewer than 8 frames or is too short for its blocks to
-        become independent (see `statistics.block_average`).
+        a bin holds nothing to average or has no bed; ``bed`` (x); ``step``, ``discs``, ``mass_total``, ``mass_left``
+        and ``mass_right`` of the bins (time), kg per metre of width.
 
     Raises
     ------
     DumpError
         No frame at all, a missing column, a wrong range or width.
     """
-    width = flow.bin_width if bin_width is None else bin_width
-    edges = bin_edges(flow.x_range if x_range is None else x_range, width)
+    width, edges = flow.bin_width, bin_edges(flow.x_range, flow.bin_width)
     bins = len(edges) - 1
     bed = flow.mean_bed(edges)
     lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
     bed_lines = flow.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
     kept: list[tuple] = []
     for frame in frames:
-        x, y = np.ascontiguousarray(frame.x), np.ascontiguousarray(frame.y)
-        vx, vy = frame.vx, frame.vy
-        bad = ~(np.isfinite(x) & np.isfinite(y) & np.isfinite(vx) & np.isfinite(vy))
-        if bad.any():
-            raise DumpError(
-                f"disc {frame.ids[bad][0]} at step {frame.step} has a position or velocity that is no number."
-            )
+        x, y, vx, vy = np.ascontiguousarray(frame.x), np.ascontiguousarray(frame.y), frame.vx, frame.vy
         sums = np.zeros((6, bins))
         beyond = np.zeros(2)
         radius, mass = flow.radii(frame), flow.relative_masses(frame)
@@ -133,8 +116,7 @@ def compute_profiles(
     times, steps, discs, total, beyond, sums, surface, top_speed = (np.array(part) for part in zip(*kept, strict=True))
     values = _values(sums, surface, top_speed, bed, width, flow)
     masses = (flow.scene.mass * part for part in (total, *beyond.T))
-    dataset = _dataset(values, times, steps, discs, masses, edges, bed, flow)
-    return add_means(dataset, window or flow.window)
+    return _dataset(values, times, steps, discs, masses, edges, bed, flow)
 
 
 def _values(sums, surface, top_speed, bed, width, flow) -> dict[str, np.ndarray]:
@@ -200,13 +182,27 @@ def _dataset(values, times, steps, discs, masses, edges, bed, flow) -> xr.Datase
     )
 
 
+def window_of(profiles: xr.Dataset) -> tuple[float, float]:
+    """First and last time of the means, s."""
+    return profiles.attrs["window_begin"], profiles.attrs["window_end"]
+
+
+def within(time: np.ndarray, window: tuple[float, float]) -> np.ndarray:
+    """Which of the times lie in the window, its ends included but for rounding; bool, of the shape of `time`."""
+    slack = 1e-9 * max(1.0, abs(window[0]), abs(window[1]))
+    return (time >= window[0] - slack) & (time <= window[1] + slack)
+
+
 def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) -> xr.Dataset:
     """The dataset with ``<name>_mean`` and ``<name>_stderr`` (x) over a window of time.
+
+    A standard error is NaN where the window holds fewer than 8 frames or is too short for its blocks to become
+    independent (see `statistics.block_average`).
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of `compute_profiles`; earlier means are replaced.
+        Of `bin_frames`; earlier means are replaced.
     window : (float, float), optional
         s, both ends included; default the second half of the times.
 
@@ -218,21 +214,20 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
     time = dataset["time"].values
     if window is None:
         window = (0.5 * (time[0] + time[-1]), float(time[-1]))
-    slack = 1e-9 * max(1.0, abs(window[0]), abs(window[1]))
-    inside = (time >= window[0] - slack) & (time <= window[1] + slack)
+    inside = within(time, window)
     if not inside.any():
         raise DumpError(
             f"no frame between t = {window[0]:g} and {window[1]:g} s: the dump covers {time[0]:g} to {time[-1]:g} s."
         )
     means = {}
-    for name in VARIABLES:
-        units, long_name = VARIABLES[name]
-        result = block_average(dataset[name].values[inside])
-        means[f"{name}_mean"] = ("x", result.mean, {"units": units, "long_name": f"time mean of {long_name}"})
+    for name, (units, long_name) in VARIABLES.items():
+        mean, error = block_average(dataset[name].values[inside])
+        told = {"units": units, "long_name": f"time mean of {long_name}"}
+        means[f"{name}_mean"] = "x", mean, told
         means[f"{name}_stderr"] = (
             "x",
-            result.standard_error,
-            {"units": units, "long_name": f"standard error of the time mean of {long_name}"},
+            error,
+            told | {"long_name": f"standard error of the {told['long_name']}"},
         )
     averaged = dataset.assign(means)
     averaged.attrs |= {

@@ -32,7 +32,7 @@ from .jump import head
 from .jump import section as jump
 from .jump.summary import Jump
 from .passes import Collector, Gathered, Tables, gather
-from .profiles import bin_edges, write_profiles
+from .profiles import bin_edges, window_of, write_profiles
 from .report.headline import belongs, headline
 from .report.page import Section
 
@@ -272,7 +272,7 @@ def _about_profiles(gathered: Gathered) -> dict[str, object]:
         "bin_width": profiles.attrs["bin_width"],
         "first_time": float(profiles["time"][0]),
         "last_time": float(profiles["time"][-1]),
-        "window": [profiles.attrs["window_begin"], profiles.attrs["window_end"]],
+        "window": list(window_of(profiles)),
         "window_frames": profiles.attrs["window_frames"],
     }
 

@@ -9,11 +9,15 @@ import json
 import os
 import shutil
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic_core import to_jsonable_python
+
+from .errors import DumpError, JumpError
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
@@ -113,6 +117,15 @@ def make_own(path: Path) -> None:
         shutil.copy2(path, new)
         flush(new)
         os.replace(new, path)
+
+
+@contextmanager
+def writes(place: object, kind: type[JumpError] = DumpError, remedy: str = "name another place") -> Iterator[None]:
+    """An OSError while the block runs becomes an error of this `kind`, which names the place and the remedy."""
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"{place}: cannot be written ({error.strerror or error}); {remedy}") from None
 
 
 def checksum(path: Path) -> dict[str, int | str]:

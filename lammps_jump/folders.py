@@ -12,11 +12,12 @@ import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from .errors import SetupError
-from .files import OWN_FILES, SWEEP_FILES, flush, read_json, write_json
+from .files import OWN_FILES, SWEEP_FILES, flush, read_json, write_json, writes
 
 MARKER_FILE = ".lammps-jump"
 """Makes a folder ours."""
@@ -27,6 +28,10 @@ LOCK_FILE = ".lock"
 """Held by the one process that writes to a folder; says which."""
 ENGINE_PATIENCE = 300
 """Tenths of a second that the engine of a killed run gets to save its state."""
+
+
+writable = partial(writes, kind=SetupError, remedy="name another folder with --out, or correct its permissions")
+"""An OSError while the block runs becomes a `SetupError` that names the folder given."""
 
 
 @dataclass(frozen=True)
@@ -172,12 +177,8 @@ def locked(folder: Path) -> Iterator[None]:
     SetupError
         Another process writes to the folder, or nothing can be written there.
     """
-    try:
+    with writable(folder):
         lock = _take(folder)
-    except OSError as error:
-        raise SetupError(
-            f"{folder}: cannot be written ({error.strerror or error}); correct its permissions, or use another folder"
-        ) from None
     try:
         _wait_for_engine(folder)
         yield

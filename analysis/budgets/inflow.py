@@ -12,6 +12,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.report.page import Section, Table, Text
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.dump.frame import Frame
@@ -190,8 +191,7 @@ def analyse(gathered: Gathered) -> Delivery | None:
     arrivals = gathered.histories.get("inflow")
     if not isinstance(arrivals, Arrivals):
         return None
-    profiles = gathered.profiles
-    return deliver(arrivals, gathered.flow, (profiles.attrs["window_begin"], profiles.attrs["window_end"]))
+    return deliver(arrivals, gathered.flow, window_of(gathered.profiles))
 
 
 def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Delivery:
@@ -201,7 +201,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     at the ends of the window.
     """
     scene, rows = flow.scene, flow.scene.inlets
-    inside = (arrivals.time >= window[0] - 1e-9) & (arrivals.time <= window[1] + 1e-9)
+    inside = within(arrivals.time, window)
     later = inside & (np.cumsum(inside) > 1)  # what came before the window's first frame belongs to the time before
     intervals = np.array([row.every_steps * scene.time_step for row in rows])
     speeds = np.array([row.vx for row in rows])
@@ -218,7 +218,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         scatter = mean_of(arrivals.stream[inside, 1] / arrivals.stream[inside, 0]).error
     speed = Mean(discharge.value / depth.value if depth.value > 0 else nan, scatter)
     y1, va = flow.inflow_depth or nan, flow.inflow_speed or nan
-    asked, total, across = y1 * abs(va), float(delivered.sum()), -scene.gravity[1]
+    asked, total, across = y1 * abs(va), float(delivered.sum()), flow.gravity
     found = [
         RowDelivery(row.y, row.vx, float(t), float(q), float(got), int(n), int(no) if told else None)
         for row, t, q, got, n, no in zip(rows, intervals, planned, delivered, turns, refused, strict=True)

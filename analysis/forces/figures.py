@@ -16,7 +16,7 @@ from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.report.page import Section, Table, Text, with_error
 from lammps_jump.units import numbers_of
 
-from .history import LOW_PASS, Force, Forces, StructureForce, analyse_forces
+from .history import LOW_PASS, Force, Forces, analyse_forces
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,17 +70,17 @@ def history_chart(result: Forces) -> Chart | None:
 
 
 def _history_panel(name: str, force: Force) -> Panel:
-    series: StructureForce = force.series
-    time, smooth = force.history.time, {key: series.smooth[key] / 1e3 for key in ("fx", "fy")}
-    lines = [Line("as recorded", time, getattr(force.history, force.component) / 1e3, "faint")]
+    table = force.series.table
+    time, smooth = table["time"], {key: table[f"{key}_smooth"] / 1e3 for key in ("fx", "fy")}
+    lines = [Line("as recorded", time, table[force.component] / 1e3, "faint")]
     for (key, values), look in zip(smooth.items(), LOOKS, strict=False):
         if np.any(values):
             lines.append(Line(f"{key}, {LOW_PASS:g} s mean", time, values, look))
-    if force.component == "fx" and np.isfinite(series.hydrostatic).any():
+    if force.component == "fx" and np.isfinite(table["hydrostatic"]).any():
         sign = np.sign(force.peak) or 1.0
-        lines.append(Line("hydrostatic, ρgh²/2", time, sign * series.hydrostatic / 1e3, "theory"))
-        if series.wall.finite:
-            lines.append(Line("oncoming, ρhu² + ρgh²/2", time, sign * series.oncoming / 1e3, "third"))
+        lines.append(Line("hydrostatic, ρgh²/2", time, sign * table["hydrostatic"] / 1e3, "theory"))
+        if force.series.wall.finite:
+            lines.append(Line("oncoming, ρhu² + ρgh²/2", time, sign * table["oncoming"] / 1e3, "third"))
     if np.isfinite(force.peak):
         label = f"peak {force.peak / 1e3:.0f} kN/m".replace("-", "−")
         lines.append(Line(label, np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
@@ -94,9 +94,9 @@ def impulse_chart(result: Forces) -> Chart | None:
         return None
     impulses, moments = [], []
     for i, (name, force) in enumerate(result.structures.items()):
-        look, time, axis = LOOKS[i % len(LOOKS)], force.history.time, 0 if force.component == "fx" else 1
-        impulses.append(Line(f"{name}, {force.component}", time, force.series.impulse[:, axis] / 1e3, look))
-        moment = force.series.smooth["moment"]
+        look, table, axis = LOOKS[i % len(LOOKS)], force.series.table, force.component[1]
+        time, moment = table["time"], table["moment_smooth"]
+        impulses.append(Line(f"{name}, {force.component}", time, table[f"impulse_{axis}"] / 1e3, look))
         if np.isfinite(moment).any() and force.component == "fx":
             moments.append(Line(f"{name}, about the foot, anticlockwise", time, moment / 1e3, look))
     panels = [Panel("Running impulse [kN s/m]", impulses)]
@@ -107,11 +107,11 @@ def impulse_chart(result: Forces) -> Chart | None:
 def reflected_map(result: Forces, profiles: xr.Dataset) -> Map | None:
     """Map of the mass depth with the reflected front and its straight-line fit."""
     wave = result.reflected
-    if wave is None or wave.motion.points < 3:
+    if wave is None or wave.frames < 3:
         return None
     good = np.isfinite(wave.position)
     ends = wave.time[good][[0, -1]]
-    label = f"fit {wave.motion.speed:+.2f} ± {wave.motion.error:.2f} m/s; bore theory {wave.bore_speed:+.2f} m/s"
+    label = f"fit {wave.speed:+.2f} ± {wave.speed_error:.2f} m/s; bore theory {wave.bore_speed:+.2f} m/s"
     shown = xt_map(profiles, "mass_depth", title=f"wave thrown back by {wave.structure}")
     front = Line("reflected front", wave.position[good], wave.time[good], "measured")
-    return replace(shown, lines=(front, Line(label, wave.motion.start + wave.motion.speed * ends, ends, "theory")))
+    return replace(shown, lines=(front, Line(label, wave.start + wave.speed * ends, ends, "theory")))

@@ -16,13 +16,14 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Tables
+from lammps_jump.analysis.profiles import window_of
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.physics import jump as theory
+from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, as_summary, estimate, number
 
-from .impulse import Identity, MomentumHistory, identity_numbers, identity_sentence, impulse_identity, window_lengths
+from .impulse import Identity, MomentumHistory, identity_sentence, impulse_identity, window_lengths
 from .reflection import ReflectedWave, track_reflection
 
 if TYPE_CHECKING:
@@ -74,32 +75,19 @@ class StructureForce:
     ----------
     wall : Wall or None
         None where the flow does not know the name.
-    history : ForceHistory
-    smooth : dict of ndarray
-        fx, fy, moment behind the low-pass; the moment of upright faces is about their foot at the bed.
-    impulse : ndarray, shape (n, 2)
-        Running impulse of fx, fy, N s.
     component : {'fx', 'fy'}
         The one with the larger integral of its magnitude.
-    depth : ndarray, shape (n,)
-        Mass depth in front of the structure, m (NaN where no profile is).
-    hydrostatic : ndarray, shape (n,)
-        rho g h^2/2 on its face for that depth, N.
-    oncoming : ndarray, shape (n,)
-        Momentum of the flow two bins in front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
-    steady : bool
-        Discs flow in all the time, so that the parts of the record tell of each other.
+    table : dict of ndarray, shape (n,)
+        As in the CSV table, per metre of width: the record (time, s, fx, fy, N, moment, N m); the same behind the
+        low-pass (``fx_smooth`` …), the moment of upright faces about their foot at the bed; the running impulse
+        (``impulse_x``, ``impulse_y``, N s); the mass depth in front of the structure, m, and the hydrostatic force on
+        its face for that depth, N (NaN where no profile is); and ``oncoming``, the momentum of the flow two bins in
+        front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
     """
 
     wall: Wall | None
-    history: ForceHistory
-    smooth: dict[str, np.ndarray]
-    impulse: np.ndarray
     component: str
-    depth: np.ndarray
-    hydrostatic: np.ndarray
-    oncoming: np.ndarray
-    steady: bool
+    table: dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -130,7 +118,7 @@ class Force(Estimates):
     @property
     def history(self) -> ForceHistory:
         """The record: time (s), fx, fy (N/m), moment (N), shape (n,) each."""
-        return self.series.history
+        return ForceHistory(*(self.series.table[name] for name in ("time", "fx", "fy", "moment")))
 
 
 @dataclass(frozen=True)
@@ -154,29 +142,15 @@ class Forces:
         return {
             **{name: as_summary(force) for name, force in self.structures.items()},
             **({"settled": self.settled} if self.settled else {}),
-            **({"reflected_wave": self.reflected.summary()} if self.reflected else {}),
-            "identity": {identity.axis: identity_numbers(identity) for identity in self.identities},
+            **({"reflected_wave": as_summary(self.reflected)} if self.reflected else {}),
+            "identity": {identity.axis: as_summary(identity) for identity in self.identities},
             "low_pass": LOW_PASS,
             "notes": self.notes,
         }
 
     def tables(self) -> Tables:
         """CSV tables: one a structure, and the reflected wave."""
-        result = {}
-        for name, force in self.structures.items():
-            series = force.series
-            result[f"force_{name}.csv"] = {
-                "time": force.history.time,
-                "fx": force.history.fx,
-                "fy": force.history.fy,
-                "moment": force.history.moment,
-                **{f"{key}_smooth": values for key, values in series.smooth.items()},
-                "impulse_x": series.impulse[:, 0],
-                "impulse_y": series.impulse[:, 1],
-                "depth": series.depth,
-                "hydrostatic": series.hydrostatic,
-                "oncoming": series.oncoming,
-            }
+        result: Tables = {f"force_{name}.csv": force.series.table for name, force in self.structures.items()}
         if self.reflected is not None:
             result["reflected_wave.csv"] = {"time": self.reflected.time, "position": self.reflected.position}
         return result
@@ -199,8 +173,7 @@ def analyse_forces(
     identities = ()
     if momentum is not None:
         identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in ("x", "y"))
-    window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
-    structures = {name: _numbers(one, window) for name, one in series.items()}
+    structures = {name: _numbers(one, window_of(profiles), bool(flow.scene.inlets)) for name, one in series.items()}
     settled = _settled(series, flow, profiles, momentum)
     return Forces(flow, structures, identities, _reflected(series, flow, profiles), settled)
 
@@ -228,12 +201,11 @@ def _structure(name: str, history: ForceHistory, flow: Flow, profiles: xr.Datase
     samples = max(1, samples + (samples + 1) % 2)
     moment = history.moment
     impulse = np.cumsum(np.column_stack([history.fx, history.fy]) * lengths[:, None], axis=0)
-    weight_x, weight_y = np.sum(np.abs(history.fx) * lengths), np.sum(np.abs(history.fy) * lengths)
-    component = "fx" if weight_x >= weight_y else "fy"
+    weights = {name: np.sum(np.abs(getattr(history, name)) * lengths) for name in ("fx", "fy")}
     nothing = np.full(len(history.time), nan)
     depth, hydrostatic, oncoming = nothing, nothing, nothing
     face = _face(wall)
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if face is not None and gravity > 0:
         at, foot, top, side = face
         near = _station(profiles, at, side, 1, flow)
@@ -252,10 +224,16 @@ def _structure(name: str, history: ForceHistory, flow: Flow, profiles: xr.Datase
             still = 0.5 * gravity * profiles["mass_depth"].values[:, far] ** 2
             oncoming = _at_times(history.time, profiles, flow.scene.density * (np.where(towards, flux, 0.0) + still))
     smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
-    smooth = {key: moving_mean(values, samples) for key, values in smooth.items()}
-    return StructureForce(
-        wall, history, smooth, impulse, component, depth, hydrostatic, oncoming, bool(flow.scene.inlets)
-    )
+    table = {
+        **vars(history),
+        **{f"{name}_smooth": moving_mean(values, samples) for name, values in smooth.items()},
+        "impulse_x": impulse[:, 0],
+        "impulse_y": impulse[:, 1],
+        "depth": depth,
+        "hydrostatic": hydrostatic,
+        "oncoming": oncoming,
+    }
+    return StructureForce(wall, max(weights, key=weights.__getitem__), table)
 
 
 def _station(profiles: xr.Dataset, at: float, side: int, bins: int, flow: Flow) -> int | None:
@@ -272,39 +250,51 @@ def _at_times(time: np.ndarray, profiles: xr.Dataset, values: np.ndarray) -> np.
     return np.interp(time, frames, values, left=nan, right=nan) if len(frames) > 1 else np.full(len(time), nan)
 
 
-def _numbers(series: StructureForce, window: tuple[float, float]) -> Force:
-    history, component = series.history, series.component
-    live = history.time > 0 if (history.time > 0).any() else np.ones(len(history.time), bool)
-    if not live.any():
+BIGGEST = {
+    "peak_fx": "fx_smooth",
+    "peak_fy": "fy_smooth",
+    "peak_moment": "moment_smooth",
+    "hydrostatic": "hydrostatic",
+    "stagnation": "oncoming",
+    "largest_depth": "depth",
+}
+"""Number of a structure -> column of its table whose largest value it is."""
+
+
+def _numbers(series: StructureForce, window: tuple[float, float], steady: bool) -> Force:
+    """Numbers of one structure; `steady`: discs flow in all the time, so parts of the record tell of each other."""
+    table, component = series.table, series.component
+    time, main = table["time"], table[f"{component}_smooth"]
+    if not len(time):
         return Force(series=series)
+    live = time > 0 if (time > 0).any() else np.ones(len(time), bool)
 
     def biggest(values: np.ndarray) -> tuple[float, float]:
         chosen = np.where(live & np.isfinite(values), np.abs(values), -1.0)
         k = int(np.argmax(chosen))
-        return (float(values[k]), float(history.time[k])) if chosen[k] >= 0 else (nan, nan)
+        return (float(values[k]), float(time[k])) if chosen[k] >= 0 else (nan, nan)
 
-    peak, peak_time = biggest(series.smooth[component])
-    before = series.impulse[np.flatnonzero(live)[0] - 1] if not live[0] else np.zeros(2)
-    impulse = series.impulse[np.flatnonzero(live)[-1]] - before
-    inside = (history.time > window[0]) & (history.time <= window[1] + 1e-9)
-    known = inside & np.isfinite(series.hydrostatic)
+    first = int(np.argmax(live))
+    impulse = {
+        f"f{axis}": float(values[-1] - (values[first - 1] if first else 0.0))
+        for axis in "xy"
+        for values in (table[f"impulse_{axis}"],)
+    }
+    peak, peak_time = biggest(main)
+    inside = (time > window[0]) & (time <= window[1] + 1e-9)
+    known = inside & np.isfinite(table["hydrostatic"])
     return Force(
         component=component,
         peak=peak,
-        peak_error=peak_error(history.time, series.smooth[component]) if series.steady else nan,
+        peak_error=peak_error(time, main) if steady else nan,
         peak_time=peak_time,
-        peak_unfiltered=biggest(getattr(history, component))[0],
-        impulse=float(impulse[0 if component == "fx" else 1]),
-        impulse_x=float(impulse[0]),
-        impulse_y=float(impulse[1]),
-        peak_fx=biggest(series.smooth["fx"])[0],
-        peak_fy=biggest(series.smooth["fy"])[0],
-        peak_moment=biggest(series.smooth["moment"])[0],
-        hydrostatic=biggest(series.hydrostatic)[0],
-        stagnation=biggest(series.oncoming)[0],
-        largest_depth=biggest(series.depth)[0],
-        **as_fields(mean_fx=mean_of(history.fx[inside]), mean_fy=mean_of(history.fy[inside])),
-        mean_hydrostatic=float(series.hydrostatic[known].mean()) if known.any() else nan,
+        peak_unfiltered=biggest(table[component])[0],
+        impulse=impulse[component],
+        impulse_x=impulse["fx"],
+        impulse_y=impulse["fy"],
+        **{name: biggest(table[column])[0] for name, column in BIGGEST.items()},
+        **as_fields(mean_fx=mean_of(table["fx"][inside]), mean_fy=mean_of(table["fy"][inside])),
+        mean_hydrostatic=float(table["hydrostatic"][known].mean()) if known.any() else nan,
         series=series,
     )
 
@@ -314,22 +304,22 @@ def _settled(
 ) -> dict[str, dict[str, float]]:
     """Mean force over the last quarter of the time before the gate opens, against hydrostatics and the weight."""
     times = profiles["time"].values
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if gravity <= 0 or not (times < 0).any():
         return {}
     start = 0.25 * float(times[0])
     result = {}
     frames = (times >= start) & (times <= 0)
     for name, force in structures.items():
-        chosen = (force.history.time > start) & (force.history.time <= 0)
+        chosen = (force.table["time"] > start) & (force.table["time"] <= 0)
         if not chosen.any() or not frames.any():
             continue
-        mean_x, mean_y = float(force.history.fx[chosen].mean()), float(force.history.fy[chosen].mean())
+        mean_x, mean_y = (float(force.table[name][chosen].mean()) for name in ("fx", "fy"))
         face = _face(force.wall)
         if face is not None and not force.wall.finite:
             index = _station(profiles, *face[::3], 2, flow)
             depth = nan if index is None else float(profiles["mass_depth"].values[frames, index].mean())
-            expected = theory.hydrostatic_force(depth, flow.scene.density, gravity)
+            expected = waves.hydrostatic_force(depth, flow.scene.density, gravity)
             result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": _ratio(mean_x, expected)}
         elif momentum is not None and abs(mean_y) > abs(mean_x):
             weight = flow.scene.mass * gravity * float(momentum.discs[frames].mean())
@@ -346,6 +336,6 @@ def _reflected(structures: Mapping[str, StructureForce], flow: Flow, profiles: x
     """The wave thrown back by the first block that stands in a stream towards +x."""
     along = [force.wall for force in structures.values() if force.wall is not None and force.component == "fx"]
     blocks = [wall for wall in along if wall.finite and not wall.hollow]
-    if not blocks or -flow.scene.gravity[1] <= 0 or flow.scene.inlets:
+    if not blocks or flow.gravity <= 0 or flow.scene.inlets:
         return None
     return track_reflection(profiles, min(blocks, key=lambda wall: wall.extent[0][0]), flow)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import nan
 
 import numpy as np
@@ -14,6 +14,7 @@ from lammps_jump.analysis.contacts import ContactCollector, wall_sums
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
+from lammps_jump.units import number
 
 
 @dataclass(frozen=True)
@@ -132,46 +133,25 @@ def window_lengths(time: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Identity:
-    """Impulse of all walls and of gravity against the change of the discs' momentum along one axis, N s.
+    """Impulse of all walls and of gravity against the change of the discs' momentum along one axis, N s/m.
 
-    Attributes
-    ----------
-    axis : {'x', 'y'}
-    start, end : float
-        The longest time between frames with the same discs, probes aligned, gates open, s.
-    change : float
-        Momentum change of the discs.
-    walls, gravity : float
-        Impulses on the discs; half a step's force at both ends is taken off, as velocity Verlet's kicks ask.
-    scale : float
-        Sum over walls of the integral of the force's magnitude.
-    brought, carried : float
-        Momentum of the discs that entered, as their rows let them in, and of those that left, in the frame before.
-    reason : str
-        Empty where the identity could be formed and is complete; else what is missing.
+    The walls' impulse is that on the discs; half a step's force at both ends is taken off, as velocity Verlet's kicks
+    ask. The relative difference is over the sum of the walls' integrals of the force's magnitude and of the momentum
+    that discs brought in and carried out. `reason` says what is missing where the identity is not complete.
     """
 
-    axis: str
-    start: float = nan
-    end: float = nan
-    change: float = nan
-    walls: float = nan
-    gravity: float = nan
-    scale: float = nan
-    brought: float = 0.0
-    carried: float = 0.0
-    reason: str = ""
-
-    @property
-    def difference(self) -> float:
-        """Change of momentum that no impulse explains."""
-        return self.change - self.walls - self.gravity - self.brought + self.carried
-
-    @property
-    def relative(self) -> float:
-        """The difference over the scale and what discs brought in and carried out."""
-        scale = self.scale + abs(self.brought) + abs(self.carried)
-        return abs(self.difference) / scale if scale else nan
+    axis: str = field(metadata={"summary": False})
+    start: float = number("s", "begin of the longest time with the same discs, probes aligned, gates open", default=nan)
+    end: float = number("s", "its end", default=nan)
+    momentum_change: float = number("N s/m", "momentum change of the discs", default=nan)
+    wall_impulse: float = number("N s/m", "impulse of the walls", default=nan)
+    gravity_impulse: float = number("N s/m", "impulse of gravity", default=nan)
+    brought_in: float = number("N s/m", "momentum of discs that entered, as their rows let them in", default=0.0)
+    carried_out: float = number("N s/m", "momentum of discs that left, in the frame before", default=0.0)
+    difference: float = number("N s/m", "change of momentum that no impulse explains", default=nan)
+    relative: float = number("", "that over the whole impulse", default=nan)
+    complete: bool = False
+    reason: str | None = None
 
 
 def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHistory, flow: Flow, axis: str) -> Identity:
@@ -228,8 +208,10 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
     gravity = flow.scene.gravity[column] * flow.scene.mass * float(momentum.held[between].sum())
     change = float(momentum.momentum[b, column] - momentum.momentum[a, column])
     brought, carried = (float(part[between, column].sum()) for part in (momentum.brought, momentum.carried))
-    reason = "; ".join(dict.fromkeys(reasons))
-    return Identity(axis, float(start), float(end), change, walls, gravity, scale, brought, carried, reason)
+    off, scale = change - walls - gravity - brought + carried, scale + abs(brought) + abs(carried)
+    relative, reason = abs(off) / scale if scale else nan, "; ".join(dict.fromkeys(reasons))
+    span = float(start), float(end)
+    return Identity(axis, *span, change, walls, gravity, brought, carried, off, relative, not reason, reason or None)
 
 
 def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, flow: Flow) -> tuple[int, int] | None:
@@ -250,35 +232,17 @@ def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, flow: Flow)
     return max(spans, key=lambda span: momentum.time[span[1]] - momentum.time[span[0]], default=None)
 
 
-def identity_numbers(identity: Identity) -> dict:
-    """Plain numbers for the summary."""
-    return {
-        "start": identity.start,
-        "end": identity.end,
-        "momentum_change": identity.change,
-        "wall_impulse": identity.walls,
-        "gravity_impulse": identity.gravity,
-        "brought_in": identity.brought,
-        "carried_out": identity.carried,
-        "difference": identity.difference,
-        "relative": identity.relative,
-        "complete": not identity.reason,
-        "reason": identity.reason or None,
-    }
-
-
 def identity_sentence(identity: Identity) -> str:
     """One sentence for the report."""
-    if not np.isfinite(identity.change):
-        return f"Impulse identity along {identity.axis}: not formed, {identity.reason}."
-    if identity.reason:
-        return f"Impulse identity along {identity.axis}: incomplete, {identity.reason}."
-    given, who, whose = identity.walls + identity.gravity, "walls and gravity", "the walls'"
-    if identity.brought or identity.carried:
-        given, whose = given + identity.brought - identity.carried, "their"
+    if not identity.complete:
+        formed = "incomplete" if np.isfinite(identity.momentum_change) else "not formed"
+        return f"Impulse identity along {identity.axis}: {formed}, {identity.reason}."
+    given, who, whose = identity.wall_impulse + identity.gravity_impulse, "walls and gravity", "the walls'"
+    if identity.brought_in or identity.carried_out:
+        given, whose = given + identity.brought_in - identity.carried_out, "their"
         who = "walls, gravity and discs that came and went"
     return (
         f"Impulse identity along {identity.axis}, t = {identity.start:.3f} to {identity.end:.3f} s: the discs' "
-        f"momentum changes by {identity.change:.8g} N s/m, {who} give {given:.8g} N s/m; they differ by "
+        f"momentum changes by {identity.momentum_change:.8g} N s/m, {who} give {given:.8g} N s/m; they differ by "
         f"{identity.relative:.1e} of {whose} total impulse."
     )

@@ -3,16 +3,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.jump.track import Motion, straight_motion
-from lammps_jump.physics import jump as theory
+from lammps_jump.analysis.jump.track import straight_motion
+from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
+from lammps_jump.units import Estimates, estimate, number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,53 +23,33 @@ HALF = 0.5
 
 
 @dataclass(frozen=True)
-class ReflectedWave:
-    """A wave running back from a structure.
+class ReflectedWave(Estimates):
+    """A wave running back from a structure, and the bore that a wall would throw back of the same stream.
 
-    Attributes
-    ----------
-    structure : str
-    time, position : ndarray, shape (n,)
-        s, m; NaN before the stream arrives and after the wave has met the column or the stream has run dry.
-    motion : Motion
-        Straight-line fit over all of them.
-    depth, velocity : float
-        Oncoming stream just before the front, means over the frames: mass depth (m), velocity (m/s).
-    bore_depth, bore_speed : float
-        What a wall that stops this stream throws back: depth (m) and velocity (m/s) of the bore.
+    Its `time` (s) and `position` (m) have the shape (frames,). The position is NaN before the stream arrives and after
+    the wave has met the column or the stream has run dry. `start` is that of the straight-line fit at t = 0.
     """
 
     structure: str
-    time: np.ndarray
-    position: np.ndarray
-    motion: Motion
-    depth: float
-    velocity: float
-    bore_depth: float
-    bore_speed: float
-
-    def summary(self) -> dict:
-        """Plain numbers."""
-        return {
-            "structure": self.structure,
-            "frames": self.motion.points,
-            "speed": self.motion.speed,
-            "speed_error": self.motion.error,
-            "oncoming_depth": self.depth,
-            "oncoming_velocity": self.velocity,
-            "bore_speed": self.bore_speed,
-            "bore_depth": self.bore_depth,
-        }
+    frames: int = number("", "frames in which the wave was found")
+    speed: float = estimate("m/s", "velocity of the wave, straight-line fit")
+    oncoming_depth: float = number("m", "mass depth of the stream just before the wave", default=nan)
+    oncoming_velocity: float = number("m/s", "velocity of that stream", default=nan)
+    bore_speed: float = number("m/s", "velocity of the bore", default=nan)
+    bore_depth: float = number("m", "depth of the bore", default=nan)
+    start: float = field(default=nan, metadata={"summary": False})
+    time: np.ndarray | None = field(default=None, metadata={"summary": False})
+    position: np.ndarray | None = field(default=None, metadata={"summary": False})
 
     def sentence(self) -> str:
         """One sentence for the report."""
-        if self.motion.points < 3:
+        if self.frames < 3:
             return f"No wave could be followed back from '{self.structure}'."
-        speed = f"{self.motion.speed:+.2f} ± {self.motion.error:.2f} m/s"
+        speed = f"{self.speed:+.2f} ± {self.speed_error:.2f} m/s"
         return (
-            f"The wave thrown back by '{self.structure}' runs at {speed}; the oncoming stream of {self.depth:.2f} m "
-            f"and {self.velocity:.2f} m/s stopped by a wall would throw back a bore of {self.bore_depth:.2f} m at "
-            f"{self.bore_speed:+.2f} m/s (no errors of the stream from one run)."
+            f"The wave thrown back by '{self.structure}' runs at {speed}; the oncoming stream of "
+            f"{self.oncoming_depth:.2f} m and {self.oncoming_velocity:.2f} m/s stopped by a wall would throw back a "
+            f"bore of {self.bore_depth:.2f} m at {self.bore_speed:+.2f} m/s (no errors of the stream from one run)."
         )
 
 
@@ -115,7 +96,10 @@ def track_reflection(profiles: xr.Dataset, structure: Wall, flow: Flow) -> Refle
     good = np.isfinite(position)
     if not good.any():
         return None
-    oncoming_depth, oncoming_velocity = (float(v) for v in np.mean(streams, axis=0))
-    bore = theory.reflected_bore(oncoming_depth, oncoming_velocity, -flow.scene.gravity[1])
-    motion = straight_motion(time[good], position[good])
-    return ReflectedWave(structure.name, time, position, motion, oncoming_depth, oncoming_velocity, *bore)
+    depth, speed = (float(v) for v in np.mean(streams, axis=0))
+    bore_depth, bore_speed = waves.reflected_bore(depth, speed, flow.gravity)
+    fit = straight_motion(time[good], position[good])
+    return ReflectedWave(
+        structure.name, fit.points, fit.speed, fit.error, depth, speed, bore_speed, bore_depth, fit.start, time,
+        position,
+    )  # fmt: skip

@@ -25,7 +25,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import Estimates, estimate, number, shown
 
-from .frame import growth_rate, move_along
+from .frame import growth_rate, integral, move_along
 
 if TYPE_CHECKING:
     from .result import JumpResult
@@ -48,7 +48,7 @@ class EnergyFluxes:
     def __init__(self, flow: Flow, contacts: object = None):
         self.flow, self.edges = flow, bin_edges(flow.x_range, flow.bin_width)
         c = flow.scene.coefficients
-        self.known = flow.knows_contacts and not c.friction and flow.time_step > 0 and -flow.scene.gravity[1] > 0
+        self.known = flow.knows_contacts and not c.friction and flow.time_step > 0 and flow.gravity > 0
         # LAMMPS' dashpots act with the velocity of the half step, the thesis' with that of the step
         self.rounds = ROUNDS if flow.scene.integrator == "velocity_verlet" else 0
         self._kept: list[np.ndarray] = []
@@ -65,7 +65,7 @@ class EnergyFluxes:
         place = np.floor((x - low) / width).astype(int)
         inside = (place >= 0) & (place < bins)
         height = y - np.nan_to_num(flow.bed_height(x))
-        energy = 0.5 * (u * u + v * v) - flow.scene.gravity[1] * height
+        energy = 0.5 * (u * u + v * v) + flow.gravity * height
         for row, amount in enumerate((np.ones_like(u), u, u * u, energy, energy * u)):
             fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)
         faces = [face for wall in flow.walls_at(time) for face in wall_contacts(frame, wall, flow, damping=False)]
@@ -77,9 +77,7 @@ class EnergyFluxes:
         law = c.stiffness, c.stiffness_wall, flow.touch_width
         walls = (index, overlap, nx, ny, rubber)
         half = 0.5 * flow.time_step / mass
-        _contact_fields(
-            x, y, u, v, half, flow.scene.gravity[1] * mass, *pairs, *walls, *law, self.rounds, low, width, fields
-        )
+        _contact_fields(x, y, u, v, half, -flow.gravity * mass, *pairs, *walls, *law, self.rounds, low, width, fields)
         self._kept.append(fields / (width * flow.scene.density))
 
     def result(self) -> np.ndarray | None:
@@ -199,8 +197,7 @@ def energy_budget(fields: np.ndarray | None, result: JumpResult, edges: np.ndarr
         return None
     asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
     if asked is None:
-        middles = float(np.mean(result.upstream.zone)), float(np.mean(result.downstream.zone))
-        return budget_between(fields, result, edges, middles)
+        return budget_between(fields, result, edges, (result.upstream.middle, result.downstream.middle))
     first, last = (result.flow.scene.time(step) for step in (asked.first_step, asked.last_step))
     half = 0.5 * float(np.diff(time).min())
     used, speed = (time > first - half) & (time < last + half), sign * asked.speed
@@ -243,13 +240,13 @@ def budget_between(
     carried = carried + a["elastic_flux"] - c * a["elastic"]
     power = a["power"] - c * a["thrust"]
     through = a["discharge"] - c * a["mass"]
-    scale = -result.flow.scene.gravity[1] * float(np.nanmean(through.interp(xi=stations[0])))
+    scale = result.flow.gravity * float(np.nanmean(through.interp(xi=stations[0])))
     discs, contacts = (
         (field.interp(xi=stations[0]) - field.interp(xi=stations[1])).values / scale for field in (carried, power)
     )
-    loss = _between(a["dashpots"], stations) / scale
+    loss = integral(a["dashpots"], *stations) / scale
     net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
-    storage = growth_rate(time, _between(energy + a["elastic"], stations) / scale)
+    storage = growth_rate(time, integral(energy + a["elastic"], *stations) / scale)
     if not np.isfinite([net.value, taken.value]).all():
         return None
     return Budget(
@@ -258,7 +255,7 @@ def budget_between(
         x=tuple(sorted(sign * float(fronts[0] + station) for station in stations)),
         speed=sign * c,
         window=(float(time[0]), float(time[-1])),
-        discharge=scale / -result.flow.scene.gravity[1],
+        discharge=scale / result.flow.gravity,
         carried=float(np.nanmean(discs)),
         contacts=float(np.nanmean(contacts)),
         storage=storage,
@@ -266,14 +263,6 @@ def budget_between(
         **as_fields(inflow=net, dashpots=taken, residual=Mean(net.value - storage - taken.value, scatter)),
         frames=int(np.isfinite(discs).sum()),
     )
-
-
-def _between(field: xr.DataArray, stations: tuple[float, float]) -> np.ndarray:
-    """Integral of a field between two stations, frame by frame, shape (frames,); NaN where not covered."""
-    xi = field.xi.values
-    half = 0.5 * (xi[1] - xi[0])
-    share = np.clip(np.minimum(xi + half, stations[1]) - np.maximum(xi - half, stations[0]), 0.0, None)
-    return (field.values[:, share > 0] * share[share > 0]).sum(axis=1)
 
 
 def no_budget(flow: Flow) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from math import isfinite, nan, sqrt
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.statistics import piece_bounds
 from lammps_jump.units import number, shown
 
@@ -86,8 +87,10 @@ class JumpResult:
         s.
     in_window : ndarray of bool, shape (frames,)
     track : JumpTrack or None
-    toe_motion, end_motion, motion : Motion or None
-        Of the toe, the end and the front of equal mass.
+    toe_speed, end_speed : float
+        Of the toe and the end, along the stream, m/s.
+    motion : Motion or None
+        Of the front of equal mass.
     moving : xarray.Dataset or None
     toe, end : float
         In the moving frame, from the mean mass depth, m from the front; `surface_toe`, `surface_end` from the surface.
@@ -108,8 +111,8 @@ class JumpResult:
     window: tuple[float, float]
     in_window: np.ndarray
     track: JumpTrack | None = None
-    toe_motion: Motion | None = None
-    end_motion: Motion | None = None
+    toe_speed: float = nan
+    end_speed: float = nan
     motion: Motion | None = None
     moving: xr.Dataset | None = None
     toe: float = nan
@@ -128,11 +131,6 @@ class JumpResult:
     pieces: tuple[JumpResult, ...] = ()
 
     @property
-    def gravity(self) -> float:
-        """Gravity across the bed, m/s^2."""
-        return -self.flow.scene.gravity[1]
-
-    @property
     def speed(self) -> float:
         """Velocity of the front in the laboratory, m/s along x."""
         return self.direction * self.motion.speed if self.motion else nan
@@ -141,10 +139,11 @@ class JumpResult:
         """CSV tables: the track, and the mean profile in the moving frame."""
         result = {}
         if self.track is not None:
-            left_out = ("reach_end", "why", *(["compression"] if self.track.compression is None else []))
-            names = [field.name for field in fields(self.track) if field.name not in left_out]
-            signs = {name: 1 if name == "time" or "depth" in name else self.direction for name in names}
-            columns = {name: sign * getattr(self.track, name) for name, sign in signs.items()}
+            columns = {
+                name: values if name == "time" or "depth" in name else self.direction * values
+                for name, values in vars(self.track).items()
+                if isinstance(values, np.ndarray) and name != "reach_end"
+            }
             if not self.flow.timed:
                 columns = {"step": columns.pop("time"), **columns}
             result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
@@ -184,12 +183,11 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     JumpResult
         With verdict 'no jump found' and the reason where there is none.
     """
-    window = (profiles.attrs["window_begin"], profiles.attrs["window_end"])
-    time, width = profiles["time"].values, profiles.attrs["bin_width"]
-    in_window = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
+    window, time, width = window_of(profiles), profiles["time"].values, profiles.attrs["bin_width"]
+    in_window = within(time, window)
     direction = -1 if np.nansum(profiles["discharge"].values[in_window]) < 0 else 1
     nothing = JumpResult("no jump found", "", flow, direction, window, in_window)
-    gravity = -flow.scene.gravity[1]
+    gravity = flow.gravity
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
     reach = level_reach(profiles, flow, direction)
@@ -219,8 +217,8 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         nothing,
         track=track,
         heap=_heap(stream.isel(time=used), float(np.mean(track.end[used])), gravity),
-        toe_motion=straight_motion(time[used], track.toe[used]),
-        end_motion=straight_motion(time[used], track.end[used]),
+        toe_speed=straight_motion(time[used], track.toe[used]).speed,
+        end_speed=straight_motion(time[used], track.end[used]).speed,
         motion=straight_motion(time[used], track.position[used]),
     )
     result = _measure(result, stream, used)
@@ -251,9 +249,9 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
         before, behind, enough = zones(moving, toe, end, *levels)
         result = _within(result, moving, (before, behind), (toe, end))
         toe, end = result.toe, result.end
-    depth = result.downstream.mass_depth.value
+    depth = result.downstream.mass_depth
     tail = measure_tail(stream.isel(time=used), front, depth)
-    before = measure_stream(stream, track, used, speed, depth, result.gravity)
+    before = measure_stream(stream, track, used, speed, depth, result.flow.gravity)
     result = replace(result, stream=before and before.turned(result.direction))
     result = replace(result, developed=enough, roller=roller(moving, speed, toe, end), tail=tail)
     return replace(result, pieces=_pieces(result))
@@ -261,10 +259,10 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
 
 def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around: tuple[float, float]) -> JumpResult:
     """States, ends and balances from frames of the moving frame, in the zones of the states."""
-    one, two = (measure_state(moving, zone, result.motion.speed, result.gravity) for zone in stretches)
+    one, two = (measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
     mean = mean_profile(moving[["mass_depth", "surface_depth"]])
-    toe, end = _ends(mean["mass_depth"], one.mass_depth.value, two.mass_depth.value, *around)
-    ends = _ends(mean["surface_depth"], one.surface_depth.value, two.surface_depth.value, toe, end)
+    toe, end = _ends(mean["mass_depth"], one.mass_depth, two.mass_depth, *around)
+    ends = _ends(mean["surface_depth"], one.surface_depth, two.surface_depth, toe, end)
     return replace(
         result,
         moving=moving,
@@ -282,20 +280,19 @@ def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around
 def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
     """The jump of each piece of the window, with the speed of that piece."""
     frames = np.flatnonzero(whole.track.found & whole.in_window)
-    motions = [
-        [Motion(float(speed), nan, nan, 2) for speed in piece_speeds(whole.track.time[frames], places[frames])]
-        for places in (whole.track.toe, whole.track.end, whole.track.position)
-    ]
+    track = whole.track
+    speeds = [piece_speeds(track.time[frames], line[frames]) for line in (track.toe, track.end, track.position)]
     result = []
     bounds = itertools.pairwise(piece_bounds(len(frames)))
-    for (first, stop), toe, end, front in zip(bounds, *motions, strict=True):
+    for (first, stop), toe, end, front in zip(bounds, *speeds, strict=True):
         inside = np.zeros_like(whole.in_window)
         inside[frames[first:stop]] = True
-        moved = replace(whole, in_window=inside, toe_motion=toe, end_motion=end, motion=front)
+        motion = Motion(float(front), nan, nan, 2)
+        moved = replace(whole, in_window=inside, toe_speed=float(toe), end_speed=float(end), motion=motion)
         zones_kept = whole.upstream.zone, whole.downstream.zone
         moving = whole.moving.isel(time=slice(first, stop))
         result.append(_within(moved, moving, zones_kept, (whole.toe, whole.end)))
-    known = all(isfinite(piece.upstream.mass_depth.value + piece.downstream.mass_depth.value) for piece in result)
+    known = all(isfinite(piece.upstream.mass_depth + piece.downstream.mass_depth) for piece in result)
     return tuple(result) if known else ()
 
 

@@ -21,8 +21,8 @@ FASTEST = 1.25
 UPSTREAM, DOWNSTREAM = 5.0, 3.5
 """Room for a jump: the stream before it in y1; the jump (1.5) and steady tail water (2) in y2 (measured)."""
 LOWEST_SILL = 0.55
-"""Height of a sill over that of a broad crest that holds the jump of water. In `quick_jump` discs run over 0.46 of it
-without a jump, and make one at 0.65 (measured)."""
+"""Height of a sill over that of a broad crest that holds the jump of water. In a dry channel discs of `quick_jump` run
+over 0.46 of it without a jump, and make one at 0.65 (measured)."""
 
 Row = tuple[str, str, float | int | str | None, str]
 
@@ -289,32 +289,23 @@ def skipped(
     case: CaseFields, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...], sizes: Sizes | None
 ) -> tuple[str, ...]:
     """Sentences: what the engines leave out because the scene does not need it."""
-    texts = []
-    if case.contact.friction == 0:
-        texts.append("friction terms: friction is 0")
-    if case.contact.restitution == 1:
-        texts.append("dashpots: restitution is 1")
-    if not case.contact.rotation:
-        texts.append("spin: contact.rotation is false, discs do not turn")
-    elif case.contact.friction == 0:
-        texts.append("spin: without friction nothing turns a disc")
-    if case.gravity == 0:
-        texts.append("gravity: it is 0")
-    texts += [f"wall '{wall.name}': nothing inside the domain can reach it" for wall in walls if wall not in kept]
-    if not walls:
-        texts.append("walls: there are none")
-    if case.inflow is None:
-        texts.append("inlet: no inflow")
-    if not case.outflow:
-        texts.append("outlet: no outflow")
-    texts.append("z constraint: nothing pushes out of the plane")
-    texts.append("tangential springs: the laws here have no history")
+    law, friction = case.contact, case.contact.friction
     columns = "z, vz, " + ("" if sizes else "radius, ") + "mass, type, forces"
-    if not (case.contact.rotation and case.contact.friction):
-        columns += ", spin"
-    texts.append(f"dump columns {columns}: no analysis reads them")
-    if not probes:
-        texts.append("wall forces: no probe asks for them")
-    if case.run.dump_format == "text" and not case.analysis.fields:
-        texts.append("stress fields: analysis.fields is false")
-    return tuple(texts)
+    columns += "" if law.rotation and friction else ", spin"
+    texts = {
+        "friction terms: friction is 0": friction == 0,
+        "dashpots: restitution is 1": law.restitution == 1,
+        "spin: contact.rotation is false, discs do not turn": not law.rotation,
+        "spin: without friction nothing turns a disc": law.rotation and friction == 0,
+        "gravity: it is 0": case.gravity == 0,
+        **{f"wall '{wall.name}': nothing inside the domain can reach it": wall not in kept for wall in walls},
+        "walls: there are none": not walls,
+        "inlet: no inflow": case.inflow is None,
+        "outlet: no outflow": not case.outflow,
+        "z constraint: nothing pushes out of the plane": True,
+        "tangential springs: the laws here have no history": True,
+        f"dump columns {columns}: no analysis reads them": True,
+        "wall forces: no probe asks for them": not probes,
+        "stress fields: analysis.fields is false": case.run.dump_format == "text" and not case.analysis.fields,
+    }
+    return tuple(text for text, holds in texts.items() if holds)

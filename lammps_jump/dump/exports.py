@@ -12,6 +12,7 @@ import pandas as pd  # xarray needs it and brings it
 import xarray as xr
 
 from lammps_jump.errors import DumpError
+from lammps_jump.files import writes
 from lammps_jump.folders import require_replaceable, standing
 from lammps_jump.quoting import csv_cell
 
@@ -88,10 +89,8 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
     out = place if out is None else Path(out)
     for name in (name for kind in kinds for pattern in EXPORTS[kind] for name in standing(out, pattern)):
         require_replaceable(out / name)
-    try:
+    with writes(out):
         out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise DumpError(f"{out}: cannot be made ({error.strerror}); name another folder.") from error
     written = write_profiles_csv(_dataset(place / "profiles.nc"), out) if "csv" in kinds else []
     if "pictures" in kinds:
         written += write_pictures(read_dump(place), out)
@@ -215,7 +214,5 @@ def _data_array(name: str, values: np.ndarray, kind: str = "Float64") -> str:
 
 
 def _writing(path: str | Path):
-    try:
+    with writes(path):
         return open(path, "w", encoding="utf-8", newline="")
-    except OSError as error:
-        raise DumpError(f"{path}: cannot be written ({error.strerror or error}).") from error

@@ -15,17 +15,19 @@ import logging
 import os
 import re
 import shutil
+import sys
 import time
 import zlib
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, FiniteFloat, NonNegativeInt, StringConstraints, TypeAdapter, ValidationError
 
 from lammps_jump.errors import ResumeError
-from lammps_jump.files import BINARY_PART, DUMP_NAMES, MOST_JSON, flush, make_own, plain, read_file, write_json
+from lammps_jump.files import BINARY_PART, DUMP_NAMES, flush, make_own, plain, read_json, write_json
 from lammps_jump.provenance import fingerprint
 from lammps_jump.scene.scene import Scene
 
@@ -38,10 +40,9 @@ ANEW = "the same command with --force in place of --resume starts a new run"
 """What to do where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
-STATE_NAME = re.compile(r"checkpoint-([0-9]+)\.(?:npz|restart)")
-APPENDED = re.compile("|".join(map(re.escape, ("log.lammps", "forces.csv", BINARY_PART, *DUMP_NAMES.values()))))
-RAW_FORCES = re.compile(r"forces_\w+\.raw", re.ASCII)
-"""With `APPENDED`, names of the files that a next part may append to."""
+_NAMES = map(re.escape, ("log.lammps", "forces.csv", BINARY_PART, *DUMP_NAMES.values()))
+APPENDED = re.compile("|".join([*_NAMES, r"forces_\w+\.raw"]), re.ASCII)
+"""Names of the files that a next part may append to."""
 SHARE = 0.01
 """Part of a run's time that checkpoints may take; they come more rarely where they take longer."""
 CHUNK = 1 << 20
@@ -84,30 +85,6 @@ class Checkpoint:
     result: RunResult
 
 
-class Pace:
-    """When the next checkpoint of a run is due.
-
-    Parameters
-    ----------
-    interval : float
-        Wall time from one to the next, s; it grows where a checkpoint takes over `SHARE` of it.
-    clock : callable
-        Seconds from any origin.
-    """
-
-    def __init__(self, interval: float, clock: Callable[[], float] = time.monotonic):
-        self.interval, self.clock = interval, clock
-        self._next = clock() + interval
-
-    def due(self) -> bool:
-        """Whether it is time for a checkpoint."""
-        return self.clock() >= self._next
-
-    def wait(self, spent: float) -> None:
-        """Begin a new interval, after a checkpoint that took so many seconds."""
-        self._next = self.clock() + max(self.interval, spent / SHARE)
-
-
 class CheckpointWriter:
     """Writes the checkpoints of a part of a run, one in the place of the other.
 
@@ -117,26 +94,49 @@ class CheckpointWriter:
     folder : Path
     outputs : iterable of str
         Files that the next part appends to, where they exist. What they have grown by is read once.
+    interval : float
+        Wall time from one to the next, s; it grows where a checkpoint takes over `SHARE` of it.
     """
 
-    def __init__(self, scene: Scene, folder: Path, outputs: Iterable[str]):
-        self.scene, self.folder = scene, folder
+    def __init__(self, scene: Scene, folder: Path, outputs: Iterable[str], interval: float = inf):
+        self.scene, self.folder, self.interval = scene, folder, interval
         self._outputs = {name: _Growing(folder / name) for name in outputs}
+        self.wait()
 
-    def write(self, state: Iterable[str], result: RunResult, removed: tuple[int, ...] = ()) -> None:
-        """Bring outputs and state to the disk, then put ``checkpoint.json`` in its place, then delete older states.
+    def due(self) -> bool:
+        """Whether it is time for a checkpoint."""
+        return time.monotonic() >= self._next
+
+    def wait(self, spent: float = 0.0) -> None:
+        """Begin a new interval, after a checkpoint that took so many seconds."""
+        self._next = time.monotonic() + max(self.interval, spent / SHARE)
+
+    def save(self, make: Callable[[], Iterable[str]], result: RunResult, removed: tuple[int, ...] = ()) -> str:
+        """Make a checkpoint, and begin a new interval; the reason where that cannot be.
 
         Parameters
         ----------
-        state : iterable of str
-            Files that the engine has written; their step is that of `result`.
+        make : callable
+            Writes the files of the engine's state, whose step is that of `result`, and returns their names.
         """
-        folder = self.folder
-        outputs = {name: growing.sum() for name, growing in self._outputs.items() if growing.path.exists()}
-        states = {name: _Growing(folder / name).sum() for name in state}
-        step = result.steps
-        found = Checkpoint(fingerprint(self.scene), step, self.scene.time(step), states, outputs, removed, result)
-        put_checkpoint(folder, found)
+        started = time.monotonic()
+        try:
+            self._write(make(), result, removed)
+        except OSError as error:
+            return f"its state could not be saved ({error})"
+        finally:
+            self.wait(time.monotonic() - started)
+        return ""
+
+    def _write(self, state: Iterable[str], result: RunResult, removed: tuple[int, ...]) -> None:
+        """Bring outputs and state to the disk, then put ``checkpoint.json`` in its place, then delete older states."""
+        folder, step = self.folder, result.steps
+        grown = {name: growing for name, growing in self._outputs.items() if growing.path.exists()}
+        states = {name: _Growing(folder / name) for name in state}
+        for growing in (*grown.values(), *states.values()):
+            flush(growing.path)
+        sums = [{name: growing.sum() for name, growing in files.items()} for files in (states, grown)]
+        put_checkpoint(folder, Checkpoint(fingerprint(self.scene), step, self.scene.time(step), *sums, removed, result))
         kept = {*states, *_named(folder / PREVIOUS_FILE)}
         for path in _states(folder):
             if path.name not in kept:
@@ -162,12 +162,11 @@ class _Growing:
         self._hash = hashlib.sha256()
         self._size = 0
 
-    def sum(self) -> Sum:
-        """Bring the file to the disk; its size and checksum."""
-        flush(self.path)
+    def sum(self, most: int = sys.maxsize) -> Sum:
+        """Size and checksum of the file, or of so many bytes from its start."""
         with self.path.open("rb") as file:
             file.seek(self._size)
-            while chunk := file.read(CHUNK):
+            while chunk := file.read(min(CHUNK, most - self._size)):
                 self._hash.update(chunk)
                 self._size += len(chunk)
         return Sum(self._size, self._hash.hexdigest())
@@ -185,7 +184,7 @@ def _states(folder: Path) -> list[Path]:
 def _named(path: Path) -> set[str]:
     """Names of the states in a checkpoint's file; empty where it cannot be read."""
     try:
-        return set(_checked(read_file(path, MOST_JSON)).state)
+        return set(_checked(path).state)
     except (OSError, ValueError):
         return set()
 
@@ -205,7 +204,7 @@ def _newest(folder: Path) -> Checkpoint | None:
     """The newest checkpoint that can be read; its files are not looked at."""
     for name in (CHECKPOINT_FILE, PREVIOUS_FILE):
         try:
-            return _checked(read_file(folder / name, MOST_JSON))
+            return _checked(folder / name)
         except (OSError, ValueError):
             continue
     return None
@@ -240,7 +239,7 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
 def _read(path: Path) -> Checkpoint:
     """A checkpoint whose files are as it says."""
     try:
-        found = _checked(read_file(path, MOST_JSON))
+        found = _checked(path)
     except (OSError, ValueError) as error:
         raise ResumeError(f"{path}: cannot be read ({error}); {ANEW}") from None
     for name, entry in {**found.state, **found.outputs}.items():
@@ -253,44 +252,29 @@ def _read(path: Path) -> Checkpoint:
                 f"{place}: {size} bytes, {entry.size} or more were there when the run was interrupted; without "
                 f"them it cannot go on; {ANEW}"
             )
-        if _sum_up_to(place, entry.size) != entry.sha256:
+        if _Growing(place).sum(entry.size) != entry:
             raise ResumeError(f"{place}: is not what the run had written (its SHA-256 differs); {ANEW}")
     return found
 
 
-def _sum_up_to(path: Path, size: int) -> str:
-    found = hashlib.sha256()
-    with path.open("rb") as file:
-        while size and (chunk := file.read(min(CHUNK, size))):
-            found.update(chunk)
-            size -= len(chunk)
-    return found.hexdigest()
-
-
-def _checked(text: bytes) -> Checkpoint:
+def _checked(path: Path) -> Checkpoint:
     """The checkpoint in a file; ValueError where a value is none that a run writes: names become paths and commands."""
+    content = read_json(path)
+    if not isinstance(content, dict):
+        raise ValueError("it holds no checkpoint")
+    told = content.pop("sum", None)
     try:
-        content = json.loads(text)
-        if not isinstance(content, dict):
-            raise ValueError("it holds no checkpoint")
-        told = content.pop("sum", None)
         found = TypeAdapter(Checkpoint).validate_json(json.dumps(content), strict=True)
-    except RecursionError:
-        raise ValueError("brackets inside brackets, too deep to be read") from None
     except ValidationError as error:
         first = error.errors()[0]
         raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".lstrip(": ")) from None
-    engine_files = [".npz"] if found.result.engine == "native" else [".npz", ".restart"]
-    if sorted(Path(name).suffix for name in found.state) != engine_files or found.result.steps != found.step:
+    kinds = ("npz",) if found.result.engine == "native" else ("npz", "restart")
+    if set(found.state) != {f"checkpoint-{found.step}.{kind}" for kind in kinds} or found.result.steps != found.step:
         raise ValueError(f"state: it is not that of step {found.step}")
-    for name in found.state:
-        named = STATE_NAME.fullmatch(name)
-        if named is None or int(named[1]) != found.step:
-            raise ValueError(f"state: {name!r} is not the state of step {found.step}")
     if found.result.kernel not in ("stock", "compiled", "numba"):
         raise ValueError(f"result.kernel: {found.result.kernel!r} is not known")
     for name in found.outputs:
-        if not (APPENDED.fullmatch(name) or RAW_FORCES.fullmatch(name)):
+        if not APPENDED.fullmatch(name):
             raise ValueError(f"outputs: {name!r} is no file that a run appends to")
     if told != sum_of(content):
         raise ValueError("its SHA-256 is not that of its content")
@@ -320,7 +304,7 @@ def join_part(folder: Path) -> None:
     if found is not None and BINARY_PART in found.outputs:
         outputs = dict(found.outputs)
         size = outputs[whole.name].size + outputs.pop(BINARY_PART).size
-        outputs[whole.name] = Sum(size, _sum_up_to(whole, size))
+        outputs[whole.name] = _Growing(whole).sum(size)
         put_checkpoint(folder, replace(found, outputs=outputs))
         (folder / PREVIOUS_FILE).unlink()  # it names the part
     part.unlink()
@@ -334,8 +318,7 @@ def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
         if name == DUMP_NAMES["gz"]:
             _end_gzip(folder / name)
     for path in folder.iterdir():
-        later = (APPENDED.fullmatch(path.name) or RAW_FORCES.fullmatch(path.name)) and path.name != "forces.csv"
-        if later and path.name not in checkpoint.outputs:
+        if APPENDED.fullmatch(path.name) and path.name not in (*checkpoint.outputs, "forces.csv"):
             path.unlink()
 
 

@@ -29,18 +29,17 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     kernel : {'auto', 'stock', 'compiled'}
         LAMMPS only. ``auto`` is the compiled kernel, or stock where that cannot be used.
     ranks : int or 'auto'
+        LAMMPS only.
     scene : Scene
 
     Raises
     ------
     CaseError
-        A kernel that is not known, or ranks of the native engine.
+        A kernel that is not known.
     SetupError
         LAMMPS is not installed, or the scene needs the compiled kernel, which cannot be used.
     """
     if engine == "native":
-        if ranks not in (1, "auto"):
-            raise CaseError(f"engine.ranks: {ranks} ranks; the native engine runs on one core")
         return Setting("native", "numba"), []
     if kernel not in KERNELS:
         raise CaseError(f"engine.kernel: {kernel} is not known; use {', '.join(KERNELS)}")

@@ -7,16 +7,9 @@ import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
-SIGNALS = (
-    signal.SIGINT,
-    signal.SIGTERM,
-    signal.SIGHUP,
-    signal.SIGQUIT,
-    signal.SIGUSR1,
-    signal.SIGUSR2,
-    signal.SIGXCPU,
-)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)
 """Ctrl-C, the end of a job, a closed terminal, Ctrl-\\, a time limit that comes near (two), one of processor time."""
 
 
@@ -37,17 +30,6 @@ def handled_by(handler: Callable) -> Iterator[None]:
     finally:
         for number, old in before.items():
             signal.signal(number, old)
-
-
-@contextmanager
-def terminate_as_interrupt() -> Iterator[None]:
-    """Let all `SIGNALS` raise a KeyboardInterrupt, as Ctrl-C does."""
-
-    def interrupt(number, stack) -> None:
-        raise KeyboardInterrupt
-
-    with handled_by(interrupt):
-        yield
 
 
 @contextmanager
@@ -74,6 +56,10 @@ def counted_interrupts(most: float = 1) -> Iterator[Callable[[], int]]:
 
     with handled_by(count):
         yield lambda: seen
+
+
+terminate_as_interrupt = partial(counted_interrupts, most=0)
+"""Let all `SIGNALS` raise a KeyboardInterrupt, as Ctrl-C does."""
 
 
 @contextmanager

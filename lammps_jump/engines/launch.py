@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from lammps_jump.errors import SetupError
+from lammps_jump.folders import writable
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import write_script
 from lammps_jump.script.resume import write_continuation
@@ -84,33 +84,24 @@ def write_inputs(job: Job) -> None:
     SetupError
         The folder cannot be written.
     """
-    try:
-        _write_inputs(job)
-    except OSError as error:
-        raise SetupError(
-            f"{job.folder}: cannot be written ({error.strerror or error}); name another folder, or correct its "
-            "permissions"
-        ) from None
-
-
-def _write_inputs(job: Job) -> None:
     scene, setting, resume = job.scene, job.setting, job.resume
-    job.folder.mkdir(parents=True, exist_ok=True)
-    if setting.engine == "native":
-        return
-    options = {"kernel": setting.kernel, "ranks": setting.ranks}
-    options |= {"dump_format": setting.dump_format, "header": setting.header}
-    if resume is None:
-        path = write_script(scene, job.folder, **options)
-    else:
-        present, removed = resume.result.present, resume.result.removed
-        checkpoint = {"step": resume.step, "removed": resume.removed}
-        checkpoint["poured"] = present + removed - len(scene.positions)
-        (job.folder / "in.resume.lammps").unlink(missing_ok=True)  # it may have other names
-        path = write_continuation(scene, job.folder, **checkpoint, **options)
-    if setting.script is not None:
-        path.write_text(setting.script)
-    make_ready(job)
+    with writable(job.folder):
+        job.folder.mkdir(parents=True, exist_ok=True)
+        if setting.engine == "native":
+            return
+        options = {"kernel": setting.kernel, "ranks": setting.ranks}
+        options |= {"dump_format": setting.dump_format, "header": setting.header}
+        if resume is None:
+            path = write_script(scene, job.folder, **options)
+        else:
+            present, removed = resume.result.present, resume.result.removed
+            checkpoint = {"step": resume.step, "removed": resume.removed}
+            checkpoint["poured"] = present + removed - len(scene.positions)
+            (job.folder / "in.resume.lammps").unlink(missing_ok=True)  # it may have other names
+            path = write_continuation(scene, job.folder, **checkpoint, **options)
+        if setting.script is not None:
+            path.write_text(setting.script)
+        make_ready(job)
 
 
 def _without_result(job: Job, child: Child) -> RunResult:
@@ -133,9 +124,7 @@ def _without_result(job: Job, child: Child) -> RunResult:
         return _from_outside(found, job, again)
     reason = "it was ended by force, so its state was not saved"
     return replace(
-        found,
-        status="interrupted",
-        message=interruption(last.time, scene.time(scene.steps), job.folder, again=again, reason=reason),
+        found, status="interrupted", message=interruption(scene, last.step, job.folder, again=again, reason=reason)
     )
 
 

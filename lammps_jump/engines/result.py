@@ -7,6 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from lammps_jump.scene.scene import Scene
+
+REPORT_SECONDS = 0.1
+"""Time from one report of an engine to the next."""
 MARK = "\x1e"
 """Begins the lines of a worker's output that are messages."""
 
@@ -91,13 +95,14 @@ class RunResult:
         return cls(**{**stored, "resumed": tuple(stored["resumed"])})
 
 
-def interruption(time: float, end: float, folder: object, *, again: float | None = None, reason: str = "") -> str:
+def interruption(scene: Scene, step: int, folder: object, *, again: float | None = None, reason: str = "") -> str:
     """What to tell the user of a run that was ended before its end: when, what is kept, how to go on.
 
     Parameters
     ----------
-    time, end : float
-        Simulated time reached, and of the end of the run, s.
+    scene : Scene
+    step : int
+        Steps done.
     folder : Path or str
     again : float, optional
         Simulated time of the checkpoint, from which the run can go on.
@@ -105,8 +110,8 @@ def interruption(time: float, end: float, folder: object, *, again: float | None
         Why it cannot, where there is no checkpoint.
     """
     kept = (
-        f"the run was ended at t = {time:.4g} s of {end:.4g} s; the frames up to there are kept "
-        f"in {folder}: `lammps-jump analyze {folder}` looks at them"
+        f"the run was ended at t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s; the frames up to there "
+        f"are kept in {folder}: `lammps-jump analyze {folder}` looks at them"
     )
     if again is not None:
         return (

@@ -36,6 +36,7 @@ from .summary import compose, write_summary
 log = logging.getLogger(__name__)
 CUT = "is cut off"
 """What the reader of dumps says of a torn frame."""
+STOPPED = "the analysis was stopped; the files of the run are kept, and `lammps-jump analyze {}` analyses them"
 NOT_ANALYSED = "the run is not analysed yet: `lammps-jump analyze` on its folder does that"
 
 
@@ -176,7 +177,7 @@ class Conclusion:
         check, packer = FrameCheck(self.case.scene()), runs.results.packer_for(self.case)
         with staging(folder) as stage:
             try:
-                with _told_how_to_go_on(folder):
+                with signals_end(STOPPED.format(folder)):
                     self._phase("reading")
                     whole = self.outputs if self.ended and not self.steady else {}
                     gathered = ahead.result(whole, self._read) if ahead else None
@@ -245,12 +246,10 @@ class Conclusion:
 
 
 @contextmanager
-def _told_how_to_go_on(folder: Path) -> Iterator[None]:
-    """Signals during the analysis of a run folder become a `RunInterrupted` that says what is left to do."""
+def signals_end(message: str) -> Iterator[None]:
+    """Signals while the block runs become a `RunInterrupted` that says what is left to do."""
     try:
         with terminate_as_interrupt():
             yield
     except KeyboardInterrupt:
-        raise RunInterrupted(
-            f"the analysis was stopped; the files of the run are kept, and `lammps-jump analyze {folder}` analyses them"
-        ) from None
+        raise RunInterrupted(message) from None

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from lammps_jump import folders
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
@@ -17,9 +18,8 @@ from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.result import RunResult
 from lammps_jump.engines.setting import Setting
-from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.errors import CaseError
 from lammps_jump.files import JOB_FILE, write_text
-from lammps_jump.folders import MARKER_FILE, Marker, claim, clear, locked, read_marker, require_ours, write_marker
 from lammps_jump.provenance import short_hash
 from lammps_jump.scene.scene import Scene
 
@@ -34,7 +34,7 @@ def default_folder(case: ReadCase) -> Path:
     """Where a case runs when no folder is named: ``runs/<stem of its file>``, its changed values behind that."""
     path = Path(case.source.file)
     stem = case.name if str(path) == "<case>" else path.stem
-    if path.name == "case.yaml" and (path.parent / MARKER_FILE).exists():
+    if path.name == "case.yaml" and (path.parent / folders.MARKER_FILE).exists():
         stem = path.absolute().parent.name
     changed = sorted("".join(text.split()) for text in case.source.overrides.values())
     name = ",".join([stem, *changed]).replace('"', "").replace("'", "")
@@ -44,7 +44,7 @@ def default_folder(case: ReadCase) -> Path:
 
 
 @contextmanager
-def run_folder(folder: Path, marker: Marker) -> Iterator[None]:
+def run_folder(folder: Path, marker: folders.Marker) -> Iterator[None]:
     """Hold a run folder, made where it is missing, as its only writer.
 
     Raises
@@ -52,24 +52,13 @@ def run_folder(folder: Path, marker: Marker) -> Iterator[None]:
     SetupError
         The folder cannot be made or written, is not ours, or another process writes to it.
     """
-    with _writable(folder):
-        require_ours(folder, marker)
+    with folders.writable(folder):
+        folders.require_ours(folder, marker)
         folder.mkdir(parents=True, exist_ok=True)
-    with locked(folder):
-        with _writable(folder):
-            claim(folder, marker)
+    with folders.locked(folder):
+        with folders.writable(folder):
+            folders.claim(folder, marker)
         yield
-
-
-@contextmanager
-def _writable(folder: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise SetupError(
-            f"{folder}: cannot be written ({error.strerror or error}); name another folder with --out, or "
-            "correct its permissions"
-        ) from None
 
 
 def case_text(case: ReadCase) -> str:
@@ -84,13 +73,13 @@ def _hashes(text: str) -> dict[str, str]:
     return {field.partition(":")[0]: hashlib.sha256(field.encode()).hexdigest()[:12] for field in fields}
 
 
-def write_folder(case: ReadCase, folder: Path, marker: Marker) -> None:
+def write_folder(case: ReadCase, folder: Path, marker: folders.Marker) -> None:
     """Write ``case.yaml``; what an earlier run left is removed. The engine's inputs are `write_inputs`'."""
-    with _writable(folder):
-        earlier = read_marker(folder)
+    with folders.writable(folder):
+        earlier = folders.read_marker(folder)
         # a job that runs here may be requeued: its file stays
-        clear(folder, set(earlier.files if earlier else ()) - {JOB_FILE})
-        write_marker(folder, marker)
+        folders.clear(folder, set(earlier.files if earlier else ()) - {JOB_FILE})
+        folders.write_marker(folder, marker)
         write_text(folder / "case.yaml", case_text(case))
 
 

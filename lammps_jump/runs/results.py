@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lammps_jump import folders
 from lammps_jump.analysis import draw as drawing
 from lammps_jump.analysis import quantities
 from lammps_jump.analysis.flow import Flow, from_scene
@@ -28,19 +29,7 @@ from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
 from lammps_jump.errors import CaseError, DumpError, SetupError
-from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, write_json, write_text
-from lammps_jump.folders import (
-    MARKER_FILE,
-    Marker,
-    claim,
-    clear,
-    locked,
-    publish,
-    read_marker,
-    require_ours,
-    require_replaceable,
-    staging,
-)
+from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, write_json, write_text, writes
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import visible
 
@@ -119,17 +108,19 @@ def analyse(
     `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`. `told` is called with
     what is done.
     """
-    quiet = not log.isEnabledFor(logging.INFO)
     asked = case.fields.analysis
-    options = {
-        "figures": asked.figures if has_page(case) else "none",
-        "film": asked.animation,
-        "quiet": quiet,
-        "watch": watch,
-        "gathered": gathered,
-        "told": told,
-    }
-    return quantities.analyse(flow_of(case), find_dump(folder), out, _wanted(case), **options)
+    return quantities.analyse(
+        flow_of(case),
+        find_dump(folder),
+        out,
+        _wanted(case),
+        figures=asked.figures if has_page(case) else "none",
+        film=asked.animation,
+        quiet=not log.isEnabledFor(logging.INFO),
+        watch=watch,
+        gathered=gathered,
+        told=told,
+    )
 
 
 def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
@@ -191,29 +182,29 @@ def analyse_dump(
         summary |= quantities.analyse(flow, path, stage, ("jump", "front"), watch=[packer])
         report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
         write_summary(stage, summary)
-        clear(folder, RESULT_FILES)
-        publish(stage, folder)
+        folders.clear(folder, RESULT_FILES)
+        folders.publish(stage, folder)
     return summary, folder
 
 
 @contextmanager
 def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
     """A `staging` folder in the folder of the results of a dump, made and held; without results nothing is left."""
-    marker = Marker("analysis", RESULT_FILES, {"dump": str(dump.absolute())})
+    marker = folders.Marker("analysis", RESULT_FILES, {"dump": str(dump.absolute())})
     new, fresh = not folder.exists(), False
     try:
-        require_ours(folder, marker)
+        folders.require_ours(folder, marker)
         folder.mkdir(parents=True, exist_ok=True)
-        with locked(folder):
-            fresh = claim(folder, marker)
-            found = read_marker(folder)
+        with folders.locked(folder):
+            fresh = folders.claim(folder, marker)
+            found = folders.read_marker(folder)
             if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
                 raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
-            with staging(folder) as stage:
+            with folders.staging(folder) as stage:
                 yield stage
     except BaseException as error:
         if fresh:
-            (folder / MARKER_FILE).unlink(missing_ok=True)
+            (folder / folders.MARKER_FILE).unlink(missing_ok=True)
         if new and folder.is_dir():
             folder.rmdir()
         if isinstance(error, OSError):
@@ -245,8 +236,8 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or path.parent / "animation.mp4"
     written = destination if drawing.film.has_ffmpeg() else destination.with_suffix(".gif")
-    require_replaceable(written)
-    with locked(path.parent) if out is None and read_marker(path.parent) else nullcontext():
+    folders.require_replaceable(written)
+    with folders.locked(path.parent) if out is None and folders.read_marker(path.parent) else nullcontext():
         drawing.film.animate(open_dump(path), _flow(path, case), written, fps=fps, forces=forces)
     if written != destination:
         log.info(f"note: {drawing.film.NO_FFMPEG}")
@@ -319,10 +310,8 @@ def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], ReadCase
         compare.Side(name, summary, report.curves(folder), make_player(packed(case, folder), folder))
         for name, folder, summary, case in runs
     ]
-    try:
+    with writes(path):
         return write_text(path, compare.comparison(*sides))
-    except OSError as error:
-        raise DumpError(f"{path}: the page cannot be written ({error.strerror}).") from error
 
 
 def write_player(folder: Path, packer: FramePacker) -> None:
@@ -333,11 +322,7 @@ def write_player(folder: Path, packer: FramePacker) -> None:
 
 
 def write_report(
-    folder: Path,
-    summary: Mapping[str, Any],
-    case: ReadCase,
-    packer: FramePacker,
-    path: str | Path | None = None,
+    folder: Path, summary: Mapping[str, Any], case: ReadCase, packer: FramePacker, path: str | Path | None = None
 ) -> Path:
     """Write the report of a run folder, by default as its ``report.html``."""
     name = "report.html" if path is None else str(Path(path).absolute())

@@ -8,32 +8,25 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines.checkpoint import Checkpoint
-from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
-from lammps_jump.errors import CaseError, RunError, RunInterrupted, SetupError
+from lammps_jump.errors import CaseError, RunError, SetupError
 from lammps_jump.files import RESULT_FILES
-from lammps_jump.folders import (
-    MARKER_FILE,
-    clear,
-    locked,
-    read_marker,
-    require_ours,
-    require_unlocked,
-)
+from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_ours, require_unlocked
 from lammps_jump.script.job import Site, write_job
 
 from .ahead import Ahead
-from .conclude import Conclusion
+from .conclude import Conclusion, signals_end
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
-from .state import ToDo, difference, has_output, marker_of, resumable, to_do, to_resume
+from .state import difference, has_output, left_to_do, marker_of, resumable
 from .summary import SUMMARY_FILE, read_summary
 
 log = logging.getLogger(__name__)
@@ -59,29 +52,22 @@ def start(
         raise CaseError("--resume goes on with a run, --force starts a new one: use one of the two")
     case, setting, notes = choose_setting(case)
     require_unlocked(folder)
-    if _left_to_do(case, folder, setting, force=force, resume=resume) == "nothing":
+    ask = partial(left_to_do, case, folder, setting, force=force, resume=resume)
+    if ask() == "nothing":
         stored = read_summary(folder)
         log.info(
             f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
             "of computing): nothing to do. --force runs it again."
         )
         return
-    with _signals_say(folder), run_folder(folder, marker_of(case, setting)):
-        left = _left_to_do(case, folder, setting, force=force, resume=resume)  # another process may have been there
+    ended = f"{folder}: ended by a signal; the same command with --resume goes on"
+    with signals_end(ended), run_folder(folder, marker_of(case, setting)):
+        left = ask()  # again: another process may have been there
         if left == "run":
             _run(case, folder, setting, notes, resume, begin, progress, should_stop)
         elif left == "analyse":
             log.info(f"{folder} already holds this run: only its analysis is made. --force runs it again.")
             _reanalyse(case, folder, setting, notes)
-
-
-def _left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool, resume: bool) -> ToDo:
-    if resume:
-        return to_resume(case, folder, setting)
-    if not force:
-        return to_do(case, folder, setting)
-    require_ours(folder, marker_of(case, setting))
-    return "run"
 
 
 def _run(
@@ -235,16 +221,6 @@ def _run_engine(
     if watch is not None and watch.reason and result.status == "interrupted":
         return replace(result, status="complete", message=""), watch.reason
     return result, ""
-
-
-@contextmanager
-def _signals_say(folder: Path) -> Iterator[None]:
-    """A signal before the engine runs, or behind it, becomes a `RunInterrupted` that says how to go on."""
-    try:
-        with terminate_as_interrupt():
-            yield
-    except KeyboardInterrupt:
-        raise RunInterrupted(f"{folder}: ended by a signal; the same command with --resume goes on") from None
 
 
 @contextmanager

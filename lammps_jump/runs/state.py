@@ -33,34 +33,58 @@ def marker_of(case: ReadCase, setting: Setting) -> Marker:
     return Marker("run", (*OWN_FILES, *force_tables(f"force_{name}.csv" for name in probes)), about)
 
 
-def to_do(case: ReadCase, folder: Path, setting: Setting) -> ToDo:
+def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = False, resume: bool = False) -> ToDo:
     """What is left to be done for a case in a folder. Nothing is written.
+
+    Parameters
+    ----------
+    force : bool
+        A run that the folder holds is to be deleted.
+    resume : bool
+        A run that can go on is to: 'run' from its checkpoint, without one from its beginning.
 
     Raises
     ------
     SetupError
         The folder is not ours, or holds another run, or one that has not come to its end.
+    ResumeError
+        The run that is to go on is of another case, or one that failed and would fail again.
     DumpError
         Its summary is none.
     """
     require_ours(folder, marker_of(case, setting))
     marker = read_marker(folder)
-    if marker is None or not has_output(folder):
+    if force or marker is None or not has_output(folder):
         return "run"
-    if found := difference(case, setting, marker):
+    if resume and not (folder / "case.yaml").exists():
+        raise ResumeError(f"{folder}: holds no run that could go on, for its case.yaml is gone; {ANEW}")
+    found = difference(case, None if resume else setting, marker)
+    if found and resume:
+        raise ResumeError(
+            f"{folder}: the run there differs from the case that was asked for ({found}), so it cannot go on as that "
+            f"case; `lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
+        )
+    if found:
         raise SetupError(
             f"{folder}: holds another run ({found}); name another folder with --out, or delete that run with --force"
         )
     stored = read_summary(folder)
     status = _status(case, folder, setting, stored)
-    if status in ("interrupted", "failed"):
-        goes_on = "--resume goes on with it, " if has_checkpoint(folder) else ""
-        was = {"interrupted": "was interrupted", "failed": "failed"}[status]
-        raise SetupError(
-            f"{folder}: holds a run of this case that {was}; {goes_on}--force deletes it and starts anew, --out names "
-            "another folder"
+    if status in ("complete", "unchecked"):
+        return "nothing" if is_analysed(case, folder, stored) else "analyse"
+    if resume and (status == "interrupted" or stored.get("can_go_on")):
+        return "run"
+    if resume:
+        raise ResumeError(
+            f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
+            "new run"
         )
-    return "nothing" if is_analysed(case, folder, stored) else "analyse"
+    goes_on = "--resume goes on with it, " if has_checkpoint(folder) else ""
+    was = {"interrupted": "was interrupted", "failed": "failed"}[status]
+    raise SetupError(
+        f"{folder}: holds a run of this case that {was}; {goes_on}--force deletes it and starts anew, --out names "
+        "another folder"
+    )
 
 
 def _status(case: ReadCase, folder: Path, setting: Setting, stored: Mapping[str, Any]) -> str:
@@ -126,39 +150,6 @@ def _leaves(tree: object, path: str = "") -> Iterator[tuple[str, object]]:
             yield from _leaves(item, f"{path}.{key}".lstrip("."))
     elif path:
         yield path, tree
-
-
-def to_resume(case: ReadCase, folder: Path, setting: Setting) -> ToDo:
-    """What is left to be done where a run is to go on: 'run' from its checkpoint, without one from its beginning.
-
-    Raises
-    ------
-    ResumeError
-        The folder holds the run of another case, or one that failed and would fail again.
-    SetupError, DumpError
-        As of `to_do`.
-    """
-    require_ours(folder, marker_of(case, setting))
-    marker = read_marker(folder)
-    if marker is None or not has_output(folder):
-        return "run"
-    if not (folder / "case.yaml").exists():
-        raise ResumeError(f"{folder}: holds no run that could go on, for its case.yaml is gone; {ANEW}")
-    if found := difference(case, None, marker):
-        raise ResumeError(
-            f"{folder}: the run there differs from the case that was asked for ({found}), so it cannot go on as that "
-            f"case; `lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
-        )
-    stored = read_summary(folder)
-    status = _status(case, folder, setting, stored)
-    if status == "failed" and not stored.get("can_go_on"):
-        raise ResumeError(
-            f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
-            "new run"
-        )
-    if status in ("complete", "unchecked"):
-        return "nothing" if is_analysed(case, folder, stored) else "analyse"
-    return "run"
 
 
 def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint | None:

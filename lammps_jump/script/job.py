@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import shlex
+import signal
 from pathlib import Path
 from typing import Annotated
 
@@ -23,6 +24,7 @@ DISC_STEPS_PER_SECOND = 10e6
 """Stock script on one core, deliberately low: a run that reaches its limit waits for the queue once more."""
 INTERRUPTED = 75
 """Exit status of an interrupted run that can go on."""
+KILLED_BY_USR1 = 128 + signal.SIGUSR1
 NOTICE = 120
 """Seconds before the time limit at which Slurm sends USR1; it may come 60 s earlier, or 30 s late."""
 
@@ -123,20 +125,23 @@ def run_and_requeue(command: str, site: Site) -> str:
     """Lines that run a command, hand signals on to it, and requeue the job where its time has ended."""
     return "\n".join(
         [
-            *site.commands,
             f"# USR1 comes before the time limit: the run saves its state, ends with {INTERRUPTED}, is requeued.",
+            f"# A program that is still being started ends with {KILLED_BY_USR1}.",
             "# TERM comes from scancel: the run saves its state, and the job ends.",
-            "signalled=",
-            *(f"trap 'signalled={name}; kill -{name} $!' {name}" for name in ("USR1", "TERM")),
-            f"{command} &",
+            "signalled= child=",
+            *(f"trap 'signalled={name}; [ -z \"$child\" ] || kill -{name} $child' {name}" for name in ("USR1", "TERM")),
+            *site.commands,
+            f'if [ -z "$signalled" ]; then {command} & else (exit {INTERRUPTED}) & fi',
             "child=$!",
+            '[ -z "$signalled" ] || kill -"$signalled" "$child" 2>/dev/null # it came before the line above',
             'wait "$child"',
             'while kill -0 "$child" 2>/dev/null; do wait "$child"; done',
             'wait "$child" # once more: a signal ends a wait with another status',
             "status=$?",
-            f'if [ "$status" = {INTERRUPTED} ] && [ "$signalled" = USR1 ]; then',
+            f'case "$signalled $status" in "USR1 {INTERRUPTED}" | "USR1 {KILLED_BY_USR1}")',
             '    scontrol requeue "${SLURM_ARRAY_JOB_ID:-$SLURM_JOB_ID}${SLURM_ARRAY_TASK_ID:+_$SLURM_ARRAY_TASK_ID}"',
-            "fi",
+            "    ;;",
+            "esac",
             'exit "$status"',
             "",
         ]

@@ -42,7 +42,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
     first = stock.first_step(scene)
     pours = replace(scene, pours=rest_of_pours(scene, poured), seed=(scene.seed + step) % MOST_SEED)
     sizes = how.style.own_sizes(scene)  # the last poured discs may still wait for theirs
-    schedule = stock.schedule(scene, how.style.gates(scene), how.style.own_sizes(scene), how.kernel)
+    schedule = stock.schedule(scene, how.style.gates(scene), sizes, how.kernel)
     if step <= first:  # gates are still closed, or inlets wait
         at = schedule.index(f"run             {first}")
         gates, run = schedule[:at], [f"run             {first} upto pre no", *schedule[at + 1 :]]

@@ -269,7 +269,7 @@ def schedule(scene: Scene, gates: list[str], sizes: list[str], kernel: str) -> l
     change = [*(f"unfix           {name}" for name in fix_names(gates)), *inlets(scene, sizes)]
     rest = f"run             {scene.steps - first}"
     if len(scene.positions):
-        change = [*half_step_back(scene, kernel), *change, "run             0 post no", *half_step(scene, kernel)]
+        change = [*half_step(scene, kernel, "-"), *change, "run             0 post no", *half_step(scene, kernel)]
         return [*gates, f"run             {first}", *change, f"{rest} pre no"]
     # without a disc LAMMPS knows no cutoff and makes too many bins
     bins = f"neigh_modify    binsize {number(0.5 * (scene.largest + scene.skin))}"
@@ -305,8 +305,3 @@ def half_step(scene: Scene, kernel: str, sign: str = "+") -> list[str]:
             "unfix           turning",
         ]
     return lines
-
-
-def half_step_back(scene: Scene, kernel: str) -> list[str]:
-    """Commands before a restart file is written; see `lammps_jump.script.resume`."""
-    return half_step(scene, kernel, "-")

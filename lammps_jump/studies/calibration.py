@@ -25,36 +25,20 @@ from lammps_jump.sweeps import Pool, run_starts
 from lammps_jump.sweeps.store import Say, Store
 
 from .sensitivity import JUMP_CASE, QUICK_CHANGES, starts_of
-from .table import filled, markdown
+from .table import markdown
 
 Candidate = Mapping[str, float]
 GRIDS: dict[str, tuple[float, ...]] = {
     "restitution": (0.05, 0.2, 0.5, 0.8, 0.95),
     "friction": (0.0, 0.01, 0.03, 0.1),
     "penetration_fraction": (5.0, 10.0, 20.0),
-    "sill": (0.6, 0.9, 1.2, 1.5, 1.8),
+    "sill": (0.6, 0.8, 1.0, 1.2, 1.4),
 }
-START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.2}
-QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.2,)}
+START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.0}
+QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.0,)}
 
-COLUMN = {
-    "name": "martin_moyce",
-    "description": "column of aspect 2, for Martin & Moyce's table",
-    "gravity": 9.81,
-    "discs": {"diameter": 0.1, "density": 1000},
-    "contact": {"restitution": 0.2, "friction": 0, "penetration_fraction": 10, "impact_speed": 8.86},
-    "domain": {"x": [-1, 40], "y": [-1, 12]},
-    "walls": [
-        {"name": "back", "kind": "plane", "axis": "x", "at": 0, "side": "above"},
-        {"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"},
-    ],
-    "initial": [{"kind": "column", "x": [0, 2], "y": [0, 4], "hydrostatic": True, "jitter": 0.001, "gate": True}],
-    "outflow": [{"x_beyond": 35}],
-    "run": {"duration": 1.25, "time_step_fraction": 0.1, "output_interval": 0.02, "seed": 1},
-    "analysis": {"bin_width": 0.5, "front": True},
-}
-
-
+COLUMN_CASE = Path(__file__).with_name("column.yaml")
+"""The collapsing column of Martin & Moyce."""
 Row = dict[str, Any]
 """A candidate that was tried: its values (e, ks, n and height of the sill, m); ``depth``, ``length`` and ``front``, the
 relative distances from Bélanger, the USBR curve, and Martin & Moyce; ``distance``, their root mean square; ``jumps``,
@@ -68,7 +52,7 @@ def distances(candidate: Candidate, folder: Path, pool: Pool, *, quick: bool, me
     column = {**({"discs.diameter": 0.2} if quick else {}), **contact}
     jumps, columns = (
         run_starts(case, starts_of(case, changes, members), folder, pool, fresh=fresh)
-        for case, changes in ((load_case(JUMP_CASE), jump), (load_case(COLUMN), column))
+        for case, changes in ((load_case(JUMP_CASE), jump), (load_case(COLUMN_CASE), column))
     )
     found = [run.jump for run in jumps if run.jump]
     without = [1.0] * (len(jumps) - len(found))
@@ -83,13 +67,7 @@ def distances(candidate: Candidate, folder: Path, pool: Pool, *, quick: bool, me
     return {**candidate, **means, "distance": total, "jumps": f"{len(found)} of {len(jumps)}"}
 
 
-def run_calibration(
-    out: Path | None = None,
-    *,
-    quick: bool = False,
-    fresh: bool = False,
-    say: Say = print,
-) -> str:
+def run_calibration(out: Path | None = None, *, quick: bool = False, fresh: bool = False, say: Say = print) -> str:
     """Search and return the table of every candidate tried, best first.
 
     Parameters
@@ -110,14 +88,31 @@ def run_calibration(
         if key not in tried:
             options = {"quick": quick, "members": 1 if quick else 3, "fresh": fresh}
             tried[key] = distances(candidate, folder, pool, **options)
-            say("  " + describe(tried[key]))
+            say("  " + SAID.format_map(tried[key]))
         return tried[key]["distance"]
 
     with Pool(usable_cores()) as pool:
         best = search(distance, START, QUICK_GRIDS if quick else GRIDS)
     rows = sorted(tried.values(), key=lambda row: row["distance"])
     store = Store(folder / "calibrate.json", fresh=True)
-    return store.finish(calibration_table(rows), best=tried[tuple(best.values())], rows=rows)
+    return store.finish(markdown(COLUMNS, rows) + "\n", best=tried[tuple(best.values())], rows=rows)
+
+
+SAID = (
+    "e = {restitution:g}, ks = {friction:g}, n = {penetration_fraction:g}, sill {sill:g} m: distance {distance:.1%} "
+    "(depth {depth:.1%}, length {length:.1%}, front {front:.1%}; {jumps} with a jump)"
+)
+COLUMNS = {
+    "e:": "{restitution:g}",
+    "ks:": "{friction:g}",
+    "n:": "{penetration_fraction:g}",
+    "sill (m):": "{sill:g}",
+    "distance:": "{distance:.1%}",
+    "sequent depth:": "{depth:.1%}",
+    "length:": "{length:.1%}",
+    "Martin & Moyce:": "{front:.1%}",
+    "jumps": "{jumps}",
+}
 
 
 def search(distance: Callable[[Candidate], float], start: Candidate, grids: Mapping[str, Sequence[float]]) -> Candidate:
@@ -131,20 +126,3 @@ def search(distance: Callable[[Candidate], float], start: Candidate, grids: Mapp
                 best = other if distance(other) < distance(best) else best
         if best == before:
             return best
-
-
-def describe(row: Row) -> str:
-    """Return one line on a candidate."""
-    shares = {name: 100 * row[name] for name in ("distance", "depth", "length", "front")}
-    return (
-        "e = {restitution:g}, ks = {friction:g}, n = {penetration_fraction:g}, sill {sill:g} m: distance "
-        "{distance:.1f} % (depth {depth:.1f}, length {length:.1f}, front {front:.1f}; {jumps} with a jump)"
-    ).format_map(row | shares)
-
-
-def calibration_table(rows: list[Row]) -> str:
-    """Return the Markdown table, best first."""
-    law = "{restitution:g}|{friction:g}|{penetration_fraction:g}|{sill:g}"
-    lines = filled(law + "|{distance:.1%}|{depth:.1%}|{length:.1%}|{front:.1%}|{jumps}", rows)
-    head = ["e", "ks", "n", "sill (m)", "distance", "sequent depth", "length", "Martin & Moyce", "jumps"]
-    return markdown(head, "rrrrrrrrl", lines) + "\n"

@@ -2,7 +2,7 @@
 """``lammps-jump sensitivity``: the jump against disc size, restitution, friction, stiffness, Froude number and sill.
 
 The thesis' recommendation 1. Every study changes one value of a base case, the frictionless ``quick_jump`` (a jet of
-0.6 m at 10 m/s against a 1.2 m sill). It measures the jump in the frame of its moving front, from a few slightly moved
+0.6 m at 10 m/s against a 1 m sill). It measures the jump in the frame of its moving front, from a few slightly moved
 starts. The runs are kept: an interrupted study continues. The tables are in ``sensitivity.json`` too.
 """
 
@@ -17,7 +17,7 @@ from pathlib import Path
 import pandas as pd
 
 from lammps_jump import Case, load_case
-from lammps_jump.analysis.draw.style import drawing, save
+from lammps_jump.analysis.draw.style import BLUE, GREY, RED, drawing, save
 from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_cores, usable_kernels
 from lammps_jump.files import plain
@@ -27,11 +27,10 @@ from lammps_jump.sweeps.store import Say, Store
 
 from .runs import middle
 from .settings import Setting, listed, reference_setting, stable
-from .table import markdown, number, percent
+from .table import markdown, with_error
 
 DEPTH, GRAVITY = 0.6, 9.81
 BASE_FROUDE = theory.froude(10.0, DEPTH, GRAVITY)
-BLUE, GREY, RED = "#33508f", "#7d7c78", "#b03a2e"
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ NUMBERS = ("froude", "sequent_ratio", "belanger_ratio", "density_ratio", "length
 
 
 def _froude(froude: float) -> dict[str, object]:
-    """Return another speed of the same jet; channel, time and sill grow with the jump that is to be expected."""
+    """Return another speed of the same jet in a dry channel; it, time and sill grow with the jump that is expected."""
     speed = froude * sqrt(GRAVITY * DEPTH)
     y2 = theory.sequent_depth(speed, DEPTH, GRAVITY)
     reach = max(20.0, 5.0 * y2)  # jumps of discs are about y2 long; those of water would not fit
@@ -75,6 +74,7 @@ def _froude(froude: float) -> dict[str, object]:
     # the bore travels upstream at about (discharge held back)/(y2 - y1): a third of the channel in this time
     duration = reach / speed + 0.4 * reach * (y2 - DEPTH) / (0.65 * speed * DEPTH)
     return {
+        "initial": [],
         "inflow.mean_speed": speed,
         "contact.impact_speed": speed,
         "walls.floor.x": [-5, reach + 0.2],
@@ -104,11 +104,10 @@ STUDIES = {
               lambda n: {"contact.penetration_fraction": n}, 10.0),
         Study("froude", "inflow Froude number", (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), (3.0,), _froude, BASE_FROUDE,
               costly=7.0),
-        Study("sill", "sill height over inflow depth", (1.0, 1.5, 2.0, 2.5, 3.0), (2.0,),
-              lambda s: {"walls.sill.y": [-5, s * DEPTH]}, 2.0),
+        Study("sill", "sill height (m)", (0.6, 0.8, 1.0, 1.2, 1.4), (1.0,), lambda s: {"walls.sill.y": [-5, s]}, 1.0),
     )
 }  # fmt: skip
-QUICK_CHANGES = {"discs.diameter": 0.2, "run.duration": 5, "analysis.window": [3.5, 5], "run.output_interval": 0.1}
+QUICK_CHANGES = {"discs.diameter": 0.2}
 
 
 JUMP_CASE = scene_folder() / "quick_jump.yaml"
@@ -116,12 +115,7 @@ JUMP_CASE = scene_folder() / "quick_jump.yaml"
 
 
 def run_sensitivity(
-    out: Path | None = None,
-    *,
-    quick: bool = False,
-    only: str | None = None,
-    fresh: bool = False,
-    say: Say = print,
+    out: Path | None = None, *, quick: bool = False, only: str | None = None, fresh: bool = False, say: Say = print
 ) -> str:
     """Run all studies, or those named in `only`; returns their tables as Markdown.
 
@@ -149,7 +143,8 @@ def run_sensitivity(
         for name in names:
             rows[name] = run_study(STUDIES[name], folder, pool, quick=quick, fresh=fresh, say=say)
             draw_study(STUDIES[name], rows[name], folder / f"sensitivity_{name}.png")
-    table = "\n".join(study_table(STUDIES[name], rows[name]) for name in names)
+    heading = "### {0.label} (base {0.base:.3g})\n\n"
+    table = "\n".join(heading.format(STUDIES[name]) + markdown(COLUMNS, found) + "\n" for name, found in rows.items())
     return store.finish(table, studies={**store.data.get("studies", {}), **rows})
 
 
@@ -161,12 +156,10 @@ def run_study(study: Study, folder: Path, pool: Pool, *, quick: bool, fresh: boo
         value, member = values[made.start.point], made.start.seed - base.fields.run.seed
         say(f"  {study.label} = {value:g}, start {member + 1}: {made.message or made.outcome}")
 
-    starts = [
-        start
-        for point, value in enumerate(values)
-        # runs of minutes are made twice; large numbers of discs scatter less
-        for start in starts_of(base, study.changes(value), 1 if quick else (2 if value >= study.costly else 4), point)
-    ]
+    starts: list[Start] = []
+    for point, value in enumerate(values):  # runs of minutes are made twice; large numbers of discs scatter less
+        members = 1 if quick else (2 if value >= study.costly else 4)
+        starts += starts_of(base, study.changes(value), members, point)
     made = run_starts(base, starts, folder, pool, fresh=fresh, said=said)
     return [summarise_runs(v, [one for one in made if one.start.point == point]) for point, v in enumerate(values)]
 
@@ -198,41 +191,38 @@ PANELS = (
     ("speed", "speed of the front (m/s)", "", ""),
 )
 """Panels of the figure: number, title, and the theory beside it with its label."""
-
-
-def study_table(study: Study, rows: list[Row]) -> str:
-    """Return the heading and the Markdown table of one study."""
-    lines = []
-    for row in rows:
-        names = ("froude", "sequent_ratio", "belanger_ratio", "length_over_y2", "speed")
-        froude, ratio, expected, length, speed = (number(row[name], 2, row[f"{name}_error"]) for name in names)
-        found = ", ".join(f"{count} {word}" for word, count in row["verdicts"].items())
-        numbers = [froude, ratio, expected, percent(row["deviation"], 1, "+"), length, number(row["usbr"]), speed]
-        lines.append([f"{row['value']:g}", found, *numbers, number(row["seconds"], 1)])
-    head = "value|found|Fr, front's frame|y2/y1|Bélanger|deviation|L/y2|USBR|front (m/s)|CPU (s)".split("|")
-    return f"### {study.label} (base {study.base:.3g})\n\n{markdown(head, 'rlrrrrrrrr', lines)}\n"
+COLUMNS = {
+    "value:": "{value:g}",
+    "found": lambda row: ", ".join(f"{count} {word}" for word, count in row["verdicts"].items()),
+    "Fr, front's frame:": with_error("froude"),
+    "y2/y1:": with_error("sequent_ratio"),
+    "Bélanger:": with_error("belanger_ratio"),
+    "deviation:": "{deviation:+.1%}",
+    "L/y2:": with_error("length_over_y2"),
+    "USBR:": "{usbr:.2f}",
+    "front (m/s):": with_error("speed"),
+    "CPU (s):": "{seconds:.1f}",
+}
 
 
 def draw_study(study: Study, rows: list[Row], path: Path) -> None:
     """Draw three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
     table = pd.DataFrame(rows).drop(columns="verdicts").astype(float)
+    none = table.value[table.sequent_ratio.isna()]
     with drawing(8.6, 2.9, 1, 3) as (figure, axes):
+        axes[2].axhline(0, color="#999999", linewidth=0.8)
         for panel, (name, title, theory_name, label) in zip(axes, PANELS, strict=True):
             found = table.dropna(subset=name)
             errors = found[f"{name}_error"].fillna(0.0)
             panel.errorbar(found.value, found[name], yerr=errors, fmt="o-", color=BLUE, capsize=2, label="discs")
-            panel.set_title(title)
             if theory_name:
                 found = found.dropna(subset=theory_name)
                 panel.plot(found.value, found[theory_name], "s--", color=GREY, markerfacecolor="white", label=label)
-        axes[2].axhline(0, color="#999999", linewidth=0.8)
-        for panel in axes:
-            panel.set_xlabel(study.label)
+            panel.set(title=title, xlabel=study.label)
             if study.name in ("diameter", "stiffness"):
                 panel.set_xscale("log")
                 panel.set_xticks(table.value, [f"{value:g}" for value in table.value])
                 panel.minorticks_off()
-            none = table.value[table.sequent_ratio.isna()]
             low = panel.get_ylim()[0]
             if len(none):
                 panel.plot(none, [low] * len(none), "x", color=RED, clip_on=False, label="no jump found")

@@ -1,33 +1,57 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The tables of all studies: one Markdown function, and its view on a terminal."""
+"""The tables of all studies in Markdown, made of records, and their view on a terminal."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
+from string import Formatter
+from typing import Any
 
-RULES = {"l": "---", "r": "---:"}
+Column = str | Callable[[Any], object]
 
 
-def markdown(head: Sequence[str], align: str, rows: Iterable[Sequence[object]]) -> str:
-    """Return a Markdown table, without an end of line after its last row.
+class _Cells(Formatter):
+    """Formats the values of a record, with a space before ``%``."""
+
+    def __init__(self, absent: str):
+        self.absent = absent
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        return self.absent if value is None else super().format_field(value, format_spec).replace("%", " %")
+
+
+def cells(
+    columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]], absent: str = "-"
+) -> tuple[list[list[Any]], list[str]]:
+    """Return the cells of a table of records, and the titles of its columns.
 
     Parameters
     ----------
-    head : sequence of str
-        Titles of the columns.
-    align : str
-        ``l`` or ``r`` for each column.
-    rows : iterable of sequence
-        Cells of each row.
+    columns : mapping of str to str or callable
+        By the title of a column what makes a cell of a row: a template (``{engine}, {share:.1%}``) or a function. An
+        empty template takes what the row holds under the title. Titles that end with a colon are aligned right.
+    rows : iterable of mapping
+    absent : str
+        Stands for None.
     """
-    first, *others = ("|" + "|".join(f" {cell} " if cell != "" else " " for cell in row) + "|" for row in (head, *rows))
-    return "\n".join([first, "|" + "|".join(RULES[letter] for letter in align) + "|", *others])
+    formatter = _Cells(absent)
+
+    def cell(title: str, column: Column, row: Mapping[str, Any]) -> object:
+        if callable(column):
+            return column(row)
+        return formatter.vformat(column, (), row) if column else row.get(title, absent)
+
+    titled = [(title.removesuffix(":"), column) for title, column in columns.items()]
+    return [[cell(*one, row) for one in titled] for row in rows], [title for title, _ in titled]
 
 
-def filled(template: str, rows: Iterable[Mapping[str, object]]) -> list[list[str]]:
-    """Return the cells of each row: ``{engine}|{mean:+.1%}`` with the values of the row in it."""
-    return [template.format_map(row).replace("%", " %").split("|") for row in rows]
+def markdown(columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]]) -> str:
+    """Return the `cells` of a table in Markdown, without an end of line after its last row."""
+    lines, titles = cells(columns, rows)
+    first, *others = ("|" + "|".join(f" {c} " if c != "" else " " for c in line) + "|" for line in (titles, *lines))
+    rules = ("---:" if title.endswith(":") else "---" for title in columns)
+    return "\n".join([first, f"|{'|'.join(rules)}|", *others])
 
 
 def show(text: str) -> None:
@@ -41,17 +65,17 @@ def show(text: str) -> None:
     Console().print(Markdown(text))
 
 
-def percent(share: float | None, digits: int | None = None, sign: str = "") -> str:
-    """Return a share in per cent, ``-`` for None; two decimals below 10 % and none above where `digits` is None."""
-    if share is None:
-        return "-"
-    if digits is None:
-        digits = 2 if abs(share) < 0.1 else 0
-    return f"{100 * share:{sign}.{digits}f} %"
+def percent(share: float | None) -> str:
+    """Return a share in per cent with two decimals below 10 % and none above, ``-`` for None."""
+    return "-" if share is None else f"{100 * share:.{2 if abs(share) < 0.1 else 0}f} %"
 
 
-def number(value: float | None, digits: int = 2, error: float | None = None) -> str:
-    """Return a number with fixed decimals, and its standard error where there is one; ``-`` for None."""
-    if value is None:
-        return "-"
-    return f"{value:.{digits}f}" + ("" if error is None else f" ± {error:.{digits}f}")
+def with_error(name: str, digits: int = 2) -> Callable[[Mapping[str, Any]], str]:
+    """Return a column of a number with fixed decimals, and ``<name>_error`` behind it where there is one."""
+
+    def cell(row: Mapping[str, Any]) -> str:
+        value, error = row[name], row[f"{name}_error"]
+        shown = "-" if value is None else f"{value:.{digits}f}"
+        return shown if value is None or error is None else f"{shown} ± {error:.{digits}f}"
+
+    return cell

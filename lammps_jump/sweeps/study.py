@@ -236,10 +236,10 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
 
 
 def _usual(case: Case) -> Iterator[str]:
-    """Paths of what is shown of a case on the screen."""
+    """Paths of what is shown of a case on the screen, but for times of a peak: their means have no interval."""
     asked = case.fields.analysis
     for name, quantity in QUANTITIES.items():
-        keys = [n.key for n in numbers_of(quantity.result).values() if n.label != n.meaning]
+        keys = [n.key for n in numbers_of(quantity.result).values() if n.label != n.meaning and n.unit != "s"]
         parents = [f"force.{probe}" for probe in case.fields.probes.forces] if name == "force" else [name]
         if getattr(asked, name, False) or name == "force":
             yield from (f"{parent}.{key}" for parent in parents for key in keys)

@@ -121,15 +121,12 @@ def test_what_is_given_is_not_guessed(tmp_path):
     c = from_dump(
         write(tmp_path / "dump", x, 0 * x + 1, radius=0 * x + 0.05),
         density=900,
-        gravity=9.81,
-        slope=30,
-        floor=0.0,
-        x_range=(0, 3),
+        bin_width=0.3,
         time_step=1e-4,
     )
-    assert c.scene.diameter == pytest.approx(0.1) and c.scene.mass == pytest.approx(9.0) and c.x_range == (0, 3)
-    assert c.scene.gravity == pytest.approx((9.81 / 2, -9.81 * np.sqrt(3) / 2))
-    assert not any(word in note for note in c.notes for word in ("Density", "Gravity", "Floor", "Profiles"))
+    assert c.scene.diameter == pytest.approx(0.1) and c.scene.mass == pytest.approx(9.0)
+    assert c.bin_width == 0.3 and c.time_step == 1e-4
+    assert not any(word in note for note in c.notes for word in ("Density", "step numbers"))
     mixed = from_dump(write(tmp_path / "mixed", x, 0 * x + 1, diameter=np.array([0.1, 0.3]), mass=np.array([2.0, 4.0])))
     # the nominal disc is that of mean mass
     assert mixed.scene.diameter == pytest.approx(np.sqrt(0.05)) and mixed.scene.mass == 3.0 and mixed.sized
@@ -160,7 +157,7 @@ def test_what_cannot_be_guessed_is_an_error(tmp_path):
         from_dump(write(tmp_path / "b", one, one))
     with pytest.raises(DumpError, match="on top of each other"):
         from_dump(write(tmp_path / "c", np.array([1.0, 1.0]), np.array([1.0, 1.0])))
-    for bad in ({"diameter": -1}, {"density": 0}, {"stiffness": float("nan")}, {"bin_width": 0}, {"time_step": -1}):
+    for bad in ({"diameter": -1}, {"density": 0}, {"density": float("nan")}, {"bin_width": 0}, {"time_step": -1}):
         with pytest.raises(DumpError, match=next(iter(bad))):
             from_dump(write(tmp_path / "d", one, one), **bad)
     assert isinstance(from_dump(write(tmp_path / "e", one, one), diameter=0.2), Flow)

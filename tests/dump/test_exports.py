@@ -71,7 +71,7 @@ def vtk_array(element):
 
 
 def test_fields_as_a_vtk_image(tmp_path):
-    fields = compute_fields(frame(), CONTEXT, y=(0.0, 0.5))
+    fields = compute_fields(frame(), CONTEXT, x=CONTEXT.x_range, y=(0.0, 0.5))
     root = ET.parse(write_vti(fields, tmp_path / "f.vti")).getroot()
     image = root.find("ImageData")
     ny, nx = fields.density.shape

@@ -9,6 +9,7 @@ import os
 import random
 import shutil
 from contextlib import suppress
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,7 +23,6 @@ from lammps_jump.engines.checkpoint import (
     CHECKPOINT_FILE,
     PREVIOUS_FILE,
     CheckpointWriter,
-    Pace,
     cut_back,
     join_part,
     last_saved,
@@ -52,7 +52,7 @@ def write(writer: CheckpointWriter, step: int, more: bytes = b"a frame\n") -> No
     with (writer.folder / DUMP).open("ab") as file:
         file.write(more)
     (writer.folder / f"checkpoint-{step}.npz").write_bytes(b"state of %d" % step)
-    writer.write([f"checkpoint-{step}.npz"], result(step))
+    writer.save(lambda: [f"checkpoint-{step}.npz"], result(step))
 
 
 @pytest.fixture
@@ -60,19 +60,25 @@ def writer(scene, tmp_path):
     return CheckpointWriter(scene, tmp_path, [DUMP, "forces.csv"])
 
 
-def test_checkpoints_are_due_by_the_clock_and_never_take_a_hundredth_of_the_run():
+def test_checkpoints_are_due_by_the_clock_and_never_take_a_hundredth_of_the_run(scene, tmp_path, monkeypatch):
     now = [0.0]
-    pace = Pace(60.0, lambda: now[0])
+    monkeypatch.setattr(checkpoints, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    writer = CheckpointWriter(scene, tmp_path, [], 60.0)
     for time, due in ((59, False), (60, True), (61, True)):
         now[0] = time
-        assert pace.due() is due
+        assert writer.due() is due
     for spent, until in ((0.5, 60), (0.0, 60), (3.0, 300)):
         now[0] = 1000.0
-        pace.wait(spent)
+
+        def make(spent=spent):
+            now[0] += spent
+            raise OSError("the disk is full")
+
+        assert writer.save(make, result(1)) == "its state could not be saved (the disk is full)"
         now[0] += until - 1
-        assert not pace.due()
+        assert not writer.due()
         now[0] += 1
-        assert pace.due()
+        assert writer.due()
 
 
 def test_a_checkpoint_names_its_files_with_size_and_sum(writer, tmp_path):
@@ -87,7 +93,7 @@ def test_a_checkpoint_names_its_files_with_size_and_sum(writer, tmp_path):
     }
     assert found == read_checkpoint(tmp_path) and last_saved(tmp_path) == found.time
     again = CheckpointWriter(writer.scene, tmp_path, [DUMP, "forces.csv"])  # one that has not seen it grow
-    again.write(["checkpoint-20.npz"], result(20))
+    assert again.save(lambda: ["checkpoint-20.npz"], result(20)) == ""
     assert read_checkpoint(tmp_path).outputs == found.outputs
 
 
@@ -211,7 +217,7 @@ def test_a_gzip_file_that_was_cut_between_two_blocks_is_ended(writer, tmp_path, 
         file.flush()
         writer = CheckpointWriter(writer.scene, tmp_path, [path.name])
         (tmp_path / "checkpoint-5.npz").touch()
-        writer.write(["checkpoint-5.npz"], result(5))
+        assert writer.save(lambda: ["checkpoint-5.npz"], result(5)) == ""
         file.write(text)
     for _ in range(2):  # also where the process ends behind it
         cut_back(tmp_path, read_checkpoint(tmp_path))
@@ -230,7 +236,7 @@ def test_a_binary_part_is_joined_once(writer, tmp_path, monkeypatch):
         (tmp_path / "checkpoint-5.npz").touch()
         writer = CheckpointWriter(writer.scene, tmp_path, [whole.name, part.name])
         os.truncate(part, 13)
-        writer.write(["checkpoint-5.npz"], result(5))
+        assert writer.save(lambda: ["checkpoint-5.npz"], result(5)) == ""
         part.write_bytes(b", second part, and more")
         if stop:
             with monkeypatch.context() as patch, pytest.raises(Killed):

@@ -36,7 +36,13 @@ from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Box
 
 INPUTS = Path(__file__).parents[2] / "inputs"
-JUMP = ("run.duration=1.2", "run.output_interval=0.05", 'outflow=[{"x_beyond": 7}]', "walls.sill.x=[6.5, 6.9]")
+JUMP = (
+    "run.duration=1.2",
+    "run.output_interval=0.05",
+    "initial=[]",
+    'outflow=[{"x_beyond": 7}]',
+    "walls.sill.x=[6.5, 6.9]",
+)
 
 
 def case_scene(name: str, *changes: str):
@@ -351,9 +357,11 @@ def test_fingerprint_is_of_the_numbers():
 
 
 def test_message_says_how_to_go_on():
-    text = interruption(1.25, 5.0, "runs/x", again=1.2)
-    assert "ended at t = 1.25 s of 5 s" in text and "`lammps-jump run runs/x --resume`" in text and "t = 1.2 s" in text
-    assert "cannot go on: why" in interruption(1.25, 5.0, "runs/x", reason="why")
+    scene = SCENES["inlets and outlets"]()
+    text = interruption(scene, 1000, "runs/x", again=1.2)
+    assert f"ended at t = {scene.time(1000):.4g} s of {scene.time(scene.steps):.4g} s" in text
+    assert "`lammps-jump run runs/x --resume`" in text and "t = 1.2 s" in text
+    assert "cannot go on: why" in interruption(scene, 1000, "runs/x", reason="why")
 
 
 def test_progress_of_a_part_tells_its_own_speed(capsys):

@@ -10,9 +10,9 @@ from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
-from lammps_jump.studies.bench import speed
+from lammps_jump.studies.bench import timing
 from lammps_jump.studies.bench.command import run_bench
-from lammps_jump.studies.bench.speed import make_row, make_variants, speed_page, started_from
+from lammps_jump.studies.bench.timing import make_row, make_variants, speed_page, started_from
 from lammps_jump.studies.cross_validation.trajectories import developed_scene
 
 
@@ -38,8 +38,8 @@ def test_ratios_are_those_within_a_round():
 @pytest.mark.parametrize(("status", "rate"), [("complete", 4.0), ("failed", None)])
 def test_a_run_that_fails_has_no_speed(monkeypatch, status, rate):
     ended = SimpleNamespace(status=status, disc_steps=12.0, cpu_seconds=3.0)
-    monkeypatch.setattr(speed, "run_frames", lambda *_: (ended, []))
-    assert speed.run_rate(None, "stock") == (rate, 3.0)
+    monkeypatch.setattr(timing, "run_frames", lambda *_: (ended, []))
+    assert timing.run_rate(None, "stock") == (rate, 3.0)
 
 
 def test_every_variant_starts_from_the_developed_discs():

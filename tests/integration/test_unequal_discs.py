@@ -50,7 +50,7 @@ def test_a_heap_weighs_what_its_discs_weigh(heap):
     # the engine's own record: the last window against the frame at its end
     probe = read_forces(folder / "forces.csv")["box"]
     assert -probe.fy[-1] == pytest.approx(fy, rel=1e-3)
-    fields = compute_fields(frame, flow, y=(-0.5, 4.0))
+    fields = compute_fields(frame, flow, x=flow.x_range, y=(-0.5, 4.0))
     cell = fields.attrs["spacing"] ** 2
     assert float(fields.density.sum()) * cell == pytest.approx(weight / 9.81, rel=1e-9)
 

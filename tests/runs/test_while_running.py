@@ -292,8 +292,8 @@ def test_log_is_read(tmp_path):
     log = read_log(path)
     assert (log.step, log.time, log.discs, log.removed, log.highest_id) == (200, 0.2, 150, 50, 200)
     assert log.disc_steps == 0.5 * (0 + 100) * 100 + 0.5 * (100 + 150) * 100
-    assert log.breakdown == {"pair": 1.0, "other": 0.1} and log.neighbour_builds == 7
-    assert log.loop_seconds == 1.5 and log.error == ""
+    assert log.breakdown == {"pair": 1.0, "other": 0.1}
+    assert log.error == ""
     path.write_text(LOG + "ERROR: Lost atoms: original 5 current 4\n")
     assert read_log(path).error.startswith("ERROR: Lost")
     assert read_log(tmp_path / "absent").step == 0
@@ -306,5 +306,5 @@ def test_ranks(scene):
     assert choose_ranks(3, scene)[0] == 3
     assert choose_ranks(10_000, scene)[1]
     few = replace(scene, inlets=(), steps=1)
-    assert few.expected_discs == 0
+    assert few.expected_discs == len(scene.positions) > 0
     assert scene.expected_discs >= 2000

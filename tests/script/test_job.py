@@ -76,6 +76,19 @@ def test_a_run_out_of_time_goes_back_into_the_queue(folder):
     assert start(folder / "job.slurm", folder, SIGNALLED.format("USR1"), **array)[1].endswith("requeue 3_2\n")
 
 
+@pytest.mark.parametrize("number, status", [("USR1", 138), ("TERM", 143)])
+def test_a_signal_before_the_program_listens_is_not_lost(folder, number, status):
+    """The signal ends a program that does not listen yet: with USR1 the job goes back into the queue all the same."""
+    deaf = "#!/bin/bash\nwhile :; do sleep 0.05; done\n"
+    requeued = "scontrol requeue 7\n" * (number == "USR1")
+    at_once = deaf.replace("\n", f"\nkill -{number} $PPID\n", 1)
+    assert start(folder / "job.slurm", folder, at_once) == (status, requeued)
+    job = folder / "job.slurm"  # the signal comes while modules are loaded
+    job.write_text(job.read_text().replace("\nif [ -z", f"\nkill -{number} $$\nif [ -z", 1))
+    ended, said = start(job, folder, deaf)
+    assert ended in (75, status) and said == requeued
+
+
 def test_a_cancelled_run_does_not(folder):
     status, said = start(folder / "job.slurm", folder, SIGNALLED.format("TERM"))
     assert status == 75 and said.splitlines()[1:] == ["heard TERM"]
@@ -131,7 +144,8 @@ def test_a_site_makes_a_job_file_that_stays(tmp_path):
     assert (tmp_path / "run/job.slurm").read_text() == job  # a job that is requeued submits nothing anew
 
 
-def test_ranks_of_a_job_are_its_tasks(scene, monkeypatch):
+def test_ranks_of_a_job_are_its_tasks(monkeypatch):
     many = lj.load_case(INPUTS / "dam_break.yaml", ["discs.diameter=0.02"]).scene()
     monkeypatch.setenv("SLURM_NTASKS", "13")
-    assert choose_ranks("auto", many)[0] == 13 and choose_ranks("auto", scene)[0] == 2
+    some = lj.load_case(INPUTS / "quick_jump.yaml", ["run.duration=15"]).scene()
+    assert choose_ranks("auto", many)[0] == 13 and choose_ranks("auto", some)[0] == 2

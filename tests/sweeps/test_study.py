@@ -60,6 +60,7 @@ def test_only_what_is_collected_is_analysed(study):
 def test_without_a_word_the_numbers_of_the_screen_are_collected(study):
     paths = [item.path for item in study(collect=[], until={}).collect]
     assert {"jump.y1", "jump.y2", "jump.speed", "force.sill.peak"} <= set(paths)
+    assert "force.sill.peak_time" not in paths  # its interval over eight members holds in 76 of 100 sets
 
 
 @pytest.mark.parametrize(

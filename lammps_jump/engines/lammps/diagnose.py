@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from lammps_jump.case.packing import deepest_overlap
-from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.find import read_dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
 
@@ -38,29 +39,26 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
         when = f"at t = {scene.time(step):.4g} s (step {step})"
     kept = f"What was written up to there is kept in {folder}."
     if "guard_overlap" in error:
-        where = _closest(scene, state)
+        where = _closest(scene, *state) if state else ""
         return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {SMALLER_STEP}. {kept}"
     if "guard_plane" in error:
-        where = _out_of_plane(state)
+        where = _out_of_plane(*state) if state else ""
         return f"a disc has left the plane z = 0 {when}{where}; look at what pushes it there in the script. {kept}"
     if re.search(r"guard_finite|[Nn]on-numeric|not numeric|nan", error):
-        return (
-            f"a position is no longer a number {when}{_not_finite(state)}; the motion blew up: {SMALLER_STEP}. {kept}"
-        )
+        where = _not_finite(*state) if state else ""
+        return f"a position is no longer a number {when}{where}; the motion blew up: {SMALLER_STEP}. {kept}"
     if "Lost atoms" in error:
         (xlo, xhi), (ylo, yhi) = scene.domain
+        where = _missing(scene, folder, state[0]) if state else ""
         return (
-            f"discs were lost {when}{_missing(scene, folder, state)}; they left the domain x "
+            f"discs were lost {when}{where}; they left the domain x "
             f"[{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] unseen: widen domain, or add an outflow before its edge. {kept}"
         )
     first = error.strip().splitlines()[0] if error.strip() else "no message"
     return f"LAMMPS stopped {when}: {first} (more in {folder}/log.lammps). {kept}"
 
 
-def _closest(scene: Scene, state: tuple | None) -> str:
-    if state is None:
-        return ""
-    ids, places = state
+def _closest(scene: Scene, ids: np.ndarray, places: np.ndarray) -> str:
     finite = np.isfinite(places).all(axis=1)
     found = deepest_overlap(places[finite, :2], scene.diameters(ids[finite]))
     if found is None:
@@ -75,42 +73,28 @@ def _closest(scene: Scene, state: tuple | None) -> str:
     )
 
 
-def _out_of_plane(state: tuple | None) -> str:
-    if state is None:
-        return ""
-    ids, places = state
+def _out_of_plane(ids: np.ndarray, places: np.ndarray) -> str:
     worst = int(np.argmax(np.abs(places[:, 2])))
     return f": disc {ids[worst]} at z = {places[worst, 2]:.3g} m"
 
 
-def _not_finite(state: tuple | None) -> str:
-    if state is None:
-        return ""
-    ids, places = state
+def _not_finite(ids: np.ndarray, places: np.ndarray) -> str:
     bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
     return f": disc {ids[bad[0]]}" if bad.size else ""
 
 
-def _missing(scene: Scene, folder: Path, state: tuple | None) -> str:
+def _missing(scene: Scene, folder: Path, ids: np.ndarray) -> str:
     """The disc of the last frame that is gone and was nearest to the edge of the domain."""
-    if state is None:
-        return ""
-    path = next(iter(folder.glob("dump.lammps*")), None)
-    if path is None:
-        return ""
     last = None
-    try:
-        for frame in open_dump(path):
+    with suppress(DumpError):
+        for frame in read_dump(folder):
             last = frame
-    except DumpError:
-        pass
     if last is None or not last.n:
         return ""
-    gone = ~np.isin(last.ids, state[0])
+    gone = ~np.isin(last.ids, ids)
     if not gone.any():
         return ""
-    x, y, ids = last.x[gone], last.y[gone], last.ids[gone]
+    x, y, names = last.x[gone], last.y[gone], last.ids[gone]
     (xlo, xhi), (ylo, yhi) = scene.domain
-    edge = np.minimum.reduce([x - xlo, xhi - x, y - ylo, yhi - y])
-    worst = int(np.argmin(edge))
-    return f": disc {int(ids[worst])}, last seen at ({x[worst]:.4g}, {y[worst]:.4g})"
+    worst = int(np.argmin(np.minimum.reduce([x - xlo, xhi - x, y - ylo, yhi - y])))
+    return f": disc {names[worst]}, last seen at ({x[worst]:.4g}, {y[worst]:.4g})"

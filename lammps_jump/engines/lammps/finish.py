@@ -66,9 +66,8 @@ def conclude(job: Job, outcome: Outcome) -> RunResult:
     result = result_of(job, outcome, log)
     if not outcome.interrupted:
         return result
-    now, end = scene.time(log.step), scene.time(scene.steps)
     reason = outcome.unsaved or "it was ended by force, so its state was not saved"
-    return replace(result, message=interruption(now, end, folder, again=last_saved(folder), reason=reason))
+    return replace(result, message=interruption(scene, log.step, folder, again=last_saved(folder), reason=reason))
 
 
 def gather_forces(scene: Scene, folder: Path) -> None:

@@ -21,8 +21,6 @@ class LogSummary:
         Highest disc id ever logged, 0 where the log has no such column.
     disc_steps : float
         Trapezoid of discs over steps.
-    loop_seconds : float
-        Sum of LAMMPS' own loop times (0 where no run finished).
     breakdown : dict
         Seconds in Pair, Neigh, Comm, Output, Modify, Other.
     error : str
@@ -38,8 +36,6 @@ class LogSummary:
     removed_by: tuple[int, ...] = ()
     highest_id: int = 0
     disc_steps: float = 0.0
-    loop_seconds: float = 0.0
-    neighbour_builds: int = 0
     breakdown: dict[str, float] = field(default_factory=dict)
     error: str = ""
     rows: int = 0
@@ -59,7 +55,6 @@ def read_log(path: Path) -> LogSummary:
             continue
         if line.startswith("Loop time of"):
             columns = None
-            summary.loop_seconds += float(words[3])
             continue
         if columns and len(words) == len(columns):
             try:
@@ -74,8 +69,6 @@ def read_log(path: Path) -> LogSummary:
             summary.error = line
         elif match := re.match(r"(Pair|Neigh|Comm|Output|Modify|Other)\s+\|\s*([\d.eE+-]*)\s*\|\s*([\d.eE+-]+)", line):
             summary.breakdown[match[1].lower()] = summary.breakdown.get(match[1].lower(), 0.0) + float(match[3])
-        elif line.startswith("Neighbor list builds ="):
-            summary.neighbour_builds += int(words[-1])
     return summary
 
 

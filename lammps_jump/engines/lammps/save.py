@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.engines.checkpoint import CheckpointWriter, Pace
+from lammps_jump.engines.checkpoint import CheckpointWriter
 from lammps_jump.engines.result import interruption
 from lammps_jump.engines.setting import Job
 from lammps_jump.files import BINARY_PART, DUMP_NAMES
@@ -20,7 +20,7 @@ from .finish import LOG, Outcome, result_of
 from .log import read_log
 
 
-class Saver:
+class Saver(CheckpointWriter):
     """Writes checkpoints of a part, in the current folder.
 
     Parameters
@@ -31,18 +31,17 @@ class Saver:
     """
 
     def __init__(self, job: Job, outcome: Outcome):
-        self.job, self.outcome = job, outcome
-        self.pace = Pace(job.setting.checkpoint_interval)
-        self._begin, self._processor = time.perf_counter(), time.process_time()
         outputs = (LOG, DUMP_NAMES[job.setting.dump_format], BINARY_PART, *map(raw_forces, job.scene.probes))
-        self._writer = CheckpointWriter(job.scene, Path(), outputs)
+        super().__init__(job.scene, Path(), outputs, job.setting.checkpoint_interval)
+        self.job, self.outcome = job, outcome
+        self._begin, self._processor = time.perf_counter(), time.process_time()
 
     def tick(self) -> None:
         """Bring the clocks of the part up to date."""
         self.outcome.seconds = time.perf_counter() - self._begin
         self.outcome.cpu_seconds = (time.process_time() - self._processor) * self.job.setting.ranks
 
-    def save(self, step: int, velocities: dict[str, np.ndarray]) -> str:
+    def save_at(self, step: int, velocities: dict[str, np.ndarray]) -> str:
         """Make a checkpoint of the restart file that LAMMPS has written; the reason where that cannot be.
 
         Parameters
@@ -51,19 +50,15 @@ class Saver:
         velocities : dict of ndarray
             What is stored beside the restart file.
         """
-        started, scene = time.perf_counter(), self.job.scene
         self.tick()
-        state = [STATE.format(step=step), f"checkpoint-{step}.npz"]
         log = read_log(Path(LOG))
-        now, end = scene.time(step), scene.time(scene.steps)
         result = result_of(self.job, replace(self.outcome, interrupted=True), log)
-        result = replace(result, message=interruption(now, end, self.job.folder, again=now))
-        try:
-            Path(state[1]).unlink(missing_ok=True)  # a hard-linked backup stays as it is
-            np.savez(state[1], **velocities)
-            self._writer.write(state, result, log.removed_by[: len(scene.outlets)])
-        except OSError as error:
-            return f"its state could not be saved ({error})"
-        finally:
-            self.pace.wait(time.perf_counter() - started)
-        return ""
+        result = replace(result, message=interruption(self.scene, step, self.job.folder, again=self.scene.time(step)))
+
+        def make() -> list[str]:
+            name = f"checkpoint-{step}.npz"
+            Path(name).unlink(missing_ok=True)  # a hard-linked backup stays as it is
+            np.savez(name, **velocities)
+            return [STATE.format(step=step), name]
+
+        return self.save(make, result, log.removed_by[: len(self.scene.outlets)])

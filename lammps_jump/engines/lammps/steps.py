@@ -143,9 +143,9 @@ class Steps:
             arrays = self._velocities()
             self.engine.command("log log.lammps append")  # all of it is in the file then
             if self.saver is not None:
-                self.unsaved = self.saver.save(step, arrays)
+                self.unsaved = self.saver.save_at(step, arrays)
         elif self.saver is not None:
-            self.saver.pace.wait(0.0)
+            self.saver.wait()
         save_request.clear()
         return True
 

@@ -11,7 +11,6 @@ import numpy as np
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.scene import Scene
 
-from . import lists as neighbours
 from . import loops as kernels
 from .simulation import NativeSimulation
 
@@ -57,10 +56,7 @@ class CellSimulation(NativeSimulation):
     def _rebuild(self) -> None:
         started = perf_counter()
         d = self.discs
-        (a, b), (c, e) = self.scene.domain
-        lost = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4]
-        if lost >= 0:
-            self._fail_lost(lost)
+        self._require_inside()
         if self._owner.size < self._slots * d.room:
             self._owner = np.empty(self._slots * d.room, np.int32)
             self._start = np.zeros(self._slots * d.room + 1, np.int64)

@@ -41,18 +41,17 @@ class Discs:
     def __init__(self, n: int, *, extrapolated: bool, spin: bool, ledger: bool, friction: bool, sizes: bool = False):
         self.n = n
         self.room = max(64, int(1.25 * n))
-        names = list(self.ALWAYS)
-        names += ["ux", "uy"] if extrapolated else []
-        names += ["omega", "torque"] if spin else []
-        names += ["uomega"] if spin and extrapolated else []
-        names += ["dash_x", "dash_y"] if ledger else []
-        names += ["slide_x", "slide_y"] if ledger and friction else []
-        names += ["radius"] if sizes else []
-        self.names = tuple(names)
-        for name in ("ux", "uy", "omega", "torque", "uomega", "dash_x", "dash_y", "slide_x", "slide_y", "radius"):
-            setattr(self, name, None)
-        for name in self.names:
-            setattr(self, name, np.zeros(self.room))
+        optional = {
+            "ux uy": extrapolated,
+            "omega torque": spin,
+            "uomega": spin and extrapolated,
+            "dash_x dash_y": ledger,
+            "slide_x slide_y": ledger and friction,
+            "radius": sizes,
+        }
+        self.names = (*self.ALWAYS, *(name for names, kept in optional.items() if kept for name in names.split()))
+        for name in (*self.ALWAYS, *" ".join(optional).split()):
+            setattr(self, name, np.zeros(self.room) if name in self.names else None)
         self.ids = np.zeros(self.room, np.int64)
         self._make_work_arrays()
 
@@ -154,13 +153,6 @@ class Discs:
             array = getattr(self, name)
             array[:left] = array[: self.n][mask]
         self.n = left
-
-    @property
-    def bytes(self) -> int:
-        """Memory of all arrays."""
-        arrays = [getattr(self, name) for name in (*self.names, "ids")]
-        arrays += [self.scratch, self.scratch_ids, self.order, self.cell, self.start, self.neighbours, self.cell_start]
-        return sum(a.nbytes for a in arrays)
 
 
 def discs_at_start(scene: Scene, *, ledger: bool) -> Discs:

@@ -4,17 +4,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.write import run_writer
 from lammps_jump.engines import step_hook
-from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, Pace, cut_back, remove_checkpoint
+from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint
 from lammps_jump.engines.interrupts import counted_interrupts, save_request
-from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.result import REPORT_SECONDS, Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.provenance import versions
@@ -35,26 +38,16 @@ def take_frame(simulation) -> Frame:
     return make_frame(simulation.step, scene.time(simulation.step), box, columns)
 
 
-def make_simulation(scene: Scene, cell_size: float | None = None, ledger: bool = True) -> NativeSimulation:
-    """The simulation with neighbour lists, or with the thesis' cells of a width (m); see `run_native`."""
-    if cell_size is None:
-        return NativeSimulation(scene, ledger=ledger)
-    return CellSimulation(scene, cell_size=cell_size, ledger=ledger)
-
-
 def run_native(
     scene: Scene,
     folder: Path | None,
+    setting: Setting | None = None,
     *,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
-    stop_at: int | None = None,
-    dump_format: str = "text",
-    report_every: float = 0.5,
-    cell_size: float | None = None,
-    ledger: bool = True,
+    report_every: float = REPORT_SECONDS,
     resume: Checkpoint | None = None,
-    checkpoint_interval: float = inf,
+    **options: Any,
 ) -> RunResult:
     """Run a scene on the native engine and leave dump and forces.csv in `folder`.
 
@@ -63,36 +56,31 @@ def run_native(
     scene : Scene
     folder : Path or None
         Folder for the files, made where it is missing; None writes none.
+    setting : Setting, optional
     progress : callable, optional
         Called with a `Progress` every `report_every` seconds of wall time, and once at the end.
     should_stop : callable, optional
         Asked after every tenth of a second of work; True ends the run as 'interrupted'.
-    stop_at : int, optional
-        End the run as 'interrupted' at this step.
-    dump_format : {'text', 'gz', 'binary'}
-    cell_size : float, optional
-        Use the thesis' own contact search in square cells of this width, m, in place of neighbour lists.
-    ledger : bool
-        Keep the energy ledger; a quarter of the stepping time.
     resume : Checkpoint, optional
         Go on with the interrupted run that left it in `folder` (see `lammps_jump.engines.checkpoint`), with the same
         scene, `dump_format` and `ledger`. Its frames are those of an uninterrupted run, bit for bit.
-    checkpoint_interval : float
-        Wall time between checkpoints, s.
+    options
+        Fields of `Setting` in place of one. No checkpoint is written before the end, unless they name an interval.
 
     Returns
     -------
     RunResult
         Status 'failed' with a message where a guard ended the run; what there was is kept.
     """
-    part = _Part(scene, folder, dump_format, resume, cell_size, ledger)
-    simulation, pace = part.simulation, Pace(checkpoint_interval)
+    setting = setting or replace(Setting("native", "numba", checkpoint_interval=inf), **options)
+    part = _Part(scene, folder, setting, resume)
+    simulation = part.simulation
 
     def report() -> None:
         if progress is not None:
             progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
 
-    last = scene.steps if stop_at is None else min(stop_at, scene.steps)
+    last = scene.steps if setting.stop_at is None else min(setting.stop_at, scene.steps)
     status, message = "complete", ""
     try:
         with counted_interrupts() as pressed:
@@ -107,9 +95,9 @@ def run_native(
                 if simulation.step < scene.steps:
                     if pressed() or (should_stop is not None and should_stop()):
                         raise KeyboardInterrupt
-                    if pace.due() or save_request.is_made():
+                    if part.checkpoints is not None and (part.checkpoints.due() or save_request.is_made()):
                         save_request.clear()
-                        pace.wait(part.save())
+                        part.save()
             if simulation.step < scene.steps:
                 raise KeyboardInterrupt
     except KeyboardInterrupt:
@@ -134,17 +122,20 @@ class _Part:
         or half a frame.
     """
 
-    def __init__(self, scene, folder, dump_format, resume, cell_size, ledger):
+    def __init__(self, scene: Scene, folder: Path | None, setting: Setting, resume: Checkpoint | None):
         self.scene, self.folder = scene, None if folder is None else Path(folder)
         self.earlier: RunResult | None = resume.result if resume else None
         self.saved: float | None = resume.time if resume else None
         if resume is not None:
             cut_back(self.folder, resume)
             (name,) = resume.state
-            self.simulation = load_state(scene, self.folder / name, ledger=ledger)
+            self.simulation = load_state(scene, self.folder / name, ledger=setting.ledger)
+        elif setting.cell_size is None:
+            self.simulation = NativeSimulation(scene, ledger=setting.ledger)
         else:
-            self.simulation = make_simulation(scene, cell_size, ledger)
-        self.writer = self.checkpoints = None
+            self.simulation = CellSimulation(scene, cell_size=setting.cell_size, ledger=setting.ledger)
+        self.writer = None
+        self.checkpoints: CheckpointWriter | None = None
         self.between_steps, self.reason = True, ""
         self.seconds = self.writing = 0.0
         self.processor = process_time()
@@ -153,10 +144,10 @@ class _Part:
         self.folder.mkdir(parents=True, exist_ok=True)
         if resume is None:
             remove_checkpoint(self.folder)  # of an earlier run: not this one's beginning
-        self.writer = run_writer(self.folder, scene, dump_format, append=resume is not None)
-        if cell_size is None:
-            outputs = (DUMP_NAMES[dump_format], *(["forces.csv"] if scene.probes else []))
-            self.checkpoints = CheckpointWriter(scene, self.folder, outputs)
+        self.writer = run_writer(self.folder, scene, setting.dump_format, append=resume is not None)
+        if setting.cell_size is None:
+            outputs = (DUMP_NAMES[setting.dump_format], *(["forces.csv"] if scene.probes else []))
+            self.checkpoints = CheckpointWriter(scene, self.folder, outputs, setting.checkpoint_interval)
 
     def output(self) -> None:
         """Write a frame."""
@@ -194,22 +185,20 @@ class _Part:
         if self.scene.probes:
             write_forces(self.folder / "forces.csv", self.scene, self.simulation.forces)
 
-    def save(self) -> float:
-        """Write a checkpoint where there can be one; the seconds that it took. `reason` says why there is none."""
-        started, simulation = perf_counter(), self.simulation
-        if self.checkpoints is None or not self.between_steps or not simulation.step:
-            return 0.0
-        again = self.scene.time(simulation.step)
-        state = f"checkpoint-{simulation.step}.npz"
-        try:
-            self._write_forces()
-            save_state(simulation, self.folder / state)
-            self.checkpoints.write([state], self.result("interrupted", self._ended(again)))
-            self.saved, self.reason = again, ""
-        except OSError as error:
-            self.reason = f"its state could not be saved ({error})"
+    def save(self) -> None:
+        """Write a checkpoint where there can be one; `reason` says why there is none."""
+        if self.checkpoints is None or not self.between_steps or not self.simulation.step:
+            return
+        started, again = perf_counter(), self.scene.time(self.simulation.step)
+        self.reason = self.checkpoints.save(self._state, self.result("interrupted", self._ended(again)))
+        self.saved = self.saved if self.reason else again
         self.writing += perf_counter() - started
-        return perf_counter() - started
+
+    def _state(self) -> list[str]:
+        self._write_forces()
+        name = f"checkpoint-{self.simulation.step}.npz"
+        save_state(self.simulation, self.folder / name)
+        return [name]
 
     def interrupted(self) -> RunResult:
         """Leave a checkpoint where there can be one; the result, with what to tell the user."""
@@ -219,9 +208,8 @@ class _Part:
         return self.result("interrupted", self._ended(self.saved))
 
     def _ended(self, again: float | None) -> str:
-        scene = self.scene
-        now, end = scene.time(self.simulation.step), scene.time(scene.steps)
-        return interruption(now, end, self.folder or "memory", again=again, reason=self.reason)
+        folder = self.folder or "memory"
+        return interruption(self.scene, self.simulation.step, folder, again=again, reason=self.reason)
 
     def result(self, status: str, message: str) -> RunResult:
         """The result of all parts; a simulation that was read back counts on by itself, but for the clock."""

@@ -7,7 +7,7 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
-from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene
+from lammps_jump.scene.scene import Pour, Scene
 
 from . import lists as neighbours
 
@@ -23,21 +23,13 @@ class Turns:
         """Whether it tries at this step."""
         return self.next_after(step - 1) == step
 
-    def next_after(self, step: int) -> int | None:
-        """First step after `step` at which it tries; None where all discs have entered."""
+    def next_after(self, step: int) -> float:
+        """First step after `step` at which it tries; infinite where all discs have entered."""
         if self.limit is not None and self.entered >= self.limit:
-            return None
+            return inf
         if step < self.first:
             return self.first
         return self.first + ((step - self.first) // self.every + 1) * self.every
-
-
-class RowState(Turns):
-    """How far a row of inflow has got."""
-
-    def __init__(self, row: InletRow):
-        super().__init__(row.first_step, row.every_steps, row.limit)
-        self.row = row
 
 
 class PourState(Turns):
@@ -72,36 +64,34 @@ class PourState(Turns):
 class OpenBoundaries:
     """Inlets, pours and outlets of a scene, and the discs that came and went through them.
 
-    Discs with ids above `sized` still have the largest diameter, with which they came.
+    Ids are given in turn, so that the last one is the number of discs `inserted`. Those above `sized` still have the
+    largest diameter, with which they came.
     """
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.rows = [RowState(row) for row in scene.inlets]
+        self.rows = [Turns(row.first_step, row.every_steps, row.limit) for row in scene.inlets]
         self.rng = np.random.default_rng(scene.seed)
         self.pours = [PourState(pour, scene, self.rng) for pour in scene.pours]
-        self.outlets: tuple[Outlet, ...] = scene.outlets
         self.removed = 0
-        self.inserted = len(scene.positions)
-        self.last_id = self.sized = len(scene.positions)
+        self.inserted = self.sized = len(scene.positions)
 
-    def next_after(self, step: int) -> int | None:
-        """Next step at which something may come or go; None for never."""
+    def next_after(self, step: int) -> float:
+        """Next step at which something may come or go; infinite for never."""
         steps = [state.next_after(step) for state in (*self.rows, *self.pours)]
-        steps += [(step // outlet.every_steps + 1) * outlet.every_steps for outlet in self.outlets]
-        steps = [s for s in steps if s is not None]
-        return min(steps) if steps else None
+        steps += [(step // outlet.every_steps + 1) * outlet.every_steps for outlet in self.scene.outlets]
+        return min(steps, default=inf)
 
     def next_sizes(self, step: int) -> float:
         """Next step at whose end discs get their own diameters; infinite where all have them."""
-        if self.scene.sizes is None or self.sized == self.last_id:
+        if self.scene.sizes is None or self.sized == self.inserted:
             return inf
         return (step // self.scene.size_steps + 1) * self.scene.size_steps
 
     def leaving(self, step: int, discs) -> np.ndarray | None:
         """Mask, shape (n,), of discs that an outlet takes at this step; None where none leaves."""
         mask = None
-        for outlet in self.outlets:
+        for outlet in self.scene.outlets:
             if step % outlet.every_steps:
                 continue
             coordinate = (discs.x if outlet.axis == "x" else discs.y)[: discs.n]
@@ -111,8 +101,7 @@ class OpenBoundaries:
 
     def arrivals(self, step: int, discs):
         """Discs that enter at this step: yields (id, x, y, vx, vy); the caller adds each before asking for the next."""
-        for state in self.rows:
-            row = state.row
+        for row, state in zip(self.scene.inlets, self.rows, strict=True):
             if state.due(step) and self._free(discs, row.x, row.y, row.clearance):
                 state.entered += 1
                 yield self._new_id(), row.x, row.y, row.vx, row.vy
@@ -138,6 +127,5 @@ class OpenBoundaries:
         return any(float(wall.distance(x, y)) < radius for wall in (*self.scene.walls, *gates))
 
     def _new_id(self) -> int:
-        self.last_id += 1
         self.inserted += 1
-        return self.last_id
+        return self.inserted

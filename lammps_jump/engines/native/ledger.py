@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 from numba import njit
@@ -157,11 +157,11 @@ class StationLedger:
     def __init__(self, scene: Scene, on: bool):
         self.scene, self.stations, self.sums = scene, scene.stations if on else None, np.zeros(9)
 
-    def next(self, step: int) -> int:
-        """Step at which `add` wants to see the discs next, after `step`."""
+    def next(self, step: int) -> float:
+        """Step at which `add` wants to see the discs next, after `step`; infinite for never."""
         found = self.stations
         if found is None or step >= found.last_step:
-            return self.scene.steps + 10**15
+            return inf
         return max(found.first_step, step + 1)
 
     def add(self, step: int, discs, rows: int, owner, start, neighbours, law, motion, friction, sign, touch) -> None:

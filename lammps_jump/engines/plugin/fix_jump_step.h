@@ -59,7 +59,7 @@ class FixJumpStep : public Fix {
   struct Wall {
     std::string name;
     double x0, y0;        // point that the moment is about
-    bigint until;         // first step without the wall, -1 for never
+    bigint until;         // first step without the wall
     int probe;            // row of the probe, -1 for none
   };
   /** Discs of one share of all, by number: their diameters lie on a line over the quantile of their ids. */
@@ -92,7 +92,7 @@ class FixJumpStep : public Fix {
   std::vector<int> probed;                    // wall of each probe
   std::vector<double> window, mean;           // this rank: running sums and last full window's mean
   bigint window_steps = 0;
-  double dashpot_loss = 0.0, friction_loss = 0.0, carried_dashpot = 0.0, carried_friction = 0.0;
+  double dashpot_loss = 0.0, friction_loss = 0.0;
   int touching = 0;
   std::vector<double> output;                 // all ranks
   bigint output_step = -1;

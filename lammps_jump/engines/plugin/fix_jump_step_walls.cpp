@@ -26,7 +26,7 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
   };
   auto number = [&](int at) { return utils::numeric(FLERR, text(at), false, lmp); };
   const std::string kind = text(a);
-  Wall wall{text(a + 1), 0.0, 0.0, -1, -1};
+  Wall wall{text(a + 1), 0.0, 0.0, MAXBIGINT, -1};
   for (const auto &other : walls)
     if (other.name == wall.name) error->all(FLERR, "fix jump/step: two walls are called '{}'", wall.name);
   const int index = (int) walls.size();
@@ -79,8 +79,7 @@ void FixJumpStep::find_near()
   const auto *const disc = pair->disc.data();
   for (auto &face : faces) {
     face.near.clear();
-    const bigint until = walls[face.wall].until;
-    if (until >= 0 && update->ntimestep >= until) continue;
+    if (update->ntimestep >= walls[face.wall].until) continue;
     for (int i = 0; i < n; i++) {
       bool close;
       if (face.kind == BLOCK)
@@ -128,7 +127,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
   const auto *const disc = pair->disc.data();
   for (const auto &face : faces) {
     const Wall &wall = walls[face.wall];
-    if (wall.until >= 0 && update->ntimestep >= wall.until) continue;
+    if (update->ntimestep >= wall.until) continue;
     double on_wall[3] = {0.0, 0.0, 0.0};
     if (face.kind == BLOCK) {
       for (const int i : face.near) {

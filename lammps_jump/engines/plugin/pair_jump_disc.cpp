@@ -13,7 +13,6 @@
 #include "update.h"
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <set>
 
@@ -27,7 +26,7 @@ constexpr int RESTART_FORM = 0x6a640003;    // changes with what the restart fil
 
 PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
 {
-  single_enable = 1;
+  single_enable = 0;
   restartinfo = 1;
   writedata = 0;
   no_virial_fdotr_compute = 0;
@@ -36,7 +35,6 @@ PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
 
 PairJumpDisc::~PairJumpDisc()
 {
-  if (copymode) return;
   if (allocated) {
     memory->destroy(setflag);
     memory->destroy(cutsq);
@@ -49,58 +47,43 @@ void PairJumpDisc::allocate()
   const int n = atom->ntypes + 1;
   memory->create(setflag, n, n, "pair:setflag");
   memory->create(cutsq, n, n, "pair:cutsq");
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j < n; j++) {
-      setflag[i][j] = 0;
-      cutsq[i][j] = 0.0;
-    }
+  std::fill_n(setflag[0], n * n, 0);
+  std::fill_n(cutsq[0], n * n, 0.0);
 }
 
 void PairJumpDisc::settings(int narg, char **arg)
 {
   const std::map<std::string, double *> numbers = {{"k", &k}, {"gamma", &gamma}, {"gammat", &gamma_t}, {"mu", &mu},
                                                    {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin}};
-  const std::map<std::string, bool *> flags = {{"spin", &spin}, {"ledger", &ledger}, {"halo", &halo}};
+  const std::map<std::string, int *> flags = {{"spin", &spin}, {"ledger", &ledger}, {"halo", &halo}};
   std::set<std::string> seen;
   auto value = [&](int at) -> double {
     if (at >= narg) error->all(FLERR, "pair_style jump/disc: {} needs a value", arg[at - 1]);
     return utils::numeric(FLERR, arg[at], false, lmp);
   };
-  auto yes = [&](int at) -> bool {
-    if (at >= narg) error->all(FLERR, "pair_style jump/disc: {} needs yes or no", arg[at - 1]);
-    return utils::logical(FLERR, arg[at], false, lmp) == 1;
-  };
   for (int a = 0; a < narg; a += 2) {
-    const std::string key = arg[a];
+    const std::string key = arg[a], name = a + 1 < narg ? arg[a + 1] : "";
     if (key == "law") {
-      const std::string name = a + 1 < narg ? arg[a + 1] : "";
       if (name != "hooke" && name != "sign")
         error->all(FLERR, "pair_style jump/disc: law is hooke or sign, not '{}'", name);
       sign = name == "sign";
     } else if (key == "touch") {
-      const std::string name = a + 1 < narg ? arg[a + 1] : "";
-      if (name == "sharp") {
-        smooth = false;
-      } else if (name == "smooth") {
-        smooth = true;
-        width = value(a + 2);
-        a++;
-      } else {
+      if (name != "sharp" && name != "smooth")
         error->all(FLERR, "pair_style jump/disc: touch is sharp or smooth S, not '{}'", name);
-      }
+      smooth = name == "smooth";
+      if (smooth) width = value(a++ + 2);
     } else if (key == "dashpot") {
-      const std::string name = a + 1 < narg ? arg[a + 1] : "";
       if (name != "even") error->all(FLERR, "pair_style jump/disc: dashpot is even, not '{}'", name);
     } else if (key == "sizes") {
-      sizes = true;
+      sizes = 1;
       smallest = value(a + 1);
-      largest = value(a + 2);
-      a++;
+      largest = value(a++ + 2);
     } else if (auto number = numbers.find(key); number != numbers.end()) {
       *number->second = value(a + 1);
       seen.insert(key);
     } else if (auto flag = flags.find(key); flag != flags.end()) {
-      *flag->second = yes(a + 1);
+      if (name.empty()) error->all(FLERR, "pair_style jump/disc: {} needs yes or no", key);
+      *flag->second = utils::logical(FLERR, name, false, lmp);
     } else {
       error->all(FLERR, "pair_style jump/disc: unknown keyword '{}'", key);
     }
@@ -232,48 +215,15 @@ void PairJumpDisc::pack_sizes(int from, int to)
 /** Refuse discs that the settings do not describe when some may have come in. */
 void PairJumpDisc::check_discs(int from, int to)
 {
-  const double slack = 1e-10;
-  int bad = -1;
-  if (sizes) {
-    const double density = mass / (diameter * diameter);
-    for (int i = from; i < to; i++) {
-      const double d = 2.0 * radii[i], right = density * d * d;
-      if (!(d > (1.0 - slack) * smallest && d < (1.0 + slack) * largest) ||
-          !(std::fabs(atom->rmass[i] - right) < slack * right))
-        bad = i;
-    }
-    if (bad >= 0)
+  const double slack = 1e-10, density = mass / (diameter * diameter);
+  for (int i = from; i < to; i++) {
+    const double d = atom->radius ? 2.0 * atom->radius[i] : diameter, right = density * d * d;
+    const double m = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
+    if (!(d > (1.0 - slack) * smallest && d < (1.0 + slack) * largest) || !(std::fabs(m - right) < slack * right))
       error->one(FLERR,
                  "jump/disc: disc {} has diameter {} and mass {}, the pair style says {} to {}, and mass {} at {}",
-                 atom->tag[bad], 2.0 * radii[bad], atom->rmass[bad], smallest, largest, mass, diameter);
-    return;
+                 atom->tag[i], d, m, smallest, largest, mass, diameter);
   }
-  if (atom->rmass) {
-    for (int i = from; i < to; i++)
-      if (std::fabs(atom->rmass[i] - mass) > slack * mass) bad = i;
-  } else {
-    for (int i = from; i < to; i++)
-      if (std::fabs(atom->mass[atom->type[i]] - mass) > slack * mass) bad = i;
-  }
-  if (bad >= 0)
-    error->one(FLERR, "jump/disc: disc {} has mass {}, the pair style says {}", atom->tag[bad],
-               atom->rmass ? atom->rmass[bad] : atom->mass[atom->type[bad]], mass);
-  if (atom->radius) {
-    for (int i = from; i < to; i++)
-      if (std::fabs(2.0 * atom->radius[i] - diameter) > slack * diameter) bad = i;
-    if (bad >= 0)
-      error->one(FLERR, "jump/disc: disc {} has diameter {}, the pair style says {}", atom->tag[bad],
-                 2.0 * atom->radius[bad], diameter);
-  }
-}
-
-void *PairJumpDisc::extract(const char *name, int &dim)
-{
-  dim = 0;
-  if (strcmp(name, "diameter") == 0) return (void *) &diameter;
-  if (strcmp(name, "mass") == 0) return (void *) &mass;
-  if (strcmp(name, "largest_speed") == 0) return (void *) &largest_speed;
-  return nullptr;
 }
 
 void PairJumpDisc::write_restart(FILE *fp)
@@ -296,43 +246,21 @@ void PairJumpDisc::read_restart(FILE *fp)
 
 void PairJumpDisc::write_restart_settings(FILE *fp)
 {
-  const double numbers[10] = {k, gamma, gamma_t, mu, mass, diameter, width, skin, smallest, largest};
-  const int flags[6] = {sign, smooth, sizes, spin, ledger, halo};
   fwrite(&RESTART_FORM, sizeof(int), 1, fp);
-  fwrite(numbers, sizeof(double), 10, fp);
-  fwrite(flags, sizeof(int), 6, fp);
+  fwrite(static_cast<const DiscSettings *>(this), sizeof(DiscSettings), 1, fp);
 }
 
 void PairJumpDisc::read_restart_settings(FILE *fp)
 {
-  double numbers[10];
-  int flags[6];
+  DiscSettings *const mine = this;
   if (comm->me == 0) {
     int form;
     utils::sfread(FLERR, &form, sizeof(int), 1, fp, nullptr, error);
     if (form != RESTART_FORM)
       error->one(FLERR, "pair_style jump/disc: the restart file is of another version of the plugin: it cannot go on");
-    utils::sfread(FLERR, numbers, sizeof(double), 10, fp, nullptr, error);
-    utils::sfread(FLERR, flags, sizeof(int), 6, fp, nullptr, error);
+    utils::sfread(FLERR, mine, sizeof(DiscSettings), 1, fp, nullptr, error);
   }
-  MPI_Bcast(numbers, 10, MPI_DOUBLE, 0, world);
-  MPI_Bcast(flags, 6, MPI_INT, 0, world);
-  k = numbers[0];
-  gamma = numbers[1];
-  gamma_t = numbers[2];
-  mu = numbers[3];
-  mass = numbers[4];
-  diameter = numbers[5];
-  width = numbers[6];
-  skin = numbers[7];
-  smallest = numbers[8];
-  largest = numbers[9];
-  sign = flags[0];
-  smooth = flags[1];
-  sizes = flags[2];
-  spin = flags[3];
-  ledger = flags[4];
-  halo = flags[5];
+  MPI_Bcast(mine, sizeof(DiscSettings), MPI_BYTE, 0, world);
   choose();
 }
 

@@ -29,7 +29,16 @@
 
 namespace LAMMPS_NS {
 
-class PairJumpDisc : public Pair {
+/** Settings of the style, as they stand in restart files too. */
+struct DiscSettings {
+  double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
+  double mass = 0.0, diameter = 0.0, width = 0.0;      // of nominal discs, with sizes
+  double skin = 0.0;                                   // asked for
+  double smallest = 0.0, largest = 0.0;                // diameters
+  int sign = 0, smooth = 0, sizes = 0, spin = 0, ledger = 0, halo = 0;
+};
+
+class PairJumpDisc : public Pair, public DiscSettings {
  public:
   /** What a contact reads of a disc, in half a cache line. */
   struct alignas(32) Disc {
@@ -52,16 +61,11 @@ class PairJumpDisc : public Pair {
   void read_restart(FILE *) override;
   void write_restart_settings(FILE *) override;
   void read_restart_settings(FILE *) override;
-  double single(int, int, int, int, double, double, double, double &) override;
-  void *extract(const char *, int &) override;
   double memory_usage() override;
 
   // shared with fix jump/step
 
   jump::Friction friction = jump::Friction::NONE;
-  bool sign = false, smooth = false, spin = false, ledger = false, halo = false, sizes = false;
-  double mass = 0.0, diameter = 0.0, width = 0.0;    // of nominal discs, with sizes
-  double smallest = 0.0, largest = 0.0;              // diameters
   std::vector<Loss> loss;                            // what takes energy from the local discs, with the ledger
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc> disc;                            // local discs, then ghosts
@@ -85,9 +89,8 @@ class PairJumpDisc : public Pair {
   double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
 
  private:
-  double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
   jump::Law law;
-  double skin = 0.0, margin = 0.0;   // asked for, and of the list as it stands
+  double margin = 0.0;               // skin of the list as it stands
   std::vector<int> first, second;    // candidate pairs, flat, cell by cell
   size_t interior = 0, candidates = 0;    // pairs of local discs, which come first where there are others; and all
   double moved[2] = {0.0, 0.0};      // bound of the relative displacement of all discs since the list was built
@@ -105,6 +108,7 @@ class PairJumpDisc : public Pair {
   void build_list(double);
   template <bool SIZES> size_t find_pairs(int, int);
   void append_to_list(int);
+  void make_room(size_t);
   bool uses_halo() const;
   int others() const;
   void widen_range(int, int);

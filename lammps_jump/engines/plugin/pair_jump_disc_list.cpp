@@ -43,6 +43,14 @@ void PairJumpDisc::remember_order()
   order++;
 }
 
+/** Room in the list for so many pairs. */
+void PairJumpDisc::make_room(size_t pairs)
+{
+  if (first.size() >= pairs) return;
+  first.resize(pairs + pairs / 2 + 1024);
+  second.resize(first.size());
+}
+
 /** All pairs whose rims are closer than the room to move, from the packed positions.
 
     Cells are as wide as that distance and numbered along x first, as LAMMPS sorts its discs: pairs that follow each
@@ -106,10 +114,7 @@ void PairJumpDisc::build_list(double room_to_move)
   // now cell_start[c + 1] is where cell c begins: the discs of cell c are [cell_start[c + 1], cell_start[c + 2])
   interior = sizes ? find_pairs<true>(n, nx) : find_pairs<false>(n, nx);
   candidates = interior + first_across.size();
-  if (first.size() < candidates) {
-    first.resize(candidates + candidates / 2);
-    second.resize(first.size());
-  }
+  make_room(candidates);
   std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
   std::copy(second_across.begin(), second_across.end(), second.begin() + interior);
 }
@@ -129,11 +134,7 @@ template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
     const double x = sorted_x[s], y = sorted_y[s], rim = SIZES ? sorted_radius[s] + margin : 0.0;
     const int above = c + nx - 1;
     const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
-    const size_t room = found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]);
-    if (first.size() < room) {
-      first.resize(room + room / 2 + 1024);
-      second.resize(first.size());
-    }
+    make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]));
     for (const auto &run : runs) {
       if (ghosts) {
         for (int t = run[0]; t < run[1]; t++) {
@@ -170,11 +171,7 @@ void PairJumpDisc::append_to_list(int from)
   const int n = atom->nlocal;
   check_discs(from, n);
   for (int j = from; j < n; j++) {
-    const size_t room = candidates + j;
-    if (first.size() < room + 1) {
-      first.resize(room + room / 2 + 1024);
-      second.resize(first.size());
-    }
+    make_room(candidates + j + 1);
     for (int i = 0; i < j; i++) {
       const double dx = disc[j].x - disc[i].x, dy = disc[j].y - disc[i].y;
       // the others may have moved since the list was built: look as far as they still may

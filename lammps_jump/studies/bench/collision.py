@@ -7,6 +7,8 @@ All pairs of one run are independent: pair i starts so that first touch falls at
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -30,18 +32,11 @@ COLOURS = ("#33508f", "#8aa0c8", "#7d7c78", "#b5a05a", "#111111")
 
 
 def collision_scene(
-    fraction: float,
-    restitution: float,
-    *,
-    integrator: str = "velocity_verlet",
-    correct: bool = True,
-    touch: str = "sharp",
-    speed: float = SPEED,
-    phases: int = PHASES,
+    fraction: float, restitution: float, *, correct: bool = True, speed: float = SPEED, phases: int = PHASES, **law: Any
 ) -> Scene:
     """Return `phases` pairs of discs, 3 d apart from each other, each about to collide head-on at `speed` (m/s).
 
-    It has the corrected dashpot and the width of a smooth touch that a case gets.
+    It has the corrected dashpot and the width of a smooth touch that a case gets; `law` may hold integrator and touch.
     """
     k = contact.stiffness(DENSITY, PENETRATION, SPEED)
     dt = fraction * contact.critical_time_step(k, contact.disc_mass(DENSITY, DIAMETER))
@@ -51,10 +46,11 @@ def collision_scene(
         np.stack([left, left * [-1, 1]], axis=1), np.tile([[0.5 * speed, 0.0], [-0.5 * speed, 0.0]], (phases, 1)),
         name="collision", description="pairs of discs, head-on", gravity=(0.0, 0.0), diameter=DIAMETER,
         density=DENSITY, penetration_fraction=PENETRATION, impact_speed=SPEED, restitution=restitution,
-        time_step_fraction=fraction, integrator=integrator, correct_restitution=correct, touch=touch,
-        touch_width=TOUCH_STEPS * SPEED * dt if touch == "smooth" else 0.0,
-        skin=0.3 * DIAMETER, steps=int(1.6 * expected(restitution)["duration"] / dt) + 8,
+        time_step_fraction=fraction, correct_restitution=correct, skin=0.3 * DIAMETER,
+        touch_width=TOUCH_STEPS * SPEED * dt if law.get("touch") == "smooth" else 0.0,
+        steps=int(1.6 * expected(restitution)["duration"] / dt) + 8,
         overlap_limit=DIAMETER,  # a single elastic pair may go deeper than a case allows: that is what is measured
+        **law,
     )  # fmt: skip
 
 
@@ -66,13 +62,9 @@ def measure_collisions(scene: Scene, kernel: str) -> dict[str, np.ndarray]:
     _, frames = run_frames(scene, kernel)
     x = np.array([frame.x for frame in frames])
     overlap = scene.diameter - (x[:, 1::2] - x[:, 0::2])
-    last, first = frames[-1], frames[0]
-    parting = (last.vx[1::2] - last.vx[0::2]) / (first.vx[0::2] - first.vx[1::2])
-    return {
-        "restitution": parting,
-        "duration": (overlap > 0).sum(axis=0) * scene.time_step,
-        "overlap": overlap.max(axis=0),
-    }
+    before, after = (frame.vx[1::2] - frame.vx[0::2] for frame in (frames[0], frames[-1]))
+    duration = (overlap > 0).sum(axis=0) * scene.time_step
+    return {"restitution": -after / before, "duration": duration, "overlap": overlap.max(axis=0)}
 
 
 def expected(restitution: float, speed: float = SPEED) -> dict[str, float]:
@@ -107,27 +99,25 @@ def compare_collisions(case: None, store: Store, *, quick: bool, say: Say) -> Re
         "native, thesis scheme": ("native", {"integrator": "leapfrog_extrapolated"}),
         f"{fast}, smooth touch": (fast, {"touch": "smooth"}),
     }
+    fractions = (0.05, 0.2) if quick else (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
     rows = []
-    for restitution in (0.2, 1.0) if quick else (0.2, 0.6, 1.0):
-        xi = contact.damping_ratio(restitution)
-        for way, (kernel, options) in ways.items():
-            if kernel not in kernels or (restitution == 1 and "correct" in options):
-                continue
-            limit = contact.stable_fraction(xi, options.get("integrator", "velocity_verlet"), "pair")
-            steps = [f for f in ((0.05, 0.2) if quick else (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)) if f <= limit]
+    for restitution, (way, (kernel, options)) in product((0.2, 1.0) if quick else (0.2, 0.6, 1.0), ways.items()):
+        xi, scheme = contact.damping_ratio(restitution), options.get("integrator", "velocity_verlet")
+        steps = [f for f in fractions if f <= contact.stable_fraction(xi, scheme, "pair")]
+        if kernel in kernels and (restitution < 1 or "correct" not in options):
             rows += [collision_row(way, kernel, restitution, f, **options) for f in steps]
     return {"rows": rows, "notes": notes}
 
 
 def collision_page(data: Results, folder: Path) -> str:
     """Return the Markdown table (error of the mean and scatter over entry phases, per cent); draws the figure."""
-    rows = data["rows"]
-    lines = []
-    for row in rows:
-        cells = [f"{100 * row[f'{name}_error']:+.2f} ± {100 * row[f'{name}_scatter']:.2f} %" for name in QUANTITIES]
-        lines.append([f"{row['restitution']:g}", row["way"], f"{row['fraction']:g}", *cells])
-    draw_collisions(rows, folder / "bench_collision.png")
-    return markdown(["e", "way", "f", *QUANTITIES], "rlrrrr", lines) + "\n"
+    draw_collisions(data["rows"], folder / "bench_collision.png")
+
+    def error(row: Results, name: str) -> str:
+        return f"{100 * row[f'{name}_error']:+.2f} ± {100 * row[f'{name}_scatter']:.2f} %"
+
+    columns = {"e:": "{restitution:g}", "way": "", "f:": "{fraction:g}"}
+    return markdown(columns | {f"{name}:": partial(error, name=name) for name in QUANTITIES}, data["rows"]) + "\n"
 
 
 def draw_collisions(rows: Sequence[Results], path: Path) -> None:
@@ -139,10 +129,8 @@ def draw_collisions(rows: Sequence[Results], path: Path) -> None:
         for panel, (e, part) in zip(axes.flat, panels, strict=True):
             for way, group in part.groupby("way", sort=False):
                 mark, colour = looks[way]
-                panel.errorbar(
-                    group.fraction, 100 * group.restitution_error, yerr=100 * group.restitution_scatter, marker=mark,
-                    color=colour, label=way, linewidth=1.0, capsize=2,
-                )  # fmt: skip
+                error, bars = 100 * group.restitution_error, 100 * group.restitution_scatter
+                panel.errorbar(group.fraction, error, yerr=bars, marker=mark, color=colour, label=way, lw=1, capsize=2)
             panel.axhline(0, color="#555555", linewidth=0.8)
             panel.set(xscale="log", xlabel="f, step over 2/omega", title=f"e = {e:g}")
             panel.legend(fontsize=7)

@@ -12,13 +12,11 @@ from lammps_jump.files import plain
 from lammps_jump.provenance import machine
 from lammps_jump.sweeps.store import Say, Store
 
-from .cells import cell_page, time_cells
 from .collision import collision_page, compare_collisions
-from .overhead import overhead_page, time_commands
 from .page import draw_quantity, page
 from .skips import measure_skips, skip_page
-from .speed import speed_page, time_kernels
 from .study import Axes, measure_settings
+from .timing import cell_page, overhead_page, speed_page, time_cells, time_commands, time_kernels
 
 FOLDER = Path("runs") / "bench"
 PARTS = {
@@ -69,6 +67,7 @@ def run_bench(
     store = Store((out or FOLDER / name) / f"{part}.json", fresh=fresh)
     measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes or Axes(), fresh=fresh), settings_page)
     store.data |= plain(measure(case, store, quick=quick, say=say)) | {"case": name, "machine": machine()}
+    store.save()
     return store.finish(show(store.data, store.path.parent))
 
 

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+from itertools import product
 from pathlib import Path
 
+import pandas as pd
 from matplotlib.ticker import LogLocator
 
-from lammps_jump.analysis.draw.style import drawing, save
-from lammps_jump.studies.table import markdown, number, percent
+from lammps_jump.analysis.draw.style import RED, drawing, save
+from lammps_jump.studies.table import Column, markdown, percent
 
 MARKS = {
     "stock": ("o", "#33508f"),
@@ -17,6 +20,7 @@ MARKS = {
     "native": ("^", "#111111"),
     "native smooth": ("v", "#d9c55b"),
 }
+COLUMNS = ("label", "family", "plain", "seconds", "error")
 
 
 def page(data: dict) -> str:
@@ -27,34 +31,33 @@ def page(data: dict) -> str:
     data : dict
         Content of ``bench.json``.
     """
-    names = list(data["quantities"])
-    rows = []
-    for row in data["rows"]:
-        failed = f" ({len(row['failed'])} failed)" if row["failed"] else ""
-        rate = row["disc_steps_per_second"]
-        cells = [_error(row["errors"].get(name)) for name in names]
-        rows.append([row["label"] + failed, number(row["seconds"]), number(rate / 1e6 if rate else None, 1), *cells])
-    head = ["setting", "time (s)", "M disc-steps/s", *(f"{name} (floor)" for name in names)]
+    columns: dict[str, Column] = {
+        "setting": lambda row: row["label"] + (f" ({len(row['failed'])} failed)" if row["failed"] else ""),
+        "time (s):": "{seconds:.2f}",
+        "M disc-steps/s:": lambda row: f"{rate / 1e6:.1f}" if (rate := row["disc_steps_per_second"]) else "-",
+    }
+    columns |= {f"{name} (floor):": partial(_error, name=name) for name in data["quantities"]}
     about = (
         f"{data['duration']:g} s of flow, {data['members']} starts a setting, reference: {data['reference']}; "
         f"{data['machine']['processor']}, one core. Time: {data['time']}."
     )
-    table = markdown(head, "l" + "r" * (len(head) - 1), rows)
-    return "\n\n".join([f"### {data['case']}", about, short_table(data), table]) + "\n"
+    return "\n\n".join([f"### {data['case']}", about, short_table(data), markdown(columns, data["rows"])]) + "\n"
 
 
 def short_table(data: dict) -> str:
     """Return the cheapest setting for 5 % and 1 % of each quantity, beside stock LAMMPS at f = 0.05."""
     rows = {row["label"]: row for row in data["rows"]}
-    base = rows.get("stock f=0.05")
+    base, targets = rows.get("stock f=0.05"), {"0.05": "5 %", "0.01": "1 %"}
     lines = []
     for name, summary in data["quantities"].items():
-        chosen = (rows.get(summary["cheapest"].get(target) or "") for target in ("0.05", "0.01"))
-        lines.append([name, _cell(base, name, None), *(_cell(row, name, base) for row in chosen)])
-    return markdown(["quantity", "stock f = 0.05", "cheapest within 5 %", "cheapest within 1 %"], "llll", lines)
+        chosen = {f"cheapest within {word}": rows.get(summary["cheapest"].get(t)) for t, word in targets.items()}
+        cells = {title: _cell(row, name, base) for title, row in chosen.items()}
+        lines.append({"quantity": name, "stock f = 0.05": _cell(base, name, None), **cells})
+    return markdown(dict.fromkeys(lines[0] if lines else (), ""), lines)
 
 
-def _error(entry: dict | None) -> str:
+def _error(row: dict, name: str) -> str:
+    entry = row["errors"].get(name)
     if not entry or entry["error"] is None:
         return "-"
     return percent(entry["error"]) + (f" ({percent(entry['floor'])})" if entry["floor"] else "")
@@ -66,66 +69,52 @@ def _cell(row: dict | None, name: str, base: dict | None) -> str:
     text = f"{row['label']}: {row['seconds']:.2f} s" if base is not None else f"{row['seconds']:.2f} s"
     if base is not None and base["seconds"] and base is not row:
         text += f", {base['seconds'] / row['seconds']:.1f}x"
-    return f"{text} ({_error(row['errors'].get(name))})"
+    return f"{text} ({_error(row, name)})"
 
 
 def draw_quantity(data: dict, name: str, folder: Path) -> Path:
-    """Draw run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band."""
+    """Draw run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band.
+
+    A setting without any error has no place on a logarithmic axis.
+    """
     summary = data["quantities"][name]
-    rows = [row for row in data["rows"] if row["seconds"] and (row["errors"].get(name) or {}).get("error")]
+    rows = [{**row, "error": 100 * (row["errors"].get(name, {}).get("error") or 0.0)} for row in data["rows"]]
+    table = pd.DataFrame([row for row in rows if row["seconds"] and row["error"]], columns=COLUMNS).set_index("label")
     with drawing(7.2, 4.4) as (figure, axes):
-        _draw_families(axes, rows, name)
-        front = [row for label in summary["pareto"] for row in rows if row["label"] == label]
-        if front:
-            axes.step(*_points(front, name), where="post", color="#b03a2e", linewidth=1.0, label="Pareto front")
+        for family, plain in product(MARKS, (True, False)):
+            some, (mark, colour) = table[(table.family == family) & (table.plain == plain)], MARKS[family]
+            if len(some):
+                axes.plot(some.seconds, some.error, mark, color=colour, markerfacecolor=colour if plain else "white",
+                          markersize=6, label=family if plain else f"{family}, other axes")  # fmt: skip
+        front = table.reindex(summary["pareto"]).dropna()
+        if len(front):
+            axes.step(front.seconds, front.error, where="post", color=RED, linewidth=1.0, label="Pareto front")
         axes.set(xscale="log", yscale="log", xlabel="processor time of the run (s)", ylabel="error (%)")
         if summary["floor"]:
-            low = min(axes.get_ylim()[0], 50 * summary["floor"])
+            floor, low = 100 * summary["floor"], min(axes.get_ylim()[0], 50 * summary["floor"])
             axes.set_ylim(bottom=low)
-            axes.axhspan(low, 100 * summary["floor"], color="#eeeeee", zorder=0)
-            axes.annotate(
-                "scatter of the ensembles: nothing can be told apart below", (0.02, 100 * summary["floor"]),
-                xycoords=("axes fraction", "data"), fontsize=7, va="top", color="#666666",
-            )  # fmt: skip
+            axes.axhspan(low, floor, color="#eeeeee", zorder=0)
+            axes.annotate("scatter of the ensembles: nothing can be told apart below", (0.02, floor),
+                          xycoords=("axes fraction", "data"), fontsize=7, va="top", color="#666666")  # fmt: skip
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter("")
-        _name_choices(axes, summary, rows, name)
+        _name_choices(axes, summary["cheapest"], table)
         axes.set_title(f"{data['case']}: {name}")
-        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+        if len(table):
+            axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
         return save(figure, folder / f"bench_{name.replace(' ', '_')}.png")
 
 
-def _points(rows: list[dict], name: str) -> tuple[list[float], list[float]]:
-    """Return run times (s) and errors (%)."""
-    return [row["seconds"] for row in rows], [100 * row["errors"][name]["error"] for row in rows]
-
-
-def _draw_families(axes, rows: list[dict], name: str) -> None:
-    for family, (mark, colour) in MARKS.items():
-        for plain in (True, False):
-            some = [row for row in rows if row["family"] == family and row["plain"] is plain]
-            if some:
-                axes.plot(
-                    *_points(some, name), mark, color=colour, markerfacecolor=colour if plain else "white",
-                    markersize=6, label=family if plain else f"{family}, other axes",
-                )  # fmt: skip
-
-
-def _name_choices(axes, summary: dict, rows: list[dict], name: str) -> None:
+def _name_choices(axes, cheapest: dict[str, str | None], table: pd.DataFrame) -> None:
     """Ring and name the cheapest settings; where one serves both targets it is named once."""
-    named: dict[str, list[str]] = {}
-    for target, label in summary["cheapest"].items():
-        if label:
-            named.setdefault(label, []).append(f"{100 * float(target):g} %")
-    for index, (label, targets) in enumerate(named.items()):
-        row = next(row for row in rows if row["label"] == label)
-        point = row["seconds"], 100 * row["errors"][name]["error"]
-        axes.plot(*point, "o", markersize=12, markerfacecolor="none", color="#b03a2e", linewidth=1.2)
+    for index, label in enumerate(dict.fromkeys(label for label in cheapest.values() if label in table.index)):
+        targets = " and ".join(f"{100 * float(target):g} %" for target, one in cheapest.items() if one == label)
+        point = tuple(table.loc[label, ["seconds", "error"]])
+        axes.plot(*point, "o", markersize=12, markerfacecolor="none", color=RED, linewidth=1.2)
         axes.annotate(
-            f"{' and '.join(targets)}: {label}", point, xytext=(1.02, 0.95 - 0.07 * index),
-            textcoords="axes fraction", fontsize=8, color="#b03a2e",
-            arrowprops={"arrowstyle": "-", "color": "#b03a2e", "linewidth": 0.6},
+            f"{targets}: {label}", point, xytext=(1.02, 0.95 - 0.07 * index), textcoords="axes fraction", fontsize=8,
+            color=RED, arrowprops={"arrowstyle": "-", "color": RED, "linewidth": 0.6},
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},
         )  # fmt: skip

@@ -20,7 +20,7 @@ from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import script_text
 from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
-from lammps_jump.studies.table import markdown, percent
+from lammps_jump.studies.table import markdown
 from lammps_jump.sweeps.store import Results, Say, Store, all_versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
@@ -94,9 +94,10 @@ SKIPS = (
 )  # fmt: skip
 
 
-def base_script(scene: Scene) -> str:
-    """Return the stock script of the generator, with every digit in the dump."""
-    return script_text(scene, kernel="stock").replace(*PRECISE)
+def both_scripts(scene: Scene, skip: Skip) -> tuple[str, str]:
+    """Return the stock script of the generator, with every digit in the dump, without and with the thing."""
+    plain = script_text(scene, kernel="stock").replace(*PRECISE)
+    return plain, skip.edit(plain, scene)
 
 
 def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
@@ -126,8 +127,7 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
     if not skip.exact:
         steps = min(scene.steps, EARLY_STEPS)
         scene = replace(scene, steps=steps, settle_steps=0, gates=(), output_steps=steps, probe_steps=steps)
-    plain = base_script(scene)
-    edited = skip.edit(plain, scene)
+    plain, edited = both_scripts(scene, skip)
     if edited == plain:
         return None
     return largest_difference(run_script(scene, plain)[0], run_script(scene, edited)[0])
@@ -135,11 +135,9 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
 
 def dump_formats(scene: Scene, rounds: int) -> dict[str, float | None]:
     """Return the processor seconds of a stock run by dump format."""
-
-    def timed(name: str, _: int) -> float:
-        return run_frames(scene, "stock", dump_format=name)[0].cpu_seconds
-
-    return {name: middle(values) for name, values in in_turn(["text", "gz", "binary"], rounds, timed).items()}
+    formats = ["text", "gz", "binary"]
+    times = in_turn(formats, rounds, lambda name, _: run_frames(scene, "stock", dump_format=name)[0].cpu_seconds)
+    return {name: middle(values) for name, values in times.items()}
 
 
 def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
@@ -160,31 +158,34 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
 
 
 def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
-    plain = base_script(scene)
-    edited = skip.edit(plain, scene)
-    ratio = difference = None
-    verdict = "the scene needs it"
+    plain, edited = both_scripts(scene, skip)
+    ratio, difference, verdict = None, None, "the scene needs it"
     if edited != plain:
         taken = in_turn([plain, edited], rounds, lambda text, _: run_script(scene, text)[1])
-        ratio = middle(with_it / without for with_it, without in zip(taken[edited], taken[plain], strict=True))
+        ratio = middle(with_it / without for without, with_it in zip(*taken.values(), strict=True))
         difference = compare_skip(scene, skip)
-        verdict = f"{percent(ratio - 1, 1, '+')} time with it, trajectory differs by {difference:.1e}"
+        verdict = f"{100 * (ratio - 1):+.1f} % time with it, trajectory differs by {difference:.1e}"
     return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}
 
 
 def skip_page(data: Results, folder: Path) -> str:
     """Return the Markdown table."""
-    lines, formats = [], data["formats"]
-    for row in data["rows"]:
-        if row["ratio"] is None:
-            lines.append([row["name"], "-", row["verdict"]])
-            continue
-        difference = inf if row["difference"] is None else row["difference"]
-        where = "" if row["exact"] else f", after {EARLY_STEPS} steps"
-        same = f"{difference:.1e}{where}" if difference else "none, bit by bit"
-        lines.append([row["name"], percent(row["ratio"] - 1, 1, "+"), same])
-    for name in ("gz", "binary"):
-        if formats.get("text") and formats.get(name):
-            change = percent(formats[name] / formats["text"] - 1, 1, "+")
-            lines.append([f"dump as {name} instead of text", change, "-"])
-    return markdown(["put back in", "time with it", "largest change of the trajectory"], "lrr", lines) + "\n"
+    formats = data["formats"]
+    dumps = (
+        {"name": f"dump as {name} instead of text", "ratio": formats[name] / formats["text"], "same": "-"}
+        for name in ("gz", "binary")
+        if formats.get("text") and formats.get(name)
+    )
+    columns = {
+        "put back in": "{name}",
+        "time with it:": lambda row: "-" if row["ratio"] is None else f"{100 * (row['ratio'] - 1):+.1f} %",
+        "largest change of the trajectory:": lambda row: row.get("same") or _change(row),
+    }
+    return markdown(columns, [*data["rows"], *dumps]) + "\n"
+
+
+def _change(row: Results) -> str:
+    difference = inf if row["difference"] is None else row["difference"]
+    where = "" if row["exact"] else f", after {EARLY_STEPS} steps"
+    same = f"{difference:.1e}{where}" if difference else "none, bit by bit"
+    return row["verdict"] if row["ratio"] is None else same

@@ -37,10 +37,8 @@ BLOW_UP = 1e8
 """The same for scenes that are not linear from the start (a column still settling, friction, which chatters within
 Coulomb's bound): the perturbation of 1e-7 d omega has reached 1e-3 d omega, 0.2 m/s."""
 LOOKS = 10
-ENGINES = {
-    "native velocity_verlet": "native", "native leapfrog_extrapolated": "native", "stock": "stock",
-    "compiled": "compiled",
-}  # fmt: skip
+ENGINES = {f"native {scheme}": "native" for scheme in ("velocity_verlet", "leapfrog_extrapolated")}
+ENGINES |= {"stock": "stock", "compiled": "compiled"}
 """Kernel of each engine that is tried."""
 ARRANGEMENTS = ("pair", "wall", "square", "hexagonal", "column")
 
@@ -70,9 +68,7 @@ def _scene(positions, velocities, walls=(), **settings) -> Scene:
     )  # fmt: skip
 
 
-def arrangement_scene(
-    arrangement: str, fraction: float, restitution: float, integrator: str, *, side=16, friction=0.0, rotation=False
-) -> Scene:
+def arrangement_scene(arrangement: str, fraction: float, restitution: float, integrator: str, *, side=16, **surface):
     """Return a perturbed scene with closed contacts.
 
     Parameters
@@ -82,11 +78,10 @@ def arrangement_scene(
     integrator : str
     side : int
         Discs along a side.
-    friction : float
-    rotation : bool
+    surface
+        ``friction``, a number, and ``rotation``, true or false.
     """
-    settings = {"time_step_fraction": fraction, "restitution": restitution, "integrator": integrator}
-    settings |= {"friction": friction, "rotation": rotation}
+    settings = {"time_step_fraction": fraction, "restitution": restitution, "integrator": integrator, **surface}
     radius = 0.5 * DIAMETER
     if arrangement == "pair":
         overlap, soft = 4e-4 * DIAMETER, 0.4 * DIAMETER  # a soft wall presses them together and hardly stiffens them
@@ -110,13 +105,18 @@ def _square(side: int) -> tuple[np.ndarray, np.ndarray, list[Box]]:
     """Return a square lattice in a box, perturbed by whole columns and rows to leave its weak shear modes alone."""
     overlap = 1e-6 * DIAMETER
     spacing = DIAMETER - overlap
-    i, j = np.meshgrid(np.arange(side), np.arange(side))
-    positions = np.column_stack([i.ravel(), j.ravel()]) * spacing
+    j, i = np.divmod(np.arange(side**2), side)
     low, high = overlap - 0.5 * DIAMETER, (side - 1) * spacing + 0.5 * DIAMETER - overlap
-    random = np.random.default_rng(7)
-    columns, rows = random.standard_normal((2, side))
-    velocities = 1e-10 * DIAMETER * OMEGA * np.column_stack([columns[i.ravel()], rows[j.ravel()]])
-    return positions, velocities, [Box("box", (low, high), (low, high))]
+    columns, rows = np.random.default_rng(7).standard_normal((2, side))
+    velocities = 1e-10 * DIAMETER * OMEGA * np.column_stack([columns[i], rows[j]])
+    return np.column_stack([i, j]) * spacing, velocities, [Box("box", (low, high), (low, high))]
+
+
+def _hexagonal(side: int, rows: int, spacing: float, less: int = 0) -> np.ndarray:
+    """Return places of a hexagonal crystal, shape (discs, 2), m; every other row has `less` discs less than `side`."""
+    height = spacing * sqrt(3.0) / 2
+    places = ((i, j) for j in range(rows) for i in range(side - less * (j % 2)))
+    return np.array([(spacing * (i + 0.5 * (j % 2)), height * j) for i, j in places])
 
 
 @lru_cache(maxsize=8)
@@ -133,9 +133,7 @@ def _settled(arrangement: str, side: int) -> tuple[np.ndarray, list[Box], tuple[
     else:
         gravity, rows, side = (0.0, -9.81), 4 * side, 10
         spacing, wall_x, wall_y = DIAMETER, 0.0, 0.0
-    height = spacing * sqrt(3.0) / 2
-    places = ((i, j) for j in range(rows) for i in range(side - j % 2))
-    positions = np.array([(spacing * (i + 0.5 * (j % 2)), height * j) for i, j in places])
+    positions = _hexagonal(side, rows, spacing, less=1)
     right, top = positions.max(axis=0)
     high = top + radius - wall_y if arrangement == "hexagonal" else top + 5 * DIAMETER
     box = Box("box", (wall_x - radius, right + radius - wall_x), (wall_y - radius, high))
@@ -175,17 +173,21 @@ def bisect(stable: Callable[[float], bool], low: float, high: float, tolerance: 
 
 
 def measure_limit(
-    arrangement: str,
-    engine: str,
-    restitution: float,
-    *,
-    friction: float = 0.0,
-    rotation: bool = False,
-    steps: int = 4000,
-    side: int = 16,
-    tolerance: float = 0.005,
+    arrangement: str, engine: str, restitution: float, *, steps: int = 4000, side=16, tolerance=0.005, **surface
 ) -> Results:
     """Find the largest stable step of one arrangement on one engine by bisection.
+
+    Parameters
+    ----------
+    arrangement, engine : str
+        Of `ARRANGEMENTS` and `ENGINES`.
+    restitution : float
+    steps, side : int
+        Steps of a trial; discs along a side.
+    tolerance : float
+        Width of the bracket over its middle.
+    surface
+        As of `arrangement_scene`; smooth discs without spin unless given.
 
     Returns
     -------
@@ -197,18 +199,17 @@ def measure_limit(
     integrator = integrator_of(engine)
     predicted = predicted_limit(arrangement, restitution, integrator)
 
+    surface = {"friction": 0.0, "rotation": False, **surface}
+
     def stable(fraction: float) -> bool:
-        options = {"side": side, "friction": friction, "rotation": rotation}
-        scene = arrangement_scene(arrangement, fraction, restitution, integrator, **options)
-        return growth(scene, engine, steps) < (BLOW_UP if friction or arrangement == "column" else GROWTH)
+        scene = arrangement_scene(arrangement, fraction, restitution, integrator, side=side, **surface)
+        return growth(scene, engine, steps) < (BLOW_UP if surface["friction"] or arrangement == "column" else GROWTH)
 
     low, high = bisect(stable, 0.96 * predicted, 1.04 * predicted, tolerance)
     middle = 0.5 * (low + high)
-    return {
-        "arrangement": arrangement, "engine": engine, "restitution": restitution, "friction": friction,
-        "rotation": rotation, "predicted": predicted, "stable": low, "unstable": high, "measured": middle,
-        "deviation": middle / predicted - 1.0,
-    }  # fmt: skip
+    asked = {"arrangement": arrangement, "engine": engine, "restitution": restitution, **surface}
+    found = {"predicted": predicted, "stable": low, "unstable": high, "measured": middle}
+    return {**asked, **found, "deviation": middle / predicted - 1.0}
 
 
 def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> float:
@@ -220,15 +221,15 @@ def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, 
         Where LAMMPS cannot be loaded.
     """
     spacing = 0.98 * DIAMETER
-    height = spacing * sqrt(3.0) / 2
-    points = [(spacing * (i + 0.5 * (j % 2)), height * j) for j in range(side) for i in range(side)]
+    width, height = number(side * spacing), number(side * (spacing * sqrt(3.0) / 2))
+    points = _hexagonal(side, side, spacing).tolist()
     speeds = 1e-7 * DIAMETER * OMEGA * np.random.default_rng(7).standard_normal((len(points), 2))
     scene = _scene(points, speeds, time_step_fraction=fraction, restitution=restitution)
     engine = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     try:
         text = [
             "units si", "dimension 2", "atom_style sphere", "boundary p p p", "newton off", "comm_modify vel yes",
-            f"region all block 0 {number(side * spacing)} 0 {number(side * height)} -0.1 0.1", "create_box 1 all",
+            f"region all block 0 {width} 0 {height} -0.1 0.1", "create_box 1 all",
             *[f"create_atoms 1 single {number(x + 1e-3)} {number(y + 1e-3)} 0" for x, y in points],
             f"set group all diameter {number(DIAMETER)}", f"set group all mass {number(MASS)}",
             *[f"set atom {i} vx {number(vx)} vy {number(vy)}" for i, (vx, vy) in enumerate(speeds, 1)],
@@ -259,15 +260,13 @@ def resting_bed(engine: str, steps: int) -> Results:
     """
     fraction = min(0.1, 0.6 * contact.stable_fraction(contact.damping_ratio(0.2), integrator_of(engine)))
     scene = arrangement_scene("column", fraction, 0.2, integrator_of(engine), side=3)
-    count, every = len(scene.positions), max(1, steps // 20)
-    scene = replace(
-        scene, steps=20 * every, output_steps=every, velocities=np.zeros_like(scene.velocities), overlap_limit=0.04
-    )
+    count, every, rest = len(scene.positions), max(1, steps // 20), np.zeros_like(scene.velocities)
+    scene = replace(scene, steps=20 * every, output_steps=every, velocities=rest, overlap_limit=0.04)
     result, frames = run_frames(scene, ENGINES[engine])
-    bed: Results = {"engine": engine, "steps": steps, "discs": count, "seconds": result.cpu_seconds, "right": False,
-                    "message": f"{result.status}: {result.message}", "kinetic_share": None, "drift": None}  # fmt: skip
+    bed: Results = {"engine": engine, "steps": steps, "discs": count, "seconds": result.cpu_seconds}
     if not frames:
-        return bed
+        told = f"{result.status}: {result.message}"
+        return {**bed, "right": False, "message": told, "kinetic_share": None, "drift": None}
     late = frames[len(frames) // 2 :]
     kinetic = max(0.5 * scene.mass * float(np.sum(f.vx**2 + f.vy**2)) for f in late)
     share = kinetic / (scene.mass * 9.81 * scene.diameter * count)

@@ -10,11 +10,14 @@ from __future__ import annotations
 
 import re
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from math import nan
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from lammps_jump import load_case
 from lammps_jump.analysis.energy import EnergyLedger
@@ -30,6 +33,8 @@ from lammps_jump.scene.walls import Box
 from lammps_jump.studies.runs import execute, kernel_changes
 from lammps_jump.sweeps import pool
 
+HARD = yaml.safe_load(Path(__file__).with_name("scenes.yaml").read_text())
+"""Scenes by hand: ``base``, and what each of ``scenes`` changes in it."""
 GOOD = ("stable", "refused", "stopped")
 """Good outcomes."""
 HEATED = 0.1
@@ -81,124 +86,75 @@ def ended(outcome: pool.Outcome) -> Outcome:
 
 def base_case(**changes: object) -> dict:
     """Return a small box of discs under gravity, as data of a case file."""
-    case = {
-        "name": "stress",
-        "gravity": 9.81,
-        "discs": {"diameter": 0.2, "density": 1000},
-        "contact": {"restitution": 0.2, "friction": 0, "penetration_fraction": 10, "impact_speed": 16},
-        "domain": {"x": [-3, 5], "y": [-3, 8]},
-        "walls": [{"name": "box", "kind": "box", "x": [0, 2], "y": [0, 5]}],
-        "initial": [{"kind": "lattice", "nx": 4, "ny": 4, "spacing": 0.3, "origin": [0.3, 0.3], "jitter": 0.01}],
-        "run": {"duration": 0.3, "time_step_fraction": 0.05, "output_interval": 0.05, "seed": 1},
-    }
+    case = dict(HARD["base"])
     for key, value in changes.items():
         case[key] = {**case[key], **value} if isinstance(value, dict) and isinstance(case.get(key), dict) else value
     return case
 
 
-def _list(positions, velocities=None, **changes: object) -> dict:
-    item = {"kind": "list", "positions": positions}
-    if velocities is not None:
-        item["velocities"] = velocities
-    return base_case(initial=[item], **changes)
-
-
 def hard_scenes(long: bool = False) -> dict[str, tuple[dict, tuple[str, ...]]]:
     """Return (case data, outcomes that are right for it) by name."""
-    block = [{"name": "block", "kind": "block", "x": [0, 1], "y": [0, 1]}]
-    floor = [{"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"}]
-    head_on = [[0.5, 2.0], [1.5, 2.0]]
-    drowned = {
-        "walls": [
-            {"name": "floor", "kind": "block", "x": [-2, 4], "y": [-2, 0]},
-            {"name": "dam", "kind": "block", "x": [2, 2.6], "y": [-2, 9]},
-            {"name": "back", "kind": "plane", "axis": "x", "at": -0.5, "side": "above"},
-        ],
-        "domain": {"x": [-2, 12], "y": [-6, 40]},
-        "inflow": {"kind": "rows", "x": 0, "depth": 0.6, "mean_speed": 6},
-        "outflow": [{"x_beyond": 8}, {"y_below": -4}],
-        "initial": [],
-        "run": {"duration": 120 if long else 5, "output_interval": 1.0, "time_step_fraction": 0.1},
-    }
     scenes = {
-        "ten times the design speed": (_list(head_on, [[80, 0], [-80, 0]]), ("stable", "stopped")),
-        "ten times the design speed at a wall": (_list([[1.0, 1.0]], [[0, -160]]), ("stable", "stopped")),
-        "discs overlapping by half": (_list([[0.5, 2.0], [0.6, 2.0]]), ("refused",)),
-        "a disc exactly on another": (_list([[0.5, 2.0], [0.5, 2.0]]), ("refused",)),
-        "a disc touching a wall exactly": (_list([[1.0, 0.1]]), ("stable",)),
-        "a disc in a corner": (_list([[0.1, 0.1]]), ("stable",)),
-        "a disc with its centre on a wall": (_list([[1.0, 0.0]]), ("refused",)),
-        "a disc falling on an edge": (_list([[1.0, 1.5]], [[0, -5]], walls=block), ("stable", "stopped")),
-        "a disc resting on an edge": (_list([[1.0, 1.1]], walls=block), ("stable", "stopped")),
-        "a disc inside a block": (_list([[0.5, 0.5]], walls=block), ("refused",)),
-        "a position that is no number": (_list([[float("nan"), 0.5]]), ("refused",)),
-        "a disc thrown out of the domain": (_list([[0.5, 0.5]], [[40, 0]], walls=floor), ("stopped",)),
-        "a step beyond the limit": (base_case(run={"time_step_fraction": 0.5}), ("refused",)),
-        "a step beyond the limit, allowed": (
-            base_case(run={"time_step_fraction": 0.9, "allow_unstable": True, "duration": 3}),
-            ("stable", "heated", "stopped"),
-        ),
-        "a soft contact under a heavy load": (
-            base_case(contact={"impact_speed": 0.3}, run={"duration": 2}, gravity=100.0),
-            ("stable", "stopped"),
-        ),
-        "inlet drowned": (base_case(**drowned), ("stable", "stopped")),
-        "one disc alone": (_list([[1.0, 2.0]], gravity=0), ("stable",)),
+        name: (base_case(**{key: value for key, value in changes.items() if key != "right"}), tuple(changes["right"]))
+        for name, changes in HARD["scenes"].items()
     }
-    for friction in (0.0, 0.1, 0.5, 1.0, 2.0):
-        for restitution in (0.01, 0.1, 0.5, 1.0):
-            for rotation in (False, True) if friction else (False,):
-                name = f"ks {friction:g}, e {restitution:g}" + (", spin" if rotation else "")
-                contact = {"friction": friction, "restitution": restitution, "rotation": rotation}
-                scenes[name] = (base_case(contact=contact), ("stable",))
+    if long:
+        scenes["inlet drowned"][0]["run"]["duration"] = 120
+    for friction, restitution, spin in product((0.0, 0.1, 0.5, 1.0, 2.0), (0.01, 0.1, 0.5, 1.0), (False, True)):
+        if friction or not spin:
+            name = f"ks {friction:g}, e {restitution:g}" + (", spin" if spin else "")
+            contact = {"friction": friction, "restitution": restitution, "rotation": spin}
+            scenes[name] = (base_case(contact=contact), ("stable",))
     return scenes
 
 
 def random_case(seed: int) -> dict:
     """Return a small scene drawn from a seed: contact, walls, discs, inflow, step; many of them are unreasonable."""
     random = np.random.default_rng([20261121, seed])
-    d = float(random.choice([0.05, 0.2, 1.0]))
-    speed = float(random.choice([1.0, 5.0, 20.0]))
+
+    def one_of(*values: float, p: Sequence[float] | None = None) -> float:
+        return float(random.choice(values, p=p))
+
+    def between(low: float, high: float) -> float:
+        return float(random.uniform(low, high))
+
+    d, speed = one_of(0.05, 0.2, 1.0), one_of(1.0, 5.0, 20.0)
     contact = {
-        "restitution": float(np.clip(random.uniform(-0.1, 1.2), 0.01, 1.0)),
-        "friction": float(random.choice([0.0, 0.1, 0.6, 2.0])),
-        "penetration_fraction": float(random.choice([5, 10, 20, 40])),
+        "restitution": min(max(between(-0.1, 1.2), 0.01), 1.0),
+        "friction": one_of(0.0, 0.1, 0.6, 2.0),
+        "penetration_fraction": one_of(5, 10, 20, 40),
         "impact_speed": speed,
         "rotation": bool(random.random() < 0.4),
     }
-    width = d * float(random.uniform(6, 25))
+    width = d * between(6, 25)
     kind = random.choice(["box", "planes", "channel"])
-    if kind == "box":
-        walls = [{"name": "box", "kind": "box", "x": [0, width], "y": [0, width]}]
-    else:
-        walls = [{"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"}]
-        if kind == "planes":
-            walls += [{"name": "left", "kind": "plane", "axis": "x", "at": 0, "side": "above"}]
-        step = [width * float(random.uniform(0.5, 0.8)), width * float(random.uniform(0.85, 1.0))]
-        walls += [{"name": "step", "kind": "block", "x": step, "y": [-d, d * float(random.uniform(0.5, 6))]}]
+    walls = [{"name": "box", "kind": "box", "x": [0, width], "y": [0, width]}]
+    if kind != "box":
+        planes = [("floor", "y"), ("left", "x")] if kind == "planes" else [("floor", "y")]
+        walls = [{"name": name, "kind": "plane", "axis": axis, "at": 0, "side": "above"} for name, axis in planes]
+        step = [width * between(0.5, 0.8), width * between(0.85, 1.0)]
+        walls += [{"name": "step", "kind": "block", "x": step, "y": [-d, d * between(0.5, 6)]}]
     initial = []
     if kind != "channel" or random.random() < 0.5:
         nx, ny = (int(n) for n in random.integers(1, 7, 2))
-        spacing = d * float(random.choice([0.9, 1.0, 1.05, 1.5], p=[0.1, 0.3, 0.3, 0.3]))
-        fast = {int(i): [float(v) for v in random.normal(0, speed * random.choice([0.5, 3]), 2)] for i in range(1, 3)}
-        initial = [
-            {"kind": "lattice", "nx": nx, "ny": ny, "spacing": spacing, "origin": [0.6 * d, 0.6 * d],
-             "jitter": float(random.choice([0, 0.02])), "velocities": {i: v for i, v in fast.items() if i <= nx * ny}}
-        ]  # fmt: skip
+        spacing = d * one_of(0.9, 1.0, 1.05, 1.5, p=[0.1, 0.3, 0.3, 0.3])
+        fast = {i: random.normal(0, speed * random.choice([0.5, 3]), 2).tolist() for i in (1, 2)}
+        lattice = {"kind": "lattice", "nx": nx, "ny": ny, "spacing": spacing, "origin": [0.6 * d, 0.6 * d]}
+        initial = [{**lattice, "jitter": one_of(0, 0.02), "velocities": {i: fast[i] for i in fast if i <= nx * ny}}]
     case: dict = {
         "name": f"random_{seed}",
-        "gravity": float(random.choice([0.0, 9.81, 50.0])),
-        "discs": {"diameter": d, "density": float(random.choice([1.0, 1000.0]))},
+        "gravity": one_of(0.0, 9.81, 50.0),
+        "discs": {"diameter": d, "density": one_of(1.0, 1000.0)},
         "contact": contact,
         "domain": {"x": [-4 * d, width + 40 * d], "y": [-8 * d, width + 30 * d]},
         "walls": walls,
         "initial": initial,
     }
     if kind == "channel":
-        case["inflow"] = {"kind": "rows", "x": 0, "y": 0, "depth": d * float(random.uniform(0.8, 4.5)),
-                          "mean_speed": speed * float(random.uniform(0.2, 1.5))}  # fmt: skip
+        depth, mean = d * between(0.8, 4.5), speed * between(0.2, 1.5)
+        case["inflow"] = {"kind": "rows", "x": 0, "y": 0, "depth": depth, "mean_speed": mean}
         case["outflow"] = [{"x_beyond": width + 20 * d}]
-    fraction = float(random.choice([0.02, 0.05, 0.1, 0.2, 0.4], p=[0.1, 0.4, 0.3, 0.1, 0.1]))
+    fraction = one_of(0.02, 0.05, 0.1, 0.2, 0.4, p=[0.1, 0.4, 0.3, 0.1, 0.1])
     omega = 2.0**0.5 * contact["penetration_fraction"] * speed / d
     duration = float(random.integers(300, 1500)) * fraction * 2 / omega
     case["run"] = {"duration": duration, "output_interval": duration / 5, "time_step_fraction": fraction,
@@ -210,11 +166,19 @@ def judge(case: dict, engine: str) -> Outcome:
     """Build a case for an engine of `ENGINE_CHANGES`, run it and judge all that it wrote."""
     try:
         scene = load_case(case, ENGINE_CHANGES[engine]).scene()
-    except SetupError as error:
-        return Outcome("absent", str(error))
     except JumpError as error:
-        return Outcome("refused" if str(error).strip() else "wordless", str(error))
+        return told(error, "refused" if str(error).strip() else "wordless")
     return judge_scene(scene, engine)
+
+
+def told(error: JumpError, outcome: str) -> Outcome:
+    """Return the outcome of a scene that ended with an error; 'absent' where an engine is missing."""
+    return Outcome("absent" if isinstance(error, SetupError) else outcome, str(error))
+
+
+def stopped(message: str) -> str:
+    """Return the outcome of a run that ended early with a message."""
+    return "stopped" if REASONS.search(message) else "wordless"
 
 
 def judge_bypassed(positions: tuple[tuple[float, float], ...], engine: str) -> Outcome:
@@ -234,17 +198,15 @@ def judge_scene(scene: Scene, engine: str) -> Outcome:
     with tempfile.TemporaryDirectory() as folder, np.errstate(all="ignore"):
         try:
             result = execute(scene, Path(folder), kernel)
-        except SetupError as error:
-            return Outcome("absent", str(error))
         except JumpError as error:
-            return Outcome("stopped" if REASONS.search(str(error)) else "wordless", str(error))
+            return told(error, stopped(str(error)))
         message = result.message.replace(folder, "the run folder")
         done = {"steps": result.steps, "seconds": result.seconds}
         trouble = look_for_trouble(Path(folder), result)
         if trouble:
             return Outcome(trouble[0], trouble[1] + (f" ({message})" if message else ""), **done)
         if result.status != "complete":
-            return Outcome("stopped" if REASONS.search(message) else "wordless", message, **done)
+            return Outcome(stopped(message), message, **done)
         gain = energy_gain(Path(folder), scene)
     if gain > HEATED:
         return Outcome("heated", f"the energy rose by {100 * gain:.1f} %", **done, gain=gain)

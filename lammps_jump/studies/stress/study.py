@@ -1,26 +1,102 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``lammps-jump stress``: limits of the step, hard scenes, random scenes, a resting bed; resumable."""
+"""``lammps-jump stress``: limits of the step, hard scenes, random scenes, a resting bed; resumable; page and map."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import pandas as pd
+
+from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.engines import usable_cores, usable_kernels
-from lammps_jump.provenance import machine
+from lammps_jump.files import plain
+from lammps_jump.physics import contact
+from lammps_jump.provenance import short_hash
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
+from lammps_jump.studies.table import markdown
 from lammps_jump.sweeps import Pool
 from lammps_jump.sweeps.store import Results, Say, Store
 
 from .limits import ARRANGEMENTS, ENGINES, integrator_of, measure_limit, periodic_hexagonal, resting_bed
-from .report import draw_map, report
-from .scenes import BYPASSED, ENGINE_CHANGES, GOOD, ended, hard_scenes, judge, judge_bypassed, random_case
+from .scenes import BYPASSED, ENGINE_CHANGES, GOOD, Outcome, ended, hard_scenes, judge, judge_bypassed, random_case
+
+PACKINGS = {"pair": ("-", "#33508f"), "square": ("--", "#7d7c78"), "hexagonal": ("-.", "#a08a3c")}
+MARKS = {"native": "^", "stock": "o", "compiled": "s"}
+TITLES = {
+    "velocity_verlet": "velocity Verlet (LAMMPS, native)",
+    "leapfrog_extrapolated": "thesis' leap-frog (native)",
+}
+
+
+LIMITS = {
+    "arrangement": lambda row: row["arrangement"] + (", spin" if row["rotation"] else ""),
+    "e:": "{restitution:g}",
+    "ks:": "{friction:g}",
+    "engine": "",
+    **{f"{name}:": f"{{{name}:.4f}}" for name in ("predicted", "stable", "unstable")},
+    "deviation:": "{deviation:+.1%}",
+}
+GROWTH = {"engine": "", "f:": "{fraction:g}", "mean change:": "{mean:+.3%}",
+          "scatter over entry phases:": "{scatter:.2%}"}  # fmt: skip
+
+
+def report(data: dict) -> str:
+    """Return the Markdown page: what ended badly, limits, growth, scenes, random scenes, resting bed."""
+    random = data["random"]
+    parts = ["## What ended badly", "\n".join(f"- {text}" for text in data["bad"]) or "Nothing."]
+    parts += ["## Limits of the step, as a share of 2/omega of a pair", markdown(LIMITS, data["limits"])]
+    if data["periodic"]:
+        crystal = "- e = {restitution:g}, f = {fraction:g}: kinetic energy x {growth:.3g}"
+        parts += ["Periodic hexagonal crystal, 2 % compressed, 20,000 steps of stock LAMMPS:"]
+        parts += ["\n".join(map(crystal.format_map, data["periodic"]))]
+    parts += ["## Energy of one elastic collision below the limit", markdown(GROWTH, data["growth"])]
+    outcomes: dict[str, dict[str, str]] = {}
+    for row in data["scenes"]:
+        outcomes.setdefault(row["scene"], {"scene": row["scene"]})[row["engine"]] = row["outcome"]
+    engines = dict.fromkeys(name for row in outcomes.values() for name in row)
+    parts += ["## Hard scenes", markdown(dict.fromkeys(engines, ""), outcomes.values())]
+    tally = pd.DataFrame(random["tally"]).T.fillna(0).astype(int).sort_index(axis=1)
+    counts = {"engine": "", **{f"{name}:": "" for name in tally}}
+    parts += [f"## Random scenes: {random['count']} from seed {random['first_seed']}"]
+    parts += [markdown(counts, tally.rename_axis("engine").reset_index().to_dict("records"))]
+    bed = "- {engine}, {discs} discs, {steps} steps: {message}"
+    return "\n\n".join([*parts, "## Resting bed", "\n".join(map(bed.format_map, data["bed"]))]) + "\n"
+
+
+def draw_map(limits: list[dict], path: Path) -> Path:
+    """Draw restitution against time step: predicted limits as lines, measured ones as marks, a panel an integrator."""
+    table = pd.DataFrame([row for row in limits if not row["friction"]])
+    grid = np.concatenate([np.linspace(0.02, 0.98, 97), [1.0]])
+    with drawing(8.4, 3.8, 1, 2, sharey=True) as (figure, axes):
+        for panel, (integrator, title) in zip(axes, TITLES.items(), strict=True):
+            for packing, (dash, colour) in PACKINGS.items():
+                line = [contact.stable_fraction(contact.damping_ratio(e), integrator, packing) for e in grid]
+                panel.plot(grid, line, dash, color=colour, label=f"{packing}, closed form")
+                for engine in (name for name in ENGINES if integrator_of(name) == integrator):
+                    rows = table[(table.engine == engine) & (table.arrangement == packing)]
+                    mark, name = MARKS[ENGINES[engine]], f"measured, {ENGINES[engine]}"
+                    label = name if len(rows) and packing == "hexagonal" else None
+                    panel.plot(rows.restitution, rows.measured, mark, color=colour, markerfacecolor="none", label=label)
+            panel.axhline(0.05, color="#999999", linewidth=0.8)
+            panel.annotate("thesis' step", (0.02, 0.055), fontsize=7, color="#666666")
+            panel.set(xlabel="restitution coefficient", title=title)
+            panel.legend(fontsize=7)
+        axes[0].set(ylabel="largest stable step over 2/omega of a pair", ylim=(0, 1.05))
+        return save(figure, path)
+
 
 STRESS_FILE = "stress.json"
+LIMIT_SAID = (
+    "{arrangement}, e = {restitution:g}, ks = {friction:g}, spin {rotation}, {engine}: f = {measured:.4f}, closed form "
+    "{predicted:.4f} ({deviation:+.1%})"
+)
 TIMEOUT = 120.0
 """s that one scene may take before it counts as hanging; minutes of drowned inlet get ten times that."""
 
@@ -53,83 +129,78 @@ class Stress:
         """Engines of `limits.ENGINES` that run here."""
         return [engine for engine, kernel in ENGINES.items() if kernel == "native" or kernel in self.kernels]
 
-    @property
-    def scene_engines(self) -> list[str]:
-        """Engines of `scenes.ENGINE_CHANGES` that run here."""
-        return [engine for engine in ENGINE_CHANGES if engine.startswith("native") or engine in self.kernels]
-
     def limits(self) -> list[Results]:
         """Measure limits for arrangements, restitutions, friction and spin on each engine."""
         size = {"steps": 2000, "side": 12, "tolerance": 0.01} if self.quick else {}
-        calls = {
-            f"limit {sorted(option.items())} {engine} {sorted(size.items())}": partial(
-                measure_limit, engine=engine, **option, **size
-            )
-            for option, engine in product(limit_options(self.quick), self.engines)
-        }
-        return [*self._call(calls, describe_limit).values()]
+        points = product(limit_options(self.quick), self.engines)
+        calls = [partial(measure_limit, engine=engine, **options, **size) for options, engine in points]
+        return self._call(calls, LIMIT_SAID.format_map)
 
     def periodic(self) -> list[Results]:
         """Bracket the closed form on a periodic crystal of stock LAMMPS: 0.280 is stable, 0.285 is not (e = 0.2)."""
         points = [(0.2, 0.28), (0.2, 0.285)]
         points = points if self.quick else [(0.2, 0.275), *points, (1.0, 0.575), (1.0, 0.58)]
-        calls = {f"periodic {e} {f}": partial(crystal_growth, e, f) for e, f in points if "stock" in self.kernels}
-        return [*self._call(calls, "periodic crystal, e = {restitution:g}, f = {fraction:g}: kinetic energy "
-                                   "x {growth:.3g} in 20,000 steps".format_map).values()]  # fmt: skip
+        told = "periodic crystal, e = {restitution:g}, f = {fraction:g}: kinetic energy x {growth:.3g} in 20,000 steps"
+        calls = [partial(crystal_growth, *point) for point in points if "stock" in self.kernels]
+        return self._call(calls, told.format_map)
 
     def growth_per_contact(self) -> list[Results]:
         """Measure the relative change of energy of one elastic collision below the limit, over entry phases."""
         fractions = (0.05, 0.2) if self.quick else (0.01, 0.05, 0.1, 0.2, 0.4)
-        return [
-            *self._call({f"growth {e} {f}": partial(gain, e, f) for e, f in product(self.engines, fractions)}).values()
-        ]
+        return self._call([partial(gain, *point) for point in product(self.engines, fractions)])
 
     def scenes(self) -> list[Results]:
         """Run every hard scene on every engine; a hang or a crash of its process is an outcome."""
         few = ("ks 2, e 0.01, spin", "ks 0.5, e 0.5")
-        right = {
-            name: (good, judge, case)
+        asked = {
+            name: (judge, case, good)
             for name, (case, good) in hard_scenes(self.long).items()
             if not (self.quick and name.startswith("ks") and name not in few)
-        }
-        right |= {name: (("stopped",), judge_bypassed, start) for name, start in BYPASSED.items()}
-        points = {f"scene {n} {e} {self.long}": (n, e) for n, e in product(right, self.scene_engines)}
-        calls = {key: partial(right[name][1], right[name][2], engine) for key, (name, engine) in points.items()}
-        rows = []
-        for key, found in self._call(calls, patience=10 * TIMEOUT if self.long else TIMEOUT).items():
-            name, engine = points[key]
-            rows.append({"scene": name, "engine": engine, **found, "right": found["outcome"] in right[name][0]})
-        for name in right:
+        } | {name: (judge_bypassed, start, ("stopped",)) for name, start in BYPASSED.items()}
+        rows = [
+            {"scene": name, "engine": engine, **found, "right": found["outcome"] in asked[name][2]}
+            for name, engine, found in self._judged({name: one[:2] for name, one in asked.items()})
+        ]
+        for name in dict.fromkeys(row["scene"] for row in rows):
             outcomes = sorted({row["outcome"] for row in rows if row["scene"] == name})
             self.say(f"  {name}: {', '.join(outcomes)}")
         return rows
 
     def random_scenes(self, count: int, seed: int) -> Results:
         """Run `count` random scenes on every engine; only tallies and what ended badly are kept."""
-        tally: dict[str, Counter] = {engine: Counter() for engine in self.scene_engines}
-        bad, cases = [], {number: random_case(number) for number in range(seed, seed + count)}
-        points = {f"random {number} {engine}": (number, engine) for number, engine in product(cases, tally)}
-        calls = {key: partial(judge, cases[number], engine) for key, (number, engine) in points.items()}
-        for key, result in self._call(calls, patience=TIMEOUT).items():
-            number, engine = points[key]
-            tally[engine][result["outcome"]] += 1
-            if result["outcome"] not in GOOD + (("heated",) if may_heat(cases[number]) else ()):
-                bad.append({"seed": number, "engine": engine, **result})
-        self.say(f"  {count} random scenes: " + "; ".join(f"{e} {dict(t)}" for e, t in tally.items()))
-        return {"count": count, "first_seed": seed, "tally": {e: dict(t) for e, t in tally.items()}, "bad": bad}
+        cases = {number: random_case(number) for number in range(seed, seed + count)}
+        found = self._judged({number: (judge, case) for number, case in cases.items()})
+        tally = {engine: dict(Counter(r["outcome"] for _, one, r in found if one == engine)) for _, engine, _ in found}
+        bad = [
+            {"seed": number, "engine": engine, **result}
+            for number, engine, result in found
+            if result["outcome"] not in (*GOOD, *(["heated"] if may_heat(cases[number]) else []))
+        ]
+        self.say(f"  {count} random scenes: " + "; ".join(f"{engine} {counts}" for engine, counts in tally.items()))
+        return {"count": count, "first_seed": seed, "tally": tally, "bad": bad}
 
     def beds(self, steps: int) -> list[Results]:
         """Let a settled bed rest on every engine."""
-        calls = {f"bed {engine} {steps}": partial(resting_bed, engine, steps) for engine in self.engines}
-        return [*self._call(calls, "resting bed, {engine}, {steps} steps: {message}".format_map).values()]
+        calls = [partial(resting_bed, engine, steps) for engine in self.engines]
+        return self._call(calls, "resting bed, {engine}, {steps} steps: {message}".format_map)
+
+    def _judged(self, asked: Mapping[Any, tuple[Callable[..., Outcome], object]]) -> list[tuple[Any, str, Results]]:
+        """Return (name, engine, outcome) of scenes, by name what judges and what is judged, on all engines here."""
+        engines = [engine for engine in ENGINE_CHANGES if engine.startswith("native") or engine in self.kernels]
+        points = list(product(asked, engines))
+        calls = [partial(*asked[name], engine) for name, engine in points]
+        found = self._call(calls, patience=10 * TIMEOUT if self.long else TIMEOUT)
+        return [(*point, result) for point, result in zip(points, found, strict=True)]
 
     def _call(
-        self, calls: dict[str, partial], tell: Callable[[Results], str] | None = None, patience: float | None = None
-    ) -> Results:
+        self, calls: list[partial], tell: Callable[[Results], str] | None = None, patience: float | None = None
+    ) -> list[Results]:
         """Make pieces in the pool; what a call with `patience` (s) does not return is an outcome too."""
         said = (lambda key, piece: self.say("  " + tell(piece))) if tell else (lambda key, piece: None)
         lost = {"otherwise": ended, "patience": patience} if patience else {}
-        return self.store.call(calls, self.pool, said=said, **lost)
+        keys = [f"{one.func.__name__} {short_hash({'arguments': plain([one.args, one.keywords])})}" for one in calls]
+        found = self.store.call(dict(zip(keys, calls, strict=True)), self.pool, said=said, **lost)
+        return [found[key] for key in keys]
 
 
 def stress(
@@ -166,28 +237,23 @@ def stress(
     for note in notes:
         say(f"note: {note}")
     with Pool(usable_cores()) as pool:
-        results = everything(Stress(store, pool, kernels, say, quick, long), random, seed)
-    found = [(row["scene"], row) for row in results["scenes"] if not row["right"]]
-    found += [(f"random scene {row['seed']}", row) for row in results["random"]["bad"]]
-    bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in found]
+        study = Stress(store, pool, kernels, say, quick, long)
+        results: Results = {
+            "limits": study.limits(),
+            "periodic": study.periodic(),
+            "growth": study.growth_per_contact(),
+            "scenes": study.scenes(),
+            "random": study.random_scenes(random if random is not None else (10 if quick else 200), seed),
+            "bed": study.beds(20_000 if quick else (10_000_000 if long else 200_000)),
+        }
+    ended_badly = [(row["scene"], row) for row in results["scenes"] if not row["right"]]
+    ended_badly += [(f"random scene {row['seed']}", row) for row in results["random"]["bad"]]
+    bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in ended_badly]
     bad += [f"resting bed ({bed['engine']}): {bed['message']}" for bed in results["bed"] if not bed["right"]]
     results |= {"bad": bad, "notes": notes}
-    store.finish(report(results | {"machine": machine()}), **results)
+    store.finish(report(results), **results)
     draw_map(results["limits"], folder / "stress_map.png")
     return bad
-
-
-def everything(study: Stress, random: int | None, seed: int) -> Results:
-    """Do all parts of a study; returns their results by name."""
-    quick, long = study.quick, study.long
-    return {
-        "limits": study.limits(),
-        "periodic": study.periodic(),
-        "growth": study.growth_per_contact(),
-        "scenes": study.scenes(),
-        "random": study.random_scenes(random if random is not None else (10 if quick else 200), seed),
-        "bed": study.beds(20_000 if quick else (10_000_000 if long else 200_000)),
-    }
 
 
 def crystal_growth(restitution: float, fraction: float) -> Results:
@@ -205,27 +271,12 @@ def gain(engine: str, fraction: float) -> Results:
 
 def limit_options(quick: bool) -> list[dict]:
     """Return arrangement, restitution, friction and spin of every limit to be measured."""
-    few = (0.2,) if quick else (1.0, 0.6, 0.2)
-    many = (0.2,) if quick else (1.0, 0.9, 0.6, 0.4, 0.2, 0.1, 0.05)
-    options: list[dict] = [
-        {"arrangement": arrangement, "restitution": e}
-        for arrangement in ARRANGEMENTS
-        if not (quick and arrangement == "column")
-        for e in (many if arrangement == "hexagonal" else few)
-    ]
+    if quick:
+        return [{"arrangement": name, "restitution": 0.2} for name in ARRANGEMENTS if name != "column"]
+    many, few = (1.0, 0.9, 0.6, 0.4, 0.2, 0.1, 0.05), (1.0, 0.6, 0.2)
+    smooth = [{"arrangement": n, "restitution": e} for n in ARRANGEMENTS for e in (many if n == "hexagonal" else few)]
     rough = {"arrangement": "hexagonal", "friction": 0.5}
-    turning = [] if quick else [(e, rotation) for e in (0.6, 0.2) for rotation in (False, True)]
-    return options + [{**rough, "restitution": e, "rotation": rotation} for e, rotation in turning]
-
-
-def describe_limit(row: dict) -> str:
-    """Return one line on a limit."""
-    friction = f", ks = {row['friction']:g}" if row["friction"] else ""
-    spin = ", spin" if row["rotation"] else ""
-    return (
-        f"{row['arrangement']}, e = {row['restitution']:g}{friction}{spin}, {row['engine']}: "
-        f"f = {row['measured']:.4f}, closed form {row['predicted']:.4f} ({100 * row['deviation']:+.1f} %)"
-    )
+    return smooth + [{**rough, "restitution": e, "rotation": spin} for e, spin in product(few[1:], (False, True))]
 
 
 def may_heat(case: dict) -> bool:

@@ -8,16 +8,16 @@ from made_up import INPUTS
 
 from lammps_jump import load_case
 from lammps_jump.errors import RunError
-from lammps_jump.studies.bench import overhead
+from lammps_jump.studies.bench import timing
 from lammps_jump.studies.bench.command import run_bench
 
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native"}
 
 
 def test_phases_add_up_to_the_whole_command():
-    found = overhead.command_time(load_case(INPUTS / "quick_jump.yaml", SHORT))
+    found = timing.command_time(load_case(INPUTS / "quick_jump.yaml", SHORT))
     whole = found.pop("whole")
-    assert set(found) == set(overhead.PHASES) and sum(found.values()) == pytest.approx(whole)
+    assert set(found) == set(timing.PHASES) and sum(found.values()) == pytest.approx(whole)
     assert all(seconds > 0 for seconds in found.values())
 
 
@@ -26,9 +26,9 @@ def test_the_table_holds_medians_and_shares_of_the_engine(tmp_path, monkeypatch)
 
     def timed(case):
         more = next(turns)
-        return {**dict.fromkeys(overhead.PHASES, 0.5), "engine": 2.0, "report": more, "whole": 5.0 + more}
+        return {**dict.fromkeys(timing.PHASES, 0.5), "engine": 2.0, "report": more, "whole": 5.0 + more}
 
-    monkeypatch.setattr(overhead, "command_time", timed)
+    monkeypatch.setattr(timing, "command_time", timed)
     case = load_case(INPUTS / "quick_jump.yaml")
     text = run_bench(case, out=tmp_path, part="overhead", say=lambda line: None)
     assert "| report | 2.00 | 1.00 |" in text and "| **whole command** | 7.00 | 3.50 |" in text
@@ -37,6 +37,6 @@ def test_the_table_holds_medians_and_shares_of_the_engine(tmp_path, monkeypatch)
 
 
 def test_a_command_that_fails_is_told(monkeypatch):
-    monkeypatch.setattr(overhead.sys, "executable", "/bin/false")
+    monkeypatch.setattr(timing.sys, "executable", "/bin/false")
     with pytest.raises(RunError, match="the command failed"):
-        overhead.command_time(load_case(INPUTS / "quick_jump.yaml", SHORT))
+        timing.command_time(load_case(INPUTS / "quick_jump.yaml", SHORT))
