@@ -61,19 +61,15 @@ def _digits_py(values, contexts, lengths, odds):
                 start, size = (plain >> left) & ((1 << bits) - 1), 1
             step = span >> bits
             low, span = low + start * step, size * step
-            if low >= TOP:  # one more in the last digit that can take it
-                low -= TOP
-                last = written - 1
-                while digits[last] == BASE - 1:
-                    digits[last] = 0
-                    last -= 1
-                digits[last] += 1
             while span < LEAST:
-                digits[written] = low // LEAST
+                digits[written] = low // LEAST  # below 2 BASE, what is above BASE - 1 is carried at the end
                 low, span, written = low % LEAST * BASE, span * BASE, written + 1
     for _ in range(4):
         digits[written] = low // LEAST
         low, written = low % LEAST * BASE, written + 1
+    for last in range(written - 1, 0, -1):
+        digits[last - 1] += digits[last] // BASE
+        digits[last] %= BASE
     return digits[:written]
 
 

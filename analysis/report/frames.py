@@ -29,7 +29,7 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame, make_frame, ten_indices
 
 from .coder import encode
-from .maps import PACKING_STEP, grid, packing, pressure, pressure_unit
+from .maps import about_map, packing, pressure
 
 PARTS = 64
 """Quanta of position in the smallest diameter: no place is wrong by more than 1/128 of it, less than a pixel."""
@@ -157,8 +157,9 @@ class FramePacker:
         columns = (rows["id"][discs], frame[discs], counts, *(rows[name][discs] for name in "xy"), shade)
         table = np.column_stack([*columns, *(speed[discs] for speed in speeds)])
         changes = np.column_stack([*(speed - speed[before] for speed in speeds), *left])
-        kind = int(self._most < MANY)
-        levels = np.array([self._maps[time][kind : kind + 1] for time in times.tolist()], int).reshape(len(times), -1)
+        many = self._most >= MANY
+        maps = [self._maps[time][slice(1) if many else slice(1, 2)] for time in times.tolist()]
+        levels = np.array(maps, int).reshape(len(times), -1)
         turned = np.diff(levels, axis=0, prepend=0)
         text = encode(
             (np.diff(table, axis=0, prepend=0), OF_A_KIND * np.arange(4, 12)),
@@ -166,13 +167,8 @@ class FramePacker:
             (turned, OF_A_KIND * 12 + np.frexp(levels - turned)[1]),
         )
         header = {"times": times, "q": self.q, "qv": qv, "discs": len(discs), "rows": len(rows), "radii": radii}
-        return Packed({**header, "share": self._share, "map": self._about_map(kind) if levels.size else None}, text)
-
-    def _about_map(self, kind: int) -> dict[str, object]:
-        """Name and grid of the packing (0) or the pressure (1); a value is unit times number to the power."""
-        low, (counts, sides) = [side[0] for side in self.flow.scene.domain], grid(self.flow)
-        said = [("packing", PACKING_STEP, 1), ("pressure", pressure_unit(self.flow), 2)][kind]
-        return dict(zip(("name", "unit", "power"), said, strict=True)) | {"low": low, "counts": counts, "sides": sides}
+        about = about_map(self.flow, many) if levels.size else None
+        return Packed({**header, "share": self._share, "map": about}, text)
 
 
 def _before(ids: np.ndarray, frame: np.ndarray, order: np.ndarray) -> np.ndarray:

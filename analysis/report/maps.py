@@ -33,6 +33,14 @@ def pressure(frame: Frame, flow: Flow) -> np.ndarray:
     return _numbers(flow, *(found.start + found.end).T / 2, moment / pressure_unit(flow), 0.5)
 
 
+def about_map(flow: Flow, many: bool) -> dict[str, object]:
+    """Name and grid of the packing, of many discs, or the pressure; a value is unit times number to the power."""
+    counts, sides = grid(flow)
+    name, unit, power = ("packing", PACKING_STEP, 1) if many else ("pressure", pressure_unit(flow), 2)
+    low = [low for low, _ in flow.scene.domain]
+    return {"name": name, "unit": unit, "power": power, "low": low, "counts": counts, "sides": sides}
+
+
 def pressure_unit(flow: Flow) -> float:
     """Pressure of the number 1, Pa."""
     return PRESSURE_STEP * flow.scene.density * (flow.g or 9.81) * flow.scene.diameter

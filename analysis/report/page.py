@@ -30,8 +30,6 @@ KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
 LONG = 20
 """Numbers of a list that are packed; fewer stand in the data."""
 UNKNOWN = -(1 << 30)
-LARGEST_PICTURE = 960, 4000
-"""Pixels of a large picture: as wide as the page shows it."""
 SCRIPTS = ("frames.js", "discs.js", "view.js", "player.js", "curves.js")
 Value = float | int | str | None
 
@@ -270,7 +268,7 @@ def picture(path: Path, caption: str) -> Picture:
         from PIL import Image
 
         small, buffer = Image.open(io.BytesIO(data)).convert("RGB"), io.BytesIO()
-        small.thumbnail(LARGEST_PICTURE)
+        small.thumbnail((960, 4000))  # as wide as the page
         small.save(buffer, "WEBP", quality=25, method=2)
         if len(buffer.getvalue()) < 0.7 * len(data):
             data, kind = buffer.getvalue(), "image/webp"
