@@ -152,8 +152,9 @@ def share(part: float, whole: float) -> float:
 
 def measure_state(moving: xr.Dataset, zone: tuple[float, float], speed: float, gravity: float) -> State:
     """Averages over a stretch of the moving frame; the velocity is discharge over mass depth."""
-    inside = moving.sel(xi=slice(zone[0] - 1e-9, zone[1] + 1e-9)).mean("xi")
     names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing", "thrust")
+    moving = moving[[name for name in names if name in moving]]
+    inside = moving.sel(xi=slice(zone[0] - 1e-9, zone[1] + 1e-9)).mean("xi")
     means = {name: mean_of(inside[name].values) if name in inside else Mean(nan, nan) for name in names}
     ratio = mean_of((inside["discharge"] / inside["mass_depth"]).values)
     velocity = Mean(means["discharge"].value / means["mass_depth"].value, ratio.error)
