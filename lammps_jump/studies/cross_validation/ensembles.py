@@ -14,7 +14,7 @@ from lammps_jump import Case
 from lammps_jump.errors import RunError
 from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.runs import kernel_changes
-from lammps_jump.sweeps import Made, Pool, Start, run_starts
+from lammps_jump.sweeps import Pool, Start, run_starts
 from lammps_jump.sweeps.store import Say
 
 from .quantities import Comparison, Quantities, compare, measure
@@ -77,23 +77,16 @@ class Study:
         """
         name = label or LABELS[kernel]
         case = case.replace({**kernel_changes(kernel), "analysis.energy": True, "run.dump_format": "binary"})
-        new: set[int] = set()
-        made = run_starts(
-            case, [Start(0, {}, seed) for seed in self.seeds], self.folder, self.pool,
-            said=lambda one: new.add(one.start.seed),
-        )  # fmt: skip
-        for one in made:
-            self.say(f"{name}, member {one.start.seed}: {self._outcome(one, one.start.seed in new)}")
-            if not one.summary:
-                raise RunError(f"{name}, member {one.start.seed}: {one.message}")
+        new: list[Start] = []
+        starts = [Start(0, {}, seed) for seed in self.seeds]
+        made = run_starts(case, starts, self.folder, self.pool, said=lambda one: new.append(one.start))
+        for start, _, summary, message in made:
+            if not summary:
+                raise RunError(f"{name}, member {start.seed}: {message}")
+            how = f"{summary['wall_seconds']['run']:.1f} s" if start in new else "was there"
+            self.say(f"{name}, member {start.seed}: {how}, {summary['discs']['present']} discs in play at the end")
         self.members[name] = [measure(one.folder, one.summary, case.scene()) for one in made]
         return name
-
-    def _outcome(self, one: Made, new: bool) -> str:
-        if not one.summary:
-            return one.message
-        how = f"{one.summary['wall_seconds']['run']:.1f} s" if new else "was there"
-        return f"{how}, {one.summary['discs']['present']} discs in play at the end"
 
     def compare(self, one: str, two: str, label: str = "") -> Comparison:
         """Compare two ensembles; `label` is the name of the second in the result."""
