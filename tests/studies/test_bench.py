@@ -168,7 +168,7 @@ def test_a_setting_without_any_error_is_cheapest_and_has_no_place_on_a_logarithm
 
 def test_a_developed_flow_keeps_the_sizes_of_its_discs():
     """Ids begin anew, and with them the sizes: each disc gets an id whose size is all but its own."""
-    scene = load_case(INPUTS / "quick_jump.yaml", {"run.duration": 2}).scene()
+    scene = load_case(INPUTS / "quick_jump.yaml", {"run.duration": 2, "initial": []}).scene()
     simulation = NativeSimulation(replace(scene, probes=()), ledger=False)
     simulation.run(scene.steps)
     started = with_discs_of(simulation, scene)
