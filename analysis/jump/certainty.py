@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import ceil, isfinite, nan
 
@@ -48,14 +48,14 @@ class Members:
     froude: int | None = number("", "runs for the Froude number to 3 %, at least", default=None)
 
 
-def errors(jump: object, pieces: Sequence[object]) -> dict[str, float]:
+def errors(jump: object, pieces: Sequence[Mapping]) -> dict[str, float]:
     """Standard error within this run of each number of a `Jump` that has one, by its key ``<number>_error``."""
     names = [field.name for field in fields(jump)]
     pairs = [(name, name.removesuffix("_error")) for name in names if name.endswith("_error")]
     return {name: piece_error(_values(pieces, key)) for name, key in pairs}
 
 
-def drift(pieces: Sequence[object]) -> Drift:
+def drift(pieces: Sequence[Mapping]) -> Drift:
     """Drift of the main numbers within the window."""
     if not pieces:
         return Drift()
@@ -76,5 +76,5 @@ def members(jump: object) -> Members:
     return Members(**{key: needed(key) for key in MISSED})
 
 
-def _values(pieces: Sequence[object], key: str) -> np.ndarray:
-    return np.array([getattr(piece, key) for piece in pieces], float)
+def _values(pieces: Sequence[Mapping], key: str) -> np.ndarray:
+    return np.array([piece.get(key, nan) for piece in pieces], float)

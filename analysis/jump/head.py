@@ -25,7 +25,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import Estimates, estimate, number, shown
 
-from .frame import growth_rate, move_along
+from .frame import growth_rate, integral, move_along
 
 if TYPE_CHECKING:
     from .result import JumpResult
@@ -197,8 +197,7 @@ def energy_budget(fields: np.ndarray | None, result: JumpResult, edges: np.ndarr
         return None
     asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
     if asked is None:
-        middles = float(np.mean(result.upstream.zone)), float(np.mean(result.downstream.zone))
-        return budget_between(fields, result, edges, middles)
+        return budget_between(fields, result, edges, (result.upstream.middle, result.downstream.middle))
     first, last = (result.flow.scene.time(step) for step in (asked.first_step, asked.last_step))
     half = 0.5 * float(np.diff(time).min())
     used, speed = (time > first - half) & (time < last + half), sign * asked.speed
@@ -241,13 +240,13 @@ def budget_between(
     carried = carried + a["elastic_flux"] - c * a["elastic"]
     power = a["power"] - c * a["thrust"]
     through = a["discharge"] - c * a["mass"]
-    scale = result.flow.gravity * float(np.nanmean(through.interp(xi=stations[0])))
+    scale = result.flow.gravity * float(np.nanmean(values_at(through, stations[0])))
     discs, contacts = (
-        (field.interp(xi=stations[0]) - field.interp(xi=stations[1])).values / scale for field in (carried, power)
+        (values_at(field, stations[0]) - values_at(field, stations[1])) / scale for field in (carried, power)
     )
-    loss = _between(a["dashpots"], stations) / scale
+    loss = integral(a["dashpots"], *stations) / scale
     net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
-    storage = growth_rate(time, _between(energy + a["elastic"], stations) / scale)
+    storage = growth_rate(time, integral(energy + a["elastic"], *stations) / scale)
     if not np.isfinite([net.value, taken.value]).all():
         return None
     return Budget(
@@ -266,12 +265,17 @@ def budget_between(
     )
 
 
-def _between(field: xr.DataArray, stations: tuple[float, float]) -> np.ndarray:
-    """Integral of a field between two stations, frame by frame, shape (frames,); NaN where not covered."""
+def values_at(field: xr.DataArray, place: float) -> np.ndarray:
+    """Values of a field at a place of its axis ``xi``, linear in between, frame by frame; NaN where not covered.
+
+    As ``field.interp``, which loads scipy.interpolate, 0.2 s.
+    """
     xi = field.xi.values
-    half = 0.5 * (xi[1] - xi[0])
-    share = np.clip(np.minimum(xi + half, stations[1]) - np.maximum(xi - half, stations[0]), 0.0, None)
-    return (field.values[:, share > 0] * share[share > 0]).sum(axis=1)
+    if not xi[0] <= place <= xi[-1]:
+        return np.full(len(field), np.nan)
+    k = max(1, int(np.searchsorted(xi, place)))
+    low, high = field.values[:, k - 1], field.values[:, k]
+    return low + (high - low) / (xi[k] - xi[k - 1]) * (place - xi[k - 1])
 
 
 def no_budget(flow: Flow) -> str:

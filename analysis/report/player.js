@@ -9,7 +9,6 @@ const FRAMES_A_SECOND = 10;
 const HALF = 0.5;
 
 const players = [];
-const pageData = JSON.parse(document.getElementById("data").textContent);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 
@@ -23,15 +22,15 @@ function part(p, name) {
 
 // ---- start ----
 
-async function startPlayer(element, index) {
+function startPlayer(element, index) {
   const canvas = element.querySelector("canvas"), list = element.querySelector(".run");
   const p = {
     element, canvas, index, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }),
     playing: false, rate: 1, colour: "speed", pointers: new Map(),
   };
-  await takeRun(p, list ? list.value : index);
+  takeRun(p, list ? list.value : index);
   p.time = p.run.times[0];
-  if (list) list.addEventListener("change", async () => (await takeRun(p, list.value)) && layOut(p));
+  if (list) list.addEventListener("change", () => { takeRun(p, list.value); layOut(p); });
   players.push(p);
   element.hidden = false;
   for (const folded of document.querySelectorAll("details.still")) folded.open = false;
@@ -39,11 +38,9 @@ async function startPlayer(element, index) {
   return p;
 }
 
-// Show a run of the page, at the time that is shown. False where another one was asked for meanwhile.
-async function takeRun(p, number) {
-  p.asked = number;
-  const run = await unpackFrames(pageData.players[number], document.getElementById("frames" + number).textContent);
-  if (p.asked !== number) return false;
+// Show a run of the page, at the time that is shown.
+function takeRun(p, number) {
+  const run = unpackFrames(pageData.players[number], document.getElementById("frames" + number).textContent);
   const { times, share } = run, timed = run.unit === "s", bar = part(p, "time");
   Object.assign(p, {
     run, picked: null, pinned: false, end: times[times.length - 1], digits: timed ? 2 : 0,
@@ -57,9 +54,9 @@ async function takeRun(p, number) {
   bar.max = p.end;
   offerColours(p);
   part(p, "thin").hidden = share === 1;
-  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * share)} % of them are shown` +
-    (p.grown > 1 ? ", each as large as all that it stands for." : ".");
-  return true;
+  part(p, "thin").textContent = "There are too many discs for a page: " +
+    (p.colour === "packing" ? "it shows the share of area that they cover. In other colours " : "") +
+    `${short(100 * share)} % of them are shown` + (p.grown > 1 ? ", each as large as all that it stands for." : ".");
 }
 
 function setUp(p) {
@@ -73,8 +70,10 @@ function setUp(p) {
 
 function offerColours(p) {
   const { radii, first } = p.run;
-  const useful = { speed: true, size: radii.length > 1, age: first.some((frame) => frame > 0) };
-  for (const option of part(p, "colour").options) option.hidden = option.disabled = !useful[option.value];
+  const map = p.run.map && p.run.map.name, list = part(p, "colour");
+  const useful = { speed: true, size: radii.length > 1, age: first.some((frame) => frame > 0), [map]: true };
+  for (const option of list.options) option.hidden = option.disabled = !useful[option.value];
+  list.value = p.colour = map === "packing" ? map : useful[p.colour] ? p.colour : "speed";
 }
 
 // ---- time ----
@@ -243,7 +242,7 @@ function placeOf(p, [left, top]) {
 
 // Number of the disc under a point, or close by; null where there is none.
 function discUnder(p, point) {
-  if (point[1] > MARGIN.legend + p.high) return null;
+  if (point[1] > MARGIN.legend + p.high || p.colour === "packing") return null;
   const [x, y] = placeOf(p, point), { found } = p;
   let best = null, least = PICKED_WITHIN / p.view.scale;
   for (let k = 0; k < found.count; k++) {
@@ -267,7 +266,8 @@ function showPicked(p) {
   if (k < 0) return;
   const speed = Math.hypot(found.u[k], found.v[k]), place = (value) => value.toFixed(2).replace("-", "\u2212");
   tip.textContent = `disc ${p.run.ids[p.picked]}\nx ${place(found.x[k])}, y ${place(found.y[k])} m\n` +
-    `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k) / p.grown)} m`;
+    `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k) / p.grown)} m` +
+    (p.run.map && p.run.map.name === "pressure" ? `\npressure around it ${short(mapValue(p, k))} Pa` : "");
   placeTip(p, tip, MARGIN.left + column(p, found.x[k]), MARGIN.legend + row(p, found.y[k]), radiusOf(p, k) * p.view.scale);
 }
 
@@ -317,11 +317,9 @@ function saveFilm(p) {
 
 // ---- the page ----
 
-async function startPlayers() {
-  const elements = [...document.querySelectorAll(".player")];
-  if (!elements.length || typeof DecompressionStream === "undefined") return;
-  await Promise.all(elements.map(startPlayer));
-  if (!still.matches) tell("play", { on: true });
+function startPlayers() {
+  document.querySelectorAll(".player").forEach(startPlayer);
+  if (players.length && !still.matches) tell("play", { on: true });
 }
 
-const playersReady = startPlayers();
+startPlayers();

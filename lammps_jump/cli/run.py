@@ -14,6 +14,7 @@ import lammps_jump.analysis as analysis
 import lammps_jump.cli as cli
 import lammps_jump.runs as runs
 import lammps_jump.script as script
+import lammps_jump.sweeps as sweeps
 from lammps_jump.errors import CaseError, RunError
 
 from .options import (
@@ -29,12 +30,14 @@ from .options import (
     Ranks,
     Resume,
     Sets,
+    Slurm,
+    SlurmSite,
     Until,
     assignments,
     told,
 )
 from .progress import ProgressLine
-from .studies import run_sweep, study_fields
+from .studies import run_sweep, site_of, study_fields, submit
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -42,6 +45,8 @@ app = typer.Typer(rich_markup_mode=None)
 @app.command("build-and-run")
 def build_and_run(
     case: CaseFile,
+    site: SlurmSite = None,
+    slurm: Slurm = False,
     out: Out = None,
     engine: EngineName = None,
     kernel: Kernel = None,
@@ -59,13 +64,19 @@ def build_and_run(
     quiet: Quiet = False,
 ) -> None:
     """Check a case, write its script, run it, analyse it and write the report; several starts of it with --members."""
+    at = site_of(site, slurm)
     loaded = lj.load_case(case, assignments(set_, engine=engine, kernel=kernel, ranks=ranks, accuracy=accuracy))
     if members is not None or until or loaded.fields.run.members:
         for option, given in (("--live", live), ("--force", force), ("--resume", resume)):
             if given:
                 raise CaseError(f"{option}: is for one run; members go on by the same command, so leave it out")
         place = out or Path(f"{runs.folder.default_folder(loaded)},members")
-        return run_sweep(loaded, place, jobs=jobs, quiet=quiet, **study_fields(members=members, until=until))
+        fields = study_fields(members=members, until=until)
+        if at is None:
+            return run_sweep(loaded, place, jobs=jobs, quiet=quiet, **fields)
+        return submit(sweeps.Sweep(sweeps.read_study(loaded, **fields), place), at, jobs=jobs)
+    if at is not None:
+        raise CaseError(f"--slurm: is for --members; for one run use `lammps-jump build {case} --slurm`, then sbatch")
     return _run(loaded, out or runs.folder.default_folder(loaded), quiet=quiet, live=live, force=force, resume=resume)
 
 

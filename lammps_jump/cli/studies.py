@@ -23,6 +23,8 @@ from .options import (
     QuietStudy,
     Ranks,
     Sets,
+    Slurm,
+    SlurmSite,
     Until,
     assignments,
     place,
@@ -37,12 +39,8 @@ app = typer.Typer(rich_markup_mode=None)
 @app.command()
 def sweep(
     study: Annotated[Path, typer.Argument(help="Study file, case file, or the folder of a study.", show_default=False)],
-    site: Annotated[
-        Path | None, typer.Argument(help="Site file for --slurm (YAML; docs/scaling.md).", show_default=False)
-    ] = None,
-    slurm: Annotated[
-        bool, typer.Option("--slurm", help="Submit what is left as one array job; --jobs limits its tasks at once.")
-    ] = False,
+    site: SlurmSite = None,
+    slurm: Slurm = False,
     axis: Annotated[
         list[str] | None,
         typer.Option("--axis", metavar="PATH=VALUES", help="Values of a field, 0,0.05,0.1. May be repeated."),
@@ -71,25 +69,35 @@ def sweep(
     if member is not None:
         with told(quiet):
             return sweeps.slurm.run_task(out or study, member, retry=retry)
-    if site is not None and not slurm:
-        raise CaseError(f"{site}: a site file is for --slurm; add it, or leave the file out")
+    at = site_of(site, slurm)
     set_ = assignments(set_, ranks=ranks)
     given = study_fields(members=members, until=until, axis=axis, collect=collect, set_=set_)
     given |= {"most_members": most_members} if most_members else {}
-    if not (status or table or slurm):
+    if not (status or table or at):
         return run_sweep(study, out, jobs=jobs, retry=retry, quiet=quiet, **given)
     read = sweeps.read_study(study, **given)
     found = sweeps.Sweep(read, out or sweeps.default_folder(study, read.case))
-    if slurm:
-        at = script.job.read_site(site) if site else script.job.Site()
-        number = sweeps.slurm.submit(found, at, at_once=jobs or sweeps.slurm.AT_ONCE, retry=retry)
-        done = f"nothing to submit: `lammps-jump sweep {found.folder}` writes table and page"
-        print(f"{found.folder}: array job {number}" if number else f"{found.folder}: {done}")
+    if at:
+        submit(found, at, jobs=jobs, retry=retry)
     if status:
         print(sweeps.slurm.status(found))
     if table:
         studies.table.show(sweeps.page.table_text(found))
     return None
+
+
+def site_of(site: Path | None, slurm: bool) -> script.job.Site | None:
+    """What a cluster asks of the job of ``--slurm``; None without it."""
+    if site is not None and not slurm:
+        raise CaseError(f"{site}: a site file is for --slurm; add it, or leave the file out")
+    return None if not slurm else script.job.read_site(site) if site else script.job.Site()
+
+
+def submit(found: sweeps.Sweep, at: script.job.Site, *, jobs: int | None, retry: bool = False) -> None:
+    """Submit what is left of a study, and print the number of its job."""
+    number = sweeps.slurm.submit(found, at, at_once=jobs or sweeps.slurm.AT_ONCE, retry=retry)
+    done = f"nothing to submit: `lammps-jump sweep {found.folder}` writes table and page"
+    print(f"{found.folder}: array job {number}" if number else f"{found.folder}: {done}")
 
 
 def study_fields(
@@ -140,14 +148,8 @@ def cross_validate(
 ) -> None:
     """Compare LAMMPS with the native engine; exit status 1 if they differ where they must agree."""
     study = studies.cross_validation
-    report = study.cross_validate(
-        lj.load_case(case, set_),
-        out=out,
-        members=members,
-        kernel=kernel,
-        quick=quick,
-        say=sayer(quiet),
-    )
+    read, say = lj.load_case(case, set_), sayer(quiet)
+    report = study.cross_validate(read, out=out, members=members, kernel=kernel, quick=quick, say=say)
     if not quiet or not report["passed"]:
         print(study.verdict_text(report))
         print(f"look at {(out or study.default_folder(report['name'])) / study.REPORT_FILE}")
@@ -194,11 +196,9 @@ def bench(
     varied = studies.bench.read_axes(axes, fractions, kernels, diameters, members)
     if table and part == "bench":
         return studies.table.show(studies.bench.stored_table(case, out))
-    wanted = None if case == Path("collision") else lj.load_case(case, set_)
-    say = sayer(quiet)
-    studies.table.show(
-        studies.bench.run_bench(wanted, out=out, part=part, axes=varied, quick=quick, fresh=fresh, say=say)
-    )
+    read, say = None if case == Path("collision") else lj.load_case(case, set_), sayer(quiet)
+    text = studies.bench.run_bench(read, out=out, part=part, axes=varied, quick=quick, fresh=fresh, say=say)
+    studies.table.show(text)
 
 
 @app.command()

@@ -21,9 +21,9 @@ import sys
 import threading
 import traceback
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from types import ModuleType
 
 from lammps_jump.errors import JumpError
 from lammps_jump.folders import engine_at_work
@@ -33,7 +33,6 @@ from .interrupts import SIGNALS, stop_request
 from .result import MARK, Progress, RunResult
 from .setting import Job
 
-REPORT_SECONDS = 0.1
 _LOCK = threading.Lock()
 
 
@@ -92,34 +91,20 @@ def _lines() -> Iterator[bytes]:
 def run_job(job: Job) -> RunResult:
     """Run one job to its end."""
     os.chdir(job.home)
-    setting = job.setting
     with engine_at_work(job.folder):
-        if setting.engine == "lammps":
+        if job.setting.engine == "lammps":
             return lammps.run_lammps(job, report)
         return native.run_native(
-            job.scene,
-            job.folder,
-            progress=report,
-            should_stop=stop_request.is_made,
-            stop_at=setting.stop_at,
-            checkpoint_interval=setting.checkpoint_interval,
-            dump_format=setting.dump_format,
-            report_every=REPORT_SECONDS,
-            cell_size=setting.cell_size,
-            ledger=setting.ledger,
-            resume=job.resume,
+            job.scene, job.folder, job.setting, progress=report, should_stop=stop_request.is_made, resume=job.resume
         )
 
 
-def _load(engine: str) -> ModuleType | None:
+def _load(engine: str) -> None:
     """Import the engine; where that fails, the first job tells."""
-    if engine == "native":
-        return importlib.import_module(".native.engine", __package__)
-    try:
-        lammps.load_lammps()
-    except JumpError:
-        return None
-    return importlib.import_module(".lammps.drive", __package__)
+    with suppress(JumpError):
+        if engine == "lammps":
+            lammps.load_lammps()
+        importlib.import_module({"lammps": ".lammps.drive", "native": ".native.engine"}[engine], __package__)
 
 
 def _serve(job: Job) -> None:
@@ -145,7 +130,7 @@ def _work(engine: str, job_file: str = "") -> None:
         step_hook.at_step = step_hook.at_step and (lambda step: None)  # the first rank calls it
         os.chdir(job.home)
         with engine_at_work(job.folder):
-            lammps.run_other_rank(job)
+            lammps.play(job, None)
     lammps.leave_ranks()
 
 

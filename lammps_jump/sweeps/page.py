@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,12 +15,13 @@ import xarray as xr
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
+from lammps_jump.analysis.profiles import read_arrays
 from lammps_jump.analysis.report.page import Choice, Code, Items, Picture, Player, Section, Table, Text, picture, render
 from lammps_jump.files import PLAYER, read_json, write_text
 from lammps_jump.provenance import versions
 from lammps_jump.units import shown
 
-from .study import Axis, Study
+from .study import Axis, Collected, Study
 from .table import DISAGREE
 
 if TYPE_CHECKING:
@@ -53,47 +55,60 @@ def table_text(found: Sweep) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def draw(found: Sweep) -> list[Path]:
-    """Draw a figure for each axis, lines with bands, and a map for two axes of numbers; their files."""
+def draw(found: Sweep) -> list[Picture]:
+    """Draw a figure for each axis, lines with bands, and a map for two axes of numbers."""
     study, folder = found.study, found.folder / "figures"
     folder.mkdir(exist_ok=True)
     axes = [axis for axis in study.axes if found.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
-    files = [save_lines(found.table, study, axis, folder / f"sweep_{axis.name}.png") for axis in axes]
+    files = {
+        save_lines(
+            found.table, study, axis, folder / f"sweep_{axis.name}.png"
+        ): f"Against {axis.name}; band: interval over members"
+        for axis in axes
+    }
     if len(axes) == len(study.axes) == 2:
-        files.append(save_map(found.table, study, axes, folder / "sweep_map.png"))
+        files[save_map(found.table, study, axes, folder / "sweep_map.png")] = "Means over both axes"
     if not study.axes and found.runs:
-        files.append(save_profiles(found, folder / "sweep_profiles.png"))
-    return files
+        files[save_profiles(found, folder / "sweep_profiles.png")] = "Profiles, mean of the window; thin lines: members"
+    return [picture(path, caption) for path, caption in files.items()]
 
 
 def save_profiles(found: Sweep, path: Path) -> Path:
     """Draw mean profiles of the members of a case: each member as a thin line, the interval of the mean as a band."""
-    profiles = [run.profiles for run in found.runs]
-    panels = (("mass_depth_mean", "mass depth [m]"), ("velocity_mean", "velocity [m/s]"))
+    panels = {"mass_depth_mean": "mass depth [m]", "velocity_mean": "velocity [m/s]"}
+    arrays = (read_arrays(run.folder / "profiles.nc", "x", *panels) for run in found.runs)
+    x, *profiles = map(np.array, zip(*arrays, strict=True))
     with drawing(7.2, 4.6, 2, 1, sharex=True) as (figure, axes):
-        for panel, (name, label) in zip(axes, panels, strict=True):
-            lines = np.array([one[name].values for one in profiles])
+        for panel, label, lines in zip(axes, panels.values(), profiles, strict=True):
             confidence = found.study.fields.confidence
             cells = [sweeps.table.statistics(line, np.full(len(line), np.nan), confidence) for line in lines.T]
             mean, low, high = (np.array([cell[key] for cell in cells]) for key in ("mean", "low", "high"))
-            x = profiles[0]["x"].values
-            panel.plot(x, lines.T, color=GREY, lw=0.5)
-            panel.fill_between(x, low, high, color=BLUE, alpha=0.3, lw=0, label="interval over members")
-            panel.plot(x, mean, color=BLUE, label=f"mean of {len(lines)} members")
+            panel.plot(x[0], lines.T, color=GREY, lw=0.5)
+            panel.fill_between(x[0], low, high, color=BLUE, alpha=0.3, lw=0, label="interval over members")
+            panel.plot(x[0], mean, color=BLUE, label=f"mean of {len(lines)} members")
             panel.set_ylabel(label)
         axes[0].legend()
         axes[1].set_xlabel("x [m]")
         return save(figure, path)
 
 
-def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
-    """Draw every number against one axis: the mean, and the interval over members as a band."""
+@contextmanager
+def _panels(study: Study) -> Iterator[tuple[Any, list[tuple[Any, Collected]]]]:
+    """A figure with a panel for each collected number."""
     count = len(study.collect)
     columns = 2 if count == 4 else min(count, 3)
     rows = -(-count // columns)
+    with drawing(3.4 * columns, 2.7 * rows, rows, columns, squeeze=False) as (figure, panels):
+        for empty in panels.flat[count:]:
+            empty.axis("off")
+        yield figure, list(zip(panels.flat, study.collect, strict=False))
+
+
+def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
+    """Draw every number against one axis: the mean, and the interval over members as a band."""
     others = [other.name for other in study.axes if other.name != axis.name]
-    with drawing(3.2 * columns + 0.4, 2.6 * rows + 0.3, rows, columns, squeeze=False) as (figure, panels):
-        for panel, item in zip(panels.flat, study.collect, strict=False):
+    with _panels(study) as (figure, panels):
+        for panel, item in panels:
             whole = table[item.path].transpose(axis.name, *others, "statistic")
             lines = whole.values.reshape(len(axis.values), -1, whole.sizes["statistic"])
             labels = list(np.ndindex(*whole.shape[1:-1]))
@@ -108,20 +123,15 @@ def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
             panel.set(xlabel=axis.name, ylabel=item.heading)
             panel.set_title(item.meaning if item.meaning != item.path else "")
         if others:
-            panels[0, 0].legend()
-        for empty in panels.flat[count:]:
-            empty.axis("off")
+            panels[0][0].legend()
         return save(figure, path)
 
 
 def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> Path:
     """Draw the mean of every number over two axes."""
-    count = len(study.collect)
-    columns = 2 if count == 4 else min(count, 3)
-    rows = -(-count // columns)
     y, x = axes
-    with drawing(3.6 * columns, 2.8 * rows, rows, columns, squeeze=False) as (figure, panels):
-        for panel, item in zip(panels.flat, study.collect, strict=False):
+    with _panels(study) as (figure, panels):
+        for panel, item in panels:
             cells = table[item.path].sel(statistic="mean").transpose(y.name, x.name).values
             image = panel.imshow(cells, origin="lower", aspect="auto")
             panel.set_xticks(range(len(x.values)), [f"{value:g}" for value in x.values])
@@ -129,8 +139,6 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
             panel.set(xlabel=x.name, ylabel=y.name)
             panel.grid(visible=False)
             colour_bar(figure, image, item.heading, ax=panel)
-        for empty in panels.flat[count:]:
-            empty.axis("off")
         return save(figure, path)
 
 
@@ -142,24 +150,22 @@ def players(found: Sweep) -> list[Choice | Text]:
     numbers = found.values[[item.path for item in found.study.collect]]
     apart = ((numbers - numbers.mean()) / numbers.std()) ** 2
     order = np.argsort(apart.dropna(axis=1, how="all").fillna(inf).sum(axis=1), kind="stable")
-    seeds, runs, room = found.values["seed"], found.runs, LARGEST
     kept: dict[int, Player] = {}
+    room = LARGEST
     for number in order:
         with suppress(OSError, ValueError, TypeError):  # lacking or damaged
-            path = runs[number].folder / PLAYER
+            path = found.runs[number].folder / PLAYER
             room -= path.stat().st_size
             if room >= 0 or not kept:
-                kept[int(seeds[number])] = Player(**read_json(path))
+                kept[int(found.values["seed"][number])] = Player(**read_json(path))
     if not kept:
         return []
     first, listed = next(iter(kept)), sorted(kept)
     text = f"Member {first} is shown first: its numbers are nearest to the means."
-    if len(kept) < len(runs):
-        text += (
-            f" The list holds {len(kept)} of {len(runs)} members, those nearest to the means: there is no more room."
-        )
-    names = [f"Member {seed}" for seed in listed]
-    return [Choice([kept[seed] for seed in listed], names, listed.index(first)), Text(text, "small")]
+    if left := len(order) - len(kept):
+        text += f" There is no room for {left} of {len(order)} members, those farthest from the means."
+    chosen = Choice([kept[seed] for seed in listed], [f"Member {seed}" for seed in listed], listed.index(first))
+    return [chosen, Text(text, "small")]
 
 
 def doubts(found: Sweep) -> list[str]:
@@ -201,11 +207,10 @@ def sections(found: Sweep) -> list[Section]:
         "over members, independent starts of the same case (Student's t); n counts the members that have the number."
     )
     frame = summary_frame(found)
-    pictures: list[Picture] = [picture(path, caption(path)) for path in draw(found)]
     return [
         Section("", [Text(lead, "lead"), Items(doubts(found), "What to know")]),
         Section("", players(found)),
-        Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *pictures]),
+        Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *draw(found)]),
         Section("Members beside single runs", [Text(OWN_ERRORS), Table(*_own_errors(found))]),
         Section("How to repeat it", [
             Text(f"`lammps-jump sweep {found.folder}` goes on with this study, or does nothing where all is there."),
@@ -228,16 +233,8 @@ def _own_errors(found: Sweep) -> tuple[list[list[Any]], list[str]]:
         for item in study.collect:
             numbers = [float(frame[f"{item.path}_{name}"][index]) for name in ("sd", "own_error", "chi2")]
             if isfinite(numbers[1]):
-                shown_numbers = [number if isfinite(number) else None for number in numbers]
-                rows.append([point_name(study, index), item.heading, *shown_numbers])
+                rows.append([point_name(study, index), item.heading, *numbers])
     return rows, ["point", "number", "standard deviation of members", "stated by single runs", "chi2/dof"]
-
-
-def caption(path: Path) -> str:
-    """Caption of a figure of a study."""
-    name = path.stem.removeprefix("sweep_")
-    words = {"map": "Means over both axes", "profiles": "Profiles, mean of the window; thin lines: members"}
-    return words.get(name, f"Against {name}; band: interval over members")
 
 
 def write_page(found: Sweep) -> Path:

@@ -81,16 +81,16 @@ def test_step_moves_at_its_speed(step_result):
     expected = 40.0 + SPEED * step_result.track.time
     assert step_result.track.position == pytest.approx(expected, abs=1e-9)
     assert np.abs(step_result.track.toe - expected).max() <= 0.63  # a step inside a bin: toe within that bin, to 1/8
-    assert step_result.toe_motion.speed == pytest.approx(SPEED, abs=0.05)
+    assert step_result.toe_speed == pytest.approx(SPEED, abs=0.05)
 
 
 def test_step_states_and_balance(step_result):
     one, two = step_result.upstream, step_result.downstream
     for state, depth, speed in ((one, S1, U1), (two, S2, U2)):
-        assert state.mass_depth.value == pytest.approx(depth, rel=1e-9)
-        assert state.velocity.value == pytest.approx(speed, rel=1e-9)
-        assert state.packing.value == pytest.approx(np.pi / 4, rel=1e-9)
-        assert state.surface_depth.value == pytest.approx(depth, rel=0.01)  # eight lines a diameter see the arcs
+        assert state.mass_depth == pytest.approx(depth, rel=1e-9)
+        assert state.velocity == pytest.approx(speed, rel=1e-9)
+        assert state.packing == pytest.approx(np.pi / 4, rel=1e-9)
+        assert state.surface_depth == pytest.approx(depth, rel=0.01)  # eight lines a diameter see the arcs
         assert state.beta == pytest.approx(1.0, rel=1e-9)
     assert one.froude_relative == pytest.approx(FROUDE, rel=1e-9)
     assert step_result.mass.closure == pytest.approx(0.0, abs=1e-9)
@@ -379,7 +379,7 @@ def test_each_printed_number_has_its_error():
         assert 0 < found[f"{key}_error"] < 2 * abs(found[key]) + 1, key
     # what is computed of the same pieces: the ratio's error is not that of independent depths
     pieces = jump.measured.pieces
-    ratios = [piece.downstream.mass_depth.value / piece.upstream.mass_depth.value for piece in pieces]
+    ratios = [piece.downstream.mass_depth / piece.upstream.mass_depth for piece in pieces]
     assert found["sequent_ratio_error"] == pytest.approx(piece_error(np.array(ratios)), rel=1e-9)
     speeds = [piece.motion.speed for piece in pieces]
     assert found["speed_error"] == pytest.approx(piece_error(np.array(speeds)), rel=1e-9)

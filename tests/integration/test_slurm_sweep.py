@@ -143,6 +143,25 @@ def test_a_task_that_is_killed_is_submitted_again(slurm, tmp_path):
     submitted_again(slurm, path, folder, tmp_path / "here")
 
 
+def test_members_of_a_case_are_submitted(slurm, tmp_path):
+    """One task of the three is out of time; the page has the players that the tasks packed."""
+    words = "build-and-run", STUDY["case"], "--members", "3", "--jobs", "3"
+    words = *words, "--set", "engine.name=native", *(f"--set={path}={value}" for path, value in STUDY["set"].items())
+    stop = f"JUMP_TEST_SIGNAL=10@{STEP}@first JUMP_TEST_PROCESS=$PPID"
+    there = tmp_path / "there"
+    at = site(tmp_path, 1, stop)
+    status, said = run_program(*words, "--out", there, "--slurm", at, env=slurm.environment)
+    assert status == 0, said
+    task = f"{said.split()[-1]}_1"
+    assert slurm.wait(task, "PENDING", *ENDED)["Restarts"] == "1", printed(there)
+    slurm.start_soon(task)
+    assert slurm.wait(task, *ENDED)["JobState"] == "COMPLETED", printed(there)
+    end(slurm, there, 3)
+    assert run_program(*words, "--out", tmp_path / "here", "--quiet")[0] == 0
+    assert table(there) == (tmp_path / "here/table.csv").read_bytes()
+    assert "Member 3</option>" in (there / "sweep.html").read_text()
+
+
 def test_members_of_two_ranks(slurm, tmp_path):
     path = written(tmp_path, axes={}, collect=["discs.present"], set={"run.duration": 0.5, "analysis.window": None})
     submit(slurm, path, tmp_path / "there", "--ranks", "2")

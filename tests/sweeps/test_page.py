@@ -49,7 +49,7 @@ def test_the_member_nearest_to_the_means_is_shown_first(done):
     z = [(done.values[path] - done.values[path].mean()) / done.values[path].std() for path in paths]
     choice, text = page.players(done)
     assert shown_seed(choice) == 1 + int(np.argmin(sum(one**2 for one in z)))
-    assert f"Member {shown_seed(choice)} is shown first" in text.text and "room" not in text.text
+    assert f"Member {shown_seed(choice)} is shown first" in text.text and "no room" not in text.text
 
 
 def test_the_page_has_a_size_and_keeps_the_members_nearest_to_the_means(done, monkeypatch):
@@ -59,7 +59,7 @@ def test_the_page_has_a_size_and_keeps_the_members_nearest_to_the_means(done, mo
         monkeypatch.setattr(page, "LARGEST", room * max(sizes))
         choice, text = page.players(done)
         assert len(choice.names) == len(choice.blocks) == count and shown_seed(choice) == first
-        assert f"holds {count} of 4 members" in text.text
+        assert f"no room for {4 - count} of 4 members" in text.text
     monkeypatch.setattr(page, "LARGEST", 0)
     assert page.players(done)[0].names == [f"Member {first}"]  # one always
 

@@ -109,6 +109,24 @@ def test_it_is_submitted_from_its_folder(tmp_path, programs, study, monkeypatch,
     assert "nothing to submit" in call(monkeypatch, capsys, "sweep", tmp_path / "out", "--slurm")[1]
 
 
+def test_members_of_a_case_are_submitted_as_a_study(tmp_path, programs, monkeypatch, capsys):
+    (tmp_path / "box.yaml").write_text(yaml.safe_dump(BOX))
+    (tmp_path / "site.yaml").write_text("account: water\n")
+    command = ["build-and-run", tmp_path / "box.yaml", "--members", 4, "--out", tmp_path / "out", "--jobs", 2]
+    status, out, _ = call(monkeypatch, capsys, *command, "--slurm", tmp_path / "site.yaml")
+    assert status == 0 and out == f"{tmp_path / 'out'}: array job 17\n"
+    text = (tmp_path / "out/sweep.slurm").read_text()
+    assert "--account=water" in options(text) and "--array=0,1%2" in options(text)
+    slurm.run_task(tmp_path / "out", "0-3")
+    assert "nothing to submit" in call(monkeypatch, capsys, *command, "--slurm")[1]
+    assert all((run.folder / "player.json").exists() for run in slurm.open_sweep(tmp_path / "out").runs)
+    status, _, said = call(monkeypatch, capsys, "build-and-run", tmp_path / "box.yaml", "--slurm")
+    assert status == 2 and "--slurm: is for --members" in said and f"build {tmp_path / 'box.yaml'} --slurm" in said
+    status, _, said = call(monkeypatch, capsys, *command, tmp_path / "site.yaml")
+    assert status == 2 and "a site file is for --slurm" in said
+    assert call(monkeypatch, capsys, *command, "--slurm", "--force")[0] == 2
+
+
 def test_the_queue_is_told_and_nothing_is_submitted_twice(tmp_path, programs, study, monkeypatch, capsys):
     out = prepared(tmp_path / "out").folder
     said = tmp_path / "said"
