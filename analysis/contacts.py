@@ -324,20 +324,14 @@ class ContactSeries:
 
     Attributes
     ----------
-    time : ndarray, shape (frames,), s
-    elastic : ndarray, shape (frames,)
-        Elastic energy of pairs and walls, J per metre of width.
     thrust : ndarray, shape (frames, bins)
         Force through vertical planes, averaged over each bin, N/m, compression positive.
-    wall_fx, wall_fy : ndarray, shape (frames, bins)
-        Force of all walls on the discs of each bin, N per metre of width.
+    wall_fx : ndarray, shape (frames, bins)
+        Force of all walls on the discs of each bin along x, N per metre of width.
     """
 
-    time: np.ndarray
-    elastic: np.ndarray
     thrust: np.ndarray
     wall_fx: np.ndarray
-    wall_fy: np.ndarray
 
 
 class ContactCollector:
@@ -346,8 +340,6 @@ class ContactCollector:
     def __init__(self, flow: Flow, edges: np.ndarray | None):
         self.flow, self.edges = flow, edges
         self.latest = 0.0
-        self._time: list[float] = []
-        self._elastic: list[float] = []
         self._bins: list[np.ndarray] = []
 
     def add(self, frame: Frame, time: float) -> None:
@@ -355,25 +347,21 @@ class ContactCollector:
         flow, edges = self.flow, self.edges
         pairs = pair_sums(frame, flow, edges)
         self.latest = pairs.energy
-        bins = np.zeros((3, len(pairs.thrust)))
-        bins[0] = pairs.thrust
+        push = np.zeros_like(pairs.thrust)
         for wall in flow.walls_at(time):
             sums = wall_sums(frame, wall, flow, velocity=edges is not None)
             self.latest += sums.energy
             if edges is not None and sums.index.size:
                 place = np.floor((frame.x[sums.index] - edges[0]) / (edges[1] - edges[0])).astype(int)
-                inside = (place >= 0) & (place < bins.shape[1])
-                bins[1] += np.bincount(place[inside], sums.fx[inside], bins.shape[1])
-                bins[2] += np.bincount(place[inside], sums.fy[inside], bins.shape[1])
-        self._time.append(time)
-        self._elastic.append(self.latest)
-        self._bins.append(bins)
+                inside = (place >= 0) & (place < len(push))
+                push += np.bincount(place[inside], sums.fx[inside], len(push))
+        self._bins.append(np.array([pairs.thrust, push]))
 
     def result(self) -> ContactSeries:
         """The series of all frames added; the collector is empty afterwards (long records are held once)."""
-        bins = np.array(self._bins).reshape(len(self._time), 3, -1)
+        bins = np.array(self._bins).reshape(len(self._bins), 2, -1)
         self._bins.clear()
-        return ContactSeries(np.array(self._time), np.array(self._elastic), bins[:, 0], bins[:, 1], bins[:, 2])
+        return ContactSeries(bins[:, 0], bins[:, 1])
 
 
 normal_forces = watching_law(njit(cache=True)(_normal_forces_py))

@@ -16,7 +16,7 @@ from lammps_jump.analysis.report.page import Section, Table, Text, described, pe
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
 
-from .contacts import ContactCollector, pair_sums, wall_sums
+from .contacts import ContactCollector
 from .flow import Flow
 from .passes import Gathered, Tables
 
@@ -57,6 +57,7 @@ class EnergyLedger:
     def __init__(self, flow: Flow, contacts: ContactCollector | None = None):
         """`contacts` saw the same frame just before: its elastic energy is used instead of a second pair search."""
         self.flow, self.contacts = flow, contacts
+        self._own = ContactCollector(flow, None) if contacts is None and flow.knows_contacts else None
         self._rows: list[tuple[float, ...]] = []
         self._ids: np.ndarray | None = None
         self._same = True
@@ -73,12 +74,10 @@ class EnergyLedger:
             moment = flow.by_mass(flow.by_mass(spin, frame), frame)  # m R^2 goes with the square of the mass
             rotational = 0.25 * mass * flow.scene.radius**2 * float(np.dot(spin, moment))
         potential = -mass * float(gx * x.sum() + gy * y.sum())
-        elastic = np.nan
-        if self.contacts is not None:
-            elastic = self.contacts.latest
-        elif flow.knows_contacts:
-            walls = sum(wall_sums(frame, wall, flow, velocity=False).energy for wall in flow.walls_at(time))
-            elastic = pair_sums(frame, flow).energy + walls
+        if self._own:
+            self._own.add(frame, time)
+        source = self.contacts or self._own
+        elastic = source.latest if source else nan
         ids = np.sort(frame.ids)
         if self._ids is None:
             self._ids = ids

@@ -17,8 +17,7 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.dump.frame import Frame
-from lammps_jump.physics import jump as theory
-from lammps_jump.physics import measured
+from lammps_jump.physics import measured, waves
 from lammps_jump.units import number, shown
 
 from .contacts import ContactCollector
@@ -189,39 +188,19 @@ class FrontTracker:
         return FrontHistory(*rows.T, back, self._column or (nan, nan), self.flow.timed)
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """A measured curve against another one.
-
-    Attributes
-    ----------
-    x, measured, expected : ndarray
-    rms : float
-        Root mean square of measured/expected - 1; NaN where they have no x in common.
-    """
-
-    x: np.ndarray
-    measured: np.ndarray
-    expected: np.ndarray
-
-    @property
-    def rms(self) -> float:
-        """Root mean square of the relative difference."""
-        return float(np.sqrt(np.mean((self.measured / self.expected - 1.0) ** 2))) if len(self.x) else nan
-
-    @property
-    def mean(self) -> float:
-        """Mean of the relative difference."""
-        return float(np.mean(self.measured / self.expected - 1.0)) if len(self.x) else nan
+def rms(off: np.ndarray) -> float:
+    """Root mean square; NaN of nothing."""
+    return float(np.sqrt(np.mean(off**2))) if len(off) else nan
 
 
-def against_curve(x: np.ndarray, y: np.ndarray, curve_x, curve_y, *, beyond: float = -np.inf) -> Comparison:
-    """Measured y(x), linear in between, at the points x > `beyond` of a tabulated curve that the measurement covers."""
+def off_curve(x: np.ndarray, y: np.ndarray, curve_x, curve_y, *, beyond: float = -inf) -> np.ndarray:
+    """Relative difference of y(x), linear in between, at the points x > `beyond` of a curve that x covers."""
     good = np.isfinite(x) & np.isfinite(y)
-    x, y = x[good], y[good]
-    curve_x, curve_y = np.asarray(curve_x, float), np.asarray(curve_y, float)
-    take = (curve_x > beyond) & (curve_x <= x.max()) & (curve_x >= x.min()) if x.size else np.zeros(len(curve_x), bool)
-    return Comparison(curve_x[take], np.interp(curve_x[take], x, y) if x.size else curve_x[take], curve_y[take])
+    if not good.any():
+        return np.empty(0)
+    x, y, curve_x = x[good], y[good], np.asarray(curve_x, float)
+    take = (curve_x > beyond) & (curve_x <= x.max()) & (curve_x >= x.min())
+    return np.interp(curve_x[take], x, y) / np.asarray(curve_y, float)[take] - 1.0
 
 
 def dimensionless(history: FrontHistory, gravity: float) -> dict[str, np.ndarray]:
@@ -288,33 +267,34 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
 
 
 def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, end: float) -> Ritter:
-    limit = theory.ritter_wall_time(base, depth, gravity)
+    limit = waves.ritter_wall_time(base, depth, gravity)
     inside = (history.time > 0) & (history.time <= min(limit, end)) & np.isfinite(history.bulk)
-    expected = base + np.array([theory.ritter_front(t, depth, gravity) for t in history.time[inside]])
-    comparison = Comparison(history.time[inside], history.bulk[inside], expected)
-    return Ritter(limit, int(inside.sum()), 2.0 * sqrt(gravity * depth), comparison.rms)
+    expected = base + np.array([waves.ritter_front(t, depth, gravity) for t in history.time[inside]])
+    off = rms(history.bulk[inside] / expected - 1.0)
+    return Ritter(limit, int(inside.sum()), 2.0 * sqrt(gravity * depth), off)
 
 
 def _martin_moyce(history: FrontHistory, gravity: float, end: float) -> MartinMoyce:
     live = (history.time >= 0) & (history.time <= end)
     variables = {name: values[live] for name, values in dimensionless(history, gravity).items()}
     front, tall = measured.MARTIN_MOYCE_FRONT, measured.MARTIN_MOYCE_HEIGHT
-    bulk = against_curve(variables["T"], variables["Z"], front.x, front.y, beyond=0.8)
-    most = against_curve(variables["T"], variables["Z99"], front.x, front.y, beyond=0.8)
-    column = against_curve(variables["tau"], variables["h"], tall.x, tall.y)
+    bulk = off_curve(variables["T"], variables["Z"], front.x, front.y, beyond=0.8)
+    most = off_curve(variables["T"], variables["Z99"], front.x, front.y, beyond=0.8)
+    column = off_curve(variables["tau"], variables["h"], tall.x, tall.y)
     straight = (variables["T"] >= 1.43) & (variables["T"] <= 3.33) & np.isfinite(variables["Z"])
     slope = np.polyfit(variables["T"][straight], variables["Z"][straight], 1)[0] if straight.sum() >= 3 else nan
     aspect = history.column[1] / history.column[0]
     own = next((shape for shape in measured.MARTIN_MOYCE_FRONT_SLOPE if abs(aspect - shape) < 0.1), nan)
-    same = own == ASPECT
+    if own != ASPECT:
+        bulk = most = column = np.empty(0)
     return MartinMoyce(
         aspect=aspect,
-        comparable=same,
-        points=len(bulk.x) if same else 0,
-        mean_bulk=bulk.mean if same else nan,
-        rms_bulk=bulk.rms if same else nan,
-        rms_99=most.rms if same else nan,
-        rms_height=column.rms if same else nan,
+        comparable=own == ASPECT,
+        points=len(bulk),
+        mean_bulk=float(bulk.mean()) if len(bulk) else nan,
+        rms_bulk=rms(bulk),
+        rms_99=rms(most),
+        rms_height=rms(column),
         slope=float(slope),
         aspect_of_table=float(own),
         slope_of_table=measured.MARTIN_MOYCE_FRONT_SLOPE.get(own, nan),
@@ -366,7 +346,7 @@ def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     (base, depth), gravity, time = history.column, flow.gravity, history.time
     fronts = [Line("bulk front", time, history.bulk), Line("99 % of the discs", time, history.quantile, "second")]
     if gravity > 0 and depth > 0 and flow.timed:
-        limit = theory.ritter_wall_time(base, depth, gravity)
+        limit = waves.ritter_wall_time(base, depth, gravity)
         t = np.linspace(0, max(min(limit, time.max()), 1e-9), 20)
         label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
         fronts.append(Line(label, t, base + 2 * t * np.sqrt(gravity * depth), "theory"))

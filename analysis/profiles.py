@@ -103,13 +103,7 @@ def bin_frames(frames: Iterable[Frame], flow: Flow) -> xr.Dataset:
     bed_lines = flow.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
     kept: list[tuple] = []
     for frame in frames:
-        x, y = np.ascontiguousarray(frame.x), np.ascontiguousarray(frame.y)
-        vx, vy = frame.vx, frame.vy
-        bad = ~(np.isfinite(x) & np.isfinite(y) & np.isfinite(vx) & np.isfinite(vy))
-        if bad.any():
-            raise DumpError(
-                f"disc {frame.ids[bad][0]} at step {frame.step} has a position or velocity that is no number."
-            )
+        x, y, vx, vy = np.ascontiguousarray(frame.x), np.ascontiguousarray(frame.y), frame.vx, frame.vy
         sums = np.zeros((6, bins))
         beyond = np.zeros(2)
         radius, mass = flow.radii(frame), flow.relative_masses(frame)
@@ -227,12 +221,12 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
         )
     means = {}
     for name, (units, long_name) in VARIABLES.items():
-        result = block_average(dataset[name].values[inside])
+        mean, error = block_average(dataset[name].values[inside])
         told = {"units": units, "long_name": f"time mean of {long_name}"}
-        means[f"{name}_mean"] = "x", result.mean, told
+        means[f"{name}_mean"] = "x", mean, told
         means[f"{name}_stderr"] = (
             "x",
-            result.standard_error,
+            error,
             told | {"long_name": f"standard error of the {told['long_name']}"},
         )
     averaged = dataset.assign(means)

@@ -20,29 +20,7 @@ LEAST_SAMPLES = 8
 """Fewer samples (or blocks) than this give no standard error: its own relative error would exceed a quarter."""
 
 
-@dataclass(frozen=True)
-class BlockAverage:
-    """Means of series with their standard errors; arrays of the series' shape without the time axis.
-
-    Attributes
-    ----------
-    mean : ndarray
-    standard_error : ndarray
-        NaN where there is none: fewer than `LEAST_SAMPLES` samples, or no plateau before the blocks ran out.
-    lower_bound : ndarray
-        Largest standard error seen at any level with at least `LEAST_SAMPLES` blocks: up to noise, the truth is
-        no less.
-    blocks : ndarray of int
-        Number of independent blocks at the plateau; 0 where there is none.
-    """
-
-    mean: np.ndarray
-    standard_error: np.ndarray
-    lower_bound: np.ndarray
-    blocks: np.ndarray
-
-
-def block_average(series: np.ndarray) -> BlockAverage:
+def block_average(series: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error of correlated series.
 
     A level is the plateau when no later level with at least `LEAST_SAMPLES` blocks exceeds it by more than that
@@ -56,36 +34,27 @@ def block_average(series: np.ndarray) -> BlockAverage:
 
     Returns
     -------
-    BlockAverage
+    mean, standard_error : ndarray, shape (…)
+        The error is NaN where there is none: fewer than `LEAST_SAMPLES` samples, or no plateau before the blocks ran
+        out.
     """
-    data = np.asarray(series, float)
-    shape = data.shape[1:]
-    data = data.reshape(len(data), -1)
-    columns = data.shape[1]
-    nothing = np.full(columns, np.nan)
-    mean = data.mean(axis=0) if len(data) else nothing
-    levels, errors, counts = [], [], []
-    block = data
+    block = np.asarray(series, float)
+    error = np.full(block.shape[1:], np.nan)
+    mean = block.mean(axis=0) if len(block) else error
+    levels, own = [], []
     while len(block) >= LEAST_SAMPLES:
         n = len(block)
-        level = np.sqrt(np.var(block, axis=0) / (n - 1))
-        levels.append(level)
-        errors.append(level / np.sqrt(2.0 * (n - 1)))
-        counts.append(n)
+        levels.append(np.sqrt(np.var(block, axis=0) / (n - 1)))
+        own.append(levels[-1] / np.sqrt(2.0 * (n - 1)))
         block = 0.5 * (block[: n // 2 * 2 : 2] + block[1 : n // 2 * 2 : 2])
-    standard_error, blocks = nothing.copy(), np.zeros(columns, int)
-    for i in range(len(levels) - 1):
-        level_out = np.ones(columns, bool)
-        for j in range(i + 1, len(levels)):
-            level_out &= levels[j] <= levels[i] + errors[j]
-        take = level_out & np.isnan(standard_error)
-        standard_error[take] = levels[i][take]
-        blocks[take] = counts[i]
+    for i, level in enumerate(levels[:-1]):
+        plateau = np.all(
+            [later <= level + off for later, off in zip(levels[i + 1 :], own[i + 1 :], strict=True)], axis=0
+        )
+        error = np.where(plateau & np.isnan(error), level, error)
     if len(levels) == 1:  # 8 to 15 samples: one level proves no plateau, except for a constant
-        constant = levels[0] == 0
-        standard_error[constant], blocks[constant] = 0.0, counts[0]
-    lower = np.max(levels, axis=0) if levels else nothing
-    return BlockAverage(*(part.reshape(shape) for part in (mean, standard_error, lower, blocks)))
+        error = np.where(levels[0] == 0, 0.0, error)
+    return mean, error
 
 
 PIECES = 8

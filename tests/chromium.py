@@ -90,8 +90,6 @@ class Page:
             self.call("Emulation.setScriptExecutionDisabled", value=True)
         self.call("Page.navigate", url=path.absolute().as_uri())
         self.wait_for("Page.loadEventFired")
-        if scripts:
-            self.run("typeof playersReady === 'undefined' ? null : playersReady.then(() => null)")
 
     def call(self, method: str, **parameters) -> dict:
         """Ask this tab for something."""

@@ -20,7 +20,7 @@ from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.scene.walls import Interval, Wall
 
-from .painter import View, colour_table, coloured, paint_arrow, paint_discs, paint_walls
+from .painter import View, paint_arrow, paint_frame, paint_walls
 from .scope import disc_speeds, seen, top_of
 from .style import colour_bar, style
 
@@ -131,7 +131,6 @@ class _Painter:
         self.top_speed = top_of([disc_speeds(frame) for frame in sample])
         self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.title)
         self.inside = slice(ABOVE, ABOVE + self.view.height), slice(LEFT, LEFT + self.view.width)
-        self.table = colour_table()
         self.font = ImageFont.truetype(findfont("DejaVu Sans"), 16)
         walls = {wall.name: wall for wall in flow.scene.walls}
         # a force may act on something that is no wall
@@ -150,8 +149,7 @@ class _Painter:
             self.grounds[gates] = self.picture.copy()
             paint_walls(self.grounds[gates][self.inside], view, self.flow.scene.walls, gates)
         picture = self.grounds[gates].copy()
-        colours = coloured(disc_speeds(frame), self.top_speed, self.table)
-        paint_discs(picture[self.inside], view, frame.x, frame.y, self.flow.radii(frame), colours)
+        paint_frame(picture[self.inside], view, frame, self.flow, self.top_speed)
         for (x, y), history in self.forces:
             fx, fy = (self.pixels_per_newton * np.interp(time, history.time, part) for part in (history.fx, history.fy))
             start = float(view.column(x)), float(view.row(y))

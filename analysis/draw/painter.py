@@ -8,12 +8,17 @@ maps them. Discs are painted as true circles: coverage falls linearly over one p
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, floor, hypot, sqrt
 
 import numpy as np
 from numba import njit
 
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.walls import Interval, Wall
+
+from .scope import disc_speeds
 
 PAPER = (255, 255, 255)
 SOLID = (196, 196, 196)
@@ -101,6 +106,11 @@ def paint_discs(picture: np.ndarray, view: View, x, y, radius, colours: np.ndarr
     _paint_discs(picture, column, row, pixels, view.scale, np.ascontiguousarray(colours, np.uint8))
 
 
+def paint_frame(picture: np.ndarray, view: View, frame: Frame, flow: Flow, top_speed: float) -> None:
+    """The discs of a frame, coloured by speed; the last colour is that of `top_speed`, m/s."""
+    paint_discs(picture, view, frame.x, frame.y, flow.radii(frame), coloured(disc_speeds(frame), top_speed))
+
+
 def paint_arrow(picture: np.ndarray, start, end, thickness: float, colour) -> None:
     """An arrow from `start` to `end` (pixel column, row), its head four thicknesses wide."""
     (x0, y0), (x1, y1) = start, end
@@ -120,6 +130,7 @@ def paint_arrow(picture: np.ndarray, start, end, thickness: float, colour) -> No
     picture[box] = picture[box] + cover * (np.array(colour) - picture[box]) + 0.5
 
 
+@lru_cache
 def colour_table() -> np.ndarray:
     """The colour map cividis as bytes, shape (256, 3)."""
     from matplotlib import colormaps
@@ -127,8 +138,9 @@ def colour_table() -> np.ndarray:
     return (colormaps["cividis"](np.arange(256))[:, :3] * 255 + 0.5).astype(np.uint8)
 
 
-def coloured(values: np.ndarray, top: float, table: np.ndarray) -> np.ndarray:
+def coloured(values: np.ndarray, top: float) -> np.ndarray:
     """Colours of values from 0 to `top`, shape (n, 3), uint8; beyond it the last colour."""
+    table = colour_table()
     scaled = np.nan_to_num(np.asarray(values, float) / (top if top > 0 else 1.0))
     return table[np.clip((scaled * len(table)).astype(int), 0, len(table) - 1)]
 

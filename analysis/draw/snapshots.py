@@ -15,7 +15,7 @@ from lammps_jump.dump.frame import Frame, ten_indices
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 
-from .painter import View, blank, colour_table, coloured, paint_discs, paint_walls
+from .painter import View, blank, paint_frame, paint_walls
 from .scope import disc_speeds, seen, top_of
 from .style import STYLE, colour_bar, style
 
@@ -41,17 +41,15 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
     if not chosen:
         raise DumpError("there is no frame to draw.")
     x, y = seen(chosen, flow)
-    speeds = [disc_speeds(frame) for frame in chosen]
-    top_speed = top_of(speeds)
+    top_speed = top_of([disc_speeds(frame) for frame in chosen])
     figure, places, width = layout(len(chosen), (x[1] - x[0]) / (y[1] - y[0]))
     view = View.fitted(x, y, round(width * STYLE["savefig.dpi"]))
-    table = colour_table()
     with style(), mpl.rc_context({"axes.grid": False}):
         FigureCanvasAgg(figure)
-        for frame, speed, place in zip(chosen, speeds, places, strict=True):
+        for frame, place in zip(chosen, places, strict=True):
             picture = blank(view)
             paint_walls(picture, view, flow.scene.walls, flow.shut_gates(flow.time(frame)))
-            paint_discs(picture, view, frame.x, frame.y, flow.radii(frame), coloured(speed, top_speed, table))
+            paint_frame(picture, view, frame, flow, top_speed)
             axes = figure.add_subplot(place)
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")
             # no title: its place is sought among all ticks, which took a fifth of the time

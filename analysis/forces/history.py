@@ -19,7 +19,7 @@ from lammps_jump.analysis.passes import Tables
 from lammps_jump.analysis.profiles import window_of
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.physics import jump as theory
+from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, as_summary, estimate, number
 
@@ -319,7 +319,7 @@ def _settled(
         if face is not None and not force.wall.finite:
             index = _station(profiles, *face[::3], 2, flow)
             depth = nan if index is None else float(profiles["mass_depth"].values[frames, index].mean())
-            expected = theory.hydrostatic_force(depth, flow.scene.density, gravity)
+            expected = waves.hydrostatic_force(depth, flow.scene.density, gravity)
             result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": _ratio(mean_x, expected)}
         elif momentum is not None and abs(mean_y) > abs(mean_x):
             weight = flow.scene.mass * gravity * float(momentum.discs[frames].mean())

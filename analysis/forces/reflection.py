@@ -11,7 +11,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.jump.track import straight_motion
-from lammps_jump.physics import jump as theory
+from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, estimate, number
 
@@ -97,7 +97,7 @@ def track_reflection(profiles: xr.Dataset, structure: Wall, flow: Flow) -> Refle
     if not good.any():
         return None
     depth, speed = (float(v) for v in np.mean(streams, axis=0))
-    bore_depth, bore_speed = theory.reflected_bore(depth, speed, flow.gravity)
+    bore_depth, bore_speed = waves.reflected_bore(depth, speed, flow.gravity)
     fit = straight_motion(time[good], position[good])
     return ReflectedWave(
         structure.name, fit.points, fit.speed, fit.error, depth, speed, bore_speed, bore_depth, fit.start, time,

@@ -77,8 +77,8 @@ def frame_chart(jump: Jump) -> Chart | None:
         Line("mass depth s", xi, depth, "second"),
     ]
     for state, name in ((result.upstream, "s₁"), (result.downstream, "s₂")):
-        text = f"{name} = {state.mass_depth.value:.2f} m, Fr = {state.froude_relative:.2f}"
-        lines.append(Line(text, np.array(state.zone), np.full(2, state.mass_depth.value), "fit"))
+        text = f"{name} = {state.mass_depth:.2f} m, Fr = {state.froude_relative:.2f}"
+        lines.append(Line(text, np.array(state.zone), np.full(2, state.mass_depth), "fit"))
     relations = (
         ("Bélanger, front's frame", jump.belanger_y2),
         ("with the measured density change", jump.density_relation_ratio * jump.y1),

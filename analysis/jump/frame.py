@@ -15,8 +15,9 @@ from math import nan, sqrt
 import numpy as np
 import xarray as xr
 
-from lammps_jump.analysis.statistics import Mean, mean_of
+from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
 from lammps_jump.physics import jump as theory
+from lammps_jump.physics import waves
 from lammps_jump.units import number
 
 TOE_SHARE, END_SHARE = 0.05, 0.95
@@ -85,64 +86,72 @@ class State:
         Where it was measured, m from the front.
     speed, gravity : float
         c, m/s; across the bed, m/s^2.
-    mass_depth, surface_depth, velocity, discharge, momentum_flux, packing, thrust : Mean
-        m, m, m/s, m^2/s, m^3/s^2 (lab frame), 1, m^3/s^2 (contact force over density; NaN where not known).
+    velocity, mass_depth, surface_depth, discharge, momentum_flux, packing, thrust : float
+        m/s, m, m, m^2/s, m^3/s^2 (lab frame), 1, m^3/s^2 (contact force over density; NaN where not known).
+    thrust_error : float
+        Its standard error, from the scatter between frames.
     """
 
     zone: tuple[float, float]
     speed: float
     gravity: float
-    velocity: Mean
-    mass_depth: Mean
-    surface_depth: Mean
-    discharge: Mean
-    momentum_flux: Mean
-    packing: Mean
-    thrust: Mean
+    velocity: float
+    mass_depth: float
+    surface_depth: float
+    discharge: float
+    momentum_flux: float
+    packing: float
+    thrust: float
+    thrust_error: float
+
+    @property
+    def middle(self) -> float:
+        """Middle of the zone, m from the front."""
+        return float(np.mean(self.zone))
 
     @property
     def froude(self) -> float:
         """Froude number in the laboratory, u / sqrt(g s)."""
-        return self.velocity.value / sqrt(self.gravity * self.mass_depth.value)
+        return self.velocity / sqrt(self.gravity * self.mass_depth)
 
     @property
     def froude_relative(self) -> float:
         """Froude number in the frame of the front, (u - c) / sqrt(g s)."""
-        return (self.velocity.value - self.speed) / sqrt(self.gravity * self.mass_depth.value)
+        return (self.velocity - self.speed) / sqrt(self.gravity * self.mass_depth)
 
     @property
     def head(self) -> float:
         """Head in the frame of the front, s + (u - c)^2/(2 g), m."""
-        return theory.specific_energy(self.mass_depth.value, self.velocity.value - self.speed, self.gravity)
+        return theory.specific_energy(self.mass_depth, self.velocity - self.speed, self.gravity)
 
     @property
     def bulk_density(self) -> float:
         """Mass depth over surface depth: density of the packed discs over that of the discs' material (rho)."""
-        return share(self.mass_depth.value, self.surface_depth.value)
+        return share(self.mass_depth, self.surface_depth)
 
     @property
     def mass_flux(self) -> float:
         """Mass flux through the moving front, s (u - c), m^2/s."""
-        return self.discharge.value - self.speed * self.mass_depth.value
+        return self.discharge - self.speed * self.mass_depth
 
     @property
     def relative_flux(self) -> float:
         """Momentum flux through a plane that moves with the front, m^3/s^2, velocity fluctuations included."""
-        return self.momentum_flux.value - self.speed * (self.discharge.value + self.mass_flux)
+        return self.momentum_flux - self.speed * (self.discharge + self.mass_flux)
 
     @property
     def uniform_flux(self) -> float:
         """The same with the mean velocity everywhere: s (u - c)^2."""
-        return self.mass_depth.value * (self.velocity.value - self.speed) ** 2
+        return self.mass_depth * (self.velocity - self.speed) ** 2
 
     @property
     def beta(self) -> float:
         """Momentum coefficient in the frame of the front: relative over uniform flux."""
         return share(self.relative_flux, self.uniform_flux)
 
-    def still(self, depth: Mean) -> float:
+    def still(self, depth: float) -> float:
         """Hydrostatic force under a depth, g s depth/2, m^3/s^2."""
-        return 0.5 * self.gravity * self.mass_depth.value * depth.value
+        return 0.5 * self.gravity * self.mass_depth * depth
 
 
 def share(part: float, whole: float) -> float:
@@ -152,13 +161,12 @@ def share(part: float, whole: float) -> float:
 
 def measure_state(moving: xr.Dataset, zone: tuple[float, float], speed: float, gravity: float) -> State:
     """Averages over a stretch of the moving frame; the velocity is discharge over mass depth."""
-    names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing", "thrust")
-    moving = moving[[name for name in names if name in moving]]
     inside = moving.sel(xi=slice(zone[0] - 1e-9, zone[1] + 1e-9)).mean("xi")
-    means = {name: mean_of(inside[name].values) if name in inside else Mean(nan, nan) for name in names}
-    ratio = mean_of((inside["discharge"] / inside["mass_depth"]).values)
-    velocity = Mean(means["discharge"].value / means["mass_depth"].value, ratio.error)
-    return State(zone, speed, gravity, velocity, **means)
+    names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing")
+    means = {name: mean_of(inside[name].values).value for name in names}
+    thrust = mean_of(inside["thrust"].values) if "thrust" in inside else Mean(nan, nan)
+    velocity = means["discharge"] / means["mass_depth"]
+    return State(zone, speed, gravity, velocity, **means, **as_fields(thrust=thrust))
 
 
 def zones(
@@ -240,32 +248,32 @@ def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance
         return part(one) - part(two)
 
     def between(values: xr.DataArray) -> float:
-        amount = integral(values, one, two)
+        amount = integral(values, one.middle, two.middle)
         good = amount[np.isfinite(amount)]
         return float(good.mean()) if good.size else nan
 
     upstream, downstream = (state.uniform_flux + state.still(state.mass_depth) for state in (one, two))
-    momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one, two)
+    momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one.middle, two.middle)
     terms = {
         "classical": upstream - downstream,
         "profile": change(lambda state: state.relative_flux - state.uniform_flux),
         "packing": change(lambda state: state.still(state.surface_depth) - state.still(state.mass_depth)),
-        "pressure": change(lambda state: state.thrust.value - state.still(state.surface_depth)),
+        "pressure": change(lambda state: state.thrust - state.still(state.surface_depth)),
         "bed": between(moving["bed"]) if "bed" in moving else 0.0,
         "slope": along * between(moving["mass_depth"]),
         "unsteady": -growth_rate(moving.time.values, momentum),
     }
     terms["unexplained"] = float(np.nansum(list(terms.values())))
-    terms["pressure_error"] = float(np.hypot(one.thrust.error, two.thrust.error))
+    terms["pressure_error"] = float(np.hypot(one.thrust_error, two.thrust_error))
     return Balance(upstream, downstream, **{name: value / downstream for name, value in terms.items()})
 
 
-def integral(values: xr.DataArray, one: State, two: State) -> np.ndarray:
-    """Integral between the middles of two zones, frame by frame, shape (frames,); NaN where not covered."""
-    xi = values.xi.values
-    half, start, stop = 0.5 * (xi[1] - xi[0]), np.mean(one.zone), np.mean(two.zone)
+def integral(field: xr.DataArray, start: float, stop: float) -> np.ndarray:
+    """Integral between two places, m from the front, frame by frame, shape (frames,); NaN where not covered."""
+    xi = field.xi.values
+    half = 0.5 * (xi[1] - xi[0])
     share = np.clip(np.minimum(xi + half, stop) - np.maximum(xi - half, start), 0.0, None)
-    return (values.values[:, share > 0] * share[share > 0]).sum(axis=1)
+    return (field.values[:, share > 0] * share[share > 0]).sum(axis=1)
 
 
 def growth_rate(time: np.ndarray, amount: np.ndarray) -> float:
@@ -291,10 +299,8 @@ class Mass:
 def mass_balance(moving: xr.Dataset, one: State, two: State) -> Mass:
     """Mass fluxes through the moving front, their relative difference, storage in between."""
     flux_1, flux_2 = one.mass_flux, two.mass_flux
-    growth = growth_rate(moving.time.values, integral(moving["mass_depth"], one, two))
-    speed_from_mass = theory.shock_speed_from_mass(
-        one.mass_depth.value, one.velocity.value, two.mass_depth.value, two.velocity.value
-    )
+    growth = growth_rate(moving.time.values, integral(moving["mass_depth"], one.middle, two.middle))
+    speed_from_mass = waves.shock_speed_from_mass(one.mass_depth, one.velocity, two.mass_depth, two.velocity)
     return Mass(
         flux_1, flux_2, growth, (flux_2 - flux_1) / flux_1, (flux_2 + growth - flux_1) / flux_1, speed_from_mass
     )

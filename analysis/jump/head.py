@@ -25,7 +25,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import Estimates, estimate, number, shown
 
-from .frame import growth_rate, move_along
+from .frame import growth_rate, integral, move_along
 
 if TYPE_CHECKING:
     from .result import JumpResult
@@ -197,8 +197,7 @@ def energy_budget(fields: np.ndarray | None, result: JumpResult, edges: np.ndarr
         return None
     asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
     if asked is None:
-        middles = float(np.mean(result.upstream.zone)), float(np.mean(result.downstream.zone))
-        return budget_between(fields, result, edges, middles)
+        return budget_between(fields, result, edges, (result.upstream.middle, result.downstream.middle))
     first, last = (result.flow.scene.time(step) for step in (asked.first_step, asked.last_step))
     half = 0.5 * float(np.diff(time).min())
     used, speed = (time > first - half) & (time < last + half), sign * asked.speed
@@ -245,9 +244,9 @@ def budget_between(
     discs, contacts = (
         (values_at(field, stations[0]) - values_at(field, stations[1])) / scale for field in (carried, power)
     )
-    loss = _between(a["dashpots"], stations) / scale
+    loss = integral(a["dashpots"], *stations) / scale
     net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
-    storage = growth_rate(time, _between(energy + a["elastic"], stations) / scale)
+    storage = growth_rate(time, integral(energy + a["elastic"], *stations) / scale)
     if not np.isfinite([net.value, taken.value]).all():
         return None
     return Budget(
@@ -277,14 +276,6 @@ def values_at(field: xr.DataArray, place: float) -> np.ndarray:
     k = max(1, int(np.searchsorted(xi, place)))
     low, high = field.values[:, k - 1], field.values[:, k]
     return low + (high - low) / (xi[k] - xi[k - 1]) * (place - xi[k - 1])
-
-
-def _between(field: xr.DataArray, stations: tuple[float, float]) -> np.ndarray:
-    """Integral of a field between two stations, frame by frame, shape (frames,); NaN where not covered."""
-    xi = field.xi.values
-    half = 0.5 * (xi[1] - xi[0])
-    share = np.clip(np.minimum(xi + half, stations[1]) - np.maximum(xi - half, stations[0]), 0.0, None)
-    return (field.values[:, share > 0] * share[share > 0]).sum(axis=1)
 
 
 def no_budget(flow: Flow) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from math import isfinite, nan, sqrt
 from typing import TYPE_CHECKING
 
@@ -87,8 +87,10 @@ class JumpResult:
         s.
     in_window : ndarray of bool, shape (frames,)
     track : JumpTrack or None
-    toe_motion, end_motion, motion : Motion or None
-        Of the toe, the end and the front of equal mass.
+    toe_speed, end_speed : float
+        Of the toe and the end, along the stream, m/s.
+    motion : Motion or None
+        Of the front of equal mass.
     moving : xarray.Dataset or None
     toe, end : float
         In the moving frame, from the mean mass depth, m from the front; `surface_toe`, `surface_end` from the surface.
@@ -109,8 +111,8 @@ class JumpResult:
     window: tuple[float, float]
     in_window: np.ndarray
     track: JumpTrack | None = None
-    toe_motion: Motion | None = None
-    end_motion: Motion | None = None
+    toe_speed: float = nan
+    end_speed: float = nan
     motion: Motion | None = None
     moving: xr.Dataset | None = None
     toe: float = nan
@@ -137,10 +139,11 @@ class JumpResult:
         """CSV tables: the track, and the mean profile in the moving frame."""
         result = {}
         if self.track is not None:
-            left_out = ("reach_end", "why", *(["compression"] if self.track.compression is None else []))
-            names = [field.name for field in fields(self.track) if field.name not in left_out]
-            signs = {name: 1 if name == "time" or "depth" in name else self.direction for name in names}
-            columns = {name: sign * getattr(self.track, name) for name, sign in signs.items()}
+            columns = {
+                name: values if name == "time" or "depth" in name else self.direction * values
+                for name, values in vars(self.track).items()
+                if isinstance(values, np.ndarray) and name != "reach_end"
+            }
             if not self.flow.timed:
                 columns = {"step": columns.pop("time"), **columns}
             result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
@@ -214,8 +217,8 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         nothing,
         track=track,
         heap=_heap(stream.isel(time=used), float(np.mean(track.end[used])), gravity),
-        toe_motion=straight_motion(time[used], track.toe[used]),
-        end_motion=straight_motion(time[used], track.end[used]),
+        toe_speed=straight_motion(time[used], track.toe[used]).speed,
+        end_speed=straight_motion(time[used], track.end[used]).speed,
         motion=straight_motion(time[used], track.position[used]),
     )
     result = _measure(result, stream, used)
@@ -246,7 +249,7 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
         before, behind, enough = zones(moving, toe, end, *levels)
         result = _within(result, moving, (before, behind), (toe, end))
         toe, end = result.toe, result.end
-    depth = result.downstream.mass_depth.value
+    depth = result.downstream.mass_depth
     tail = measure_tail(stream.isel(time=used), front, depth)
     before = measure_stream(stream, track, used, speed, depth, result.flow.gravity)
     result = replace(result, stream=before and before.turned(result.direction))
@@ -258,8 +261,8 @@ def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around
     """States, ends and balances from frames of the moving frame, in the zones of the states."""
     one, two = (measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
     mean = mean_profile(moving[["mass_depth", "surface_depth"]])
-    toe, end = _ends(mean["mass_depth"], one.mass_depth.value, two.mass_depth.value, *around)
-    ends = _ends(mean["surface_depth"], one.surface_depth.value, two.surface_depth.value, toe, end)
+    toe, end = _ends(mean["mass_depth"], one.mass_depth, two.mass_depth, *around)
+    ends = _ends(mean["surface_depth"], one.surface_depth, two.surface_depth, toe, end)
     return replace(
         result,
         moving=moving,
@@ -277,20 +280,19 @@ def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around
 def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
     """The jump of each piece of the window, with the speed of that piece."""
     frames = np.flatnonzero(whole.track.found & whole.in_window)
-    motions = [
-        [Motion(float(speed), nan, nan, 2) for speed in piece_speeds(whole.track.time[frames], places[frames])]
-        for places in (whole.track.toe, whole.track.end, whole.track.position)
-    ]
+    track = whole.track
+    speeds = [piece_speeds(track.time[frames], line[frames]) for line in (track.toe, track.end, track.position)]
     result = []
     bounds = itertools.pairwise(piece_bounds(len(frames)))
-    for (first, stop), toe, end, front in zip(bounds, *motions, strict=True):
+    for (first, stop), toe, end, front in zip(bounds, *speeds, strict=True):
         inside = np.zeros_like(whole.in_window)
         inside[frames[first:stop]] = True
-        moved = replace(whole, in_window=inside, toe_motion=toe, end_motion=end, motion=front)
+        motion = Motion(float(front), nan, nan, 2)
+        moved = replace(whole, in_window=inside, toe_speed=float(toe), end_speed=float(end), motion=motion)
         zones_kept = whole.upstream.zone, whole.downstream.zone
         moving = whole.moving.isel(time=slice(first, stop))
         result.append(_within(moved, moving, zones_kept, (whole.toe, whole.end)))
-    known = all(isfinite(piece.upstream.mass_depth.value + piece.downstream.mass_depth.value) for piece in result)
+    known = all(isfinite(piece.upstream.mass_depth + piece.downstream.mass_depth) for piece in result)
     return tuple(result) if known else ()
 
 

@@ -4,6 +4,7 @@
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import isfinite, nan
 
@@ -131,9 +132,19 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
     jump = replace(jump, frames_found=found, frames_in_window=frames, share_found=found / frames if frames else nan)
     if result.upstream is None:
         return jump
-    jump = _measured(jump)
-    pieces = [_measured(replace(jump, measured=piece)) for piece in result.pieces]
-    jump = replace(jump, **errors(jump, pieces), drift=drift(pieces))
+    pieces = [_numbers(piece) for piece in result.pieces]
+    jump = replace(
+        jump,
+        **_numbers(result),
+        **errors(jump, pieces),
+        developed=result.developed,
+        roller=result.roller,
+        tail=result.tail,
+        stream=result.stream,
+        momentum_terms=result.balance,
+        mass=result.mass,
+        drift=drift(pieces),
+    )
     jump = replace(jump, members=members(jump))
     if jump.inflow is not None:
         stream = delivered or (Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0))
@@ -146,104 +157,89 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
     return jump
 
 
-def _measured(jump: Jump) -> Jump:
-    """The numbers of what was measured in a window, or in a piece of it."""
-    found = _states(_places(jump))
-    return _against_theory(found) if jump.measured.flow.timed else found
+def _numbers(result: JumpResult) -> dict[str, object]:
+    """Numbers of a `Jump`, by their keys, of what was measured in a window or in a piece of it."""
+    found = _places(result) | _states(result)
+    found["length_over_y2"] = found["length"] / found["y2"]
+    return found | (_against_theory(result, found) if result.flow.timed else {})
 
 
-def _places(jump: Jump) -> Jump:
+def _places(result: JumpResult) -> dict[str, float]:
     """Places along x at the last frame used, velocities, and lengths."""
-    result, track = jump.measured, jump.measured.track
+    track, sign, motion = result.track, result.direction, result.motion
     used = track.found & result.in_window
-    sign, motion = result.direction, result.motion
     time = float(track.time[np.flatnonzero(used)[-1]])
     front = float(motion.start + motion.speed * time)
-    return replace(
-        jump,
-        time=time,
-        position=sign * front,
-        toe=sign * (front + result.toe),
-        end=sign * (front + result.end),
-        speed=result.speed,
-        toe_speed=sign * result.toe_motion.speed,
-        end_speed=sign * result.end_motion.speed,
-        length=result.surface_end - result.surface_toe,
-        length_mass=result.end - result.toe,
-        length_ramp=float(np.median(track.end[used] - track.toe[used])),
-        developed=result.developed,
-        roller=result.roller,
-        tail=result.tail,
-        stream=result.stream,
-    )
+    return {
+        "time": time,
+        "position": sign * front,
+        "toe": sign * (front + result.toe),
+        "end": sign * (front + result.end),
+        "speed": result.speed,
+        "toe_speed": sign * result.toe_speed,
+        "end_speed": sign * result.end_speed,
+        "length": result.surface_end - result.surface_toe,
+        "length_mass": result.end - result.toe,
+        "length_ramp": float(np.median(track.end[used] - track.toe[used])),
+    }
 
 
-def _states(jump: Jump) -> Jump:
+def _states(result: JumpResult) -> dict[str, float]:
     """Depths, velocities, packing, Froude numbers, momentum and head on both sides."""
-    result, one, two = jump.measured, jump.measured.upstream, jump.measured.downstream
-    found = {}
+    one, two, density, found = result.upstream, result.downstream, result.flow.scene.density, {}
     for k, state in ((1, one), (2, two)):
-        for name, mean in ((f"y{k}", state.mass_depth), (f"h{k}", state.surface_depth), (f"u{k}", state.velocity)):
-            found[name] = mean.value
-        found |= {f"packing_{k}": state.packing.value, f"beta_{k}": state.beta}
-        found[f"u{k}"] *= result.direction
-    return replace(
-        jump,
-        **found,
-        froude=one.froude_relative,
-        froude_lab=one.froude,
-        froude_downstream=two.froude_relative,
-        sequent_ratio=found["y2"] / found["y1"],
-        length_over_y2=jump.length / found["y2"],
-        density_ratio=share(two.bulk_density, one.bulk_density),
-        head_upstream=one.head,
-        head_downstream=two.head,
-        energy_loss=one.head - two.head,
-        momentum_upstream=result.flow.scene.density * result.balance.upstream,
-        momentum_downstream=result.flow.scene.density * result.balance.downstream,
-        momentum_residual=result.balance.classical,
-        momentum_terms=result.balance,
-        mass=result.mass,
-    )
+        found |= {f"y{k}": state.mass_depth, f"h{k}": state.surface_depth}
+        found |= {f"u{k}": result.direction * state.velocity}
+        found |= {f"packing_{k}": state.packing, f"beta_{k}": state.beta}
+    return found | {
+        "froude": one.froude_relative,
+        "froude_lab": one.froude,
+        "froude_downstream": two.froude_relative,
+        "sequent_ratio": found["y2"] / found["y1"],
+        "density_ratio": share(two.bulk_density, one.bulk_density),
+        "head_upstream": one.head,
+        "head_downstream": two.head,
+        "energy_loss": one.head - two.head,
+        "momentum_upstream": density * result.balance.upstream,
+        "momentum_downstream": density * result.balance.downstream,
+        "momentum_residual": result.balance.classical,
+    }
 
 
-def _against_theory(jump: Jump) -> Jump:
+def _against_theory(result: JumpResult, found: Mapping[str, float]) -> dict[str, object]:
     """Sequent ratio, length and loss beside theory, which takes in one measured ingredient after the other.
 
     `density_relation_ratio`: the change of density (`theory.sequent_ratio`); `full_relation_ratio`: bed force and
     slope, and the momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure,
     and what the control volume stores.
     """
-    one, two, terms = jump.measured.upstream, jump.measured.downstream, jump.measured.balance
-    froude, s1, s2 = jump.froude, jump.y1, jump.y2
-    ratio, belanger = jump.sequent_ratio, theory.belanger(froude)
+    one, two, terms = result.upstream, result.downstream, result.balance
+    froude, s1, s2, ratio, density = (found[key] for key in ("froude", "y1", "y2", "sequent_ratio", "density_ratio"))
+    betas, belanger = (found["beta_1"], found["beta_2"]), theory.belanger(froude)
     # forces over g s1^2/2, the unit of the relations
     unit = one.still(one.mass_depth) / terms.downstream
     push = (terms.bed + terms.slope) / unit
-    expected = _sequent_ratio(froude, jump.density_ratio)
-    full = _sequent_ratio(froude, jump.density_ratio, -push / (1.0 + ratio), jump.beta_1, jump.beta_2)
-    found = {}
+    expected = _sequent_ratio(froude, density)
+    against: dict[str, object] = {
+        "jump_class": theory.jump_class(froude),
+        "belanger_ratio": belanger,
+        "belanger_y2": s1 * belanger,
+        "belanger_deviation": share(ratio, belanger) - 1,
+        "density_relation_ratio": expected,
+        "density_relation_deviation": ratio / expected - 1,
+        "full_relation_ratio": _sequent_ratio(froude, density, -push / (1.0 + ratio), *betas),
+        "length_theory": theory.silvester_jump_length(froude, s1),
+        "length_usbr": theory.usbr_jump_length(froude, s1),
+        "energy_loss_theory": theory.energy_loss(s1, s1 * belanger),
+        "energy_loss_depths": theory.energy_loss(s1, s2),
+    }
     if isfinite(terms.pressure):
-        p1, p2 = (state.thrust.value / state.still(state.mass_depth) for state in (one, two))
-        largest = _largest_ratio(froude, jump.beta_1, jump.beta_2, p1, p2, push + terms.unsteady / unit)
-        found["pressure_relation_ratio"] = largest
+        thrusts = (state.thrust / state.still(state.mass_depth) for state in (one, two))
+        largest = _largest_ratio(froude, *betas, *thrusts, push + terms.unsteady / unit)
+        against["pressure_relation_ratio"] = largest
         for k, state in ((1, one), (2, two)):
-            found[f"pressure_coefficient_{k}"] = share(state.thrust.value, state.still(state.surface_depth))
-    return replace(
-        jump,
-        **found,
-        jump_class=theory.jump_class(froude),
-        belanger_ratio=belanger,
-        belanger_y2=s1 * belanger,
-        belanger_deviation=share(ratio, belanger) - 1,
-        density_relation_ratio=expected,
-        density_relation_deviation=ratio / expected - 1,
-        full_relation_ratio=full,
-        length_theory=theory.silvester_jump_length(froude, s1),
-        length_usbr=theory.usbr_jump_length(froude, s1),
-        energy_loss_theory=theory.energy_loss(s1, s1 * belanger),
-        energy_loss_depths=theory.energy_loss(s1, s2),
-    )
+            against[f"pressure_coefficient_{k}"] = share(state.thrust, state.still(state.surface_depth))
+    return against
 
 
 def _sequent_ratio(*arguments: float) -> float:

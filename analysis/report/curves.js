@@ -3,9 +3,7 @@
 // (event "time" of the document, seconds), and a click on it asks for another one (event "seek").
 (() => {
   const LEFT = 66, RIGHT = 14, TOP = 10, GAP = 18, BELOW = 40, STEP = 74;
-  const source = document.getElementById("data");
-  if (!source) return;
-  const charts = JSON.parse(source.textContent).curves;
+  const charts = pageData.curves;
   const text = (value) => (value === 0 ? "0" : String(Number(value.toPrecision(4)))).replace("-", "\u2212");
 
   function add(parent, name, attributes = {}, content = "") {

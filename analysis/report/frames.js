@@ -1,82 +1,114 @@
 "use strict";
 // Frames of a run: unpacked from the text that analysis/report/frames.py writes, and the discs at any instant.
 
-// All rows (a disc in a frame) as whole numbers, from the header of a player and its packed text.
-async function unpackFrames(header, text) {
-  const take = taker(await inflate(text));
-  const { discs, rows, times } = header;
-  const ids = summed(take(Uint32Array, discs));
-  const run = {
-    ...header, ids,
-    first: take(Uint16Array, discs), life: take(Uint16Array, discs),
-    entryX: take(Int32Array, discs), entryY: take(Int32Array, discs),
-    shade: header.radii.length > 1 ? take(Uint8Array, discs) : new Uint8Array(discs),
-    start: new Uint32Array(times.length + 1), disc: new Uint32Array(rows),
-    x: new Int32Array(rows), y: new Int32Array(rows),
+// Letters that coder.py does not use: a browser changes them, or they may end a script.
+const LEFT_OUT = [0, 10, 13, 60];
+const BASE = 128 - LEFT_OUT.length, LEAST = BASE ** 3;
+const DIGITS = Uint8Array.from({ length: 128 }, (_, letter) => letter - LEFT_OUT.filter((one) => one < letter).length);
+// Adaptive bits of a context, contexts of a kind of numbers, and columns of the table of discs.
+const SLOTS = 32, OF_A_KIND = 32, COLUMNS = 8;
+const UNREST = 8;
+const UNKNOWN = -(2 ** 30);
+
+// Players and curves of the page. Long lists of numbers stand apart, in the order of the data: see page.py.
+function readData() {
+  const next = numbers(document.getElementById("numbers").textContent, 1);
+  let whole = 0, step = 0;
+  const one = (decimals) => {
+    step = next(32 - Math.clz32(Math.abs(step)));
+    whole += step;
+    if (whole === UNKNOWN) return null;
+    return decimals < 0 ? whole * 10 ** -decimals : whole / 10 ** decimals;
   };
-  const late = rows - discs;
-  const left = [0, 1, 2, 3].map(() => take(Uint8Array, late));
-  run.u = take(Int8Array, rows);
-  run.v = take(Int8Array, rows);
-  placeRows(run, left);
+  return JSON.parse(document.getElementById("data").textContent, (_, value) => (
+    value && value.decimals !== undefined ? Array.from({ length: value.count }, () => one(value.decimals)) : value));
+}
+
+// All rows (a disc in a frame) as whole numbers, from the header of a player and its packed text.
+function unpackFrames(header, text) {
+  const { discs, rows, times } = header, next = numbers(text, 4 + COLUMNS);
+  const run = {
+    ...header,
+    ids: new Float64Array(discs), first: new Uint16Array(discs), life: new Uint16Array(discs),
+    entryX: new Int32Array(discs), entryY: new Int32Array(discs), shade: new Uint8Array(discs),
+    entryU: new Int8Array(discs), entryV: new Int8Array(discs),
+    start: new Uint32Array(times.length + 1), disc: new Uint32Array(rows),
+    x: new Int32Array(rows), y: new Int32Array(rows), u: new Int8Array(rows), v: new Int8Array(rows),
+  };
+  const columns = [run.ids, run.first, run.life, run.entryX, run.entryY, run.shade, run.entryU, run.entryV];
+  for (let disc = 0; disc < discs; disc++) {
+    columns.forEach((column, k) => { column[disc] = (disc ? column[disc - 1] : 0) + next(OF_A_KIND * (4 + k)); });
+  }
+  placeRows(run, next);
   run.most = mostRows(run.start);
   return run;
 }
 
-// Bytes of deflated base64.
-async function inflate(text) {
-  const letters = atob(text), packed = new Uint8Array(letters.length);
-  for (let k = 0; k < packed.length; k++) packed[k] = letters.charCodeAt(k);
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-  return new Response(stream).arrayBuffer();
-}
-
-// A function that takes arrays from a buffer, one after the other.
-function taker(buffer) {
-  let at = 0;
-  return (kind, count) => {
-    const found = new kind(buffer, at, count);
-    at += found.byteLength;
-    return found;
+// A function that takes whole numbers from text, each in its context: see coder.py for the format.
+function numbers(text, kinds) {
+  const odds = new Uint16Array(kinds * OF_A_KIND * SLOTS).fill(2048);
+  let at = 0, code = 0, range = BASE ** 4;
+  const digit = () => DIGITS[text.charCodeAt(at++)];
+  const shrink = (start, size, step) => {
+    code -= start * step;
+    for (range = size * step; range < LEAST; range *= BASE) code = code * BASE + digit();
+  };
+  for (let k = 0; k < 4; k++) code = code * BASE + digit();
+  return (context) => {
+    let slot = SLOTS * context, value = 1, left = 0;
+    for (;; left++, slot++) {
+      const ones = odds[slot], step = range >> 12;
+      if (code >= ones * step) {
+        odds[slot] -= ones >> 5;
+        shrink(ones, 4096 - ones, step);
+        break;
+      }
+      odds[slot] += (4096 - ones) >> 5;
+      shrink(0, ones, step);
+    }
+    if (!left) return 0;
+    while (left) {
+      const bits = Math.min(left, 8), step = range >> bits, part = Math.floor(code / step);
+      shrink(part, 1, step);
+      value = value * 2 ** bits + part;
+      left -= bits;
+    }
+    return value % 2 ? (1 - value) / 2 : value / 2;
   };
 }
 
-function summed(differences) {
-  for (let k = 1; k < differences.length; k++) differences[k] += differences[k - 1];
-  return differences;
-}
-
-// Fill in positions, velocities and discs of all rows, frame by frame: see the Python file for the format.
-function placeRows(run, [lowX, highX, lowY, highY]) {
+// Fill in positions, velocities and discs of all rows, frame by frame: see frames.py for the format.
+function placeRows(run, next) {
   const { times, first, life, x, y, u, v } = run;
-  const before = new Int32Array(run.discs);
-  let row = 0, late = 0;
+  const before = new Int32Array(run.discs), unrest = new Int32Array(run.discs).fill(UNREST);
+  let row = 0;
   for (let frame = 0; frame < times.length; frame++) {
     run.start[frame] = row;
     const share = frame ? run.qv * (times[frame] - times[frame - 1]) / run.q / 2 : 0;
     for (let disc = 0; disc < run.discs; disc++) {
       const age = frame - first[disc];
       if (age < 0 || age >= life[disc]) continue;
-      const old = before[disc];
       if (age === 0) {
-        x[row] = run.entryX[disc];
-        y[row] = run.entryY[disc];
+        [x[row], y[row], u[row], v[row]] = [run.entryX[disc], run.entryY[disc], run.entryU[disc], run.entryV[disc]];
       } else {
-        u[row] += u[old]; // modulo 256, as stored
-        v[row] += v[old];
-        x[row] = x[old] + Math.floor((u[old] + u[row]) * share + 0.5) + unzigzag(lowX[late] + 256 * highX[late]);
-        y[row] = y[old] + Math.floor((v[old] + v[row]) * share + 0.5) + unzigzag(lowY[late] + 256 * highY[late]);
-        late++;
+        const old = before[disc];
+        let felt = unrest[disc];
+        const told = (part) => {
+          const value = next(OF_A_KIND * part + 32 - Math.clz32(felt)), size = Math.abs(value);
+          felt += part < 2 ? 2 * size : size >> 1;
+          return value;
+        };
+        u[row] = u[old] + told(0);
+        v[row] = v[old] + told(1);
+        x[row] = x[old] + Math.floor((u[old] + u[row]) * share + 0.5) + told(2);
+        y[row] = y[old] + Math.floor((v[old] + v[row]) * share + 0.5) + told(3);
+        unrest[disc] = (felt - unrest[disc]) >> 1;
       }
       run.disc[row] = disc;
       before[disc] = row++;
     }
   }
   run.start[times.length] = row;
-}
-
-function unzigzag(code) {
-  return code & 1 ? -(code + 1) / 2 : code / 2;
 }
 
 function mostRows(start) {
@@ -182,3 +214,5 @@ function leftShare(a) {
   if (a <= -1) return 0;
   return a >= 1 ? 1 : 0.5 + (a * Math.sqrt(1 - a * a) + Math.asin(a)) / Math.PI;
 }
+
+const pageData = readData();

@@ -1,24 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Frames of a run, packed for the player of a page: about 2.5 bytes a disc and frame.
+"""Frames of a run, packed for the player of a page: about 2 bytes a disc and frame.
 
-Positions are whole numbers of a quantum q, 1/128 of the smallest diameter; velocities are whole numbers from -127 to
-127. A position is predicted from the one before and the mean of both velocities; what is left is small and is deflated.
+Positions are whole numbers of a quantum q, 1/64 of the smallest diameter; velocities are whole numbers from -63 to 63.
+A position is predicted from the one before and the mean of both velocities; what is left is small, and `coder` makes
+text of it.
 
-The stream holds little-endian arrays, one after the other, of K discs in the order of their ids and N rows (a disc in a
-frame). An id that comes back is a new disc.
+The text holds whole numbers, of K discs in the order of their ids and N rows (a disc in a frame). An id that comes back
+is a new disc.
 
-1. per disc: id less the id before, u32; first frame and number of frames, u16 each; x and y there in q, i32 each; index
-   of its radius, u8, where there are several radii
-2. per row after the first of its disc, frame by frame: position less prediction, zigzag (0, -1, 1, -2 … are 0, 1, 2, 3
-   …), of x the low bytes, the high bytes, then of y. The prediction is
-   ``before + floor((u_before + u_now) s + 0.5)`` with ``s = qv dt / q / 2``, in 64 bits
-3. per row: velocity u less the one before modulo 256, u8 (in the first row of a disc the velocity itself); then of v
+1. disc by disc, each less that of the disc before: id; first frame and number of frames; x and y there in q; index of
+   its radius; velocity u and v there. Their contexts are 32 times 4 to 11
+2. row by row after the first of its disc, frame by frame: velocity less the one before, u and v, then position less
+   prediction, x and y. The prediction is ``before + floor((u_before + u_now) s + 0.5)`` with ``s = qv dt / q / 2``, in
+   64 bits. Their contexts are 32 times 0 to 3, plus the bit length of the disc's unrest. At the second row of a disc it
+   is `UNREST`, later half of what the row before added. A change of velocity adds its double, the rest of a position
+   its half, before the next number of the row
 """
 
 from __future__ import annotations
 
-import base64
-import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,16 +26,18 @@ import numpy as np
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame, make_frame, ten_indices
 
-PARTS = 128
-"""Quanta of position in the smallest diameter: no place is wrong by more than 1/256 of it."""
-FASTEST = 127
-"""Quanta of velocity in the largest component."""
+from .coder import encode
+
+PARTS = 64
+"""Quanta of position in the smallest diameter: no place is wrong by more than 1/128 of it, less than a pixel."""
+FASTEST = 63
+"""Quanta of velocity in the largest component: as many as there are shades of a colour."""
 MOST_FRAMES = 400
 MOST_DISCS = 25_000
 """Discs a frame; beyond it a share of the ids is shown."""
 MOST_ROWS = 5_000_000
-"""Discs times frames: 17 MB of page."""
-FARTHEST = 1 << 30
+"""Discs times frames: 11 MB of page."""
+FARTHEST = (1 << 30) - 1
 """Quanta; a disc beyond is shown there."""
 LARGEST_RESIDUAL = 1 << 15
 """A disc that is further from its prediction, in quanta, counts as another disc."""
@@ -53,12 +55,17 @@ class Packed:
         ``times`` (s), ``q`` (m), ``qv`` (m/s), ``discs`` and ``rows`` (K and N), ``radii`` (m) and ``share``: of the
         discs, those that are kept.
     text : str
-        The stream, deflated, in base64.
+        Of `coder.encode`.
     """
 
     header: dict[str, object]
     text: str
 
+
+UNREST = 8
+"""Unrest of a disc that came in one frame ago."""
+OF_A_KIND = 32
+"""Contexts of a kind of numbers."""
 
 ROW = np.dtype([("id", "i8"), ("x", "i4"), ("y", "i4"), ("u", "f4"), ("v", "f4"), ("radius", "f4")])
 """A disc in a frame: whole quanta of position, velocity in m/s, radius in m."""
@@ -134,7 +141,7 @@ class FramePacker:
         frame = np.repeat(np.arange(len(times)), [len(part) for _, part in self._kept])
         fastest = float(max(np.abs(rows["u"]).max(), np.abs(rows["v"]).max()))
         qv = fastest / FASTEST if fastest > 0 else 1.0
-        speeds = [np.rint(rows[name] / qv).astype(np.int16) for name in "uv"]
+        speeds = [np.rint(rows[name] / qv).astype(np.int64) for name in "uv"]
         shares = np.append(0.0, qv * np.diff(times) / self.q / 2)[frame]
         order = np.lexsort((frame, rows["id"]))
         before = _before(rows["id"], frame, order)
@@ -144,19 +151,14 @@ class FramePacker:
         starts = np.flatnonzero(entry[order])
         counts, discs = np.diff(starts, append=len(rows)), order[starts]
         radii, shade = _shades(rows["radius"][order[starts + counts - 1]])  # an inlet gives a disc its size in flight
-        arrays = [
-            np.diff(rows["id"][discs], prepend=0).astype("<u4"),
-            frame[discs].astype("<u2"),
-            counts.astype("<u2"),
-            *(rows[place][discs].astype("<i4") for place in "xy"),
-            *([shade] if len(radii) > 1 else []),
-            *(part for residual in left for part in _bytes(residual[~entry])),
-            *((speed - np.where(entry, 0, speed[before])).astype("u1") for speed in speeds),
-        ]
-        packer = zlib.compressobj(6, zlib.DEFLATED, -15, 9, zlib.Z_FILTERED)
-        packed = b"".join([*(packer.compress(array.tobytes()) for array in arrays), packer.flush()])
+        columns = (rows["id"][discs], frame[discs], counts, *(rows[name][discs] for name in "xy"), shade)
+        table = np.column_stack([*columns, *(speed[discs] for speed in speeds)])
+        changes = np.column_stack([*(speed - speed[before] for speed in speeds), *left])
+        numbers = np.diff(table, axis=0, prepend=0), changes[~entry]
+        contexts = np.tile(OF_A_KIND * np.arange(4, 12), (len(discs), 1)), _contexts(changes, before, entry)[~entry]
+        text = encode(*(np.concatenate([part.ravel() for part in parts]) for parts in (numbers, contexts)))
         header = {"times": times, "q": self.q, "qv": qv, "discs": len(discs), "rows": len(rows), "radii": radii}
-        return Packed({**header, "share": self._share}, base64.b64encode(packed).decode())
+        return Packed({**header, "share": self._share}, text)
 
 
 def _before(ids: np.ndarray, frame: np.ndarray, order: np.ndarray) -> np.ndarray:
@@ -173,10 +175,12 @@ def _residual(place: np.ndarray, speed: np.ndarray, before: np.ndarray, shares: 
     return np.where(before < 0, 0, place.astype(np.int64) - place[before] - moved)
 
 
-def _bytes(residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Low and high bytes of residuals, zigzag."""
-    zigzag = np.where(residual < 0, -2 * residual - 1, 2 * residual)
-    return (zigzag & 255).astype("u1"), (zigzag >> 8).astype("u1")
+def _contexts(changes: np.ndarray, before: np.ndarray, entry: np.ndarray) -> np.ndarray:
+    """Context of each number of the rows, shape (rows, 4)."""
+    sizes = np.abs(changes) * 4 // (2, 2, 8, 8)
+    unrest = np.where(entry, UNREST, sizes.sum(axis=1) // 2)[before]
+    felt = np.cumsum(np.column_stack([unrest, sizes[:, :3]]), axis=1)
+    return np.frexp(felt)[1] + OF_A_KIND * np.arange(4)
 
 
 def _shades(radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -184,5 +188,5 @@ def _shades(radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     found, index = np.unique(radii.astype(float), return_inverse=True)
     if len(found) > SHADES:
         found = np.linspace(found[0], found[-1], SHADES)
-        index = np.rint((radii - found[0]) / (found[1] - found[0]))
-    return found, index.astype("u1")
+        index = np.rint((radii - found[0]) / (found[1] - found[0])).astype(int)
+    return found, index

@@ -17,13 +17,21 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain
 from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
+from .coder import encode
+
 KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
+LONG = 20
+"""Numbers of a list that are packed; fewer stand in the data."""
+UNKNOWN = -(1 << 30)
+LARGEST_PICTURE = 960, 4000
+"""Pixels of a large picture: as wide as the page shows it."""
 SCRIPTS = ("frames.js", "discs.js", "view.js", "player.js", "curves.js")
 Value = float | int | str | None
 
@@ -142,7 +150,9 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside | Choice) else [block])]
     players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
-    data = {"players": [player.header for player in players], "curves": [curve.data for curve in curves]}
+    numbers: list[np.ndarray] = []
+    shown = [_lean(plain(curve.data), numbers) for curve in curves]
+    data = {"players": [player.header for player in players], "curves": shown}
     style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
     return _template().render(
         title=title,
@@ -151,6 +161,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
         sections=[section for section in full if section.blocks],
         players=players,
         data=as_json(data) if players or curves else "",
+        numbers=Markup(_text(np.concatenate([[0], *numbers]))),
         style=style,
         scripts=scripts,
         policy=policy(style, scripts),
@@ -160,6 +171,29 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
 def as_json(data: object) -> Markup:
     """Data for a script element: without `<` no text in it can end the element; NaN and infinities are null."""
     return Markup(json.dumps(plain(data), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"))
+
+
+def _lean(data: object, numbers: list[np.ndarray]) -> object:
+    """Data whose long lists of numbers are replaced by their length and decimals; the lists, as whole numbers.
+
+    The largest of a list keeps five digits. What is not known is `UNKNOWN`.
+    """
+    if isinstance(data, Mapping):
+        return {key: _lean(value, numbers) for key, value in data.items()}
+    if not isinstance(data, list) or len(data) < LONG or not all(x is None or isinstance(x, float) for x in data):
+        return [_lean(value, numbers) for value in data] if isinstance(data, list) else data
+    values = np.array(data, float)
+    largest = np.nanmax(np.abs(values), initial=0)
+    decimals = 4 - int(np.floor(np.log10(largest))) if largest else 0
+    whole = np.where(np.isnan(values), UNKNOWN, np.rint(values * 10.0**decimals))
+    numbers.append(whole.astype(np.int64))
+    return {"count": len(data), "decimals": decimals}
+
+
+def _text(numbers: np.ndarray) -> str:
+    """Text of whole numbers, each less the one before; its context is the bit length of the difference before."""
+    steps = np.diff(numbers)
+    return encode(steps, np.frexp(np.abs(np.append(0, steps[:-1])))[1])
 
 
 def policy(style: str, scripts: Sequence[str]) -> str:
@@ -235,13 +269,14 @@ def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> 
 
 
 def picture(path: Path, caption: str) -> Picture:
-    """A PNG, GIF or MP4 file for the page; large pictures of discs, which PNG stores badly, become JPEG."""
+    """A PNG, GIF or MP4 file for the page; large pictures of discs, which PNG stores badly, become WebP."""
     data, kind = path.read_bytes(), KINDS[path.suffix]
-    if path.suffix == ".png" and len(data) >= 400_000:
+    if path.suffix == ".png" and len(data) >= 150_000:
         from PIL import Image
 
-        buffer = io.BytesIO()
-        Image.open(io.BytesIO(data)).convert("RGB").save(buffer, "JPEG", quality=75, optimize=True)
+        small, buffer = Image.open(io.BytesIO(data)).convert("RGB"), io.BytesIO()
+        small.thumbnail(LARGEST_PICTURE)
+        small.save(buffer, "WEBP", quality=25, method=2)
         if len(buffer.getvalue()) < 0.7 * len(data):
-            data, kind = buffer.getvalue(), "image/jpeg"
+            data, kind = buffer.getvalue(), "image/webp"
     return Picture(caption, f"data:{kind};base64,{base64.b64encode(data).decode()}")

@@ -9,7 +9,6 @@ const FRAMES_A_SECOND = 10;
 const HALF = 0.5;
 
 const players = [];
-const pageData = JSON.parse(document.getElementById("data").textContent);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 
@@ -23,15 +22,15 @@ function part(p, name) {
 
 // ---- start ----
 
-async function startPlayer(element, index) {
+function startPlayer(element, index) {
   const canvas = element.querySelector("canvas"), list = element.querySelector(".run");
   const p = {
     element, canvas, index, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }),
     playing: false, rate: 1, colour: "speed", pointers: new Map(),
   };
-  await takeRun(p, list ? list.value : index);
+  takeRun(p, list ? list.value : index);
   p.time = p.run.times[0];
-  if (list) list.addEventListener("change", async () => (await takeRun(p, list.value)) && layOut(p));
+  if (list) list.addEventListener("change", () => { takeRun(p, list.value); layOut(p); });
   players.push(p);
   element.hidden = false;
   for (const folded of document.querySelectorAll("details.still")) folded.open = false;
@@ -39,11 +38,9 @@ async function startPlayer(element, index) {
   return p;
 }
 
-// Show a run of the page, at the time that is shown. False where another one was asked for meanwhile.
-async function takeRun(p, number) {
-  p.asked = number;
-  const run = await unpackFrames(pageData.players[number], document.getElementById("frames" + number).textContent);
-  if (p.asked !== number) return false;
+// Show a run of the page, at the time that is shown.
+function takeRun(p, number) {
+  const run = unpackFrames(pageData.players[number], document.getElementById("frames" + number).textContent);
   const { times, share } = run, timed = run.unit === "s", bar = part(p, "time");
   Object.assign(p, {
     run, picked: null, pinned: false, end: times[times.length - 1], digits: timed ? 2 : 0,
@@ -59,7 +56,6 @@ async function takeRun(p, number) {
   part(p, "thin").hidden = share === 1;
   part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * share)} % of them are shown` +
     (p.grown > 1 ? ", each as large as all that it stands for." : ".");
-  return true;
 }
 
 function setUp(p) {
@@ -317,11 +313,9 @@ function saveFilm(p) {
 
 // ---- the page ----
 
-async function startPlayers() {
-  const elements = [...document.querySelectorAll(".player")];
-  if (!elements.length || typeof DecompressionStream === "undefined") return;
-  await Promise.all(elements.map(startPlayer));
-  if (!still.matches) tell("play", { on: true });
+function startPlayers() {
+  document.querySelectorAll(".player").forEach(startPlayer);
+  if (players.length && !still.matches) tell("play", { on: true });
 }
 
-const playersReady = startPlayers();
+startPlayers();

@@ -124,7 +124,7 @@ def _sequent(flow: Flow, folder: Path, times: np.ndarray) -> list[list[float] | 
             continue
         seen_from = speeds[k] - np.polyfit(when[near], places[near], 1)[0]
         sequent = sequent_depth(abs(seen_from), depths[k], flow.g)
-        lines.append([float(places[k]), _level_until(flow, places[k], seen_from), float(sequent)])
+        lines.append(np.round([places[k], _level_until(flow, places[k], seen_from), sequent], 6).tolist())
     return lines
 
 

@@ -14,7 +14,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene.scene import Gate, InletRow, Scene
-from lammps_jump.scene.schedule import told
+from lammps_jump.scene.schedule import MOST_FRAMES, told
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval, Wall
 
@@ -25,7 +25,6 @@ from .text import CaseSource
 MOST_STEPS = 2_000_000_000
 """LAMMPS counts steps of one run and insertions in 32 bits."""
 MOST_DISCS = 20_000_000
-MOST_FRAMES = 1_000_000
 MOST_CELLS = 500_000_000
 """LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
 MOST_BINS = 100_000
@@ -53,7 +52,7 @@ def check_size(
             f"{case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, raise "
             "run.time_step_fraction or lower the stiffness",
         )
-    frames = (settle_steps + steps) // output_steps
+    frames = (settle_steps + steps) // output_steps + 1  # the first is that of the start
     if frames > MOST_FRAMES:
         raise source.error(
             "run.output_interval",
@@ -197,10 +196,7 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
 def adapted(case: CaseFields, scene: Scene, settle: float) -> tuple[str, ...]:
     """Sentences on asked values that whole steps have changed; `settle` is the time asked for, s."""
     dt = scene.time_step
-    asked = {
-        "run.duration": (case.run.duration, scene.time(scene.steps)),
-        "settle": (settle, scene.settle_steps * dt),
-    }
+    asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
     if case.run.output_interval is not None:
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
     if case.probes.forces:
@@ -215,8 +211,7 @@ def check_stop(case: CaseFields, source: CaseSource) -> list[str]:
     """Refuse `stop_when_steady` with a dump that it cannot read; return a warning if it has no effect."""
     if case.run.stop_when_steady and case.run.dump_format != "text":
         raise source.error(
-            "run.stop_when_steady",
-            f"needs text dumps, but run.dump_format is {case.run.dump_format}: use text",
+            "run.stop_when_steady", f"needs text dumps, but run.dump_format is {case.run.dump_format}: use text"
         )
     if case.run.stop_when_steady and not isinstance(case.inflow, RowsInflow):
         return ["stop_when_steady has no effect: without inflow rows a flow does not become steady"]

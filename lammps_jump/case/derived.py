@@ -21,8 +21,8 @@ FASTEST = 1.25
 UPSTREAM, DOWNSTREAM = 5.0, 3.5
 """Room for a jump: the stream before it in y1; the jump (1.5) and steady tail water (2) in y2 (measured)."""
 LOWEST_SILL = 0.55
-"""Height of a sill over that of a broad crest that holds the jump of water. In `quick_jump` discs run over 0.46 of it
-without a jump, and make one at 0.65 (measured)."""
+"""Height of a sill over that of a broad crest that holds the jump of water. In a dry channel discs of `quick_jump` run
+over 0.46 of it without a jump, and make one at 0.65 (measured)."""
 
 Row = tuple[str, str, float | int | str | None, str]
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from typing import Any, get_args, get_type_hints
 
 from pydantic import BaseModel, ValidationError
@@ -11,15 +11,12 @@ from pydantic.fields import FieldInfo
 
 from lammps_jump.errors import CaseError
 
-from .fields import CaseFields, InflowField, InitialField, SizesField, WallField
+from .fields import CaseFields
 from .text import CaseSource, PathKey, nearest
 
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 """What pydantic calls a key that a model or a dataclass does not have."""
 
-
-UNIONS = {"walls": WallField, "initial": InitialField, "inflow": InflowField, "sizes": SizesField}
-"""Fields whose ``kind`` tells which other fields they have."""
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Bounds as pydantic calls them."""
 
@@ -53,7 +50,7 @@ def _data_path(location: tuple, data: Any) -> PathKey:
 def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     kind, context, value = problem["type"], problem.get("ctx", {}), problem.get("input")
     if kind in UNKNOWN:
-        return f"unknown field; {nearest(str(path[-1]), _known_fields(problem['loc'], model))}"
+        return f"unknown field; {nearest(str(path[-1]), list(_fields(_models_at(problem['loc'][:-1], model))))}"
     if kind == "missing":
         return "is required and not there; `lammps-jump new hydraulic_jump` shows a whole case"
     if kind.startswith(("greater_than", "less_than")):
@@ -62,7 +59,8 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     if kind == "literal_error":
         return f"{value!r} is not known; allowed is {context['expected']}"
     if kind in ("union_tag_not_found", "union_tag_invalid"):
-        tags = context.get("expected_tags") or _tags(path)
+        known = ", ".join(f"'{_tag(item)}'" for item in _models_at(problem["loc"], model))
+        tags = context.get("expected_tags", known)
         return f"kind: {context.get('tag', 'missing')} is not known; allowed is {tags}"
     if kind == "value_error":
         return str(context["error"])
@@ -76,15 +74,6 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     return f"{value!r} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
 
 
-def _tags(path: PathKey) -> str:
-    union = next(UNIONS[part] for part in path if part in UNIONS)
-    return ", ".join(f"'{_tag(member)}'" for member in _members(union))
-
-
-def _members(union: object) -> tuple[type, ...]:
-    return get_args(get_args(union)[0])
-
-
 def fields_of(model: type) -> dict[str, FieldInfo]:
     """Fields of a pydantic model or of a dataclass, by name."""
     if issubclass(model, BaseModel):
@@ -93,41 +82,34 @@ def fields_of(model: type) -> dict[str, FieldInfo]:
     return {item.name: FieldInfo.from_annotation(hints[item.name]) for item in fields(model)}
 
 
-def _tag(model: type) -> str:
-    return get_args(fields_of(model)["kind"].annotation)[0]
+def _tag(model: type) -> str | None:
+    kind = fields_of(model).get("kind")
+    return get_args(kind.annotation)[0] if kind else None
 
 
-def _model_at(location: tuple, model: type) -> type:
-    """The model that owns the last part of pydantic's location, from `model` on."""
-    union = None
-    for part in location[:-1]:
-        union = UNIONS.get(part, union)
-        if isinstance(part, str):
-            field = fields_of(model).get(part)
-            model = (_submodel(field) if field else _tagged(part, union)) or model
-    return model
+def _models(annotation: object) -> list[type]:
+    """Pydantic models and dataclasses that an annotation is made of."""
+    if isinstance(annotation, type) and (issubclass(annotation, BaseModel) or is_dataclass(annotation)):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models(part)]
 
 
-def _tagged(tag: str, union: object) -> type | None:
-    return next((member for member in _members(union) if _tag(member) == tag), None) if union else None
+def _models_at(location: tuple, model: type) -> list[type]:
+    """The models that may stand at pydantic's location, from `model` on; a tag chooses one of several."""
+    found = [model]
+    for part in location:
+        field = _fields(found).get(part)
+        tagged = [item for item in found if _tag(item) == part]
+        found = tagged or (_models(field.annotation) if field else found)
+    return found
 
 
-def _submodel(field: FieldInfo) -> type[BaseModel] | None:
-    stack = [field.annotation]
-    while stack:
-        annotation = stack.pop()
-        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-            return annotation
-        stack.extend(get_args(annotation))
-    return None
-
-
-def _known_fields(location: tuple, model: type) -> list[str]:
-    return list(fields_of(_model_at(location, model)))
+def _fields(models: list[type]) -> dict[str, FieldInfo]:
+    return {name: field for item in models for name, field in fields_of(item).items()}
 
 
 def _limits(location: tuple, model: type) -> str:
-    field = fields_of(_model_at(location, model)).get(location[-1])
+    field = _fields(_models_at(location[:-1], model)).get(location[-1])
     if field is None:
         return ""
     bounds = ((sign, getattr(item, key, None)) for item in field.metadata for key, sign in SIGNS.items())

@@ -173,6 +173,13 @@ class Column(Strict):
     jitter: Plain = Field(default=0.0, ge=0, le=0.2, description="random shift, in diameters")
     gate: bool = Field(default=True, description="held at its right side until t = 0")
     settle: Second = Field(default=0.0, ge=0, le=1e9, description="time behind the gate before t = 0")
+    velocity: Vector = (0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _still_behind_the_gate(self) -> Column:
+        if self.settle and any(self.velocity):
+            raise ValueError("a column that settles starts at rest; drop velocity or settle")
+        return self
 
 
 class Lattice(Strict):

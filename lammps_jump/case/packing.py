@@ -106,7 +106,7 @@ def arrange(
                 f"not one disc of {discs.diameter:g} m fits into x [{item.x[0]:g}, {item.x[1]:g}], "
                 f"y [{item.y[0]:g}, {item.y[1]:g}]; make the column wider or higher than one diameter"
             )
-        velocities = np.zeros_like(positions)
+        velocities = np.tile(np.array(item.velocity, float), (len(positions), 1))
     elif isinstance(item, Lattice):
         i, j = np.meshgrid(np.arange(item.nx), np.arange(item.ny))
         positions = np.column_stack([i.ravel(), j.ravel()]) * item.spacing + np.array(item.origin)

@@ -105,11 +105,7 @@ def build_scene(loaded: PlacedFields) -> Scene:
     return replace(
         scene,
         skipped=skipped(case, walls, scene.walls, scene.probes, scene.sizes),
-        warnings=(
-            *scene.warnings,
-            *checks.check_stop(case, source),
-            *doubts(case, _stiffness(case)[1], scene.inlets),
-        ),
+        warnings=(*scene.warnings, *checks.check_stop(case, source), *doubts(case, _stiffness(case)[1], scene.inlets)),
         adapted=checks.adapted(case, scene, _settle(case)),
     )
 

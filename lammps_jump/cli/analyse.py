@@ -20,9 +20,6 @@ from .run import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
 
-UNITS = {"--diameter": "m", "--density": "kg/m^3", "--time-step": "s", "--bin-width": "m"}
-"""Unit of each number of `analyze`."""
-
 
 @app.command()
 def analyze(
@@ -54,10 +51,6 @@ def analyze(
 ) -> None:
     """Depth profiles, jump, front, forces and figures of a run folder or of any dump."""
     guessed = {"--diameter": diameter, "--density": density, "--time-step": time_step}
-    for option, given in {"--bin-width": bin_width, **guessed}.items():
-        for number in given.values() if isinstance(given, dict) else [given]:
-            if number is not None and not 0 < number < float("inf"):
-                raise CaseError(f"{option} {number:g}: allowed is > 0 {UNITS[option]}")
     of_a_dump = {"--out": out, "--case": case, **guessed}
     target = targets[0]
     if len(targets) == 1 and target.is_dir() and (target / "case.yaml").exists():

@@ -28,24 +28,32 @@ def place(text: str) -> Any:
 
 
 def quantity(unit: str, text: str) -> Any:
-    """An option for a number in `unit` or a text with a unit, such as '2 cm'."""
+    """An option for a number above 0 in `unit` or a text with a unit, such as '2 cm'."""
 
     def parse(given: str) -> float:
         try:
-            return to_si(given, unit)
+            return positive(given, unit)
         except ValueError as error:
             raise typer.BadParameter(str(error)) from None
 
     return typer.Option(parser=parse, metavar="NUMBER", help=text)
 
 
+def positive(given: str, unit: str) -> float:
+    """The number of a text in `unit`; ValueError where it is not above 0."""
+    number: float = to_si(given, unit)
+    if not number > 0:
+        raise ValueError(f"{given} is out of range; allowed is > 0 {unit}")
+    return number
+
+
 def diameters(given: str) -> float | dict[int, float]:
     """Diameter of all discs, m, or of each type: ``0.2``, ``2 cm`` or ``1=0.2,2=10 cm``."""
     try:
         if "=" not in given:
-            return to_si(given, "m")
+            return positive(given, "m")
         pairs = [part.split("=") for part in given.split(",")]
-        return {int(kind): to_si(diameter, "m") for kind, diameter in pairs}
+        return {int(kind): positive(diameter, "m") for kind, diameter in pairs}
     except ValueError as error:
         raise typer.BadParameter(f"{error}; for discs of several types write 1=0.2,2=0.1") from None
 

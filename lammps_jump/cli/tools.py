@@ -64,7 +64,7 @@ def kernels_build(
     force: Annotated[bool, typer.Option("--force", help="Build again even where a whole one is cached.")] = False,
 ) -> None:
     """Build the plugin into the cache, for administrators and for job files; prints its path."""
-    print(engines.plugin.plugin_path(build=True, force=force))
+    print(engines.plugin.plugin_path(force=force))
 
 
 @kernels.command("status")

@@ -12,13 +12,12 @@ from typing import BinaryIO
 import numpy as np
 
 from lammps_jump.errors import DumpError
+from lammps_jump.scene.schedule import MOST_FRAMES
 
 from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
 from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
 
 MOST_BLANK = 10_000
-MOST_FRAMES = 1_000_000
-"""Frames of a dump that is read, and of a run."""
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
 

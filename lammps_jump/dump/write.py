@@ -21,8 +21,8 @@ from .frame import Frame, bounds_of
 
 INTEGER_COLUMNS = frozenset({"id", "mol", "type", "proc", "procp1", "ix", "iy", "iz"})
 """Columns that LAMMPS writes as integers in text."""
-
-BOUNDARY_CODES = {"p": 0, "f": 1, "s": 2, "m": 3}
+BOUNDARY = "ff ff pp"
+"""LAMMPS' boundary of each axis: discs leave the box along x and y, and are in one plane."""
 
 
 class DumpWriter:
@@ -36,8 +36,6 @@ class DumpWriter:
     fmt : {'text', 'gz', 'binary'}
     precision : str
         Format of a float in text; ``%.17g`` keeps every bit. LAMMPS' own default is ``%g``.
-    boundary : (str, str, str)
-        LAMMPS boundary of each axis, two letters of p f s m.
     units : str or None
         Unit style, written with the first frame; None leaves it out.
     append : bool
@@ -56,7 +54,6 @@ class DumpWriter:
         fmt: str = "text",
         precision: str = "%.10g",
         *,
-        boundary: Sequence[str] = ("ff", "ff", "pp"),
         units: str | None = "si",
         append: bool = False,
     ):
@@ -65,7 +62,7 @@ class DumpWriter:
         if not columns or len(set(columns)) < len(columns):
             raise DumpError(f"columns {list(columns)} of {path}: each name once, at least one.")
         self.path, self.columns, self.fmt = Path(path), tuple(columns), fmt
-        self.boundary, self.units = tuple(boundary), units
+        self.units = units
         self._row = " ".join("%d" if name in INTEGER_COLUMNS else precision for name in self.columns) + "\n"
         self._first = not append
         mode = "ab" if append else "wb"
@@ -116,7 +113,7 @@ class DumpWriter:
         if time is not None:
             head += f"ITEM: TIME\n{time:.16g}\n"
         head += f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{len(values)}\n"
-        head += f"ITEM: BOX BOUNDS {' '.join(self.boundary)}\n"
+        head += f"ITEM: BOX BOUNDS {BOUNDARY}\n"
         head += "".join(f"{low:.16e} {high:.16e}\n" for low, high in bounds)
         head += f"ITEM: ATOMS {' '.join(self.columns)}\n"
         return head + (self._row * len(values)) % tuple(values.ravel().tolist())
@@ -124,7 +121,7 @@ class DumpWriter:
     def _binary(self, step: int, time: float | None, bounds: np.ndarray, values: np.ndarray) -> bytes:
         signature, units = b"DUMPCUSTOM", (self.units or "" if self._first else "").encode()
         names = " ".join(self.columns).encode()
-        codes = [BOUNDARY_CODES[letter] for sides in self.boundary for letter in sides]
+        codes = ["pf".index(letter) for letter in BOUNDARY.replace(" ", "")]
         parts = [
             struct.pack("<q", -len(signature)),
             signature,

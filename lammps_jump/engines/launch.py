@@ -124,9 +124,7 @@ def _without_result(job: Job, child: Child) -> RunResult:
         return _from_outside(found, job, again)
     reason = "it was ended by force, so its state was not saved"
     return replace(
-        found,
-        status="interrupted",
-        message=interruption(scene, last.step, job.folder, again=again, reason=reason),
+        found, status="interrupted", message=interruption(scene, last.step, job.folder, again=again, reason=reason)
     )
 
 

@@ -9,6 +9,8 @@ from typing import Any
 
 from lammps_jump.scene.scene import Scene
 
+REPORT_SECONDS = 0.1
+"""Time from one report of an engine to the next."""
 MARK = "\x1e"
 """Begins the lines of a worker's output that are messages."""
 

@@ -33,7 +33,6 @@ from .interrupts import SIGNALS, stop_request
 from .result import MARK, Progress, RunResult
 from .setting import Job
 
-REPORT_SECONDS = 0.1
 _LOCK = threading.Lock()
 
 
@@ -92,22 +91,11 @@ def _lines() -> Iterator[bytes]:
 def run_job(job: Job) -> RunResult:
     """Run one job to its end."""
     os.chdir(job.home)
-    setting = job.setting
     with engine_at_work(job.folder):
-        if setting.engine == "lammps":
+        if job.setting.engine == "lammps":
             return lammps.run_lammps(job, report)
         return native.run_native(
-            job.scene,
-            job.folder,
-            progress=report,
-            should_stop=stop_request.is_made,
-            stop_at=setting.stop_at,
-            checkpoint_interval=setting.checkpoint_interval,
-            dump_format=setting.dump_format,
-            report_every=REPORT_SECONDS,
-            cell_size=setting.cell_size,
-            ledger=setting.ledger,
-            resume=job.resume,
+            job.scene, job.folder, job.setting, progress=report, should_stop=stop_request.is_made, resume=job.resume
         )
 
 
@@ -145,7 +133,7 @@ def _work(engine: str, job_file: str = "") -> None:
         step_hook.at_step = step_hook.at_step and (lambda step: None)  # the first rank calls it
         os.chdir(job.home)
         with engine_at_work(job.folder):
-            lammps.run_other_rank(job)
+            lammps.play(job, None)
     lammps.leave_ranks()
 
 

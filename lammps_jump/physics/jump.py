@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Open-channel hydraulics that runs are judged by: jump, inflow, sill (and, re-exported, waves and columns).
+"""Open-channel hydraulics that runs are judged by: jump, inflow, sill.
 
 Pure functions of floats, one equation each. "thesis (4.26)" is equation 4.26 of T-4359, Colorado School of Mines.
-Depths are measured normal to a horizontal bed, quantities are per metre of width, SI. Waves, dam breaks and columns:
-`lammps_jump.physics.waves`, available here under the same names.
+Depths are measured normal to a horizontal bed, quantities are per metre of width, SI.
 """
 
 from __future__ import annotations
@@ -15,15 +14,7 @@ from math import inf, nan, sqrt
 from lammps_jump.units import number
 
 from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
-from .waves import GRAVITY as GRAVITY
-from .waves import hydrostatic_force as hydrostatic_force
-from .waves import reflected_bore as reflected_bore
-from .waves import relative_froude as relative_froude
-from .waves import ritter_front as ritter_front
-from .waves import ritter_wall_time as ritter_wall_time
-from .waves import shock_speed as shock_speed
-from .waves import shock_speed_from_mass as shock_speed_from_mass
-from .waves import stagnation_force as stagnation_force
+from .waves import GRAVITY
 
 # --- the jump ---------------------------------------------------------------------------------------------------
 

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Moving shocks, dam breaks and loads on walls: closed forms that runs are compared with.
 
-Pure functions, one equation each; SI, per metre of width. `lammps_jump.physics.jump` offers all of them under the same
-names.
+Pure functions, one equation each; SI, per metre of width.
 """
 
 from __future__ import annotations
@@ -62,9 +61,6 @@ def ritter_front(t: float, depth_0: float, gravity: float = GRAVITY) -> float:
 def ritter_wall_time(reservoir_length: float, depth_0: float, gravity: float = GRAVITY) -> float:
     """Time when the rarefaction meets the back wall and Ritter ends to hold there, s: L0 / sqrt(g h0)."""
     return reservoir_length / sqrt(gravity * depth_0)
-
-
-# --- columns of discs -------------------------------------------------------------------------------------------
 
 
 # --- loads on walls ---------------------------------------------------------------------------------------------

@@ -322,11 +322,7 @@ def write_player(folder: Path, packer: FramePacker) -> None:
 
 
 def write_report(
-    folder: Path,
-    summary: Mapping[str, Any],
-    case: ReadCase,
-    packer: FramePacker,
-    path: str | Path | None = None,
+    folder: Path, summary: Mapping[str, Any], case: ReadCase, packer: FramePacker, path: str | Path | None = None
 ) -> Path:
     """Write the report of a run folder, by default as its ``report.html``."""
     name = "report.html" if path is None else str(Path(path).absolute())

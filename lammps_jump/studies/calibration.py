@@ -32,10 +32,10 @@ GRIDS: dict[str, tuple[float, ...]] = {
     "restitution": (0.05, 0.2, 0.5, 0.8, 0.95),
     "friction": (0.0, 0.01, 0.03, 0.1),
     "penetration_fraction": (5.0, 10.0, 20.0),
-    "sill": (0.6, 0.9, 1.2, 1.5, 1.8),
+    "sill": (0.6, 0.8, 1.0, 1.2, 1.4),
 }
-START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.2}
-QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.2,)}
+START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.0}
+QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.0,)}
 
 COLUMN_CASE = Path(__file__).with_name("column.yaml")
 """The collapsing column of Martin & Moyce."""

@@ -15,7 +15,7 @@ from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame
 from lammps_jump.engines import Setting, plugin, run
 from lammps_jump.engines.native import run_native
-from lammps_jump.engines.result import ProgressCallback, RunResult
+from lammps_jump.engines.result import RunResult
 from lammps_jump.errors import RunInterrupted
 from lammps_jump.scene.scene import Scene
 
@@ -43,14 +43,7 @@ def default_integrator(kernel: str) -> str:
 
 
 def execute(
-    scene: Scene,
-    folder: Path,
-    kernel: str,
-    *,
-    ranks: int = 1,
-    dump_format: str = "text",
-    script: str | None = None,
-    progress: ProgressCallback | None = None,
+    scene: Scene, folder: Path, kernel: str, *, dump_format: str = "text", script: str | None = None
 ) -> RunResult:
     """Run a scene in a folder.
 
@@ -59,12 +52,9 @@ def execute(
     scene : Scene
     folder : Path
     kernel : {'stock', 'compiled', 'native'}
-    ranks : int
-        MPI ranks of LAMMPS.
     dump_format : {'text', 'gz', 'binary'}
     script : str, optional
         Text that replaces the script of the stock kernel.
-    progress : callable, optional
 
     Returns
     -------
@@ -78,11 +68,11 @@ def execute(
     """
     if kernel == "native":
         warm_up(scene)
-        result = run_native(scene, folder, dump_format=dump_format, progress=progress)
+        result = run_native(scene, folder, dump_format=dump_format)
     else:
         library = plugin.plugin_path() if kernel == "compiled" else None
-        setting = Setting(kernel=kernel, ranks=ranks, plugin=library, dump_format=dump_format, script=script)
-        result = run(scene, folder, setting, progress=progress)
+        setting = Setting(kernel=kernel, plugin=library, dump_format=dump_format, script=script)
+        result = run(scene, folder, setting)
     if result.status == "interrupted":  # no result to be stored: the study ends here
         raise RunInterrupted("the study was ended; what it had is kept, and the same command continues from there")
     return result

@@ -17,6 +17,5 @@ from .sweep import SweepProgress as SweepProgress
 from .sweep import default_folder as default_folder
 from .sweep import open_sweep as open_sweep
 from .sweep import prepare as prepare
-from .sweep import run_members as run_members
 from .sweep import study_folder as study_folder
 from .sweep import sweep as sweep

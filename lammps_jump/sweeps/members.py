@@ -29,6 +29,8 @@ JITTER = 1e-6
 changes, and chaos makes the runs independent."""
 RUNS = "runs"
 Stage = Literal["done", "failed", "running", "interrupted", "waiting"]
+OVER = ("done", "failed")
+"""Stages of members that are not run again unless that is asked for."""
 
 
 class Start(NamedTuple):
@@ -142,32 +144,75 @@ def run_starts(
     said : callable
         Called with every start that is made now.
     """
-    found: dict[int, Made] = {}
-    left: list[tuple[int, Member]] = []
+    refused: dict[int, Made] = {}
+    planned: dict[int, Member] = {}
     for number, start in enumerate(starts):
         try:
-            (member,) = plan(case, [start], {"analysis.figures": "none"})
+            (planned[number],) = plan(case, [start], {"analysis.figures": "none"})
         except JumpError as error:
-            found[number] = Made(start, store, {}, str(error))
-            continue
-        if not fresh and state_of(member, store).stage in ("done", "failed"):
-            found[number] = _made(start, member, store)
-        else:
-            left.append((number, member))
+            refused[number] = Made(start, store, {}, str(error))
+    numbers = {member.key: number for number, member in planned.items()}
 
-    def done(place: int, outcome: Outcome) -> None:
-        number, member = left[place]
-        made = _made(starts[number], member, store)
-        found[number] = made if made.summary else made._replace(message=made.message or str(outcome.value))
-        said(found[number])
+    def made(number: int, state: State) -> Made:
+        folder = planned[number].folder(store)
+        return Made(starts[number], folder, read_summary(folder) if state.stage == "done" else {}, state.message)
 
-    pool.run([partial(run_member, m.case, m.folder(store), fresh, False) for _, m in left], done=done)
-    return [found[number] for number in range(len(starts))]
+    def ended(key: str, state: State) -> None:
+        said(made(numbers[key], state))
+
+    states = {member.key: state_of(member, store) for member in planned.values()}
+    again = ("done", "failed", "interrupted") if fresh else ()
+    run_members(planned.values(), states, store, pool, again=again, keep_dumps=False, ended=ended)
+    return [refused.get(n) or made(n, states[planned[n].key]) for n in range(len(starts))]
 
 
-def _made(start: Start, member: Member, store: Path) -> Made:
-    state, folder = state_of(member, store), member.folder(store)
-    return Made(start, folder, read_summary(folder) if state.stage == "done" else {}, state.message)
+def run_members(
+    members: Iterable[Member],
+    states: dict[str, State],
+    store: Path,
+    pool: Pool,
+    *,
+    again: Sequence[str] = (),
+    keep_dumps: bool = True,
+    ended: Callable[[str, State], None] = lambda key, state: None,
+    news: Callable[[str, Any], None] = lambda key, news: None,
+) -> None:
+    """Run the members of a store that are neither done nor failed, each once.
+
+    Parameters
+    ----------
+    members : iterable of Member
+    states : dict of str to State
+        What is there of each, by its key; brought up to date.
+    store : Path
+    pool : Pool
+    again : sequence of str
+        Stages that are run anew.
+    keep_dumps : bool
+        Leave the dumps in the run folders.
+    ended, news : callable
+        Called with the key of a member, and what is there of it, or what `run_member` tells.
+
+    Raises
+    ------
+    RunInterrupted
+        Ctrl-C or SIGTERM; members at work have saved their state.
+    """
+    known = {member.key: member for member in members}
+    left = [key for key in known if states[key].stage not in OVER or states[key].stage in again]
+
+    def done(number: int, outcome: Outcome) -> None:
+        found = state_of(known[left[number]], store)
+        if outcome.kind != "done" and found.stage != "failed":
+            found = State("interrupted" if found.stage == "interrupted" else "waiting", str(outcome.value))
+        states[left[number]] = found
+        ended(left[number], found)
+
+    calls = [
+        partial(run_member, known[key].case, known[key].folder(store), states[key].stage in again, keep_dumps)
+        for key in left
+    ]
+    pool.run(calls, done=done, news=lambda number, told: news(left[number], told))
 
 
 def state_of(member: Member, store: Path) -> State:

@@ -69,9 +69,9 @@ def submit(found: Sweep, site: Site, *, at_once: int = AT_ONCE, retry: bool = Fa
     CaseError, SetupError
         A point that cannot be run, a folder in use, tasks of the study in the queue; ``sbatch`` is lacking or refuses.
     """
-    left = _left(found, retry)
+    left = found.left(retry)
     if not left and (wider := found.wider()):
-        found, left = wider, _left(wider, retry)
+        found, left = wider, wider.left(retry)
     if not left:
         return ""
     if tasks := queued(found.folder):
@@ -92,12 +92,6 @@ def submit(found: Sweep, site: Site, *, at_once: int = AT_ONCE, retry: bool = Fa
     if done.returncode:
         raise SetupError(f"sbatch refuses {found.folder / ARRAY_FILE}: {' '.join(done.stderr.split())}; see --site")
     return done.stdout.strip().partition(";")[0]
-
-
-def _left(found: Sweep, retry: bool) -> list[int]:
-    """Numbers of the members that are to be run."""
-    over = ("done",) if retry else ("done", "failed")
-    return [number for number, member in enumerate(found.members) if found.states[member.key].stage not in over]
 
 
 def queued(folder: Path) -> Counter[str]:

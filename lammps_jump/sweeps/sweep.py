@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
@@ -24,8 +24,8 @@ from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.runs.summary import read_summary
 
-from .members import Member, Stage, Start, State, plan, run_member, state_of
-from .pool import Outcome, Pool
+from .members import OVER, Member, Stage, Start, State, plan, run_members, state_of
+from .pool import Pool
 from .study import Study, read_study
 
 if TYPE_CHECKING:
@@ -78,78 +78,25 @@ class Board:
     disc_steps: float = 0.0
 
     def __post_init__(self) -> None:
-        self._shares: dict[int, float] = {}
-        self._steps: dict[int, float] = {}
+        self._shares: dict[str, float] = {}
+        self._steps: dict[str, float] = {}
 
-    def heard(self, number: int, news: tuple[float, float, int]) -> None:
+    def heard(self, key: str, news: tuple[float, float, int]) -> None:
         """Take in the progress of a member: share and number of its steps, discs in play."""
         share, step, discs = news
-        self.disc_steps += max(0.0, step - self._steps.get(number, step)) * discs
-        self._shares[number], self._steps[number] = share, step
+        self.disc_steps += max(0.0, step - self._steps.get(key, step)) * discs
+        self._shares[key], self._steps[key] = share, step
         self._tell()
 
-    def ended(self, number: int, good: bool) -> None:
+    def ended(self, key: str, state: State) -> None:
         """Count a member."""
-        self._shares[number] = 1.0
-        self.done, self.failed = self.done + good, self.failed + (not good)
+        self._shares[key] = 1.0
+        self.done, self.failed = self.done + (state.stage == "done"), self.failed + (state.stage != "done")
         self._tell()
 
     def _tell(self) -> None:
         share = sum(self._shares.values()) / max(self.left, 1)
         self.show(SweepProgress(self.done, self.failed, self.total, share, self.disc_steps))
-
-
-def run_members(
-    members: Sequence[Member],
-    store: Path,
-    pool: Pool,
-    *,
-    retry: bool = False,
-    keep_dumps: bool = True,
-    show: Callable[[SweepProgress], None] = lambda progress: None,
-) -> dict[str, State]:
-    """Run the members of a store that are not done, each once; what is there of each then, by its key.
-
-    Parameters
-    ----------
-    members : sequence of Member
-    store : Path
-        Folder that this process holds.
-    pool : Pool
-    retry : bool
-        Also run again those that failed.
-    keep_dumps : bool
-        Leave the dumps in the run folders.
-    show : callable
-
-    Raises
-    ------
-    RunInterrupted
-        Ctrl-C or SIGTERM; members at work have saved their state.
-    """
-    known = {member.key: member for member in members}
-    states = {key: state_of(member, store) for key, member in known.items()}
-    stages = Counter(state.stage for state in states.values())
-    over = ("done",) if retry else ("done", "failed")
-    left = [key for key, state in states.items() if state.stage not in over]
-    failed = 0 if retry else stages["failed"]
-    board = Board(len(states), len(left), show, done=stages["done"], failed=failed)
-
-    def done(number: int, outcome: Outcome) -> None:
-        key = left[number]
-        found = state_of(known[key], store)
-        if outcome.kind != "done" and found.stage != "failed":
-            text = "was interrupted" if outcome.kind == "RunInterrupted" else str(outcome.value)
-            found = State("interrupted" if found.stage == "interrupted" else "waiting", text)
-        states[key] = found
-        board.ended(number, found.stage == "done")
-
-    calls = [
-        partial(run_member, member.case, member.folder(store), states[member.key].stage == "failed", keep_dumps)
-        for member in map(known.__getitem__, left)
-    ]
-    pool.run(calls, done=done, news=board.heard)
-    return states
 
 
 class Sweep:
@@ -165,7 +112,6 @@ class Sweep:
 
     def __init__(self, study: Study, folder: Path, starts: Sequence[Start] | None = None):
         self.study, self.folder = study, folder
-        self._said: dict[str, State] = {}
         self.starts = list(starts if starts is not None else _starts(study, folder))
 
     @cached_property
@@ -176,7 +122,12 @@ class Sweep:
     @cached_property
     def states(self) -> dict[str, State]:
         """What the folder holds of each member, by its key."""
-        return {member.key: self._said.get(member.key) or state_of(member, self.folder) for member in self.members}
+        return {member.key: state_of(member, self.folder) for member in self.members}
+
+    def left(self, retry: bool) -> list[int]:
+        """Numbers of the members that are to be run; with `retry` those too that failed."""
+        over = ("done",) if retry else OVER
+        return [number for number, member in enumerate(self.members) if self.states[member.key].stage not in over]
 
     @property
     def runs(self) -> list[Run]:
@@ -210,13 +161,11 @@ class Sweep:
 
     def needed(self) -> list[int]:
         """Members that each point would need for the intervals that ``until`` asks for; 0 where that cannot be told."""
-        counts = [0] * len(self.study.points)
-        for path, share in self.study.fields.until.items():
-            cells = self.table[path].values.reshape(-1, len(sweeps.table.STATISTICS))
-            for point, cell in enumerate(cells):
-                found = dict(zip(sweeps.table.STATISTICS, cell, strict=True))
-                counts[point] = max(counts[point], sweeps.table.members_needed(found, share) or 0)
-        return counts
+        needed = [
+            [sweeps.table.members_needed(found, share) or 0 for found in sweeps.table.records(self.table, path)]
+            for path, share in self.study.fields.until.items()
+        ]
+        return [max(counts) for counts in zip([0] * len(self.study.points), *needed, strict=True)]
 
     def wider(self) -> Sweep | None:
         """The study with more members of points whose intervals are wider than ``until`` allows; None where none is.
@@ -234,20 +183,15 @@ class Sweep:
     @property
     def summary(self) -> dict[str, Any]:
         """The statistics of each point as plain data: what ``summary.json`` of the folder holds."""
-        names = sweeps.table.STATISTICS
-        cells = {item: self.table[item.path].values.reshape(-1, len(names)) for item in self.study.collect}
-        points = [
-            {
-                "values": values,
-                "members": int(self.table["members"].values.ravel()[index]),
-                "verdicts": str(self.table["verdicts"].values.ravel()[index]),
-                "numbers": {
-                    item.path: {**dict(zip(names, cell[index], strict=True)), "unit": item.unit}
-                    for item, cell in cells.items()
-                },
-            }
-            for index, values in enumerate(self.study.points)
+        points: list[dict[str, Any]] = [
+            {"values": values, "members": count, "verdicts": verdicts, "numbers": {}}
+            for values, count, verdicts in zip(
+                self.study.points, *(self.table[name].values.ravel() for name in ("members", "verdicts")), strict=True
+            )
         ]
+        for item in self.study.collect:
+            for point, found in zip(points, sweeps.table.records(self.table, item.path), strict=True):
+                point["numbers"][item.path] = {**found, "unit": item.unit}
         about = {"name": self.study.case.name, "description": self.study.case.fields.description}
         failed = [{"point": f.point, "seed": f.seed, "message": f.message} for f in self.failed]
         return {**about, "confidence": self.study.fields.confidence, "points": points, "failed": failed}
@@ -366,11 +310,15 @@ def _complete(found: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepPr
     """Run the members of a study, and more of them where ``until`` asks for narrower intervals."""
     while True:
         prepare(found)
+        count = Counter(state.stage for state in found.states.values())
+        again = ("failed",) if retry else ()
+        failed = 0 if retry else count["failed"]
+        board = Board(len(found.states), len(found.left(retry)), progress, count["done"], failed)
+        states, folder = found.states, found.folder
         try:
-            said = run_members(found.members, found.folder, pool, retry=retry, show=progress)
+            run_members(found.members, states, folder, pool, again=again, ended=board.ended, news=board.heard)
         except RunInterrupted as error:
             raise RunInterrupted(f"{found.folder}: {error}. {Sweep(found.study, found.folder).status()}") from None
-        found._said = {key: state for key, state in said.items() if state.message}
         wider = found.wider()
         if wider is None:
             return found

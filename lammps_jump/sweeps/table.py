@@ -85,26 +85,26 @@ def table_of(study: Study, values: pd.DataFrame) -> xr.Dataset:
     """
     import xarray as xr  # 0.3 s
 
-    groups = dict(list(values.groupby("point")))
-    points = range(len(study.points))
+    groups = [values[values["point"] == point] for point in range(len(study.points))]
     names = [axis.name for axis in study.axes]
     coordinates: dict[str, Any] = {"statistic": list(STATISTICS)}
     for axis in study.axes:
         coordinates |= {path: (axis.name, _coordinate(column)) for path, column in axis.columns.items()}
     data: dict[str, Any] = {}
     for item in study.collect:
-        rows = [
-            statistics(group[item.path], group[f"{item.path}_error"], study.fields.confidence)
-            if (group := groups.get(point)) is not None else statistics((), (), study.fields.confidence)
-            for point in points
-        ]  # fmt: skip
-        array = np.array([[row[name] for name in STATISTICS] for row in rows]).reshape(*study.shape, len(STATISTICS))
+        pairs = ((group[item.path], group[f"{item.path}_error"]) for group in groups)
+        rows = [[*statistics(*pair, study.fields.confidence).values()] for pair in pairs]
+        array = np.array(rows).reshape(*study.shape, len(STATISTICS))
         data[item.path] = ([*names, "statistic"], array, {"units": item.unit, "long_name": item.meaning})
-    counts = [len(groups.get(point, ())) for point in points]
-    data["members"] = (names, np.array(counts, dtype=int).reshape(study.shape))
-    words = [kinds(groups[point]) if point in groups else "" for point in points]
-    data["verdicts"] = (names, np.array(words, dtype=object).reshape(study.shape))
+    data["members"] = (names, np.array([len(group) for group in groups]).reshape(study.shape))
+    data["verdicts"] = (names, np.array([kinds(group) for group in groups], dtype=object).reshape(study.shape))
     return xr.Dataset(data, coordinates, {"confidence": study.fields.confidence})
+
+
+def records(table: xr.Dataset, path: str) -> list[dict[str, float]]:
+    """`STATISTICS` of one number at each point, by name."""
+    cells = table[path].values.reshape(-1, len(STATISTICS)).tolist()
+    return [dict(zip(STATISTICS, cell, strict=True)) for cell in cells]
 
 
 def _coordinate(values: Sequence[Any]) -> list[Any]:
@@ -119,18 +119,16 @@ def kinds(group: pd.DataFrame) -> str:
     for name in (column for column in group if column.endswith(".verdict")):
         counts = group[name].fillna("none").value_counts()
         said.append(", ".join(f"{word} {count}" for word, count in counts.items()))
-    return "; ".join(said)
+    return "; ".join(filter(None, said))
 
 
 def flat(table: xr.Dataset, study: Study) -> pd.DataFrame:
     """The table as rows, one a point: values of the axes, ``<path>`` and ``<path>_<statistic>`` of each number."""
     cells: dict[str, Any] = {}
     for item in study.collect:
-        for name in STATISTICS:
-            values = table[item.path].sel(statistic=name).values.ravel()
-            cells[item.path if name == "mean" else f"{item.path}_{name}"] = (
-                values if name != "n" else values.astype(int)
-            )
+        for name, values in zip(STATISTICS, table[item.path].values.reshape(-1, len(STATISTICS)).T, strict=True):
+            column = item.path if name == "mean" else f"{item.path}_{name}"
+            cells[column] = values.astype(int) if name == "n" else values
     cells |= {name: table[name].values.ravel() for name in ("members", "verdicts")}
     return pd.concat([pd.DataFrame(study.points), pd.DataFrame(cells)], axis=1)
 

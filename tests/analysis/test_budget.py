@@ -67,12 +67,12 @@ def test_dashpots_of_frames_at_every_step_are_those_of_the_ledger(integrator, er
 
 def jump_frames():
     """Frames of a small jump every 0.02 s, its flow, and the jump found."""
-    changes = ["run.duration=8", "run.time_step_fraction=0.2", "run.output_interval=0.02", "probes.forces=[]",
+    changes = ["run.duration=4", "run.time_step_fraction=0.2", "run.output_interval=0.02", "probes.forces=[]",
                "run.integrator=velocity_verlet", "engine.name=native"]  # fmt: skip
     scene = load_case(INPUTS / "quick_jump.yaml", changes).scene()
-    flow = from_scene(scene, bin_width=0.5, window=(6.0, 8.0), inflow_depth=0.6, inflow_speed=10.0)
+    flow = from_scene(scene, bin_width=0.5, window=(2.0, 4.0), inflow_depth=0.6, inflow_speed=10.0)
     simulation = NativeSimulation(scene, ledger=False)
-    simulation.run(round(6.0 / scene.time_step / scene.output_steps) * scene.output_steps)
+    simulation.run(round(2.0 / scene.time_step / scene.output_steps) * scene.output_steps)
     frames = []
     while simulation.step < scene.steps:
         frames.append(take_frame(simulation))

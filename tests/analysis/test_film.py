@@ -100,7 +100,7 @@ def test_painter_without_compilation():
 def test_colours_run_from_zero_to_the_top():
     table = painter.colour_table()
     assert table.shape == (256, 3)
-    np.testing.assert_array_equal(coloured(np.array([0.0, 5.0, 99.0, np.nan]), 5.0, table), table[[0, 255, 255, 0]])
+    np.testing.assert_array_equal(coloured(np.array([0.0, 5.0, 99.0, np.nan]), 5.0), table[[0, 255, 255, 0]])
     # readable in grey: brightness rises all the way
     assert np.all(np.diff(table @ [0.299, 0.587, 0.114]) > -1)
 

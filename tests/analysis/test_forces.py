@@ -18,6 +18,7 @@ from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
+from lammps_jump.physics import waves
 from lammps_jump.scene.scene import Gate
 from lammps_jump.scene.walls import Block, Plane
 
@@ -141,7 +142,7 @@ def test_hydrostatic_estimates_of_wall_and_block():
     result = analyse_forces({"back": record(-1.0), "structure": peak}, flow, None, profiles)
     summary = result.summary()
     back, structure = summary["back"], summary["structure"]
-    assert back["hydrostatic"] == pytest.approx(theory.hydrostatic_force(4.0, 1000.0, G), rel=1e-9)
+    assert back["hydrostatic"] == pytest.approx(waves.hydrostatic_force(4.0, 1000.0, G), rel=1e-9)
     # the structure is 3 m high in 4 m of water
     assert structure["hydrostatic"] == pytest.approx(theory.sill_face_force(4.0, 3.0, 1000.0, G), rel=1e-9)
     assert structure["peak"] == pytest.approx(1e5 + 10, rel=1e-9)
@@ -157,7 +158,7 @@ def test_oncoming_stream_towards_a_structure():
     flow = context(walls=(BACK, Block("floor", (-5, 20), (-5, 0)), block), probes=("structure",))
     profiles = compute_profiles(still_water(depth=2.0, speed=5.0), flow)
     result = analyse_forces({"structure": record(1.0)}, flow, None, profiles)
-    expected = theory.stagnation_force(2.0, 5.0, 1000.0, G)
+    expected = waves.stagnation_force(2.0, 5.0, 1000.0, G)
     assert result.summary()["structure"]["stagnation"] == pytest.approx(expected, rel=1e-9)
 
 
@@ -180,7 +181,7 @@ def test_settled_column_against_hydrostatics():
     weight = M * G * frames[0].n
     time = (np.arange(100) + 1) * 0.01 - 1.0
     still = np.zeros(100)
-    force = theory.hydrostatic_force(4.0, 1000.0, G)
+    force = waves.hydrostatic_force(4.0, 1000.0, G)
     forces = {
         "back": ForceHistory(time, still - 0.9 * force, still, still),
         "floor": ForceHistory(time, still, still - weight, still),
@@ -224,7 +225,7 @@ def test_reflected_wave_runs_at_its_speed():
     wave = track_reflection(reflection(), Block("structure", (20, 22), (-5, 6)), context())
     assert wave.speed == pytest.approx(-3.0, abs=0.1)  # the place within a bin of 0.5 m is read from velocities
     assert wave.oncoming_velocity == pytest.approx(6.0, rel=0.05)
-    depth, speed = theory.reflected_bore(wave.oncoming_depth, wave.oncoming_velocity, G)
+    depth, speed = waves.reflected_bore(wave.oncoming_depth, wave.oncoming_velocity, G)
     assert (wave.bore_depth, wave.bore_speed) == (depth, speed)
     assert "structure" in wave.sentence()
 

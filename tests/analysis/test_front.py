@@ -10,18 +10,19 @@ from made_up import collected, disc_frame, flow_context, numbers
 from lammps_jump.analysis.front import (
     FrontHistory,
     FrontTracker,
-    against_curve,
     analyse_front,
     back_wall,
     bulk_front,
     free_length,
+    off_curve,
     quantile_front,
+    rms,
     stack_top,
 )
 from lammps_jump.analysis.report.headline import headline
 from lammps_jump.dump.frame import make_frame
-from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
+from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D, G = 0.2, 9.81
@@ -110,7 +111,7 @@ def made_history(time, bulk, height, column):
 def test_ritters_front_agrees_with_itself():
     base, depth = 60.0, 12.0
     time = np.linspace(0, 5, 101)
-    front = base + np.array([theory.ritter_front(t, depth, G) for t in time])
+    front = base + np.array([waves.ritter_front(t, depth, G) for t in time])
     summary = numbers(analyse_front(made_history(time, front, depth + 0 * time, (base, depth)), context()))
     ritter = summary["ritter"]
     assert ritter["rms"] == pytest.approx(0.0, abs=1e-12)
@@ -201,5 +202,6 @@ def test_unequal_discs_end_at_their_own_edges():
 
 
 def test_no_common_range_gives_no_number():
-    comparison = against_curve(np.array([0.0, 0.1]), np.array([1.0, 1.0]), [2.0, 3.0], [1.0, 1.0])
-    assert np.isnan(comparison.rms)
+    assert np.isnan(rms(off_curve(np.array([0.0, 0.1]), np.array([1.0, 1.0]), [2.0, 3.0], [1.0, 1.0])))
+    assert np.isnan(rms(off_curve(np.array([0.0]), np.array([np.nan]), [0.0], [1.0])))
+    assert off_curve(np.array([0.0, 2.0]), np.array([1.0, 3.0]), [0.0, 1.0], [2.0, 1.0], beyond=0.5) == [1.0]

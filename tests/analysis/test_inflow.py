@@ -16,7 +16,7 @@ from lammps_jump.dump.find import ForceHistory
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
 
-QUICK = ("run.duration=3", "run.time_step_fraction=0.2")
+QUICK = ("run.duration=3", "run.time_step_fraction=0.2", "initial=[]")
 
 
 def delivered(*changes):

@@ -81,16 +81,16 @@ def test_step_moves_at_its_speed(step_result):
     expected = 40.0 + SPEED * step_result.track.time
     assert step_result.track.position == pytest.approx(expected, abs=1e-9)
     assert np.abs(step_result.track.toe - expected).max() <= 0.63  # a step inside a bin: toe within that bin, to 1/8
-    assert step_result.toe_motion.speed == pytest.approx(SPEED, abs=0.05)
+    assert step_result.toe_speed == pytest.approx(SPEED, abs=0.05)
 
 
 def test_step_states_and_balance(step_result):
     one, two = step_result.upstream, step_result.downstream
     for state, depth, speed in ((one, S1, U1), (two, S2, U2)):
-        assert state.mass_depth.value == pytest.approx(depth, rel=1e-9)
-        assert state.velocity.value == pytest.approx(speed, rel=1e-9)
-        assert state.packing.value == pytest.approx(np.pi / 4, rel=1e-9)
-        assert state.surface_depth.value == pytest.approx(depth, rel=0.01)  # eight lines a diameter see the arcs
+        assert state.mass_depth == pytest.approx(depth, rel=1e-9)
+        assert state.velocity == pytest.approx(speed, rel=1e-9)
+        assert state.packing == pytest.approx(np.pi / 4, rel=1e-9)
+        assert state.surface_depth == pytest.approx(depth, rel=0.01)  # eight lines a diameter see the arcs
         assert state.beta == pytest.approx(1.0, rel=1e-9)
     assert one.froude_relative == pytest.approx(FROUDE, rel=1e-9)
     assert step_result.mass.closure == pytest.approx(0.0, abs=1e-9)
@@ -379,7 +379,7 @@ def test_each_printed_number_has_its_error():
         assert 0 < found[f"{key}_error"] < 2 * abs(found[key]) + 1, key
     # what is computed of the same pieces: the ratio's error is not that of independent depths
     pieces = jump.measured.pieces
-    ratios = [piece.downstream.mass_depth.value / piece.upstream.mass_depth.value for piece in pieces]
+    ratios = [piece.downstream.mass_depth / piece.upstream.mass_depth for piece in pieces]
     assert found["sequent_ratio_error"] == pytest.approx(piece_error(np.array(ratios)), rel=1e-9)
     speeds = [piece.motion.speed for piece in pieces]
     assert found["speed_error"] == pytest.approx(piece_error(np.array(speeds)), rel=1e-9)
@@ -404,12 +404,13 @@ def test_the_section_says_what_the_numbers_are_worth():
 def test_numbers_that_one_run_cannot_tell_say_so_everywhere():
     jump = worded(summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context())))
     found, known = numbers(jump), numbers_of(Jump)
-    assert {"y2", "u2", "speed", "length", "froude"} <= set(found["lower_bounds"])
+    assert {"y2", "u2", "speed", "sequent_ratio", "froude"} <= set(found["lower_bounds"])
     assert all(f"{key}_error" in known for key in LOWER_BOUNDS)
     assert all(f"{key}_error" in numbers_of(Tail) for key in TAIL_BOUNDS)
     rows = {row[0]: row for block in section(found).blocks if isinstance(block, Table) for row in block.rows}
     assert "± at least " in rows["Mass depth s [m]"][2] and "at least" not in rows["Mass depth s [m]"][1]
-    assert all("± at least " in rows["Length of the jump [m]"][column] for column in (1, 4))
+    assert all("± at least " in rows["s₂/s₁"][column] for column in (1, 4))
+    assert "±" in rows["Length of the jump [m]"][1] and "at least" not in rows["Length of the jump [m]"][1]
     assert f"{jump.y2_error:.2g} m behind" in untimed(jump).reason and untimed(jump).reason.count("± at least ") == 1
     assert "front at " in jump.headline and all("± at least " in text for text in (jump.headline, jump.reason))
 

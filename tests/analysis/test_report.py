@@ -12,6 +12,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from made_up import numbers
+from number_text import numbers_in
 
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
@@ -174,7 +175,7 @@ def test_large_pictures_become_small_and_the_page_stays_below_its_limit(tmp_path
     path = write_report(tmp_path, {"name": "big"})
     content = page(path)
     assert path.stat().st_size < LARGEST
-    assert "data:image/jpeg" in content
+    assert "data:image/webp" in content
     assert re.search(r"beside it in the run folder: .*animation\.mp4", content)
 
 
@@ -223,6 +224,24 @@ def test_only_its_own_style_and_scripts_may_act_in_a_page():
     parser = Balance()
     parser.feed(made)
     assert not [name for name in parser.attributes if name == "style" or name.startswith("on")]
+
+
+def test_long_lists_of_curves_stand_apart_with_five_digits():
+    lists = [[0.01 * k for k in range(300)], [None, -1.25e6, *map(float, range(40)), None], [0.0] * 25]
+    data = {"title": "t", "panels": [{"lines": [{"x": lists[0], "y": lists[1]}], "short": [0.5, 1.0]}, {"z": lists[2]}]}
+    made = render("", [Section("", [Curve("c", data)])])
+    kept = json.loads(re.search(r'id="data">(.*?)</script>', made, re.DOTALL)[1])["curves"][0]
+    told = re.search(r'id="numbers">(.*?)</script>', made, re.DOTALL)[1]
+    assert kept["panels"][0]["short"] == [0.5, 1.0] and len(told) < 400
+    number, whole, step = numbers_in(told), 0, 0
+    line = kept["panels"][0]["lines"][0]
+    for wanted, found in zip(lists, (line["x"], line["y"], kept["panels"][1]["z"]), strict=True):
+        assert found["count"] == len(wanted)
+        for value in wanted:
+            step = number(abs(step).bit_length())
+            whole += step
+            unit = 10.0 ** -found["decimals"]
+            assert whole == -(2**30) if value is None else abs(whole * unit - value) <= 0.5001 * unit
 
 
 def test_page_without_anything_to_draw_has_no_script():

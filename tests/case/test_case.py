@@ -292,6 +292,17 @@ def test_frames_are_no_closer_than_steps():
     assert scene.steps * scene.time_step == pytest.approx(0.01, abs=scene.time_step)
 
 
+def test_a_run_has_no_more_frames_than_are_read(monkeypatch):
+    loaded = parse_case(SMALL.format(diameter="0.2"), changes=["run.duration=0.1", "run.output_interval=0.01"])
+    scene = build_scene(loaded)
+    frames = scene.steps // scene.output_steps + 1  # with that of the start
+    monkeypatch.setattr("lammps_jump.case.checks.MOST_FRAMES", frames)
+    build_scene(loaded)
+    monkeypatch.setattr("lammps_jump.case.checks.MOST_FRAMES", frames - 1)
+    with pytest.raises(CaseError, match=f"make {frames} frames; allowed are {frames - 1}"):
+        build_scene(loaded)
+
+
 @pytest.mark.parametrize("name", scene_names())
 def test_scenes_that_come_along_are_scenes(name):
     build_scene(parse_case(scene_text(name), f"{name}.yaml"))

@@ -132,6 +132,14 @@ def test_a_pile_goes_on_with_the_ids_of_what_came_before():
     assert both.positions[1] == pytest.approx((d[1] / 2, d[1] / 2), rel=1e-9)
 
 
+@pytest.mark.parametrize("sizes", ["null", "{kind: uniform, spread: 0.2}"])
+def test_all_discs_of_a_column_start_with_its_velocity(sizes):
+    still = build_scene(case(f"discs.sizes={sizes}"))
+    both = build_scene(case(f"discs.sizes={sizes}", "initial.0.velocity=[2, '-50 cm/s']"))
+    assert np.array_equal(both.positions, still.positions) and not still.velocities.any()
+    assert np.array_equal(both.velocities, np.tile([2.0, -0.5], (len(both.positions), 1)))
+
+
 def test_hexagonal_packing_needs_equal_discs():
     with pytest.raises(CaseError, match=r"initial\[0\]: packing: hexagonal .* drop packing"):
         build_scene(case("initial.0.packing=hexagonal"))

@@ -90,6 +90,12 @@ WRONG_CASES = [
         "initial: [{kind: column, x: [5, 6], y: [0, 2], settle: 1e9}]\ninflow:",
         ["case.yaml:12", "initial[0].settle", "1e+09", "2e+09"],
     ),
+    (
+        "a column that settles while it flows",
+        "inflow:",
+        "initial: [{kind: column, x: [5, 6], y: [0, 2], settle: 1, velocity: [2, 0]}]\ninflow:",
+        ["case.yaml:12", "initial[0]", "starts at rest; drop velocity or settle"],
+    ),
     ("bins wider than the domain", "run:", "analysis: {bin_width: 22}\nrun:", ["analysis.bin_width", "22", "21 m"]),
     ("zero rows", "depth: 1.0", "depth: 0.1", ["inflow.depth", "0.1", "one diameter"]),
     ("inlet in a wall", "y: [-4, 0]", "y: [-4, 0.5]", ["inflow", "row 1", "floor"]),

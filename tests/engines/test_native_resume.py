@@ -36,7 +36,13 @@ from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Box
 
 INPUTS = Path(__file__).parents[2] / "inputs"
-JUMP = ("run.duration=1.2", "run.output_interval=0.05", 'outflow=[{"x_beyond": 7}]', "walls.sill.x=[6.5, 6.9]")
+JUMP = (
+    "run.duration=1.2",
+    "run.output_interval=0.05",
+    "initial=[]",
+    'outflow=[{"x_beyond": 7}]',
+    "walls.sill.x=[6.5, 6.9]",
+)
 
 
 def case_scene(name: str, *changes: str):

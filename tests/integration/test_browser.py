@@ -40,6 +40,9 @@ PIXEL = """((x, y) => {
   return String(p.context.getImageData(...at, 1, 1).data.slice(0, 3));
 })"""
 
+LARGEST = {"hydraulic_jump_graded": 3_000_000}
+"""Bytes of the page of a scene."""
+
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(not PROGRAM, reason="Chromium is not installed")]
 
 
@@ -153,7 +156,7 @@ def test_a_run_is_chosen_from_a_list(browser, tmp_path):
             page.call("Input.dispatchKeyEvent", type=kind, key=name, windowsVirtualKeyCode=code)
     page.run("drawn.then(() => null)")
     assert page.run(shown) == [1, 4, 1.5, 1.5]  # its end comes before the time
-    assert page.run("Promise.all([1, 0].map((run) => takeRun(players[0], run)))") == [False, True]
+    page.run("[1, 0].forEach((run) => takeRun(players[0], run))")
     assert page.run(shown) == [1, 6, 1.5, 2.5] and page.run("typeof hit") == "undefined"
     assert page.troubles() == []
     page.close()
@@ -349,6 +352,19 @@ def numbers_agree(page, summary):
         assert near, text
 
 
+def curves_agree(page, folder):
+    """The page draws what is in ``curves.json``, to five digits of the largest number of a line."""
+    stored = json.loads((folder / "curves.json").read_text())
+    shown = {chart["title"]: chart for chart in page.run("pageData.curves")}
+    for chart in stored.values():
+        for panel, drawn in zip(chart.get("panels", ()), shown[chart["title"]].get("panels", ()), strict=True):
+            for line, seen in zip(panel["lines"], drawn["lines"], strict=True):
+                for key in line.keys() & {"x", "y", "error"}:
+                    wanted, found = (np.array(side[key], float) for side in (line, seen))
+                    within = 1e-4 * np.nanmax(np.abs(wanted), initial=0)
+                    assert np.allclose(found, wanted, rtol=0, atol=0.51 * within, equal_nan=True)
+
+
 def flat(found):
     values = found.values() if isinstance(found, dict) else found if isinstance(found, list) else None
     return [found] if values is None else [one for value in values for one in flat(value)]
@@ -373,6 +389,9 @@ def test_report_of_a_scene(browser, tmp_path, scene):
     assert both and all(before[curve] < after[curve] for curve in both)  # the linked curves show the time
     text = page.run("document.getElementById('frames0').textContent")
     rows = page.run("players[0].run.rows")
-    assert len(text) * 3 / 4 <= 2.9 * rows + 20_000
+    assert len(text) <= 2.6 * rows + 20_000
+    size = (folder / "report.html").stat().st_size
+    assert size - len(text) <= 350_000 and size <= LARGEST.get(scene, size)
+    curves_agree(page, folder)
     assert page.troubles() == []
     page.close()

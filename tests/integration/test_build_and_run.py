@@ -84,7 +84,7 @@ def test_the_folder_runs_alone_elsewhere_with_the_same_dump(kernel, tmp_path):
     assert scripts == ["in.lammps", "in.plugin.lammps"][: 1 + (kernel == "compiled")]
     alone = tmp_path / "alone"
     alone.mkdir()
-    for name in (*scripts, "disk.mol"):
+    for name in (*scripts, "disk.mol", "discs.data"):
         shutil.copy(tmp_path / "run" / name, alone)
         assert str(plugin) not in (alone / name).read_text()
     subprocess.run(

@@ -43,7 +43,7 @@ def frames(folder):
     ("name", "changes"),
     [
         ("dam_break", ("run.duration=0.0935", "run.output_interval=0.0935")),
-        ("quick_jump", ("run.duration=0.2125", "run.output_interval=0.2125", "discs.diameter=0.05")),
+        ("quick_jump", ("run.duration=0.2125", "run.output_interval=0.2125", "discs.diameter=0.05", "initial=[]")),
     ],
 )
 def test_a_thousand_steps_are_those_of_one_rank(plugin, tmp_path, name, changes):
@@ -59,7 +59,7 @@ def test_a_thousand_steps_are_those_of_one_rank(plugin, tmp_path, name, changes)
 
 
 def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
-    changes = ("run.duration=4", "domain.x=[-1, 16]", "walls.floor.x=[-5, 9]", "walls.sill.x=[8, 9]")
+    changes = ("run.duration=4", "initial=[]", "domain.x=[-1, 16]", "walls.floor.x=[-5, 9]", "walls.sill.x=[8, 9]")
     _, result = run("quick_jump", tmp_path, plugin, 2, *changes, "outflow=[{x_beyond: 13}, {y_below: -3}]")
     assert result.status == "complete", result.message
     assert result.removed > 20 and result.lost == 0

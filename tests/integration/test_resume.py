@@ -37,6 +37,7 @@ FRICTION = (*GATE, "contact.friction=0.1")
 COLLAPSE = ("run.duration=0.4", "run.output_interval=0.01")
 JUMP = (
     "run.duration=2",
+    "initial=[]",
     'outflow=[{"x_beyond": 7}]',
     "walls.sill.x=[6.5, 6.9]",
     "walls.sill.y=[-5, 0.4]",

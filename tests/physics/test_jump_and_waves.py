@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""theory.py, wave_theory.py and reference_data.py against printed tables and their own conservation laws."""
+"""jump.py, waves.py and measured.py against printed tables and their own conservation laws."""
 
 import subprocess
 import sys
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import measured as reference_data
-from lammps_jump.physics import waves as wave_theory
+from lammps_jump.physics import waves
 
 G = 9.81
 FR_THESIS = 16 / sqrt(G)  # Va = 16 m/s, y1 = 1 m
@@ -178,7 +178,7 @@ def test_sill_of_no_height_is_a_free_jump_and_a_dam_stops_the_flow():
 def test_sill_face_force_of_the_thesis():
     assert theory.sill_face_force(6.742, 2.0, 1000.0) == pytest.approx(112.6e3, abs=60)  # printed in kN to one digit
     # a sill that stands out of the water carries the whole hydrostatic load and no more
-    assert theory.sill_face_force(3.0, 5.0, 1000.0) == theory.hydrostatic_force(3.0, 1000.0)
+    assert theory.sill_face_force(3.0, 5.0, 1000.0) == waves.hydrostatic_force(3.0, 1000.0)
 
 
 # --- moving shocks ----------------------------------------------------------------------------------------------
@@ -187,26 +187,26 @@ def test_sill_face_force_of_the_thesis():
 @given(s1=st.floats(0.05, 5.0), u1=st.floats(-5.0, 25.0), growth=st.floats(1.05, 15.0))
 def test_moving_shock_is_a_jump_in_its_own_frame(s1, u1, growth):
     s2 = growth * s1
-    c = theory.shock_speed(s1, u1, s2)
-    fr = theory.relative_froude(u1, s1, c)
+    c = waves.shock_speed(s1, u1, s2)
+    fr = waves.relative_froude(u1, s1, c)
     assert theory.belanger(fr) == pytest.approx(growth, rel=1e-9)
     u2 = c + s1 * (u1 - c) / s2
-    assert theory.shock_speed_from_mass(s1, u1, s2, u2) == pytest.approx(c, rel=1e-8, abs=1e-8)
+    assert waves.shock_speed_from_mass(s1, u1, s2, u2) == pytest.approx(c, rel=1e-8, abs=1e-8)
 
 
 def test_probe_of_the_frictionless_jump():
     """Physics notes 2.3: toe at -2.0 m/s, s1 = 1.107 m, u1 = 13.6 m/s, Froude number 4.735, Bélanger 6.22."""
-    fr = theory.relative_froude(13.6, 1.107, -2.0)
+    fr = waves.relative_froude(13.6, 1.107, -2.0)
     assert fr == pytest.approx(4.735, abs=0.003)  # u1 and c are printed to 0.1 m/s
     assert theory.belanger(fr) == pytest.approx(6.22, abs=0.01)
 
 
 @given(s=st.floats(0.1, 5.0), u=st.floats(0.5, 20.0))
 def test_reflected_bore_stops_the_flow(s, u):
-    s2, c = theory.reflected_bore(s, u)
+    s2, c = waves.reflected_bore(s, u)
     assert s2 > s and c < 0
-    assert theory.shock_speed_from_mass(s, u, s2, 0.0) == pytest.approx(c, rel=1e-9)
-    assert theory.shock_speed(s, u, s2) == pytest.approx(c, rel=1e-6, abs=1e-9)
+    assert waves.shock_speed_from_mass(s, u, s2, 0.0) == pytest.approx(c, rel=1e-9)
+    assert waves.shock_speed(s, u, s2) == pytest.approx(c, rel=1e-6, abs=1e-9)
 
 
 # --- dam break --------------------------------------------------------------------------------------------------
@@ -214,21 +214,21 @@ def test_reflected_bore_stops_the_flow(s, u):
 
 def test_ritter_numbers_at_the_dam():
     h0 = 12.0
-    assert theory.ritter_front(1.0, h0) == pytest.approx(21.70, abs=0.005)
-    assert theory.ritter_wall_time(4.0, h0) == pytest.approx(0.37, abs=0.005)
+    assert waves.ritter_front(1.0, h0) == pytest.approx(21.70, abs=0.005)
+    assert waves.ritter_wall_time(4.0, h0) == pytest.approx(0.37, abs=0.005)
 
 
 # --- columns and walls ------------------------------------------------------------------------------------------
 
 
 def test_hydrostatic_load_of_the_thesis_column():
-    assert theory.hydrostatic_force(12.0, 1000.0) == pytest.approx(706e3, abs=500)
+    assert waves.hydrostatic_force(12.0, 1000.0) == pytest.approx(706e3, abs=500)
 
 
 def test_loads_of_a_stream():
-    rest = theory.hydrostatic_force(2.0, 1000.0)
-    assert theory.stagnation_force(2.0, 0.0, 1000.0) == rest
-    assert theory.stagnation_force(2.0, 5.0, 1000.0) == pytest.approx(rest + 1000 * 2 * 25, rel=1e-14)
+    rest = waves.hydrostatic_force(2.0, 1000.0)
+    assert waves.stagnation_force(2.0, 0.0, 1000.0) == rest
+    assert waves.stagnation_force(2.0, 5.0, 1000.0) == pytest.approx(rest + 1000 * 2 * 25, rel=1e-14)
 
 
 # --- reference data ---------------------------------------------------------------------------------------------
@@ -264,17 +264,11 @@ def test_martin_moyce_slope():
 def test_theory_imports_nothing_heavy():
     """`check` has 0.7 s to start: theory must not pull in numpy, let alone the engines."""
     code = (
-        "import sys; from lammps_jump.physics import jump, contact; "
+        "import sys; from lammps_jump.physics import jump, waves, contact; "
         "print([m for m in ('numpy', 'scipy', 'numba', 'lammps', 'matplotlib') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_everything_public_is_offered_by_theory():
-    public = {name for name in vars(wave_theory) if not name.startswith("_")}
-    functions = {name for name in public if getattr(vars(wave_theory)[name], "__module__", "") == wave_theory.__name__}
-    assert functions and functions <= set(vars(theory))
 
 
 def test_every_formula_has_a_source_or_a_derivation():

@@ -118,7 +118,7 @@ def test_lines_of_the_design(tmp_path, monkeypatch, capsys):
     print(run.jump.verdict, run.jump.y2, "+/-", run.jump.y2_error, "m")
     run.profiles.mass_depth.plot()
     plt.close("all")
-    assert capsys.readouterr().out.startswith("no jump") and (tmp_path / "runs/friction/report.html").exists()
+    assert capsys.readouterr().out.startswith("jump 3.") and (tmp_path / "runs/friction/report.html").exists()
 
 
 def test_a_run_without_figures_has_the_same_numbers(case, finished, tmp_path):
@@ -148,7 +148,7 @@ def test_looking_at_a_run_writes_nothing(finished):
     run = lj.open_run(finished)
     assert run.status == "complete" and run.case.name == "quick_jump" and run.scene.steps == run.result.steps
     assert run.summary == json.loads((finished / "summary.json").read_text())
-    assert run.profiles.mass_depth.dims == ("time", "x") and np.isnan(run.jump.y2)
+    assert run.profiles.mass_depth.dims == ("time", "x") and np.isnan(run.jump.y2_error)
     assert plain(as_summary(run.jump)) == run.summary["jump"]
     assert set(run.forces) == {"sill"} and run.forces["sill"].history.fx.shape == run.forces["sill"].history.time.shape
     assert run.energy.history.kinetic.shape == run.energy.history.time.shape and run.energy.final > 0  # not asked for

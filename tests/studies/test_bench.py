@@ -10,11 +10,10 @@ from made_up import INPUTS
 from lammps_jump import load_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import CaseError
-from lammps_jump.studies.bench import errors as bench_errors
 from lammps_jump.studies.bench import page as bench_page
+from lammps_jump.studies.bench import study as bench_errors
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
-from lammps_jump.studies.bench.errors import QuantityError
-from lammps_jump.studies.bench.study import Axes, read_axes
+from lammps_jump.studies.bench.study import Axes, QuantityError, read_axes
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
 from lammps_jump.studies.runs import in_turn, middle
 from lammps_jump.studies.settings import Setting, make_settings, reference_setting, stable
@@ -169,7 +168,7 @@ def test_a_setting_without_any_error_is_cheapest_and_has_no_place_on_a_logarithm
 
 def test_a_developed_flow_keeps_the_sizes_of_its_discs():
     """Ids begin anew, and with them the sizes: each disc gets an id whose size is all but its own."""
-    scene = load_case(INPUTS / "quick_jump.yaml", {"run.duration": 2}).scene()
+    scene = load_case(INPUTS / "quick_jump.yaml", {"run.duration": 2, "initial": []}).scene()
     simulation = NativeSimulation(replace(scene, probes=()), ledger=False)
     simulation.run(scene.steps)
     started = with_discs_of(simulation, scene)

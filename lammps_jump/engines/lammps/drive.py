@@ -11,7 +11,7 @@ from pathlib import Path
 
 from lammps_jump.engines.checkpoint import cut_back, join_part, remove_checkpoint
 from lammps_jump.engines.interrupts import save_request, stop_request
-from lammps_jump.engines.result import Progress, RunResult
+from lammps_jump.engines.result import REPORT_SECONDS, Progress, RunResult
 from lammps_jump.engines.setting import Job
 from lammps_jump.script import resume as continuation
 from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
@@ -20,8 +20,6 @@ from .finish import LOG, Outcome, conclude
 from .loader import load_lammps
 from .save import Saver
 from .steps import Steps
-
-REPORT_SECONDS = 0.1
 
 
 def run_lammps(job: Job, report: Callable[[Progress | None], None]) -> RunResult:
@@ -49,12 +47,7 @@ def run_lammps(job: Job, report: Callable[[Progress | None], None]) -> RunResult
         Where LAMMPS cannot be loaded at all.
     """
     load_lammps()  # before the clock starts
-    return conclude(job, _play(job, report))
-
-
-def run_other_rank(job: Job) -> None:
-    """Take part in `run_lammps` of the first rank."""
-    _play(job, None)
+    return conclude(job, play(job, report))
 
 
 def arguments(job: Job) -> list[str]:
@@ -80,10 +73,6 @@ def make_ready(job: Job) -> None:
         (folder / "forces.csv").unlink(missing_ok=True)
 
 
-def _script(job: Job) -> str:
-    return SCRIPTS[job.setting.kernel] if job.resume is None else continuation.SCRIPT
-
-
 @contextmanager
 def _inside(folder: Path) -> Iterator[None]:
     before = Path.cwd()
@@ -94,8 +83,8 @@ def _inside(folder: Path) -> Iterator[None]:
         os.chdir(before)
 
 
-def _play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
-    """Run the script to its end, in this thread; another one reports. Without `report` this is not the first rank."""
+def play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
+    """Run the script to its end, in this thread; another one reports. Ranks but the first have no `report`."""
     outcome = Outcome()
     ranks = job.setting.ranks
     save_request.clear()
@@ -110,7 +99,8 @@ def _play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome
             reporter.start()
         try:
             with stop_request.calls(steps.ask), save_request.calls(steps.ask):
-                steps.play(Path(_script(job)).read_text())
+                script = SCRIPTS[job.setting.kernel] if job.resume is None else continuation.SCRIPT
+                steps.play(Path(script).read_text())
         except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
             outcome.error = str(error)
             if ranks > 1 and "MPIAbort" in type(error).__name__:  # the others still wait for this rank

@@ -154,13 +154,6 @@ class Discs:
             array[:left] = array[: self.n][mask]
         self.n = left
 
-    @property
-    def bytes(self) -> int:
-        """Memory of all arrays."""
-        arrays = [getattr(self, name) for name in (*self.names, "ids")]
-        arrays += [self.scratch, self.scratch_ids, self.order, self.cell, self.start, self.neighbours, self.cell_start]
-        return sum(a.nbytes for a in arrays)
-
 
 def discs_at_start(scene: Scene, *, ledger: bool) -> Discs:
     """The discs that a scene begins with; the older velocity of the extrapolation is that of the start."""

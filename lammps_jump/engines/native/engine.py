@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
@@ -14,7 +16,8 @@ from lammps_jump.dump.write import run_writer
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint
 from lammps_jump.engines.interrupts import counted_interrupts, save_request
-from lammps_jump.engines.result import Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.result import REPORT_SECONDS, Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.provenance import versions
@@ -38,16 +41,13 @@ def take_frame(simulation) -> Frame:
 def run_native(
     scene: Scene,
     folder: Path | None,
+    setting: Setting | None = None,
     *,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
-    stop_at: int | None = None,
-    dump_format: str = "text",
-    report_every: float = 0.5,
-    cell_size: float | None = None,
-    ledger: bool = True,
+    report_every: float = REPORT_SECONDS,
     resume: Checkpoint | None = None,
-    checkpoint_interval: float = inf,
+    **options: Any,
 ) -> RunResult:
     """Run a scene on the native engine and leave dump and forces.csv in `folder`.
 
@@ -56,36 +56,31 @@ def run_native(
     scene : Scene
     folder : Path or None
         Folder for the files, made where it is missing; None writes none.
+    setting : Setting, optional
     progress : callable, optional
         Called with a `Progress` every `report_every` seconds of wall time, and once at the end.
     should_stop : callable, optional
         Asked after every tenth of a second of work; True ends the run as 'interrupted'.
-    stop_at : int, optional
-        End the run as 'interrupted' at this step.
-    dump_format : {'text', 'gz', 'binary'}
-    cell_size : float, optional
-        Use the thesis' own contact search in square cells of this width, m, in place of neighbour lists.
-    ledger : bool
-        Keep the energy ledger; a quarter of the stepping time.
     resume : Checkpoint, optional
         Go on with the interrupted run that left it in `folder` (see `lammps_jump.engines.checkpoint`), with the same
         scene, `dump_format` and `ledger`. Its frames are those of an uninterrupted run, bit for bit.
-    checkpoint_interval : float
-        Wall time between checkpoints, s.
+    options
+        Fields of `Setting` in place of one. No checkpoint is written before the end, unless they name an interval.
 
     Returns
     -------
     RunResult
         Status 'failed' with a message where a guard ended the run; what there was is kept.
     """
-    part = _Part(scene, folder, dump_format, resume, cell_size, ledger, checkpoint_interval)
+    setting = setting or replace(Setting("native", "numba", checkpoint_interval=inf), **options)
+    part = _Part(scene, folder, setting, resume)
     simulation = part.simulation
 
     def report() -> None:
         if progress is not None:
             progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
 
-    last = scene.steps if stop_at is None else min(stop_at, scene.steps)
+    last = scene.steps if setting.stop_at is None else min(setting.stop_at, scene.steps)
     status, message = "complete", ""
     try:
         with counted_interrupts() as pressed:
@@ -127,18 +122,18 @@ class _Part:
         or half a frame.
     """
 
-    def __init__(self, scene, folder, dump_format, resume, cell_size, ledger, checkpoint_interval):
+    def __init__(self, scene: Scene, folder: Path | None, setting: Setting, resume: Checkpoint | None):
         self.scene, self.folder = scene, None if folder is None else Path(folder)
         self.earlier: RunResult | None = resume.result if resume else None
         self.saved: float | None = resume.time if resume else None
         if resume is not None:
             cut_back(self.folder, resume)
             (name,) = resume.state
-            self.simulation = load_state(scene, self.folder / name, ledger=ledger)
-        elif cell_size is None:
-            self.simulation = NativeSimulation(scene, ledger=ledger)
+            self.simulation = load_state(scene, self.folder / name, ledger=setting.ledger)
+        elif setting.cell_size is None:
+            self.simulation = NativeSimulation(scene, ledger=setting.ledger)
         else:
-            self.simulation = CellSimulation(scene, cell_size=cell_size, ledger=ledger)
+            self.simulation = CellSimulation(scene, cell_size=setting.cell_size, ledger=setting.ledger)
         self.writer = None
         self.checkpoints: CheckpointWriter | None = None
         self.between_steps, self.reason = True, ""
@@ -149,10 +144,10 @@ class _Part:
         self.folder.mkdir(parents=True, exist_ok=True)
         if resume is None:
             remove_checkpoint(self.folder)  # of an earlier run: not this one's beginning
-        self.writer = run_writer(self.folder, scene, dump_format, append=resume is not None)
-        if cell_size is None:
-            outputs = (DUMP_NAMES[dump_format], *(["forces.csv"] if scene.probes else []))
-            self.checkpoints = CheckpointWriter(scene, self.folder, outputs, checkpoint_interval)
+        self.writer = run_writer(self.folder, scene, setting.dump_format, append=resume is not None)
+        if setting.cell_size is None:
+            outputs = (DUMP_NAMES[setting.dump_format], *(["forces.csv"] if scene.probes else []))
+            self.checkpoints = CheckpointWriter(scene, self.folder, outputs, setting.checkpoint_interval)
 
     def output(self) -> None:
         """Write a frame."""

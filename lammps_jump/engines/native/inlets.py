@@ -64,7 +64,8 @@ class PourState(Turns):
 class OpenBoundaries:
     """Inlets, pours and outlets of a scene, and the discs that came and went through them.
 
-    Discs with ids above `sized` still have the largest diameter, with which they came.
+    Ids are given in turn, so that the last one is the number of discs `inserted`. Those above `sized` still have the
+    largest diameter, with which they came.
     """
 
     def __init__(self, scene: Scene):
@@ -73,8 +74,7 @@ class OpenBoundaries:
         self.rng = np.random.default_rng(scene.seed)
         self.pours = [PourState(pour, scene, self.rng) for pour in scene.pours]
         self.removed = 0
-        self.inserted = len(scene.positions)
-        self.last_id = self.sized = len(scene.positions)
+        self.inserted = self.sized = len(scene.positions)
 
     def next_after(self, step: int) -> float:
         """Next step at which something may come or go; infinite for never."""
@@ -84,7 +84,7 @@ class OpenBoundaries:
 
     def next_sizes(self, step: int) -> float:
         """Next step at whose end discs get their own diameters; infinite where all have them."""
-        if self.scene.sizes is None or self.sized == self.last_id:
+        if self.scene.sizes is None or self.sized == self.inserted:
             return inf
         return (step // self.scene.size_steps + 1) * self.scene.size_steps
 
@@ -127,6 +127,5 @@ class OpenBoundaries:
         return any(float(wall.distance(x, y)) < radius for wall in (*self.scene.walls, *gates))
 
     def _new_id(self) -> int:
-        self.last_id += 1
         self.inserted += 1
-        return self.last_id
+        return self.inserted

@@ -438,7 +438,7 @@ def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
 
 
 def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_data, face_start, near, law, touch):
-    """Elastic energy of pairs and of walls (J per m of width) and the largest overlap with its disc.
+    """Elastic energy (J per m of width), largest overlap (m) and its disc.
 
     Each contact stores stiffness times `lammps_jump.physics.law.stored_energy`.
     """
@@ -468,7 +468,7 @@ def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_da
                 walls += law.stiffness_wall * stored_energy(overlap, touch)
                 if overlap > worst:
                     worst, where = overlap, i
-    return pairs, walls, worst, where
+    return pairs + walls, worst, where
 
 
 def _newcomers_py(known, n, ids, x, y, radius, face_kind, face_data, law, touch):

@@ -214,12 +214,12 @@ class NativeSimulation:
             self._remove(leaving, old)
         elif old:
             self._rebuild()
-        known = self.boundaries.last_id
+        known = self.boundaries.inserted
         skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for identity, x, y, vx, vy in self.boundaries.arrivals(self.step, discs):
             discs.append(identity, x, y, vx, vy, self._weight, skin, self.scene.largest)
             self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, self._share)
-        if self.boundaries.last_id > known:
+        if self.boundaries.inserted > known:
             self._list_walls()
             self._exchanged["brought_in"] += self._elastic_of_newcomers(known)
         if any(gate.release_step == self.step for gate in self.scene.gates):
@@ -241,14 +241,14 @@ class NativeSimulation:
         """Discs that still have the largest diameter get their own; the books take the difference as brought in."""
         d, boundaries = self.discs, self.boundaries
         known = boundaries.sized
-        own = 0.5 * self.scene.diameters(np.arange(known + 1, boundaries.last_id + 1))
+        own = 0.5 * self.scene.diameters(np.arange(known + 1, boundaries.inserted + 1))
         elastic = self._elastic_of_newcomers(known)
         gained = kernels.give_sizes(
             known, own, d.n, d.ids, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.omega, d.torque, self._motion,
             d.dash_x, d.dash_y, d.slide_x, d.slide_y,
         )  # fmt: skip
         self._exchanged["brought_in"] += gained + self._elastic_of_newcomers(known) - elastic
-        boundaries.sized = boundaries.last_id
+        boundaries.sized = boundaries.inserted
 
     def _remove(self, leaving: np.ndarray, old: bool) -> None:
         discs = self.discs
@@ -289,7 +289,7 @@ class NativeSimulation:
             self._face_data, self._face_start, self._near,
         )  # fmt: skip
 
-    def _elastic_and_worst(self) -> tuple[float, float, float, int]:
+    def _elastic_and_worst(self) -> tuple[float, float, int]:
         d = self.discs
         start, listed, _, _ = self._list()
         return kernels.elastic(
@@ -298,8 +298,7 @@ class NativeSimulation:
         )  # fmt: skip
 
     def _elastic(self) -> float:
-        pairs, walls, _, _ = self._elastic_and_worst()
-        return pairs + walls
+        return self._elastic_and_worst()[0]
 
     def check(self) -> None:
         """Look for NaN, lost discs and overlaps beyond the limit now; RunError where there are any."""
@@ -310,7 +309,7 @@ class NativeSimulation:
         limit = self.scene.overlap_limit
         if limit <= 0:
             return
-        _, _, worst, i = self._elastic_and_worst()
+        _, worst, i = self._elastic_and_worst()
         if worst > limit:
             raise RunError(
                 f"overlap {worst:.4g} m of disc {self._place(i)} is beyond the limit of {limit:.4g} m. "

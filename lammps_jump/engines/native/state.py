@@ -42,7 +42,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         "rows": [state.entered for state in boundaries.rows],
         "pours": [state.entered for state in boundaries.pours],
         "random": boundaries.rng.bit_generator.state,
-        "traffic": [boundaries.inserted, boundaries.removed, boundaries.last_id, boundaries.sized],
+        "traffic": [boundaries.inserted, boundaries.removed, boundaries.inserted, boundaries.sized],
     }
     arrays = {name: getattr(d, name)[: d.n] for name in (*d.names, "ids")}
     near = simulation._near[: simulation._face_start[-1]]
@@ -88,7 +88,7 @@ def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimula
         for state, count in zip(states, counts, strict=True):
             state.entered = count
     boundaries.rng.bit_generator.state = plain["random"]
-    boundaries.inserted, boundaries.removed, boundaries.last_id, boundaries.sized = plain["traffic"]
+    boundaries.inserted, boundaries.removed, _, boundaries.sized = plain["traffic"]
     return simulation
 
 

@@ -73,17 +73,11 @@ class KernelStatus:
         One sentence: where it is, that it will be built, or what is missing and what to install.
     path : Path, or None
         The built library, None while there is none.
-    compiler : str, or None
-        First line of the compiler's version.
-    key : str, or None
-        Hash under which the library is cached.
     """
 
     available: bool
     reason: str
     path: Path | None = None
-    compiler: str | None = None
-    key: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,13 +271,11 @@ def _located() -> tuple[_Recipe, Path]:
     return recipe, library
 
 
-def plugin_path(*, build: bool = True, force: bool = False) -> Path:
+def plugin_path(*, force: bool = False) -> Path:
     """Path of the plugin for `plugin load`, built where it is not in the cache yet.
 
     Parameters
     ----------
-    build : bool
-        Build where needed; with False a plugin that is not in the cache is an error.
     force : bool
         Build again even where the cache has it.
 
@@ -295,8 +287,6 @@ def plugin_path(*, build: bool = True, force: bool = False) -> Path:
     recipe, library = _located()
     if not force and _is_whole(library):
         return library
-    if not build:
-        raise SetupError("the compiled kernel is not built yet; run `lammps-jump kernels build`")
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
         # the system frees the lock even where its holder dies
@@ -316,6 +306,6 @@ def availability() -> KernelStatus:
     except SetupError as error:
         return KernelStatus(False, str(error))
     if _is_whole(library):
-        return KernelStatus(True, f"built: {library}", library, recipe.compiler, recipe.key)
+        return KernelStatus(True, f"built: {library}", library)
     reason = f"not built yet; will be built with {recipe.compiler} on first use, or by `lammps-jump kernels build`"
-    return KernelStatus(True, reason, None, recipe.compiler, recipe.key)
+    return KernelStatus(True, reason)

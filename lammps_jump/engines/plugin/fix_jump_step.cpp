@@ -323,8 +323,6 @@ void FixJumpStep::reduce()
   for (size_t c = 0; c < mean.size(); c++) sum[LEDGER + c] = mean[c];
   MPI_Allreduce(sum.data(), output.data(), size_vector, MPI_DOUBLE, MPI_SUM, world);
   MPI_Allreduce(&overlap, &output[6], 1, MPI_DOUBLE, MPI_MAX, world);
-  output[2] += carried_dashpot;
-  output[3] += carried_friction;
   output[7] = pair->largest_speed;
 }
 
@@ -346,8 +344,6 @@ void FixJumpStep::write_restart(FILE *fp)
   mine.insert(mine.end(), window.begin(), window.end());
   std::vector<double> all(mine.size(), 0.0);
   MPI_Allreduce(mine.data(), all.data(), (int) mine.size(), MPI_DOUBLE, MPI_SUM, world);
-  all[0] += carried_dashpot;
-  all[1] += carried_friction;
   all.push_back((double) window_steps);
   if (comm->me == 0) {
     const int size = (int) (all.size() * sizeof(double));
@@ -359,10 +355,11 @@ void FixJumpStep::write_restart(FILE *fp)
 void FixJumpStep::restart(char *buf)
 {
   const auto *const all = reinterpret_cast<const double *>(buf);
-  carried_dashpot = all[0];
-  carried_friction = all[1];
-  for (size_t c = 0; c < window.size(); c++) window[c] = comm->me == 0 ? all[2 + c] : 0.0;
   window_steps = (bigint) all[2 + window.size()];
+  if (comm->me != 0) return;    // the first rank has what all had
+  dashpot_loss = all[0];
+  friction_loss = all[1];
+  for (size_t c = 0; c < window.size(); c++) window[c] = all[2 + c];
 }
 
 double FixJumpStep::memory_usage()

@@ -92,7 +92,7 @@ class FixJumpStep : public Fix {
   std::vector<int> probed;                    // wall of each probe
   std::vector<double> window, mean;           // this rank: running sums and last full window's mean
   bigint window_steps = 0;
-  double dashpot_loss = 0.0, friction_loss = 0.0, carried_dashpot = 0.0, carried_friction = 0.0;
+  double dashpot_loss = 0.0, friction_loss = 0.0;
   int touching = 0;
   std::vector<double> output;                 // all ranks
   bigint output_step = -1;

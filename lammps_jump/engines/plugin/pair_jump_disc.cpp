@@ -13,7 +13,6 @@
 #include "update.h"
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <set>
 
@@ -27,7 +26,7 @@ constexpr int RESTART_FORM = 0x6a640003;    // changes with what the restart fil
 
 PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
 {
-  single_enable = 1;
+  single_enable = 0;
   restartinfo = 1;
   writedata = 0;
   no_virial_fdotr_compute = 0;
@@ -36,7 +35,6 @@ PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
 
 PairJumpDisc::~PairJumpDisc()
 {
-  if (copymode) return;
   if (allocated) {
     memory->destroy(setflag);
     memory->destroy(cutsq);
@@ -226,15 +224,6 @@ void PairJumpDisc::check_discs(int from, int to)
                  "jump/disc: disc {} has diameter {} and mass {}, the pair style says {} to {}, and mass {} at {}",
                  atom->tag[i], d, m, smallest, largest, mass, diameter);
   }
-}
-
-void *PairJumpDisc::extract(const char *name, int &dim)
-{
-  dim = 0;
-  if (strcmp(name, "diameter") == 0) return (void *) &diameter;
-  if (strcmp(name, "mass") == 0) return (void *) &mass;
-  if (strcmp(name, "largest_speed") == 0) return (void *) &largest_speed;
-  return nullptr;
 }
 
 void PairJumpDisc::write_restart(FILE *fp)

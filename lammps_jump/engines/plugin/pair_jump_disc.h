@@ -61,8 +61,6 @@ class PairJumpDisc : public Pair, public DiscSettings {
   void read_restart(FILE *) override;
   void write_restart_settings(FILE *) override;
   void read_restart_settings(FILE *) override;
-  double single(int, int, int, int, double, double, double, double &) override;
-  void *extract(const char *, int &) override;
   double memory_usage() override;
 
   // shared with fix jump/step

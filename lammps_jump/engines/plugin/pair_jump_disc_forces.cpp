@@ -13,7 +13,6 @@
 #include <algorithm>
 
 using namespace LAMMPS_NS;
-using jump::ContactForce;
 using jump::Friction;
 using jump::Lanes;
 using jump::LANES;
@@ -251,19 +250,4 @@ double PairJumpDisc::largest_overlap() const
     most = std::max(most, reach_of(first[p], second[p]) - std::sqrt(dx * dx + dy * dy));
   }
   return most;
-}
-
-double PairJumpDisc::single(int i, int j, int, int, double rsq, double, double, double &fforce)
-{
-  fforce = 0.0;
-  const double one = sizes ? atom->radius[i] : 0.5 * diameter, two = sizes ? atom->radius[j] : 0.5 * diameter;
-  if (rsq >= (one + two) * (one + two)) return 0.0;
-  const double dx = atom->x[i][0] - atom->x[j][0], dy = atom->x[i][1] - atom->x[j][1];
-  const double vx = atom->v[i][0] - atom->v[j][0], vy = atom->v[i][1] - atom->v[j][1];
-  const jump::OwnLaw<double> own = jump::own_law(law, one, two);
-  const ContactForce<double> out = touch == Touch::SHARP
-      ? jump::contact_force<Friction::NONE, Touch::SHARP>(law, own, dx, dy, vx, vy, 0.0)
-      : jump::contact_force<Friction::NONE, Touch::SMOOTH>(law, own, dx, dy, vx, vy, 0.0);
-  fforce = (out.fx * dx + out.fy * dy) / rsq;
-  return elastic_energy(law, out.overlap);
 }

@@ -94,9 +94,10 @@ SKIPS = (
 )  # fmt: skip
 
 
-def base_script(scene: Scene) -> str:
-    """Return the stock script of the generator, with every digit in the dump."""
-    return script_text(scene, kernel="stock").replace(*PRECISE)
+def both_scripts(scene: Scene, skip: Skip) -> tuple[str, str]:
+    """Return the stock script of the generator, with every digit in the dump, without and with the thing."""
+    plain = script_text(scene, kernel="stock").replace(*PRECISE)
+    return plain, skip.edit(plain, scene)
 
 
 def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
@@ -126,8 +127,7 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
     if not skip.exact:
         steps = min(scene.steps, EARLY_STEPS)
         scene = replace(scene, steps=steps, settle_steps=0, gates=(), output_steps=steps, probe_steps=steps)
-    plain = base_script(scene)
-    edited = skip.edit(plain, scene)
+    plain, edited = both_scripts(scene, skip)
     if edited == plain:
         return None
     return largest_difference(run_script(scene, plain)[0], run_script(scene, edited)[0])
@@ -135,11 +135,9 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
 
 def dump_formats(scene: Scene, rounds: int) -> dict[str, float | None]:
     """Return the processor seconds of a stock run by dump format."""
-
-    def timed(name: str, _: int) -> float:
-        return run_frames(scene, "stock", dump_format=name)[0].cpu_seconds
-
-    return {name: middle(values) for name, values in in_turn(["text", "gz", "binary"], rounds, timed).items()}
+    formats = ["text", "gz", "binary"]
+    times = in_turn(formats, rounds, lambda name, _: run_frames(scene, "stock", dump_format=name)[0].cpu_seconds)
+    return {name: middle(values) for name, values in times.items()}
 
 
 def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
@@ -160,13 +158,11 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
 
 
 def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
-    plain = base_script(scene)
-    edited = skip.edit(plain, scene)
-    ratio = difference = None
-    verdict = "the scene needs it"
+    plain, edited = both_scripts(scene, skip)
+    ratio, difference, verdict = None, None, "the scene needs it"
     if edited != plain:
         taken = in_turn([plain, edited], rounds, lambda text, _: run_script(scene, text)[1])
-        ratio = middle(with_it / without for with_it, without in zip(taken[edited], taken[plain], strict=True))
+        ratio = middle(with_it / without for without, with_it in zip(*taken.values(), strict=True))
         difference = compare_skip(scene, skip)
         verdict = f"{100 * (ratio - 1):+.1f} % time with it, trajectory differs by {difference:.1e}"
     return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}

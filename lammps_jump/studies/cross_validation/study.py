@@ -21,9 +21,8 @@ from lammps_jump.sweeps.store import Results, Say
 
 from . import trajectories
 from .ensembles import Study
-from .figures import draw_all
+from .page import as_dict, draw_all, write_report
 from .quantities import Comparison
-from .report import as_dict, write_report
 from .scenes import friction_scene, micro_scenes
 from .trajectories import CONTACT_STEPS, TWIN_JITTER, Divergence, Growth, perturbed
 

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from math import inf, nan
 
 import numpy as np
+from scipy import stats
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import RunError
@@ -119,9 +121,10 @@ def separation(one: Trajectory, other: Trajectory, diameter: float) -> Separatio
         m; separations are in its units.
     """
     shared = sorted(set(one) & set(other))
-    other_discs = next((step for step in shared if not np.array_equal(one[step][0], other[step][0])), None)
+    same = list(takewhile(lambda step: np.array_equal(one[step][0], other[step][0]), shared))
+    other_discs = next(iter(shared[len(same) :]), None)
     rows = []
-    for step in shared[: shared.index(other_discs) if other_discs is not None else None]:
+    for step in same:
         ids, places = one[step]
         distance = np.hypot(*(places - other[step][1]).T) / diameter
         k = int(np.argmax(distance)) if len(ids) else None
@@ -169,11 +172,9 @@ def fit_growth(steps: np.ndarray, values: np.ndarray, time_step: float) -> Growt
     t, v = steps[start:stop] * time_step, values[start:stop]
     if len(v) < 5 or not (v > 0).all() or v[-1] <= v[0]:
         return Growth(nan, ROUND_OFF, SATURATED, None, None, nan)
-    logs = np.log(v)
-    rate, offset = np.polyfit(t, logs, 1)
-    rest = logs - rate * t - offset
-    share = 1.0 - float(rest.var() / logs.var()) if logs.var() > 0 else nan
-    return Growth(float(rate), ROUND_OFF, SATURATED, int(steps[start]), int(steps[stop - 1]), share)
+    fit = stats.linregress(t, np.log(v))
+    first, last = int(steps[start]), int(steps[stop - 1])
+    return Growth(float(fit.slope), ROUND_OFF, SATURATED, first, last, float(fit.rvalue**2))
 
 
 def crossing_step(part: Separation, level: float) -> int | None:
@@ -257,11 +258,8 @@ def developed_scene(scene: Scene, work: float) -> Scene:
     goal = max(int(0.6 * scene.steps), scene.settle_steps + 1)
     while simulation.step < goal and (simulation.disc_steps < work or simulation.step <= scene.settle_steps):
         simulation.run(min(500, goal - simulation.step))
-    since = scene.time(simulation.step)
-    named = replace(
-        scene, name=f"{scene.name}, developed", description=f"{scene.description} (from t = {since:.3g} s on)"
-    )
-    return with_discs_of(simulation, named)
+    text = f"{scene.description} (from t = {scene.time(simulation.step):.3g} s on)"
+    return with_discs_of(simulation, replace(scene, name=f"{scene.name}, developed", description=text))
 
 
 def with_discs_of(source: NativeSimulation | Scene, scene: Scene) -> Scene:
@@ -299,11 +297,9 @@ def check_scene(scene: Scene, *, kernel: str = "stock") -> DeterministicCheck:
     short = plain_scene(scene, last, EVERY)
     part = separation(trajectory(short, "native"), trajectory(short, kernel), scene.diameter)
     worst = float(part.largest.max(initial=0.0))
-    whole = part.other_discs is None
-    note = "" if whole else f"the engines hold different discs at step {part.other_discs}"
+    note = "" if part.other_discs is None else f"the engines hold different discs at step {part.other_discs}"
     discs = max(int(part.worst.max(initial=0)), len(scene.positions))
-    agrees = whole and worst <= AGREEMENT
-    return DeterministicCheck(scene.name, kernel, discs, touched, last, worst, agrees, note)
+    return DeterministicCheck(scene.name, kernel, discs, touched, last, worst, not note and worst <= AGREEMENT, note)
 
 
 @dataclass(frozen=True)
