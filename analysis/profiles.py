@@ -267,6 +267,17 @@ def read_profiles(path: str | Path) -> xr.Dataset:
         raise DumpError(f"{path}: not a profiles file ({error}).") from error
 
 
+def read_arrays(path: Path, *names: str) -> list[np.ndarray]:
+    """Some arrays of a file of `write_profiles`, in a fifteenth of the time of `read_profiles`; errors as there."""
+    import h5netcdf  # 0.1 s
+
+    try:
+        with h5netcdf.File(path) as file:
+            return [file[name][:] for name in names]
+    except (OSError, ValueError, KeyError) as error:
+        raise DumpError(f"{path}: not a profiles file ({error}).") from error
+
+
 def _left_share_py(a):
     """Share of a unit disc's area left of x = a (exact): 1/2 + (a sqrt(1 - a^2) + asin a) / pi."""
     if a <= -1.0:

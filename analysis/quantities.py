@@ -153,7 +153,7 @@ def analyse(
         warnings += results["jump"].notes if "jump" in results else ()
         warnings += getattr(results.get("inflow"), "notes", ())
         parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
-        shown = drawings(gathered, results)
+        shown = drawings(gathered, results) if figures != "none" else {}
         drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[figures]
         if drawn:
             busy.enter_context(aside(draw_figures, drawn, shown, out / "figures", dump, flow))

@@ -222,12 +222,16 @@ _EXAMPLES = {
 }
 
 
+NUMBER_OR_TEXT = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+"""In the schema of cases, for editors."""
+
+
 def si_field(unit: str) -> Any:
     """Annotated float type that accepts a number in `unit` or a string with a unit."""
     return Annotated[
         float,
         BeforeValidator(lambda value: to_si(value, unit)),
-        WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}], "description": f"SI unit: {unit or '1'}"}),
+        WithJsonSchema({**NUMBER_OR_TEXT, "description": f"SI unit: {unit or '1'}"}),
     ]
 
 
@@ -261,3 +265,7 @@ def parse_accuracy(text: str | float) -> float:
             f"accuracy {text!r} is out of range; allowed is above 0 and below 1 (100 %), such as 1% or 0.01"
         )
     return value
+
+
+Share = Annotated[float, BeforeValidator(parse_accuracy), WithJsonSchema(NUMBER_OR_TEXT)]
+"""Annotated float type that accepts a share, also in per cent."""

@@ -161,8 +161,9 @@ def share(part: float, whole: float) -> float:
 
 def measure_state(moving: xr.Dataset, zone: tuple[float, float], speed: float, gravity: float) -> State:
     """Averages over a stretch of the moving frame; the velocity is discharge over mass depth."""
-    inside = moving.sel(xi=slice(zone[0] - 1e-9, zone[1] + 1e-9)).mean("xi")
     names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing")
+    read = moving[[name for name in (*names, "thrust") if name in moving]]
+    inside = read.sel(xi=slice(zone[0] - 1e-9, zone[1] + 1e-9)).mean("xi")
     means = {name: mean_of(inside[name].values).value for name in names}
     thrust = mean_of(inside["thrust"].values) if "thrust" in inside else Mean(nan, nan)
     velocity = means["discharge"] / means["mass_depth"]

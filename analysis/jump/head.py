@@ -240,9 +240,9 @@ def budget_between(
     carried = carried + a["elastic_flux"] - c * a["elastic"]
     power = a["power"] - c * a["thrust"]
     through = a["discharge"] - c * a["mass"]
-    scale = result.flow.gravity * float(np.nanmean(through.interp(xi=stations[0])))
+    scale = result.flow.gravity * float(np.nanmean(values_at(through, stations[0])))
     discs, contacts = (
-        (field.interp(xi=stations[0]) - field.interp(xi=stations[1])).values / scale for field in (carried, power)
+        (values_at(field, stations[0]) - values_at(field, stations[1])) / scale for field in (carried, power)
     )
     loss = integral(a["dashpots"], *stations) / scale
     net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
@@ -263,6 +263,19 @@ def budget_between(
         **as_fields(inflow=net, dashpots=taken, residual=Mean(net.value - storage - taken.value, scatter)),
         frames=int(np.isfinite(discs).sum()),
     )
+
+
+def values_at(field: xr.DataArray, place: float) -> np.ndarray:
+    """Values of a field at a place of its axis ``xi``, linear in between, frame by frame; NaN where not covered.
+
+    As ``field.interp``, which loads scipy.interpolate, 0.2 s.
+    """
+    xi = field.xi.values
+    if not xi[0] <= place <= xi[-1]:
+        return np.full(len(field), np.nan)
+    k = max(1, int(np.searchsorted(xi, place)))
+    low, high = field.values[:, k - 1], field.values[:, k]
+    return low + (high - low) / (xi[k] - xi[k - 1]) * (place - xi[k - 1])
 
 
 def no_budget(flow: Flow) -> str:

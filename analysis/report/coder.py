@@ -26,40 +26,34 @@ WORST = 50
 """Digits of one number at most: 31 bits as they are, 32 of odds of at least 31/4096, and the last four."""
 
 
-def encode(values: np.ndarray, contexts: np.ndarray) -> str:
-    """Text of whole numbers.
+def encode(*parts: tuple[np.ndarray, np.ndarray]) -> str:
+    """Text of whole numbers, one part after the other.
 
     Parameters
     ----------
-    values : ndarray of int64, shape (numbers,)
-        Of at most 31 bits and a sign.
-    contexts : ndarray of int64, shape (numbers,)
-        Context of each, from 0.
+    *parts : (ndarray of int64, ndarray of int64)
+        Numbers of at most 31 bits and a sign, and the context of each, from 0, in a shape that goes with theirs.
     """
-    return LETTERS[_digits(values, contexts)].tobytes().decode("ascii")
+    sides = zip(*(np.broadcast_arrays(*part) for part in parts), strict=True)
+    values, contexts = (np.concatenate([array.ravel() for array in side]) for side in sides)
+    odds = np.full((contexts.max(initial=0) + 1) * SLOTS, 2048)
+    return LETTERS[_digits(values, contexts, np.frexp(values)[1], odds)].tobytes().decode("ascii")
 
 
-def _digits_py(values, contexts):
-    """Digits of numbers in their contexts, shape (digits,)."""
-    odds = np.full((contexts.max() + 1) * SLOTS, 2048)
+def _digits_py(values, contexts, lengths, odds):
+    """Digits of numbers in their contexts, shape (digits,); `lengths` are their bits without the sign."""
     digits, written, low, span = np.zeros(1 << 16, np.uint8), 0, 0, TOP
     for number in range(values.size):
         if written + WORST > digits.size:
             digits = np.concatenate((digits, np.zeros_like(digits)))
-        value, slot, length = abs(values[number]), SLOTS * contexts[number], 0
-        while value >> length:
-            length += 1
+        value, slot, length = abs(values[number]), SLOTS * contexts[number], lengths[number]
         plain = (2 * value + (values[number] < 0)) ^ (1 << length)
         ahead, left = length + 1, length
         while ahead + left:
             if ahead:
                 ones, bits = odds[slot], 12
-                if ahead > 1:
-                    start, size = 0, ones
-                    odds[slot] += (4096 - ones) >> 5
-                else:
-                    start, size = ones, 4096 - ones
-                    odds[slot] -= ones >> 5
+                start, size = (0, ones) if ahead > 1 else (ones, 4096 - ones)
+                odds[slot] += (4096 - ones) >> 5 if ahead > 1 else -(ones >> 5)
                 ahead, slot = ahead - 1, slot + 1
             else:
                 bits = min(left, 8)
@@ -67,19 +61,15 @@ def _digits_py(values, contexts):
                 start, size = (plain >> left) & ((1 << bits) - 1), 1
             step = span >> bits
             low, span = low + start * step, size * step
-            if low >= TOP:  # one more in the last digit that can take it
-                low -= TOP
-                last = written - 1
-                while digits[last] == BASE - 1:
-                    digits[last] = 0
-                    last -= 1
-                digits[last] += 1
             while span < LEAST:
-                digits[written] = low // LEAST
+                digits[written] = low // LEAST  # below 2 BASE, what is above BASE - 1 is carried at the end
                 low, span, written = low % LEAST * BASE, span * BASE, written + 1
     for _ in range(4):
         digits[written] = low // LEAST
         low, written = low % LEAST * BASE, written + 1
+    for last in range(written - 1, 0, -1):
+        digits[last - 1] += digits[last] // BASE
+        digits[last] %= BASE
     return digits[:written]
 
 

@@ -26,7 +26,7 @@ function readData() {
 
 // All rows (a disc in a frame) as whole numbers, from the header of a player and its packed text.
 function unpackFrames(header, text) {
-  const { discs, rows, times } = header, next = numbers(text, 4 + COLUMNS);
+  const { discs, rows, times } = header, next = numbers(text, 4 + COLUMNS + 1);
   const run = {
     ...header,
     ids: new Float64Array(discs), first: new Uint16Array(discs), life: new Uint16Array(discs),
@@ -40,6 +40,7 @@ function unpackFrames(header, text) {
     columns.forEach((column, k) => { column[disc] = (disc ? column[disc - 1] : 0) + next(OF_A_KIND * (4 + k)); });
   }
   placeRows(run, next);
+  if (run.map) readMap(run, next);
   run.most = mostRows(run.start);
   return run;
 }
@@ -109,6 +110,43 @@ function placeRows(run, next) {
     }
   }
   run.start[times.length] = row;
+}
+
+// Fill in the numbers of the map, frame by frame, and its largest value but for the highest 0.5 % above 0.
+function readMap(run, next) {
+  const { counts: [columns, rows], unit, power } = run.map, cells = columns * rows, often = new Uint32Array(256);
+  run.levels = new Uint8Array(cells * run.times.length);
+  for (let k = 0; k < run.levels.length; k++) {
+    const before = k < cells ? 0 : run.levels[k - cells];
+    run.levels[k] = before + next(OF_A_KIND * (4 + COLUMNS) + 32 - Math.clz32(before));
+    often[run.levels[k]]++;
+  }
+  let top = 255, above = 0;
+  const all = run.levels.length - often[0];
+  while (top > 1 && (above += often[top]) <= 0.005 * all) top--;
+  run.map.top = unit * top ** power;
+}
+
+// The values of the map at an instant, cell by cell from below.
+function mapAt(run, time) {
+  const { counts: [columns, rows], unit, power } = run.map, cells = columns * rows, { times, levels } = run;
+  const frame = frameBefore(times, time), later = Math.min(frame + 1, times.length - 1);
+  const s = later > frame ? (time - times[frame]) / (times[later] - times[frame]) : 0;
+  const value = (k) => unit * levels[k] ** power;
+  return Float64Array.from({ length: cells }, (_, k) => (1 - s) * value(frame * cells + k) + s * value(later * cells + k));
+}
+
+// A value at a place, from the four cells around it.
+function valueAt({ low, sides, counts: [columns, rows] }, values, x, y) {
+  const left = (x - low[0]) / sides[0] - 0.5, below = (y - low[1]) / sides[1] - 0.5;
+  let sum = 0;
+  for (const i of [Math.floor(left), Math.floor(left) + 1]) {
+    for (const j of [Math.floor(below), Math.floor(below) + 1]) {
+      const inside = i >= 0 && j >= 0 && i < columns && j < rows;
+      if (inside) sum += (1 - Math.abs(left - i)) * (1 - Math.abs(below - j)) * values[j * columns + i];
+    }
+  }
+  return sum;
 }
 
 function mostRows(start) {

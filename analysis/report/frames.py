@@ -15,6 +15,8 @@ is a new disc.
    64 bits. Their contexts are 32 times 0 to 3, plus the bit length of the disc's unrest. At the second row of a disc it
    is `UNREST`, later half of what the row before added. A change of velocity adds its double, the rest of a position
    its half, before the next number of the row
+3. frame by frame and cell by cell of the map, where there is one: its number less that of the frame before, 0 before
+   the first. Their contexts are 32 times 12, plus the bit length of the number before
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame, make_frame, ten_indices
 
 from .coder import encode
+from .maps import about_map, packing, pressure
 
 PARTS = 64
 """Quanta of position in the smallest diameter: no place is wrong by more than 1/128 of it, less than a pixel."""
@@ -41,6 +44,8 @@ FARTHEST = (1 << 30) - 1
 """Quanta; a disc beyond is shown there."""
 LARGEST_RESIDUAL = 1 << 15
 """A disc that is further from its prediction, in quanta, counts as another disc."""
+MANY = 200_000
+"""Discs of a frame from which on the page shows the packing: a disc of those that it holds would stand for eight."""
 SHADES = 256
 """Radii that are told apart."""
 
@@ -52,8 +57,8 @@ class Packed:
     Attributes
     ----------
     header : dict
-        ``times`` (s), ``q`` (m), ``qv`` (m/s), ``discs`` and ``rows`` (K and N), ``radii`` (m) and ``share``: of the
-        discs, those that are kept.
+        ``times`` (s), ``q`` (m), ``qv`` (m/s), ``discs`` and ``rows`` (K and N), ``radii`` (m), ``share``: of the
+        discs, those that are kept, and ``map``: name, unit and grid of the map, or None.
     text : str
         Of `coder.encode`.
     """
@@ -86,25 +91,23 @@ class FramePacker:
         self.flow = flow
         self.q = flow.scene.smallest / PARTS
         self._kept: list[tuple[float, np.ndarray]] = []
-        self._radii: dict[str, np.ndarray] = {}
-        self._every, self._seen, self._count, self._share = 1, 0, 0, 1.0
+        self._maps: dict[float, list[np.ndarray]] = {}
+        self._every, self._seen, self._most, self._share = 1, 0, 0, 1.0
 
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame at a time, s."""
         self._seen += 1
+        if (self._seen - 1) % self._every == 0 and len(self._kept) == MOST_FRAMES:
+            self._kept, self._every = self._kept[::2], 2 * self._every
         if (self._seen - 1) % self._every:
             return
-        if len(self._kept) == MOST_FRAMES:
-            self._kept, self._every = self._kept[::2], 2 * self._every
-            self._count = sum(len(rows) for _, rows in self._kept)
-            if (self._seen - 1) % self._every:
-                return
         self._kept.append((time, self._thinned(self._rows(frame))))
-        self._count += len(self._kept[-1][1])
-        while (over := max(len(self._kept[-1][1]) / MOST_DISCS, self._count / MOST_ROWS)) > 1:
+        self._most = max(self._most, frame.n)
+        contacts = self.flow.knows_contacts and self._most < MANY
+        self._maps[time] = [made(frame, self.flow) for made in (packing, pressure)[: 1 + contacts]]
+        while (over := max(len(self._kept[-1][1]) / MOST_DISCS, sum(len(r) for _, r in self._kept) / MOST_ROWS)) > 1:
             self._share *= 0.95 / over
             self._kept = [(time, self._thinned(rows)) for time, rows in self._kept]
-            self._count = sum(len(rows) for _, rows in self._kept)
 
     def _rows(self, frame: Frame) -> np.ndarray:
         """A frame as rows in the order of the ids; of rows with the same id the first."""
@@ -154,11 +157,18 @@ class FramePacker:
         columns = (rows["id"][discs], frame[discs], counts, *(rows[name][discs] for name in "xy"), shade)
         table = np.column_stack([*columns, *(speed[discs] for speed in speeds)])
         changes = np.column_stack([*(speed - speed[before] for speed in speeds), *left])
-        numbers = np.diff(table, axis=0, prepend=0), changes[~entry]
-        contexts = np.tile(OF_A_KIND * np.arange(4, 12), (len(discs), 1)), _contexts(changes, before, entry)[~entry]
-        text = encode(*(np.concatenate([part.ravel() for part in parts]) for parts in (numbers, contexts)))
+        many = self._most >= MANY
+        maps = [self._maps[time][slice(1) if many else slice(1, 2)] for time in times.tolist()]
+        levels = np.array(maps, int).reshape(len(times), -1)
+        turned = np.diff(levels, axis=0, prepend=0)
+        text = encode(
+            (np.diff(table, axis=0, prepend=0), OF_A_KIND * np.arange(4, 12)),
+            (changes[~entry], _contexts(changes, before, entry)[~entry]),
+            (turned, OF_A_KIND * 12 + np.frexp(levels - turned)[1]),
+        )
         header = {"times": times, "q": self.q, "qv": qv, "discs": len(discs), "rows": len(rows), "radii": radii}
-        return Packed({**header, "share": self._share}, text)
+        about = about_map(self.flow, many) if levels.size else None
+        return Packed({**header, "share": self._share, "map": about}, text)
 
 
 def _before(ids: np.ndarray, frame: np.ndarray, order: np.ndarray) -> np.ndarray:

@@ -30,8 +30,6 @@ KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
 LONG = 20
 """Numbers of a list that are packed; fewer stand in the data."""
 UNKNOWN = -(1 << 30)
-LARGEST_PICTURE = 960, 4000
-"""Pixels of a large picture: as wide as the page shows it."""
 SCRIPTS = ("frames.js", "discs.js", "view.js", "player.js", "curves.js")
 Value = float | int | str | None
 
@@ -150,8 +148,9 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside | Choice) else [block])]
     players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
-    numbers: list[np.ndarray] = []
+    numbers: list[np.ndarray] = [np.zeros(1)]
     shown = [_lean(plain(curve.data), numbers) for curve in curves]
+    steps = np.diff(np.concatenate(numbers)).astype(int)
     data = {"players": [player.header for player in players], "curves": shown}
     style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
     return _template().render(
@@ -161,7 +160,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
         sections=[section for section in full if section.blocks],
         players=players,
         data=as_json(data) if players or curves else "",
-        numbers=Markup(_text(np.concatenate([[0], *numbers]))),
+        numbers=Markup(encode((steps, np.frexp(np.append(0, steps[:-1]))[1]))),
         style=style,
         scripts=scripts,
         policy=policy(style, scripts),
@@ -180,20 +179,14 @@ def _lean(data: object, numbers: list[np.ndarray]) -> object:
     """
     if isinstance(data, Mapping):
         return {key: _lean(value, numbers) for key, value in data.items()}
-    if not isinstance(data, list) or len(data) < LONG or not all(x is None or isinstance(x, float) for x in data):
-        return [_lean(value, numbers) for value in data] if isinstance(data, list) else data
+    if not isinstance(data, list):
+        return data
+    if len(data) < LONG or not all(value is None or isinstance(value, float) for value in data):
+        return [_lean(value, numbers) for value in data]
     values = np.array(data, float)
-    largest = np.nanmax(np.abs(values), initial=0)
-    decimals = 4 - int(np.floor(np.log10(largest))) if largest else 0
-    whole = np.where(np.isnan(values), UNKNOWN, np.rint(values * 10.0**decimals))
-    numbers.append(whole.astype(np.int64))
+    decimals = 4 - int(np.floor(np.log10(np.nanmax(np.abs(values), initial=1e-99))))
+    numbers.append(np.where(np.isnan(values), UNKNOWN, np.rint(values * 10.0**decimals)))
     return {"count": len(data), "decimals": decimals}
-
-
-def _text(numbers: np.ndarray) -> str:
-    """Text of whole numbers, each less the one before; its context is the bit length of the difference before."""
-    steps = np.diff(numbers)
-    return encode(steps, np.frexp(np.abs(np.append(0, steps[:-1])))[1])
 
 
 def policy(style: str, scripts: Sequence[str]) -> str:
@@ -275,7 +268,7 @@ def picture(path: Path, caption: str) -> Picture:
         from PIL import Image
 
         small, buffer = Image.open(io.BytesIO(data)).convert("RGB"), io.BytesIO()
-        small.thumbnail(LARGEST_PICTURE)
+        small.thumbnail((960, 4000))  # as wide as the page
         small.save(buffer, "WEBP", quality=25, method=2)
         if len(buffer.getvalue()) < 0.7 * len(data):
             data, kind = buffer.getvalue(), "image/webp"

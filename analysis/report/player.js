@@ -54,8 +54,9 @@ function takeRun(p, number) {
   bar.max = p.end;
   offerColours(p);
   part(p, "thin").hidden = share === 1;
-  part(p, "thin").textContent = `There are too many discs for a page: ${short(100 * share)} % of them are shown` +
-    (p.grown > 1 ? ", each as large as all that it stands for." : ".");
+  part(p, "thin").textContent = "There are too many discs for a page: " +
+    (p.colour === "packing" ? "it shows the share of area that they cover. In other colours " : "") +
+    `${short(100 * share)} % of them are shown` + (p.grown > 1 ? ", each as large as all that it stands for." : ".");
 }
 
 function setUp(p) {
@@ -69,8 +70,10 @@ function setUp(p) {
 
 function offerColours(p) {
   const { radii, first } = p.run;
-  const useful = { speed: true, size: radii.length > 1, age: first.some((frame) => frame > 0) };
-  for (const option of part(p, "colour").options) option.hidden = option.disabled = !useful[option.value];
+  const map = p.run.map && p.run.map.name, list = part(p, "colour");
+  const useful = { speed: true, size: radii.length > 1, age: first.some((frame) => frame > 0), [map]: true };
+  for (const option of list.options) option.hidden = option.disabled = !useful[option.value];
+  list.value = p.colour = map === "packing" ? map : useful[p.colour] ? p.colour : "speed";
 }
 
 // ---- time ----
@@ -239,7 +242,7 @@ function placeOf(p, [left, top]) {
 
 // Number of the disc under a point, or close by; null where there is none.
 function discUnder(p, point) {
-  if (point[1] > MARGIN.legend + p.high) return null;
+  if (point[1] > MARGIN.legend + p.high || p.colour === "packing") return null;
   const [x, y] = placeOf(p, point), { found } = p;
   let best = null, least = PICKED_WITHIN / p.view.scale;
   for (let k = 0; k < found.count; k++) {
@@ -263,7 +266,8 @@ function showPicked(p) {
   if (k < 0) return;
   const speed = Math.hypot(found.u[k], found.v[k]), place = (value) => value.toFixed(2).replace("-", "\u2212");
   tip.textContent = `disc ${p.run.ids[p.picked]}\nx ${place(found.x[k])}, y ${place(found.y[k])} m\n` +
-    `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k) / p.grown)} m`;
+    `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k) / p.grown)} m` +
+    (p.run.map && p.run.map.name === "pressure" ? `\npressure around it ${short(mapValue(p, k))} Pa` : "");
   placeTip(p, tip, MARGIN.left + column(p, found.x[k]), MARGIN.legend + row(p, found.y[k]), radiusOf(p, k) * p.view.scale);
 }
 

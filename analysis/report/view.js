@@ -12,10 +12,12 @@ const CLOSEST = 90;
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
   size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) / p.grown },
+  pressure: { label: "contact pressure, by its root,", unit: "Pa", root: true, of: (p, k) => mapValue(p, k) },
+  packing: { label: "share of area that discs cover", unit: "" },
   age: { label: "time since it came in", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
 };
 
-// ---- what is shown: p.view has the centre (m) and the scale (pixels a metre) ----
+// ---- what is shown: p.view has the centre (m), the scale (pixels a metre), and what sets both again for another size ----
 
 function layOut(p) {
   const width = Math.max(240, p.element.clientWidth), [[x0, x1], [y0, y1]] = p.run.seen;
@@ -26,7 +28,7 @@ function layOut(p) {
   p.dots = Math.min(3, Math.max(1, window.devicePixelRatio || 1));
   p.sized = { width, height: 0 };
   takeColours(p);
-  if (!p.view || p.view.untouched) showHome(p);
+  if (!p.view || p.view.again) (p.view ? p.view.again : showHome)(p);
   else moveView(p, 0, 0);
 }
 
@@ -57,13 +59,13 @@ function takeColours(p) {
 function showHome(p) {
   const [[x0, x1], [y0, y1]] = p.run.seen, half = p.wide / p.home / 2;
   const x = p.home > p.whole ? x1 - half : (x0 + x1) / 2;
-  p.view = { x, y: (y0 + y1) / 2, scale: p.home, untouched: true };
+  p.view = { x, y: (y0 + y1) / 2, scale: p.home, again: showHome };
   moveView(p, 0, 0);
 }
 
 function showWhole(p) {
   const [[x0, x1], [y0, y1]] = p.run.seen;
-  p.view = { x: (x0 + x1) / 2, y: (y0 + y1) / 2, scale: p.whole, untouched: true };
+  p.view = { x: (x0 + x1) / 2, y: (y0 + y1) / 2, scale: p.whole, again: showWhole };
   moveView(p, 0, 0);
 }
 
@@ -81,7 +83,7 @@ function moveView(p, right, down) {
   fitHeight(p);
   view.x = within(view.x - right / view.scale, run.seen[0], p.wide / view.scale / 2);
   view.y = within(view.y + down / view.scale, run.seen[1], p.high / view.scale / 2, true);
-  if (right || down) view.untouched = false;
+  if (right || down) view.again = null;
   paintBackground(p);
   draw(p);
 }
@@ -101,6 +103,11 @@ function row(p, y) {
 }
 
 // ---- drawing ----
+
+// Value of the map where a disc is.
+function mapValue(p, k) {
+  return valueAt(p.run.map, p.values, p.found.x[k], p.found.y[k]);
+}
 
 // Paper and walls as pixels: each picture starts from them.
 function paintBackground(p) {
@@ -133,6 +140,7 @@ function wallPath(p, { points, hollow }) {
 
 function draw(p) {
   discsAt(p.run, p.time, p.found);
+  if (p.run.map) p.values = mapAt(p.run, p.time);
   const { context } = p;
   context.setTransform(p.dots, 0, 0, p.dots, 0, 0);
   context.fillStyle = p.ink.paper;
@@ -155,6 +163,7 @@ function radiusOf(p, k) {
 function colourRange(p) {
   const { radii } = p.run;
   if (p.colour === "size") return [2 * radii[0], 2 * radii[radii.length - 1]];
+  if (p.colour === "pressure" || p.colour === "packing") return [0, p.run.map.top];
   return p.colour === "age" ? [0, p.oldest] : [0, p.run.fastest];
 }
 
@@ -168,23 +177,40 @@ function oldest(run) {
   return most;
 }
 
-function shadeOf(p, k, low, high) {
-  const share = (COLOURS[p.colour].of(p, k) - low) / (high - low || 1);
-  return Math.min(SHADES - 1, Math.max(0, Math.floor(share * SHADES)));
+function shadeOf(value, low, high, root) {
+  const share = (value - low) / (high - low || 1);
+  return Math.min(SHADES - 1, Math.max(0, Math.floor((root ? Math.sqrt(share) : share) * SHADES)));
+}
+
+// The map as a picture, in place of discs.
+function drawMap(p, high) {
+  const { counts: [columns, rows], low, sides: [wide, tall] } = p.run.map, { scale } = p.view, canvas = document.createElement("canvas");
+  canvas.width = columns;
+  canvas.height = rows;
+  const painter = new Painter(columns, rows), top = low[1] + rows * tall;
+  p.values.forEach((value, k) => {
+    const pixel = (rows - 1 - Math.floor(k / columns)) * columns + k % columns;
+    if (value) painter.pixels[pixel] = p.pixels[shadeOf(value, 0, high)];
+  });
+  canvas.getContext("2d").putImageData(painter.image, 0, 0);
+  p.context.drawImage(canvas, column(p, low[0]), row(p, top), columns * wide * scale, rows * tall * scale);
+  p.context.fillStyle = p.ink.solid;
+  for (const wall of p.run.walls) p.context.fill(wallPath(p, wall));
 }
 
 function drawDiscs(p) {
-  const { painter, found, dots } = p, [low, high] = colourRange(p), large = [];
+  const { painter, found, dots } = p, [low, high] = colourRange(p), large = [], { of, root } = COLOURS[p.colour];
   painter.pixels.set(p.background);
-  for (let k = 0; k < found.count; k++) {
+  for (let k = 0; of && k < found.count; k++) {
     const radius = radiusOf(p, k) * p.view.scale, x = column(p, found.x[k]), y = row(p, found.y[k]);
     if (x < -radius || y < -radius || x > p.wide + radius || y > p.high + radius) continue;
-    const shade = shadeOf(p, k, low, high);
+    const shade = shadeOf(of(p, k), low, high, root);
     if (radius * dots > LARGEST_STAMP) large.push([x, y, radius, shade]);
     else painter.paint(x * dots, y * dots, radius * dots, p.pixels[shade]);
   }
   p.context.putImageData(painter.image, Math.round(MARGIN.left * dots), Math.round(MARGIN.legend * dots));
   inDiscs(p, () => {
+    if (!of) drawMap(p, high);
     for (const gate of p.run.gates) if (p.time < gate.until) drawGate(p, gate);
     for (const disc of large) drawLarge(p, ...disc);
     if (p.picked !== null) drawRing(p);

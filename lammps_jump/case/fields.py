@@ -21,8 +21,8 @@ from lammps_jump.units import (
     PerSecond,
     Plain,
     Second,
+    Share,
     Stiffness,
-    parse_accuracy,
 )
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=LONGEST_NAME)]
@@ -308,7 +308,7 @@ class Run(Strict):
         le=2_000_000_000,
         description="of sizes, shifts and row speeds; 0 leaves row speeds as they are",
     )
-    accuracy: Annotated[float, BeforeValidator(parse_accuracy)] | None = Field(
+    accuracy: Share | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )
     members: Whole | None = Field(default=None, ge=1, le=1000, description="starts, of seeds 1 to this number")

@@ -148,14 +148,8 @@ def cross_validate(
 ) -> None:
     """Compare LAMMPS with the native engine; exit status 1 if they differ where they must agree."""
     study = studies.cross_validation
-    report = study.cross_validate(
-        lj.load_case(case, set_),
-        out=out,
-        members=members,
-        kernel=kernel,
-        quick=quick,
-        say=sayer(quiet),
-    )
+    read, say = lj.load_case(case, set_), sayer(quiet)
+    report = study.cross_validate(read, out=out, members=members, kernel=kernel, quick=quick, say=say)
     if not quiet or not report["passed"]:
         print(study.verdict_text(report))
         print(f"look at {(out or study.default_folder(report['name'])) / study.REPORT_FILE}")
@@ -202,11 +196,9 @@ def bench(
     varied = studies.bench.read_axes(axes, fractions, kernels, diameters, members)
     if table and part == "bench":
         return studies.table.show(studies.bench.stored_table(case, out))
-    wanted = None if case == Path("collision") else lj.load_case(case, set_)
-    say = sayer(quiet)
-    studies.table.show(
-        studies.bench.run_bench(wanted, out=out, part=part, axes=varied, quick=quick, fresh=fresh, say=say)
-    )
+    read, say = None if case == Path("collision") else lj.load_case(case, set_), sayer(quiet)
+    text = studies.bench.run_bench(read, out=out, part=part, axes=varied, quick=quick, fresh=fresh, say=say)
+    studies.table.show(text)
 
 
 @app.command()

@@ -26,7 +26,6 @@ EXPORTS = {
     "pictures": ("picture[0-9].dat",),
 }
 """Names of the files of each kind."""
-PICTURES = 10
 BINARY = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
 """How VTK files with arrays say what is in them."""
 
@@ -115,7 +114,7 @@ def _discs_for_paraview(dump: Dump, profiles: xr.Dataset, out: Path) -> list[Pat
     """Ten frames of discs as .vtp with a .pvd that holds their times."""
     diameter = profiles.attrs["disc_diameter"]
     times = dict(zip(profiles.step.values, profiles.time.values, strict=True))
-    frames = list(dump.select(ten_indices(dump.count(), PICTURES)))
+    frames = list(dump.select(ten_indices(dump.count())))
     files = [write_vtp(frame, out / f"discs{number}.vtp", diameter) for number, frame in enumerate(frames)]
     seconds = [float(times.get(frame.step, frame.time or frame.step)) for frame in frames]
     return [*files, write_pvd(zip(seconds, files, strict=True), out / "discs.pvd")]
@@ -189,7 +188,7 @@ def write_pictures(dump: Dump, folder: str | Path) -> list[Path]:
     The radius follows where the dump has it. A dump of fewer than ten frames gives as many files as it has frames.
     """
     written = []
-    for number, frame in enumerate(dump.select(ten_indices(dump.count(), PICTURES))):
+    for number, frame in enumerate(dump.select(ten_indices(dump.count()))):
         frame = frame.sorted()
         written.append(Path(folder) / f"picture{number}.dat")
         with _writing(written[-1]) as file:

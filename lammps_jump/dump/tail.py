@@ -102,13 +102,11 @@ class Tail:
         if last:
             yield from self._frames(text[text.find(MARKER) : last])
 
-    def newest(self, *, ended: bool = False) -> Frame | None:
-        """The last whole frame, None where there is none yet; where the run has `ended` the last one is whole."""
-        text = self.newest_text(ended=ended)
-        return None if text is None else next(self._frames(text), None)
+    def newest(self, guess: int = 2_000_000, *, ended: bool = False) -> Frame | None:
+        """The last whole frame, None where there is none yet; where the run has `ended` the last one is whole.
 
-    def newest_text(self, guess: int = 2_000_000, *, ended: bool = False) -> bytes | None:
-        """Text of the last whole frame; reads `guess` bytes from the end, more where a frame is larger."""
+        Reads `guess` bytes from the end, more where a frame is larger.
+        """
         try:
             size = self.path.stat().st_size
             with self.path.open("rb") as file:
@@ -119,7 +117,7 @@ class Tail:
                     stop = len(tail) if ended else tail.rfind(MARKER)
                     begin = tail.rfind(MARKER, 0, max(stop, 0))
                     if begin >= 0:
-                        return tail[begin:stop]
+                        return next(self._frames(tail[begin:stop]), None)
                     if start == 0:
                         return None
                     guess *= 4

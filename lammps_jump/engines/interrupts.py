@@ -72,31 +72,19 @@ def held_back(numbers: Iterable[int]) -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-class Request:
+class Request(threading.Event):
     """Whether an engine was asked for something."""
 
-    def __init__(self) -> None:
-        self._made = threading.Event()
-        self._act: Callable[[], None] | None = None
+    _act: Callable[[], None] | None = None
 
     def make(self) -> None:
         """Ask, and call the function that listens."""
-        self._made.set()
+        self.set()
         act = self._act
         if act is not None:
             act()
 
-    def clear(self) -> None:
-        """Forget the request, for the next run."""
-        self._made.clear()
-
-    def is_made(self) -> bool:
-        """Whether the request was made."""
-        return self._made.is_set()
-
-    def wait(self, seconds: float) -> bool:
-        """Wait for the request; False where it has not come in time."""
-        return self._made.wait(seconds)
+    is_made = threading.Event.is_set
 
     @contextmanager
     def calls(self, act: Callable[[], None]) -> Iterator[None]:

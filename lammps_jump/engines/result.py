@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lammps_jump.scene.scene import Scene
+if TYPE_CHECKING:
+    from lammps_jump.scene.scene import Scene
 
 REPORT_SECONDS = 0.1
 """Time from one report of an engine to the next."""

@@ -21,9 +21,9 @@ import sys
 import threading
 import traceback
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from types import ModuleType
 
 from lammps_jump.errors import JumpError
 from lammps_jump.folders import engine_at_work
@@ -99,15 +99,12 @@ def run_job(job: Job) -> RunResult:
         )
 
 
-def _load(engine: str) -> ModuleType | None:
+def _load(engine: str) -> None:
     """Import the engine; where that fails, the first job tells."""
-    if engine == "native":
-        return importlib.import_module(".native.engine", __package__)
-    try:
-        lammps.load_lammps()
-    except JumpError:
-        return None
-    return importlib.import_module(".lammps.drive", __package__)
+    with suppress(JumpError):
+        if engine == "lammps":
+            lammps.load_lammps()
+        importlib.import_module({"lammps": ".lammps.drive", "native": ".native.engine"}[engine], __package__)
 
 
 def _serve(job: Job) -> None:

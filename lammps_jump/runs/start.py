@@ -19,7 +19,7 @@ from lammps_jump.engines.result import ProgressCallback, RunResult
 from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
 from lammps_jump.files import RESULT_FILES
-from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_ours, require_unlocked
+from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
 from lammps_jump.script.job import Site, write_job
 
 from .ahead import Ahead
@@ -134,8 +134,6 @@ def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool 
     """
     case, setting, _ = choose_setting(case)
     marker = marker_of(case, setting)
-    require_unlocked(folder)
-    require_ours(folder, marker)
     with run_folder(folder, marker):
         if not force and has_output(folder):
             raise SetupError(f"{folder}: holds a run; name another folder with --out, or delete that run with --force")

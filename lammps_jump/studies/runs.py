@@ -37,11 +37,6 @@ def kernel_changes(kernel: str) -> dict[str, str]:
     return {"engine.name": "lammps", "engine.kernel": kernel}
 
 
-def default_integrator(kernel: str) -> str:
-    """Return the integrator that a kernel uses unless the case names one."""
-    return "leapfrog_extrapolated" if kernel == "native" else "velocity_verlet"
-
-
 def execute(
     scene: Scene, folder: Path, kernel: str, *, dump_format: str = "text", script: str | None = None
 ) -> RunResult:

@@ -6,10 +6,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from lammps_jump.case.to_scene import INTEGRATORS
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 
-from .runs import KERNELS, default_integrator, kernel_changes
+from .runs import KERNELS, kernel_changes
 
 AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
 USUAL_AXES = ("f", "touch", "kernel", "correction", "n", "skin")
@@ -107,8 +108,8 @@ def listed(option: str, text: str | None, allowed: Sequence[str]) -> tuple[str, 
 
 def stable(setting: Setting, restitution: float) -> bool:
     """Return whether the step is below the limit of a dense packing (`contact.stable_fraction`)."""
-    xi = contact.damping_ratio(restitution)
-    return setting.fraction <= contact.stable_fraction(xi, default_integrator(setting.kernel))
+    integrator = INTEGRATORS[kernel_changes(setting.kernel)["engine.name"]]
+    return setting.fraction <= contact.stable_fraction(contact.damping_ratio(restitution), integrator)
 
 
 def make_settings(

@@ -8,7 +8,7 @@ import logging
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
@@ -66,37 +66,41 @@ class Failure(NamedTuple):
     message: str
 
 
-@dataclass
 class Board:
-    """Counts what the members at work have done."""
+    """Counts what the members at work have done.
 
-    total: int
-    left: int
-    show: Callable[[SweepProgress], None]
-    done: int = 0
-    failed: int = 0
-    disc_steps: float = 0.0
+    Parameters
+    ----------
+    found : Sweep
+    retry : bool
+        Those that failed are run again.
+    show : callable
+        Called with a `SweepProgress` at every change.
+    """
 
-    def __post_init__(self) -> None:
+    def __init__(self, found: Sweep, retry: bool, show: Callable[[SweepProgress], None]):
+        count = Counter(state.stage for state in found.states.values())
+        self.now = SweepProgress(count["done"], 0 if retry else count["failed"], len(found.states), 0.0, 0.0)
+        self.left, self.show = len(found.left(retry)), show
         self._shares: dict[str, float] = {}
         self._steps: dict[str, float] = {}
 
     def heard(self, key: str, news: tuple[float, float, int]) -> None:
         """Take in the progress of a member: share and number of its steps, discs in play."""
         share, step, discs = news
-        self.disc_steps += max(0.0, step - self._steps.get(key, step)) * discs
-        self._shares[key], self._steps[key] = share, step
-        self._tell()
+        more = max(0.0, step - self._steps.get(key, step)) * discs
+        self._steps[key] = step
+        self._tell(key, share, disc_steps=self.now.disc_steps + more)
 
     def ended(self, key: str, state: State) -> None:
         """Count a member."""
-        self._shares[key] = 1.0
-        self.done, self.failed = self.done + (state.stage == "done"), self.failed + (state.stage != "done")
-        self._tell()
+        good = state.stage == "done"
+        self._tell(key, 1.0, done=self.now.done + good, failed=self.now.failed + (not good))
 
-    def _tell(self) -> None:
-        share = sum(self._shares.values()) / max(self.left, 1)
-        self.show(SweepProgress(self.done, self.failed, self.total, share, self.disc_steps))
+    def _tell(self, key: str, share: float, **changes: Any) -> None:
+        self._shares[key] = share
+        self.now = replace(self.now, share=sum(self._shares.values()) / max(self.left, 1), **changes)
+        self.show(self.now)
 
 
 class Sweep:
@@ -183,11 +187,10 @@ class Sweep:
     @property
     def summary(self) -> dict[str, Any]:
         """The statistics of each point as plain data: what ``summary.json`` of the folder holds."""
+        counts, verdicts = (self.table[name].values.ravel().tolist() for name in ("members", "verdicts"))
         points: list[dict[str, Any]] = [
-            {"values": values, "members": count, "verdicts": verdicts, "numbers": {}}
-            for values, count, verdicts in zip(
-                self.study.points, *(self.table[name].values.ravel() for name in ("members", "verdicts")), strict=True
-            )
+            {"values": values, "members": count, "verdicts": said, "numbers": {}}
+            for values, count, said in zip(self.study.points, counts, verdicts, strict=True)
         ]
         for item in self.study.collect:
             for point, found in zip(points, sweeps.table.records(self.table, item.path), strict=True):
@@ -310,10 +313,7 @@ def _complete(found: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepPr
     """Run the members of a study, and more of them where ``until`` asks for narrower intervals."""
     while True:
         prepare(found)
-        count = Counter(state.stage for state in found.states.values())
-        again = ("failed",) if retry else ()
-        failed = 0 if retry else count["failed"]
-        board = Board(len(found.states), len(found.left(retry)), progress, count["done"], failed)
+        board, again = Board(found, retry, progress), ("failed",) if retry else ()
         states, folder = found.states, found.folder
         try:
             run_members(found.members, states, folder, pool, again=again, ended=board.ended, news=board.heard)

@@ -6,11 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from made_up import INPUTS, numbers
 
 from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.jump.head import FIELDS, EnergyFluxes, budget_between, energy_budget, no_budget, sentence
+from lammps_jump.analysis.jump.head import (
+    FIELDS,
+    EnergyFluxes,
+    budget_between,
+    energy_budget,
+    no_budget,
+    sentence,
+    values_at,
+)
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.section import section
 from lammps_jump.analysis.jump.summary import summarise_jump
@@ -168,3 +177,12 @@ def test_the_report_names_the_stations_beside_the_loss(jump):
 
 def _comparisons_of(summary):
     return [row for block in section(summary).blocks if isinstance(block, Table) for row in block.rows]
+
+
+def test_values_between_bins_are_those_of_xarray():
+    """Bit for bit: at bins, between them, beyond the ends, beside cells that are not covered."""
+    values = np.random.default_rng(1).normal(size=(7, 11))
+    values[2, 3] = values[4, 9] = np.nan
+    field = xr.DataArray(values, dims=("time", "xi"), coords={"xi": 0.5 * np.arange(-5, 6)})
+    for place in (-2.5, -2.51, 2.5, 2.51, -1.0, 0.13, 1.77):
+        assert np.array_equal(values_at(field, place), field.interp(xi=place).values, equal_nan=True)

@@ -12,6 +12,7 @@ from lammps_jump.analysis.report import frames
 from lammps_jump.analysis.report.coder import encode
 from lammps_jump.analysis.report.frames import FramePacker, Packed
 from lammps_jump.dump.frame import make_frame
+from lammps_jump.scene.walls import Plane
 
 BOX = [[0, 10], [0, 5]]
 
@@ -38,6 +39,10 @@ def unpack(packed: Packed) -> list[dict[str, np.ndarray]]:
         ids, size, x, y, u, v = now[here].T
         found.append({"id": ids, "radius": radii[size], "x": x * q, "y": y * q, "u": u * qv, "v": v * qv})
     assert sum(len(discs["id"]) for discs in found) == header["rows"]
+    if header["map"]:
+        before = np.zeros(header["map"]["counts"].prod(), int)
+        for frame in found:
+            frame["map"] = before = before + [number(32 * 12 + int(level).bit_length()) for level in before]
     return found
 
 
@@ -95,7 +100,7 @@ def test_frames_come_back_within_half_a_quantum(made):
 )
 def test_numbers_come_back_from_text_that_a_page_may_hold(told):
     values, contexts = np.array(told, np.int64).reshape(-1, 2).T
-    text = encode(values, contexts)
+    text = encode((values, contexts))
     assert not set(text) & set("\0\n\r<") and text.isascii()
     number = numbers_in(text)
     assert [number(context) for _, context in told] == values.tolist()
@@ -104,7 +109,7 @@ def test_numbers_come_back_from_text_that_a_page_may_hold(told):
 def test_digits_of_the_text_carry():
     """A low end that grows over 124^4 changes digits before it, over several of the highest letter."""
     values = np.random.default_rng(5).integers(-(2**20), 2**20, 60_000)
-    text = encode(values, 0 * values)
+    text = encode((values, 0 * values))
     number = numbers_in(text)
     assert [number(0) for _ in values] == values.tolist()
     assert len(text) < 60_000 * 22.5 / 6.95
@@ -155,6 +160,79 @@ def test_many_discs_are_thinned_to_the_same_ones_in_every_frame(monkeypatch, lim
     assert len(kept[2]) / 1000 == pytest.approx(result.header["share"], rel=0.1)
     assert sum(map(len, kept)) > 0.8 * 300
     assert kept[1] == {disc for disc in kept[2] if disc <= 600}
+
+
+def values(frame, header):
+    """The map of a frame in its unit, shape (rows, columns)."""
+    about = header["map"]
+    return about["unit"] * frame["map"].astype(float).reshape(about["counts"][::-1]) ** about["power"]
+
+
+STIFF = 1e6
+
+
+def test_pressure_of_two_discs_pressed_together():
+    """Overlap 0.002 m: 2 kN over 0.198 m between the centres, in one cell of 0.77 x 0.71 m; and later apart."""
+    still = np.zeros(2)
+    made = [
+        (0.0, columns([1, 2], np.array([4.9, 5.098]), still + 2.5, still, still)),
+        (0.1, columns([1, 2], np.array([4.9, 5.2]), still + 2.5, still, still)),
+    ]
+    result = packed(made, flow(stiffness=STIFF))
+    assert result.header["map"]["name"] == "pressure"
+    pressed, apart = (values(frame, result.header) for frame in unpack(result))
+    by_hand = STIFF * 0.002 * 0.198 / 2 / (10 / 13 * 5 / 7)
+    assert not apart.any() and np.count_nonzero(pressed) == 1
+    step = result.header["map"]["unit"] ** 0.5
+    assert abs(pressed[3, 6] ** 0.5 - by_hand**0.5) <= 0.5 * step
+
+
+def test_pressure_under_stacks_is_that_of_their_weight():
+    """A stack pushes along y alone: the mean of both normal stresses is half of the weight above, in whole steps."""
+    count, d, weight = 16, 0.25, 40 * 9.81
+    load = np.arange(count, 0, -1) * weight / STIFF
+    y = np.cumsum(np.r_[-load[0], d - load[1:]])  # four contacts in a cell of 1 m, at its eighths
+    x = (np.arange(40) + 0.5) * d * (1 + 1e-6)  # a hair apart
+    still = np.zeros(x.size * count)
+    made = [(0.0, columns(np.arange(still.size), np.repeat(x, count), np.tile(y, x.size), still, still))]
+    result = packed(made, flow(d, stiffness=STIFF, walls=(Plane("floor", "y", -d / 2, "above"),)))
+    found = values(unpack(result)[0], result.header)
+    wanted = weight / d / 2 * np.array([13.5, 9.5, 5.5, 1.5, 0])  # discs above the middle of a cell
+    step = result.header["map"]["unit"] ** 0.5
+    assert found.shape == (5, 10) and (abs(found.T**0.5 - wanted**0.5) <= 0.51 * step).all()
+
+
+def test_no_stiffness_no_pressure():
+    made = [(0.0, columns([1], [1.0], [1.0], [0.0], [0.0]))]
+    assert packed(made).header["map"] is None
+
+
+def test_many_discs_have_a_map_of_the_area_that_they_cover(monkeypatch):
+    monkeypatch.setattr(frames, "MANY", 300)
+    monkeypatch.setattr(frames, "MOST_DISCS", 100)
+    dense = np.meshgrid(np.arange(0.1, 5, 0.2), np.arange(0.1, 4, 0.2))
+    x, y = (np.append(side.ravel(), [9.0]) for side in dense)
+    still = np.zeros(x.size)
+    whole = np.arange(x.size), x, y, still, still
+    made = [(float(k), columns(*(part[: 100 + 500 * k] for part in whole))) for k in range(2)]
+    result = packed(made, flow(stiffness=STIFF))
+    assert result.header["map"]["name"] == "packing" and result.header["share"] < 0.25
+    early, late = (values(frame, result.header) for frame in unpack(result))
+    cell = 10 / 13 * 5 / 7
+    for found, (_, wanted) in zip((early, late), made, strict=True):
+        assert abs(found.sum() * cell - np.pi * 0.01 * len(wanted["id"])) < found.size * cell / 64
+    assert late[1:5, 1:6].mean() == pytest.approx(np.pi / 4, rel=0.05) and early[-1].max() == 0
+
+
+@pytest.mark.slow
+def test_two_hundred_thousand_discs():
+    rng = np.random.default_rng(2)
+    still, ids = np.zeros(200_000), np.arange(200_000)
+    made = [(float(k), columns(ids, *rng.uniform(0, 5, (2, 200_000)), still, still)) for k in range(3)]
+    result = packed(made, flow(diameter=0.01, stiffness=STIFF))
+    assert result.header["map"]["name"] == "packing" and 10_000 < result.header["rows"] / 3 <= 25_000
+    covered = values(unpack(result)[2], result.header)
+    assert covered[:, :100].mean() == pytest.approx(np.pi / 4 * 0.01**2 * 200_000 / 25, abs=1 / 64)
 
 
 def test_no_disc_no_frames():

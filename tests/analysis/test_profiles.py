@@ -11,7 +11,14 @@ from made_up import columns_of_discs, disc_frame, flow_context
 
 from lammps_jump.analysis import profiles as profile_kernels
 from lammps_jump.analysis.passes import feed
-from lammps_jump.analysis.profiles import add_means, bin_edges, compute_profiles, read_profiles, write_profiles
+from lammps_jump.analysis.profiles import (
+    add_means,
+    bin_edges,
+    compute_profiles,
+    read_arrays,
+    read_profiles,
+    write_profiles,
+)
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.errors import DumpError
@@ -248,6 +255,10 @@ def test_netcdf_round_trip_with_units(tmp_path):
     path = write_profiles(ds, tmp_path / "profiles.nc")
     again = read_profiles(path)
     assert again.identical(ds)
+    for name, values in zip(("x", "velocity_mean"), read_arrays(path, "x", "velocity_mean"), strict=True):
+        assert np.array_equal(values, again[name].values, equal_nan=True)
+    with pytest.raises(DumpError, match="not a profiles file"):
+        read_arrays(path, "absent")
     assert again.discharge.attrs["units"] == "m2 s-1" and "discharge" in again.discharge.attrs["long_name"]
     assert again.attrs["window_frames"] == 15
     with pytest.raises(DumpError, match="not a profiles file"):

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lammps_jump.dump.find import find_dump, read_dump
-from lammps_jump.dump.frame import make_frame
+from lammps_jump.dump.frame import make_frame, require_finite
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
@@ -311,3 +311,11 @@ def test_files_of_two_runs_are_no_dump(tmp_path):
     with pytest.raises(DumpError, match=r"dump\.2_0\.lammps: step 0 follows step 1000 .*pattern in quotes"):
         list(read_dump(tmp_path))
     assert len(read_dump(tmp_path / "dump.2_*.lammps")) == 3
+
+
+def test_the_first_column_at_fault_is_named():
+    """Columns were looked at in an order that changed from run to run."""
+    names = ("vy", "id", "y", "vx", "x", "radius")
+    frame = make_frame(7, 0.0, [(0, 1), (0, 1)], {name: [np.nan] for name in names})
+    with pytest.raises(DumpError, match="step 7, row 1 of the frame: vy is nan, not a number"):
+        require_finite(frame, "dump")

@@ -52,13 +52,20 @@ def browser(tmp_path_factory):
         yield running
 
 
-def made_frames(count=6):
+def made_frames(count=6, radius=0.06):
     """Discs that come in from the left, fall over an edge and leave."""
     frames = []
     for k in range(count):
         ids = np.arange(1, 40 + 5 * k)[3 * k :]
         x, y = 0.2 * (40 + 5 * k - ids) - 0.1, 0.1 + 0.2 * (ids % 3)
-        columns = {"id": ids, "x": x, "y": y, "vx": 0 * x + 2.0, "vy": np.sin(ids), "radius": 0.06 + 0.001 * (ids % 40)}
+        columns = {
+            "id": ids,
+            "x": x,
+            "y": y,
+            "vx": 0 * x + 2.0,
+            "vy": np.sin(ids),
+            "radius": radius + 0.001 * (ids % 40),
+        }
         frames.append(make_frame(k, 0.5 * k, [[0, 10], [-2, 5]], columns))
     return frames
 
@@ -66,15 +73,15 @@ def made_frames(count=6):
 FLOOR = (Block("floor", (-1, 7), (-1, 0)),)
 
 
-def made_report(folder, *, name="made-up", walls=FLOOR, timed=True):
+def made_report(folder, *, name="made-up", walls=FLOOR, timed=True, radius=0.06, **more):
     """A report of made-up frames and the summary in it."""
     inlet = InletRow(x=0.0, y=0.1, vx=2.0, vy=0.0, first_step=0, every_steps=1, clearance=0.2)
     flow = flow_context(
         domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=walls, name=name, sized=True, diameter=0.2, timed=timed,
-        inlets=(inlet,), outlets=(Outlet("x", 9.0, "above", 1),),
+        inlets=(inlet,), outlets=(Outlet("x", 9.0, "above", 1),), **more,
     )  # fmt: skip
     packer = FramePacker(flow)
-    for frame in made_frames():
+    for frame in made_frames(radius=radius):
         packer.add(frame, frame.time)
     summary = {"name": name, "description": name, "discs": {"inserted": 64, "present": 49}, "warnings": [name]}
     (folder / "figures").mkdir()
@@ -310,12 +317,65 @@ def test_thinned_discs_stand_for_all(browser, tmp_path, monkeypatch, most, said)
     assert page.troubles() == []
 
 
+CHOOSE = """((list) => {{ list.value = '{}'; list.dispatchEvent(new Event('change')); }})(part(players[0], 'colour'))"""
+OFFERED = "[...part(players[0], 'colour').options].filter((one) => !one.disabled).map((one) => one.value)"
+
+
+def test_colour_by_pressure(browser, tmp_path):
+    """Between the middles of cells and between frames the pressure goes in straight lines; the tip has it."""
+    path = made_report(tmp_path, stiffness=1e5, radius=0.09)
+    page = Page(browser, path)
+    assert page.run(OFFERED) == ["speed", "size", "age", "pressure"] and page.run(STATE)["colour"] == "speed"
+    about, levels = page.run("[players[0].run.map, Array.from(players[0].run.levels)]")
+    columns, rows = about["counts"]
+    stored = about["unit"] * np.array(levels, float).reshape(-1, rows, columns) ** 2
+    assert stored.shape[0] == 6 and 0 < about["top"] <= stored.max()
+    page.run("tell('seek', 1.25); " + CHOOSE.format("pressure"))
+    now = (stored[2] + stored[3]) / 2
+    row, column = np.unravel_index(now.argmax(), now.shape)
+    x, y = (about["low"][axis] + about["sides"][axis] * (cell + 1) for axis, cell in ((0, column), (1, row)))
+    corner = np.pad(now, ((0, 1), (0, 1)))[row : row + 2, column : column + 2].mean()
+    assert page.run(f"valueAt(players[0].run.map, players[0].values, {x}, {y})") == pytest.approx(corner)
+    assert "contact pressure" in page.run("COLOURS[players[0].colour].label")
+    page.run("pick(players[0], players[0].found.disc[20])")
+    told = page.run("short(mapValue(players[0], 20))")
+    assert f"pressure around it {told} Pa" in page.run("document.querySelector('.tip').innerText")
+    colour = page.run("String(players[0].colours[shadeOf(mapValue(players[0], 20), ...colourRange(players[0]), true)])")
+    assert page.run(f"{PIXEL}(players[0].found.x[20], players[0].found.y[20])") == colour
+    assert page.troubles() == []
+
+
+def test_many_discs_are_shown_as_packing(browser, tmp_path, monkeypatch):
+    monkeypatch.setattr(frames, "MANY", 40)
+    monkeypatch.setattr(frames, "MOST_DISCS", 12)
+    page = Page(browser, made_report(tmp_path, walls=()))
+    assert page.run(STATE)["colour"] == "packing" and "packing" in page.run(OFFERED)
+    assert "it shows the share of area that they cover. In other colours" in page.run(
+        "document.querySelector('.thin').innerText"
+    )
+    about, cells = page.run("[players[0].run.map, players[0].values.map((value) => value)]")
+    fullest = int(np.argmax(list(cells.values())))
+    row, column = divmod(fullest, about["counts"][0])
+    x, y = (about["low"][axis] + about["sides"][axis] * (cell + 0.5) for axis, cell in ((0, column), (1, row)))
+    top = "players[0].run.map.top"
+    colour = page.run(f"String(players[0].colours[shadeOf(players[0].values[{fullest}], 0, {top})])").split(",")
+    shown = page.run(f"{PIXEL}({x}, {y})").split(",")
+    assert max(abs(int(a) - int(b)) for a, b in zip(shown, colour, strict=True)) <= 3
+    assert page.run("discUnder(players[0], [300, 100])") is None
+    page.run(CHOOSE.format("speed"))
+    assert page.run("discUnder(players[0], [MARGIN.left + column(players[0], players[0].found.x[0]),"
+                    " MARGIN.legend + row(players[0], players[0].found.y[0])])") is not None  # fmt: skip
+    assert page.troubles() == []
+
+
 def test_phone(browser, tmp_path):
     page = Page(browser, made_report(tmp_path), width=390, height=800, scale=2, phone=True)
     assert page.run("document.documentElement.scrollWidth") == 390
     state = page.run(STATE)
     assert state["scale"] == pytest.approx(2 * page.run("players[0].whole"))
     key(page, "0")
+    assert page.run(STATE)["scale"] == pytest.approx(page.run("players[0].whole"))
+    page.run("layOut(players[0])")  # as for another size
     assert page.run(STATE)["scale"] == pytest.approx(page.run("players[0].whole"))
     assert page.troubles() == []
 

@@ -75,7 +75,7 @@ def test_study_leaves_report_json_and_figures(study):
 def numbers_only(monkeypatch):
     """Small scenes and figures have their tests above."""
     monkeypatch.setattr(cross_validation, "micro_scenes", tuple)
-    monkeypatch.setattr(cross_validation, "draw_all", lambda study, part, found, folder: {})
+    monkeypatch.setattr(cross_validation.page, "draw_all", lambda chart, found, laws, folder: {})
 
 
 def test_study_goes_on_where_it_was_interrupted(study, numbers_only):

@@ -16,10 +16,10 @@ from lammps_jump.errors import RunError, SetupError
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
 from lammps_jump.studies.cross_validation import trajectories
-from lammps_jump.studies.cross_validation.ensembles import Study
 from lammps_jump.studies.cross_validation.page import verdict_text
 from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
+from lammps_jump.studies.cross_validation.study import Study
 from lammps_jump.studies.cross_validation.trajectories import (
     AGREEMENT,
     DeterministicCheck,

@@ -95,12 +95,11 @@ template <class Number> struct ContactForce {
   Number rub_x, rub_y;      // share of friction in the force
 };
 
-/** Elastic energy of an overlap, J per metre of width. */
-template <Touch TOUCH> inline double elastic_energy(const Law &law, double overlap)
+/** Elastic energy of an overlap, J per metre of width; the width of a sharp touch is 0. */
+inline double elastic_energy(const Law &law, double overlap)
 {
-  if (overlap <= 0.0) return 0.0;
-  if (TOUCH == Touch::SHARP) return 0.5 * law.k * overlap * overlap;
   const double s = law.width;
+  if (overlap <= 0.0) return 0.0;
   if (overlap < s) return law.k * overlap * overlap * overlap / (6.0 * s);
   return law.k * (s * s / 6.0 + 0.5 * (overlap * overlap - s * s) - 0.5 * s * (overlap - s));
 }

@@ -302,7 +302,7 @@ void FixJumpStep::reduce()
       }
       const double deep = pair->radius_of(i) - distance;
       overlap = std::max(overlap, deep);
-      sum[1] += pair->elastic_energy(law, deep);
+      sum[1] += jump::elastic_energy(law, deep);
     }
   }
   sum[2] = dashpot_loss;

@@ -82,7 +82,6 @@ class PairJumpDisc : public Pair, public DiscSettings {
   void pack(int, int);
   void pack_sizes(int, int);
   double elastic_energy() const;
-  double elastic_energy(const jump::Law &, double) const;
   double largest_overlap() const;
   void check_discs(int, int);
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }

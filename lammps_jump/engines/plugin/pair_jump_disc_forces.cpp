@@ -219,12 +219,6 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
   });
 }
 
-/** Elastic energy of one overlap under the touch in use, J/m. */
-double PairJumpDisc::elastic_energy(const jump::Law &rule, double overlap) const
-{
-  return smooth ? jump::elastic_energy<Touch::SMOOTH>(rule, overlap) : jump::elastic_energy<Touch::SHARP>(rule, overlap);
-}
-
 /** Elastic energy in the pairs of this rank, from the positions of the last force evaluation, J/m. */
 double PairJumpDisc::elastic_energy() const
 {
@@ -236,7 +230,7 @@ double PairJumpDisc::elastic_energy() const
     const double reach = reach_of(first[p], second[p]);
     if (rsq >= reach * reach) continue;
     const double share = force->newton_pair || second[p] < nlocal ? 1.0 : 0.5;
-    sum += share * elastic_energy(law, reach - std::sqrt(rsq));
+    sum += share * jump::elastic_energy(law, reach - std::sqrt(rsq));
   }
   return sum;
 }

@@ -10,7 +10,7 @@ the largest deviation, and its floor is 0.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import chain
 from math import inf
@@ -34,6 +34,8 @@ EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""
 
 Value = float | list[float] | None
+Measures = dict[str, Value]
+"""What was measured in one run: numbers and curves by name."""
 
 
 class QuantityError(NamedTuple):
@@ -89,9 +91,9 @@ def _root_mean_square(values: np.ndarray) -> float:
 CURVE_POINTS = 20
 
 
-def measure(run: Made) -> dict[str, Value]:
+def measure(run: Made) -> Measures:
     """Return the numbers and curves of a run that its case asks for; none of a run that is not complete."""
-    found: dict[str, Value] = {}
+    found: Measures = {}
     summary, folder = run.summary, run.folder
     if energy := summary.get("energy"):
         found["energy deviation"] = energy["max_deviation"]
@@ -110,14 +112,12 @@ def measure(run: Made) -> dict[str, Value]:
     return found
 
 
-def names_of(runs: Iterable[Mapping[str, Value]]) -> list[str]:
+def names_of(runs: Iterable[Measures]) -> list[str]:
     """Return the quantities that some run measured, in order."""
     return list(dict.fromkeys(name for run in runs for name, value in run.items() if value is not None))
 
 
-def setting_errors(
-    runs: Sequence[Mapping[str, Value]], reference: Sequence[Mapping[str, Value]]
-) -> dict[str, QuantityError]:
+def setting_errors(runs: Sequence[Measures], reference: Sequence[Measures]) -> dict[str, QuantityError]:
     """Return `quantity_error` of every quantity of a setting's runs."""
     return {
         name: quantity_error(name, *([measures.get(name) for measures in side] for side in (runs, reference)))
@@ -227,7 +227,6 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh
     changes = [setting.changes(fields.discs.diameter) for setting in chosen]
     starts: list[Start] = []
     in_turn(range(len(chosen)), rounds, lambda n, turn: starts.append(Start(n, changes[n], fields.run.seed + turn)))
-
     seconds = "{cpu_seconds:.2f} s"
 
     def said(made: Made) -> None:
@@ -259,11 +258,7 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh
 
 
 def make_row(
-    setting: Setting,
-    runs: list[Made],
-    measures: list[dict[str, Value]],
-    reference: list[dict[str, Value]],
-    is_reference: bool,
+    setting: Setting, runs: list[Made], measures: list[Measures], reference: list[Measures], is_reference: bool
 ) -> Results:
     """Return what is stored of a setting: medians over its complete runs, messages of the others, errors."""
     complete = [run.summary for run in runs if run.summary]

@@ -28,7 +28,8 @@ from typing import Any
 import pandas as pd
 
 from lammps_jump import Case
-from lammps_jump.analysis.draw.style import BLUE, GREY, drawing, save
+from lammps_jump.analysis.draw.chart import Chart, Line, Panel
+from lammps_jump.analysis.draw.style import drawn, save
 from lammps_jump.engines import usable_kernels
 from lammps_jump.engines.native import run_native
 from lammps_jump.errors import RunError, SetupError
@@ -111,17 +112,10 @@ def cell_page(data: Results, folder: Path) -> str:
     """Return the Markdown table; draws CPU time against cell size, the neighbour list as a line."""
     table = pd.DataFrame(data["rows"]).astype(float)
     cells, lists = table.dropna(subset="size"), table[table["size"].isna()]
-    with drawing(5.6, 3.4) as (figure, axes):
-        axes.plot(cells["size"], cells.seconds, "o-", color=BLUE, label="cells")
-        for seconds in lists.seconds:
-            axes.axhline(seconds, color=GREY, linestyle="--", label=search_name(None))
-        axes.axvline(2.0, color="#bbbbbb", linewidth=0.8)
-        axes.annotate("thesis", (2.0, 0.02), xycoords=("data", "axes fraction"), fontsize=7, color="#666666")
-        axes.set_ylim(bottom=0)
-        title = f"{data['case']}: contact search of the native engine"
-        axes.set(xlabel="cell size over disc diameter", ylabel="CPU time (s)", title=title)
-        axes.legend()
-        save(figure, folder / "cells.png")
+    line, levels = Line("cells", cells["size"], cells.seconds, "measured"), {search_name(None): lists.seconds.min()}
+    panel = Panel("CPU time (s)", [line], levels=levels, marks={"thesis": 2.0}, y_limits=(0.0, None))
+    title, x = "contact search of the native engine", "cell size over disc diameter"
+    save(drawn(Chart(title, x, [panel], name=data["case"])), folder / "cells.png")
     columns = {
         "contact search": lambda row: search_name(row["size"]),
         "CPU time (s):": "{seconds:.2f}",

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from math import isfinite, nan
 from pathlib import Path
 
@@ -14,15 +15,12 @@ from matplotlib.figure import Figure
 from lammps_jump.analysis.draw.chart import PLACE, TIME, Chart, Line, Panel
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, drawing, drawn, save
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
-from lammps_jump.files import plain
+from lammps_jump.scene.scene import Scene
 from lammps_jump.studies.table import Column, cells
-from lammps_jump.sweeps.members import JITTER
-from lammps_jump.sweeps.store import Results, all_versions
 
-from .ensembles import Study
 from .quantities import Comparison, Curve, relative_size
-from .statistics import CONFIDENCE, DECIDES, FAMILY_ERROR
-from .trajectories import AGREEMENT, CONTACT_STEPS, Divergence, Growth
+from .statistics import DECIDES
+from .trajectories import AGREEMENT, CONTACT_STEPS, DeterministicCheck, Divergence, Growth
 
 SHOWN = {"lammps_stock": "LAMMPS (stock)", "lammps_compiled": "LAMMPS (compiled kernel)", "native": "native engine"}
 DIVERGENCE = "How the engines part, disc by disc"
@@ -30,13 +28,17 @@ LAW_FIGURES = ("What the choice of law, integrator and correction changes", "Dep
 DEPTH = "mass_depth profile"
 
 
-def draw_all(study: Study, part: Divergence, found: Comparison, folder: Path) -> dict[str, Path]:
-    """Draw what the study has; returns file by title, in the order of the report."""
+Laws = dict[str, tuple[str, Comparison]]
+"""What each choice of law changes, in words and in numbers, by its label."""
+
+
+def draw_all(chart: Chart, found: Comparison, choices: Laws, folder: Path) -> dict[str, Path]:
+    """Draw the chart of the `divergence` and what was compared; returns file by title, in the order of the report."""
     folder.mkdir(parents=True, exist_ok=True)
     profiles = [name for name in found.bands if name.endswith("profile")]
     times = [name for name in found.bands if found.bands[name][0].axis == "t"]
     leading = [name for name in times if "front" in name or "toe" in name]
-    figures = {"divergence": divergence(study, part)}
+    figures = {"divergence": chart}
     curves = {
         "profiles": ("Profiles along the channel, mean over the window", profiles),
         "front": ("Toe of the jump" if "jump toe history" in leading else "Front", leading),
@@ -44,17 +46,17 @@ def draw_all(study: Study, part: Divergence, found: Comparison, folder: Path) ->
     }
     for file, (title, names) in curves.items():
         figures |= {file: means(title, found, names), f"{file}_differences": gaps(title, found, names)} if names else {}
-    laws = {label: comparison for label, (_, comparison) in study.laws.items()}
+    laws = {label: comparison for label, (_, comparison) in choices.items()}
     if any(DEPTH in law.bands for law in laws.values()):
         figures["law_profiles"] = law_profiles(laws)
-    files = {chart.title: save(drawn(chart), folder / f"{name}.png") for name, chart in figures.items()}
+    files = {one.title: save(drawn(one), folder / f"{name}.png") for name, one in figures.items()}
     files["Differences of all numbers"] = save(forest({"": found}), folder / "differences.png")
     return files | ({LAW_FIGURES[0]: save(forest(laws), folder / "laws.png")} if laws else {})
 
 
-def divergence(study: Study, part: Divergence) -> Chart:
+def divergence(scene: Scene, checks: Sequence[DeterministicCheck], part: Divergence) -> Chart:
     """Describe separation against time, with its twin, and the stretch in which the engines must agree."""
-    scene, found = study.scene, part.found
+    found = part.found
     rows = (
         (part.engines, found["growth"], "first", f"LAMMPS ({found['kernel']}) from native"),
         (part.twin, found["twin_growth"], "second", "native from native, start off by the last digits"),
@@ -64,7 +66,7 @@ def divergence(study: Study, part: Divergence) -> Chart:
              np.log10(np.where(run.largest > 0, run.largest, nan)), look)
         for run, growth, look, label in rows
     ]  # fmt: skip
-    begin = next((check.first_contact for check in study.checks if check.name == scene.name), None)
+    begin = next((check.first_contact for check in checks if check.name == scene.name), None)
     steps = {} if begin is None else {"first contact": begin, f"{CONTACT_STEPS} steps later": begin + CONTACT_STEPS}
     y, marks = "log10 of the largest distance\nof a disc's two places [d]", {t: scene.time(s) for t, s in steps.items()}
     limits = -17.0, 1.0 + max(0.0, *(np.nanmax(line.y, initial=0.0) for line in lines))
@@ -148,54 +150,13 @@ def law_profiles(laws: dict[str, Comparison]) -> Chart:
     return Chart(LAW_FIGURES[1], PLACE, [Panel("depth by mass [m]", lines)])
 
 
-def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float) -> dict:
-    """Return what goes into ``cross_validation.json``.
-
-    Parameters
-    ----------
-    study : Study
-    divergence : Divergence
-    found : Comparison
-        Of the engines.
-    criteria : list of dict
-    seconds : float
-        Wall time of the study, s.
-    """
-    passed = found.agrees and all(check.passed for check in study.checks)
-    laws = {label: {"what": text, **law.stored()} for label, (text, law) in study.laws.items()}
-    runs = {
-        label: [{"seed": seed, **member.run} for seed, member in zip(study.seeds, group, strict=True)]
-        for label, group in study.members.items()
-    }
-    return plain({
-        "name": study.name,
-        "passed": passed and all(item["met"] is not False for item in criteria),
-        "seconds": seconds,
-        "versions": all_versions(),
-        "seeds": study.seeds,
-        "jitter": JITTER,
-        "confidence": CONFIDENCE,
-        "family_error": FAMILY_ERROR,
-        "time_step_fraction": study.scene.coefficients.time_step_fraction,
-        "duration": study.scene.time(study.scene.steps),
-        "lammps_kernel": study.kernel,
-        "notes": study.notes,
-        "disc_by_disc": study.checks,
-        "divergence": divergence.found,
-        "statistics": found.stored(),
-        "criteria": criteria,
-        "laws": laws,
-        "runs": runs,
-    })  # fmt: skip
-
-
 def write_report(report: dict, description: str, figures: dict[str, Path], path: Path) -> Path:
     """Write the page with the figures in it.
 
     Parameters
     ----------
     report : dict
-        Of `as_dict`.
+        Content of ``cross_validation.json``.
     description : str
         Of the scene.
     figures : dict of str to Path

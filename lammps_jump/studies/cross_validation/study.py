@@ -4,27 +4,106 @@
 Three parts. The engines must follow the same path over the first thousand steps with contacts (same law, same
 integrator, same start). Afterwards their ensembles must not differ. Then the effect of friction law, integrator and
 restitution correction is measured. `docs/cross_validation.md` says how to read the result.
+
+An ensemble is one case from slightly different starts. Two runs of a chaotic flow never agree disc by disc
+for long. What they can share is the statistics over starts that differ by less than any measurement shows.
 """
 
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass, field
+from itertools import product
 from math import isfinite, nan
 from pathlib import Path
 
 from lammps_jump import Case
 from lammps_jump.engines import choose, usable_cores, usable_kernels
-from lammps_jump.errors import SetupError
-from lammps_jump.files import write_json
-from lammps_jump.sweeps import Pool
-from lammps_jump.sweeps.store import Results, Say
+from lammps_jump.errors import RunError, SetupError
+from lammps_jump.files import plain, write_json
+from lammps_jump.scene.scene import Scene
+from lammps_jump.studies.runs import kernel_changes
+from lammps_jump.sweeps import Pool, Start, run_starts
+from lammps_jump.sweeps.members import JITTER
+from lammps_jump.sweeps.store import Results, Say, all_versions
 
-from . import trajectories
-from .ensembles import Study
-from .page import as_dict, draw_all, write_report
-from .quantities import Comparison
+from . import page, trajectories
+from .quantities import Comparison, Quantities, compare, measure
 from .scenes import friction_scene, micro_scenes
-from .trajectories import CONTACT_STEPS, TWIN_JITTER, Divergence, Growth, perturbed
+from .statistics import CONFIDENCE, FAMILY_ERROR
+from .trajectories import CONTACT_STEPS, TWIN_JITTER, DeterministicCheck, Divergence, Growth, perturbed
+
+LABELS = {"stock": "lammps_stock", "compiled": "lammps_compiled", "native": "native"}
+"""Name of an ensemble in tables, by kernel."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """A cross-validation; its containers are filled part by part.
+
+    Attributes
+    ----------
+    case : Case
+        With the law and integrator that both engines have.
+    scene : Scene
+    kernel : {'stock', 'compiled'}
+        LAMMPS kernel of the ensembles.
+    folder : Path
+        Keeps the runs of all members.
+    pool : Pool
+    seeds : tuple of int
+        Of the members of each ensemble.
+    notes : list of str
+    say : callable
+    checks, divergence
+        Disc by disc.
+    members : dict of list of Quantities
+        By ensemble.
+    laws : dict of str to (text, Comparison)
+    """
+
+    case: Case
+    scene: Scene
+    kernel: str
+    folder: Path
+    pool: Pool
+    seeds: tuple[int, ...]
+    notes: list[str]
+    say: Say
+    checks: list[DeterministicCheck] = field(default_factory=list)
+    members: dict[str, list[Quantities]] = field(default_factory=dict)
+    laws: dict[str, tuple[str, Comparison]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Name of the case."""
+        return self.case.name
+
+    def run(self, case: Case, kernel: str, label: str = "") -> str:
+        """Run and measure an ensemble of a case; returns its name.
+
+        Raises
+        ------
+        RunError
+            A member that did not complete.
+        """
+        name = label or LABELS[kernel]
+        case = case.replace({**kernel_changes(kernel), "analysis.energy": True, "run.dump_format": "binary"})
+        new: list[Start] = []
+        starts = [Start(0, {}, seed) for seed in self.seeds]
+        made = run_starts(case, starts, self.folder, self.pool, said=lambda one: new.append(one.start))
+        for start, _, summary, message in made:
+            if not summary:
+                raise RunError(f"{name}, member {start.seed}: {message}")
+            how = f"{summary['wall_seconds']['run']:.1f} s" if start in new else "was there"
+            self.say(f"{name}, member {start.seed}: {how}, {summary['discs']['present']} discs in play at the end")
+        self.members[name] = [measure(one.folder, one.summary, case.scene()) for one in made]
+        return name
+
+    def compare(self, one: str, two: str, label: str = "") -> Comparison:
+        """Compare two ensembles; `label` is the name of the second in the result."""
+        return compare((one, label or two), self.members[one], self.members[two], FAMILY_ERROR)
+
 
 MEMBERS, QUICK_MEMBERS = 6, 3
 DIVERGENCE_WORK = 4e7
@@ -93,9 +172,51 @@ def cross_validate(
     limits = criteria(study, found)
     report = as_dict(study, divergence, found, limits, time.perf_counter() - begin)
     write_json(study.folder / RESULT_FILE, report)
-    figures = draw_all(study, divergence, found, study.folder / "figures")
-    write_report(report, study.scene.description, figures, study.folder / REPORT_FILE)
+    chart = page.divergence(study.scene, study.checks, divergence)
+    figures = page.draw_all(chart, found, study.laws, study.folder / "figures")
+    page.write_report(report, study.scene.description, figures, study.folder / REPORT_FILE)
     return report
+
+
+def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float) -> dict:
+    """Return what goes into ``cross_validation.json``.
+
+    Parameters
+    ----------
+    study : Study
+    divergence : Divergence
+    found : Comparison
+        Of the engines.
+    criteria : list of dict
+    seconds : float
+        Wall time of the study, s.
+    """
+    passed = found.agrees and all(check.passed for check in study.checks)
+    laws = {label: {"what": text, **law.stored()} for label, (text, law) in study.laws.items()}
+    runs = {
+        label: [{"seed": seed, **member.run} for seed, member in zip(study.seeds, group, strict=True)]
+        for label, group in study.members.items()
+    }
+    return plain({
+        "name": study.name,
+        "passed": passed and all(item["met"] is not False for item in criteria),
+        "seconds": seconds,
+        "versions": all_versions(),
+        "seeds": study.seeds,
+        "jitter": JITTER,
+        "confidence": CONFIDENCE,
+        "family_error": FAMILY_ERROR,
+        "time_step_fraction": study.scene.coefficients.time_step_fraction,
+        "duration": study.scene.time(study.scene.steps),
+        "lammps_kernel": study.kernel,
+        "notes": study.notes,
+        "disc_by_disc": study.checks,
+        "divergence": divergence.found,
+        "statistics": found.stored(),
+        "criteria": criteria,
+        "laws": laws,
+        "runs": runs,
+    })  # fmt: skip
 
 
 def default_folder(name: str) -> Path:
@@ -131,25 +252,20 @@ def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, poo
 
 def _disc_by_disc(study: Study, work: float) -> Divergence:
     """Check small scenes and the case on every LAMMPS kernel; returns how the runs of the case part afterwards."""
-    kernels = [kernel for kernel in usable_kernels()[0] if kernel != "native"]
-    if study.scene.touch == "smooth":
-        kernels.remove("stock")
-    developed = trajectories.developed_scene(study.scene, work=10 * work)
-    own = (study.scene, developed)
-    scenes = [(scene, kernel) for scene in micro_scenes() for kernel in kernels]
-    scenes += [(friction_scene("sign"), kernel) for kernel in kernels if kernel == "compiled"]
-    scenes += [(scene, kernel) for scene in own for kernel in kernels]
-    for scene, kernel in scenes:
+    lacking = {"native"} | ({"stock"} if study.scene.touch == "smooth" else set())
+    kernels = [kernel for kernel in usable_kernels()[0] if kernel not in lacking]
+    own = (study.scene, trajectories.developed_scene(study.scene, work=10 * work))
+    scenes = [*product(micro_scenes(), kernels)]
+    scenes += [(friction_scene("sign"), "compiled")] if "compiled" in kernels else []
+    for scene, kernel in [*scenes, *product(own, kernels)]:
         check = trajectories.check_scene(scene, kernel=kernel)
         if scene in own:
             twin, last = perturbed(scene, 1, TWIN_JITTER), check.last_step
             check = check.explain(lambda s=scene, t=twin, n=last: trajectories.twin_separation(s, t, n))
         study.checks.append(check)
         word = "agrees" if check.agrees else ("differs as expected" if check.passed else "DIFFERS")
-        study.say(
-            f"disc by disc: {check.name} ({kernel}): {check.worst:.1e} d over {CONTACT_STEPS} steps with contacts, "
-            f"{word}"
-        )
+        apart = f"{check.worst:.1e} d over {CONTACT_STEPS} steps with contacts"
+        study.say(f"disc by disc: {check.name} ({kernel}): {apart}, {word}")
     divergence = trajectories.measure_divergence(study.scene, kernels[0], work)
     growth, twin = (_per(divergence.found[name]) for name in ("growth", "twin_growth"))
     study.say(f"divergence: grows by e every {growth} s, a native twin every {twin} s")
@@ -164,14 +280,12 @@ def _laws(study: Study, case: Case) -> None:
     """Measure what each choice changes, on the native engine, which has them all."""
     rubs, elastic = study.scene.coefficients.friction > 0, study.scene.coefficients.restitution == 1
     base = case.replace({"engine.name": "native", **VERLET, **HOOKE, "engine.ranks": 1})
+    # without velocities in the force the two integrators are the same algebra: identical trajectories
+    changing = {"sign": rubs, "thesis": rubs, "uncorrected": not elastic, "leap-frog": rubs or not elastic}
     for label, (text, changes) in LAWS.items():
-        if (label in ("sign", "thesis") and not rubs) or (label == "uncorrected" and elastic):
-            continue
-        if label == "leap-frog" and elastic and not rubs:
-            # without velocities in the force the two integrators are the same algebra: identical trajectories
-            continue
-        name = study.run(base.replace(changes), "native", f"native_{label}")
-        study.laws[label] = text, study.compare("native", name, label)
+        if changing[label]:
+            name = study.run(base.replace(changes), "native", f"native_{label}")
+            study.laws[label] = text, study.compare("native", name, label)
 
 
 def criteria(study: Study, found: Comparison) -> list[Results]:
