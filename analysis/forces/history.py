@@ -216,8 +216,7 @@ def _structure(name: str, history: ForceHistory, flow: Flow, profiles: xr.Datase
             moment = history.moment + (max(bed, foot) - wall.moment_point[1]) * history.fx
             high = top - max(foot, bed)
             depth = _at_times(history.time, profiles, profiles["mass_depth"].values[:, near])
-            wetted = np.clip(depth, 0, high)
-            hydrostatic = flow.scene.density * gravity * wetted * (depth - 0.5 * wetted)
+            hydrostatic = waves.hydrostatic_force(depth, flow.scene.density, gravity, np.maximum(depth - high, 0))
         if far is not None:
             flux = profiles["momentum_flux"].values[:, far]
             towards = side * profiles["discharge"].values[:, far] < 0

@@ -117,7 +117,7 @@ class State:
     @property
     def froude_relative(self) -> float:
         """Froude number in the frame of the front, (u - c) / sqrt(g s)."""
-        return (self.velocity - self.speed) / sqrt(self.gravity * self.mass_depth)
+        return waves.relative_froude(self.velocity, self.mass_depth, self.speed, self.gravity)
 
     @property
     def head(self) -> float:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import inf, nan, sqrt
+from math import nan, sqrt
 
 from lammps_jump.units import number
 
@@ -109,11 +109,6 @@ def energy_loss(depth_1: float, depth_2: float) -> float:
     return (depth_2 - depth_1) ** 3 / (4.0 * depth_1 * depth_2)
 
 
-def momentum_flux(depth: float, velocity: float, density: float, gravity: float = GRAVITY, beta: float = 1.0) -> float:
-    """Momentum flux and hydrostatic force, N/m: beta rho y u^2 + rho g y^2/2 = rho g M."""
-    return beta * density * depth * velocity**2 + 0.5 * density * gravity * depth**2
-
-
 def critical_depth(discharge: float, gravity: float = GRAVITY) -> float:
     """Critical depth y_c = (q^2/g)^(1/3), m; discharge in m^2/s."""
     return (discharge**2 / gravity) ** (1.0 / 3.0)
@@ -190,38 +185,6 @@ def velocity_range(depth_1: float, gravity: float = GRAVITY) -> tuple[float, flo
 
 
 # --- sill -------------------------------------------------------------------------------------------------------
-
-
-def sill_depth(froude_1: float, depth_1: float, height: float) -> float:
-    """Depth y3 in m on an abrupt rise of `height` (m) whose foot the jump has just reached (A-jump).
-
-    Largest root of ``(y3/y1)^2 = 1 + 2 Fr1^2 (1 - y1/y3) + (D/y1)(D/y1 + 1 - sqrt(1 + 8 Fr1^2))``: momentum with the
-    hydrostatic face force of `sill_face_force` (derived).
-
-    Raises
-    ------
-    ValueError
-        The sill is too high for the flow to pass it behind a jump at its foot.
-    """
-    ratio = height / depth_1
-    rise = 1.0 + 2.0 * froude_1**2 + ratio * (ratio - 2.0 * belanger(froude_1))
-
-    def balance(y: float) -> float:
-        return -(y**3) + rise * y - 2.0 * froude_1**2
-
-    low = sqrt(rise / 3.0) if rise > 0 else inf
-    if low == inf or balance(low) < 0:
-        raise ValueError(
-            f"sill_depth: a rise of {height:g} m stops the flow (Froude number {froude_1:g}, depth {depth_1:g} m); "
-            "use a lower sill"
-        )
-    return depth_1 * _root_beyond(balance, low)
-
-
-def sill_face_force(depth_2: float, height: float, density: float, gravity: float = GRAVITY) -> float:
-    """Hydrostatic force on the face of a rise under the depth y2, N/m: rho g D (y2 - D/2), D = min(height, y2)."""
-    wetted = min(height, depth_2)
-    return density * gravity * wetted * (depth_2 - 0.5 * wetted)
 
 
 def sill_holding_height(velocity: float, depth: float, gravity: float = GRAVITY) -> float:

@@ -25,14 +25,6 @@ def shock_speed_from_mass(depth_1: float, velocity_1: float, depth_2: float, vel
     return (depth_2 * velocity_2 - depth_1 * velocity_1) / (depth_2 - depth_1)
 
 
-def shock_speed(depth_1: float, velocity_1: float, depth_2: float, gravity: float = GRAVITY) -> float:
-    """Velocity of the shock that raises (s1, u1) to s2 facing the stream, m/s: u1 - sqrt(g s2 (s1 + s2) / (2 s1)).
-
-    Mass and momentum over the shock with hydrostatic pressure (Bélanger in the shock's frame); negative upstream.
-    """
-    return velocity_1 - sqrt(gravity * depth_2 * (depth_1 + depth_2) / (2.0 * depth_1))
-
-
 def reflected_bore(depth: float, velocity: float, gravity: float = GRAVITY) -> tuple[float, float]:
     """Bore thrown back by a wall that stops the flow: (depth at the wall in m, bore velocity in m/s, negative).
 
@@ -66,11 +58,6 @@ def ritter_wall_time(reservoir_length: float, depth_0: float, gravity: float = G
 # --- loads on walls ---------------------------------------------------------------------------------------------
 
 
-def hydrostatic_force(depth: float, density: float, gravity: float = GRAVITY) -> float:
-    """Force of water at rest on a vertical wall, N/m: rho g H^2 / 2."""
-    return 0.5 * density * gravity * depth**2
-
-
-def stagnation_force(depth: float, velocity: float, density: float, gravity: float = GRAVITY) -> float:
-    """Force of a stream that a wall turns away, N/m: rho h u^2 + rho g h^2 / 2 (momentum of the oncoming flow)."""
-    return density * depth * velocity**2 + hydrostatic_force(depth, density, gravity)
+def hydrostatic_force(depth: float, density: float, gravity: float = GRAVITY, above: float = 0.0) -> float:
+    """Force of water at rest on a vertical wall, N/m: rho g (H^2 - a^2) / 2; a is the depth of the wall's top, m."""
+    return 0.5 * density * gravity * (depth**2 - above**2)
