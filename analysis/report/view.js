@@ -140,7 +140,7 @@ function wallPath(p, { points, hollow }) {
 
 function draw(p) {
   discsAt(p.run, p.time, p.found);
-  if (p.run.map) p.values = mapAt(p.run, p.time);
+  if (p.run.map && (p.colour === p.run.map.name || p.picked !== null)) p.values = mapAt(p.run, p.time);
   const { context } = p;
   context.setTransform(p.dots, 0, 0, p.dots, 0, 0);
   context.fillStyle = p.ink.paper;
