@@ -24,7 +24,7 @@ TRACK, COLUMNS = "jump_track.csv", ("time", "position", "found", "mass_depth_1",
 AROUND = 1.0
 """The velocity of the front at an instant is its mean over so many seconds before and after."""
 
-MEMBER_ROWS = 400_000
+MEMBER_ROWS = 500_000
 """Discs times frames of a member, about 1 MB of the page of its study."""
 
 

@@ -154,10 +154,12 @@ def players(found: Sweep) -> list[Choice | Text]:
     room = LARGEST
     for number in order:
         with suppress(OSError, ValueError, TypeError):  # lacking or damaged
-            path = found.runs[number].folder / PLAYER
-            room -= path.stat().st_size
+            player = Player(**read_json(found.runs[number].folder / PLAYER))
+            room -= len(player.frames)
             if room >= 0 or not kept:
-                kept[int(found.values["seed"][number])] = Player(**read_json(path))
+                kept[int(found.values["seed"][number])] = player
+        if kept and room <= 0:
+            break
     if not kept:
         return []
     first, listed = next(iter(kept)), sorted(kept)
