@@ -28,8 +28,9 @@ from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
 
-from . import draw
 from .contacts import find_contacts
+from .draw.chart import Drawings
+from .draw.maps import bed_pressure, bed_pressure_chart, field_map
 from .flow import Flow
 from .profiles import window_of, within, write_netcdf
 
@@ -198,17 +199,14 @@ def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval
     return mean
 
 
-def write_fields(
-    flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path, figures: bool
-) -> tuple[list[str], dict[str, object]]:
-    """Mean fields of the window of the profiles: ``fields.nc``, maps, pressure at the bed.
+def write_fields(flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path) -> tuple[dict[str, object], Drawings]:
+    """Mean fields of the window of the profiles: ``fields.nc``, pressure at the bed.
 
     Returns
     -------
-    files : list of str
-        Names written.
     summary : dict
         As under ``fields`` in ``summary.json``.
+    figures : dict of str to Map or Chart
 
     Raises
     ------
@@ -225,23 +223,18 @@ def write_fields(
     extent = {"x": (profiles.attrs["x_low"], profiles.attrs["x_high"]), "y": (low, high)}
     fields = mean_fields(dump.select(indices.tolist()), flow, **extent)
     write_netcdf(fields, out / "fields.nc")
-    files, stress = ["fields.nc"], "contact_yy" in fields
-    if figures:
-        (out / "figures").mkdir(exist_ok=True)
-        named = ("density", *["pressure"][: int(stress)])
-        drawn = {f"field_{name}": draw.maps.field_map(fields, flow, name) for name in named}
-        if stress:
-            drawn["bed_pressure"] = draw.style.drawn(draw.maps.bed_pressure_chart(fields, flow))
-        places = {name: out / "figures" / f"{name}.png" for name in drawn}
-        files += [f"figures/{draw.style.save(figure, places[name]).name}" for name, figure in drawn.items()]
+    stress = "contact_yy" in fields
+    named = ("density", "pressure") if stress else ("density",)
+    figures: Drawings = {f"field_{name}": field_map(fields, flow, name) for name in named}
     summary: dict[str, object] = {"file": "fields.nc", "frames": len(indices), "reach": float(fields.attrs["reach"])}
     if stress:
-        bottom = draw.maps.bed_pressure(fields)
+        figures["bed_pressure"] = bed_pressure_chart(fields)
+        bottom = bed_pressure(fields)
         covered = bottom["hydrostatic"].values > flow.scene.density * flow.g * flow.scene.diameter
         if covered.any():
             ratio = bottom["stress"].values[covered].sum() / bottom["hydrostatic"].values[covered].sum()
             summary["bed_stress_over_weight"] = float(ratio)
-    return files, summary
+    return summary, figures
 
 
 def _force_moments(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray]:

@@ -49,8 +49,6 @@ class FrontHistory:
         Position of the back wall, m.
     column : (float, float)
         Base a and height H of the column at the start, m.
-    timed : bool
-        Times are known; else steps stand in their place.
     """
 
     time: np.ndarray
@@ -61,7 +59,6 @@ class FrontHistory:
     tip_speed: np.ndarray
     back: float
     column: tuple[float, float]
-    timed: bool = True
 
 
 @dataclass(frozen=True)
@@ -185,7 +182,7 @@ class FrontTracker:
         """The history of all frames added."""
         rows = np.array(self._rows, float).reshape(-1, 6)
         back = nan if self.back is None else self.back
-        return FrontHistory(*rows.T, back, self._column or (nan, nan), self.flow.timed)
+        return FrontHistory(*rows.T, back, self._column or (nan, nan))
 
 
 def rms(off: np.ndarray) -> float:
@@ -308,8 +305,7 @@ def analyse(gathered: Gathered) -> Front:
 
 def tables(front: Front) -> Tables:
     """Front and column against time, m and m/s."""
-    columns = {name: getattr(front.history, name) for name in "bulk quantile height top_speed tip_speed".split()}
-    return {"front.csv": {"time" if front.history.timed else "step": front.history.time, **columns}}
+    return {"front.csv": {name: value for name, value in vars(front.history).items() if isinstance(value, np.ndarray)}}
 
 
 def figures(front: Front, gathered: Gathered) -> Drawings:

@@ -160,8 +160,11 @@ def analyse(
         told("tables")
         files = _write(gathered, results, shown if drawn else {}, out)
         if "fields" in wanted:
-            written, parts["fields"] = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out, bool(drawn))
-            files += written
+            parts["fields"], maps = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out)
+            files.append("fields.nc")
+            if drawn:
+                draw_figures(list(maps), _titled(maps, flow), out / "figures", dump, flow)
+                files += [f"figures/{name}.png" for name in maps]
         told("figures")
     files += [f"figures/{name}.png" for name in ((*drawn, DISCS) if drawn else ())]
     if film:
@@ -175,9 +178,10 @@ def _write(
 ) -> list[str]:
     """Write profiles, tables and what the page draws; the names of the files."""
     files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
-    for name, result in results.items():
-        tables = QUANTITIES[name].tables(result)
-        files += [write_table(columns, out / file).name for file, columns in tables.items()]
+    clock = {} if gathered.flow.timed else {"time": "step"}
+    tables = {file: columns for name in results for file, columns in QUANTITIES[name].tables(results[name]).items()}
+    for file, columns in tables.items():
+        files.append(write_table({clock.get(name, name): column for name, column in columns.items()}, out / file).name)
     if shown:
         charts = {name: what.plain for name, what in shown.items() if not isinstance(what, Map)}
         files.append(write_json(out / CURVES, charts, None).name)
@@ -225,6 +229,10 @@ def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Cha
     }
     for name, result in results.items():
         shown |= QUANTITIES[name].figures(result, gathered)
+    return _titled(shown, flow)
+
+
+def _titled(shown: Drawings, flow: Flow) -> dict[str, Chart | Bars | Map]:
     return {name: replace(what, name=flow.title) for name, what in shown.items() if what is not None}
 
 

@@ -8,6 +8,7 @@ and the line on the screen come from that description.
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import re
 from collections.abc import Mapping
 from functools import lru_cache
@@ -70,7 +71,7 @@ class Estimates:
 
     def __init_subclass__(cls) -> None:
         fields: dict[str, Any] = {}
-        for name, kind in cls.__annotations__.items():
+        for name, kind in inspect.get_annotations(cls).items():
             fields[name] = kind
             if error := getattr(cls.__dict__.get(name), "metadata", {}).get("error"):
                 fields[f"{name}_error"] = "float"

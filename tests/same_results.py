@@ -60,6 +60,7 @@ ALLOWED: dict[str, str] = {
     "texts/screen/00_schema.out:properties.walls.items.*": "the same",
     "cross-validate/run/members/*": "members are named after a hash of the code that makes their numbers",
     "cross-validate/run/members.json": "members are run folders now",
+    "cross-validate/run/figures/*_differences.png:*": "differences are figures of their own",
     "*/run/runs/*": "runs of a study, under a hash of versions",
     "*.json:pieces*": "runs of a study are folders, not pieces of its file",
     "calibrate/run/*.yaml*": "the study makes its cases in memory; no file is left",

@@ -77,6 +77,11 @@ def test_an_estimate_has_its_error_behind_it():
     assert list(as_summary(Flow("jump", 2.0, y2_error=0.1, count=3)).items()) == [
         ("verdict", "jump"), ("y2", 2.0), ("y2_error", 0.1), ("count", 3),
     ]  # fmt: skip
+
+    class Jump(Flow):
+        """A child without fields of its own."""
+
+    assert list(as_summary(Jump("jump"))) == ["verdict", "y2", "y2_error", "count"]
     assert isnan(Flow("none").y2) and isnan(Flow("none").y2_error)
     assert numbers_of(Flow)["y2_error"].unit == "m"
     assert numbers_of(Flow)["y2_error"].meaning == "standard error of sequent depth"

@@ -141,7 +141,7 @@ class Bars(Described):
 
 @dataclass(frozen=True)
 class Map(Described):
-    """Values over distance and time, in colours.
+    """Values over distance and time or height, in colours.
 
     Attributes
     ----------
@@ -149,29 +149,44 @@ class Map(Described):
         Name and unit of the values.
     x : ndarray, shape (bins + 1,), m
         Edges of the bins.
-    time : ndarray, shape (times,), s
-    values : ndarray, shape (times, bins)
-    clock : str
-        Name and unit of the times.
+    y : ndarray, shape (rows,)
+        Times, s, or heights of the middles of cells, m.
+    values : ndarray, shape (rows, bins)
+    side : str
+        Name and unit of y.
     signed : bool
         The colours do not begin at zero.
     lines : sequence of Line
-        On top, time over x.
+        On top, y over x.
+    solids : sequence of ndarray, shape (corners, 2)
+        Walls.
+    to_scale : bool
+        One scale for x and y, all of both shown; else lines of equal values are drawn.
     """
 
     label: str
     x: np.ndarray
-    time: np.ndarray
+    y: np.ndarray
     values: np.ndarray
-    clock: str
+    side: str
     signed: bool = False
     lines: Sequence[Line] = ()
+    solids: Sequence[np.ndarray] = ()
+    to_scale: bool = False
 
 
 Drawings = dict[str, Chart | Bars | Map | None]
 """By the name of the figure; None where there is nothing to draw."""
 TIME, PLACE = "Time t [s]", "Distance x [m]"
 """Abscissas; a chart over time follows the time of the player."""
+
+
+def edges_of(middles: np.ndarray) -> np.ndarray:
+    """Edges of cells between their middles, shape (n + 1,); of a single one half a unit on either side."""
+    if len(middles) == 1:
+        return np.array([middles[0] - 0.5, middles[0] + 0.5])
+    between = 0.5 * (middles[1:] + middles[:-1])
+    return np.concatenate([[2 * middles[0] - between[0]], between, [2 * middles[-1] - between[-1]]])
 
 
 def stairs(label: str, values: np.ndarray, edges: np.ndarray, look: str = "first") -> Line:

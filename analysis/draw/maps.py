@@ -5,17 +5,15 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from lammps_jump.analysis.flow import Flow
 
-from .chart import PLACE, Chart, Line, Panel
+from .chart import PLACE, Chart, Line, Map, Panel, edges_of, shown_walls
 from .depths import axis_label
-from .style import colour_bar, draw_walls, drawing
 
 
-def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Figure:
-    """Map of one field over the channel, walls in grey.
+def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map:
+    """Map of one field over the channel, with its walls.
 
     Parameters
     ----------
@@ -27,31 +25,28 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Fig
     quantity = fields[variable]
     if quantity.attrs.get("units") == "Pa":
         quantity = (quantity / 1e3).assign_attrs(quantity.attrs, units="kPa")
-    values = quantity.values
-    half = 0.5 * float(fields.attrs["spacing"])
-    x, y = (np.append(axis.values - half, axis.values[-1] + half) for axis in (fields.x, fields.y))
     # where the kernel has only the rim of a disc there is nothing to see
-    dense = fields["density"].values > 0.05 * flow.scene.density
-    finite = values[np.isfinite(values) & dense]
-    low, high = (float(np.quantile(finite, q)) for q in (0.005, 0.995)) if finite.size else (0.0, 1.0)
-    shown = np.where(dense, values, np.nan)
-    wide = (x[-1] - x[0]) / (y[-1] - y[0])
-    with drawing(8.4, float(np.clip((7.6 / wide + 1.7) if wide > 3 else 6.4 / wide + 0.8, 2.4, 9.0))) as (figure, axes):
-        axes.grid(False)
-        below = 0.08 * (y[-1] - y[0])
-        draw_walls(axes, flow.scene.walls, (x[0], x[-1]), (y[0] - below, y[-1]))
-        image = axes.pcolormesh(x, y, shown, vmin=min(low, 0.0), vmax=max(high, 1e-12), rasterized=True)
-        axes.set_aspect("equal")
-        label = axis_label(quantity).replace(", compression positive", "")
-        side = "horizontal" if wide > 3 else "vertical"
-        colour_bar(figure, image, label, ax=axes, pad=0.02, orientation=side, aspect=40)
-        axes.set(xlabel="Distance x [m]", ylabel="Height y [m]", title=_heading(fields, flow, variable))
-    return figure
+    values = np.where(fields["density"].values > 0.05 * flow.scene.density, quantity.values, np.nan)
+    x, y = edges_of(fields.x.values), edges_of(fields.y.values)
+    room = (x[0], x[-1]), (y[0] - 0.08 * (y[-1] - y[0]), y[-1])
+    hollow = [corners for wall in flow.scene.walls if wall.hollow for corners in wall.outline(*room)]
+    return Map(
+        _heading(fields, variable),
+        axis_label(quantity).replace(", compression positive", ""),
+        x,
+        fields.y.values,
+        values,
+        "Height y [m]",
+        bool(np.nanmin(values, initial=0.0) < 0),
+        [Line("", *np.vstack([corners, corners[:1]]).T, "sum") for corners in hollow],
+        shown_walls(flow.scene.walls, *room),
+        to_scale=True,
+    )
 
 
-def _heading(fields: xr.Dataset, flow: Flow, what: str) -> str:
+def _heading(fields: xr.Dataset, what: str) -> str:
     when = f"mean of {fields.attrs['frames']} frames" if "frames" in fields.attrs else f"t = {float(fields.time):.2f} s"
-    return f"{flow.title}: {what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
+    return f"{what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
 
 
 def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
@@ -75,7 +70,7 @@ def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
     return lowest[["stress", "hydrostatic"]]
 
 
-def bed_pressure_chart(fields: xr.Dataset, flow: Flow) -> Chart:
+def bed_pressure_chart(fields: xr.Dataset) -> Chart:
     """Vertical stress at the bed along the channel beside the weight of what lies above."""
     pressure = bed_pressure(fields)
     x, stress, weight = pressure.x.values, pressure.stress.values / 1e3, pressure.hydrostatic.values / 1e3
@@ -85,4 +80,4 @@ def bed_pressure_chart(fields: xr.Dataset, flow: Flow) -> Chart:
     )
     lowest = min(0.0, float(np.min(stress[np.isfinite(stress)], initial=0.0)))
     panel = Panel("Vertical stress [kPa]", lines, y_limits=(lowest, None))
-    return Chart(_heading(fields, flow, "pressure at the bed"), PLACE, (panel,))
+    return Chart(_heading(fields, "pressure at the bed"), PLACE, (panel,))

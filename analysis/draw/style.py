@@ -7,7 +7,7 @@ cividis (readable in grey and for the colour-blind); lines differ in dash as wel
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
@@ -17,9 +17,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.walls import Interval
 
-from .chart import PLACE, Bars, Chart, Map, Panel
+from .chart import PLACE, Bars, Chart, Map, Panel, edges_of
 
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -117,22 +116,6 @@ def _write_png(figure: Figure, path: Path) -> None:
     picture.save(path, dpi=(dots, dots), compress_level=3)
 
 
-def draw_walls(axes, walls, x: Interval, y: Interval) -> None:
-    """Walls as grey solids inside the given extent, m."""
-    from matplotlib.patches import Polygon
-
-    far = 10 * (abs(x[1] - x[0]) + abs(y[1] - y[0]))
-    around = (x[0] - far, x[1] + far), (y[0] - far, y[1] + far)
-    for wall in walls:
-        for polygon in wall.outline(*around):
-            if wall.hollow:
-                axes.plot(*np.vstack([polygon, polygon[:1]]).T, color="#464646", lw=1)
-            else:
-                axes.add_patch(Polygon(polygon, facecolor=WALL, edgecolor="none", zorder=0.5))
-    axes.set_xlim(*x)
-    axes.set_ylim(*y)
-
-
 def drawn(shown: Chart | Bars | Map) -> Figure:
     """The matplotlib figure of what is described."""
     if isinstance(shown, Chart):
@@ -157,10 +140,7 @@ def _draw_chart(chart: Chart) -> Figure:
 
 
 def _draw_panel(axes, panel: Panel) -> None:
-    from matplotlib.patches import Polygon
-
-    for solid in panel.solids:
-        axes.add_patch(Polygon(solid, facecolor=WALL, edgecolor="none", zorder=0.5))
+    _draw_solids(axes, panel.solids)
     for line in panel.lines:
         look = LOOKS[line.look]
         axes.plot(line.x, line.y, label=line.label or None, **look)
@@ -203,33 +183,41 @@ def _draw_bars(bars: Bars) -> Figure:
 
 
 def _draw_map(shown: Map) -> Figure:
-    values, x = shown.values, shown.x
-    with drawing(7.6, 4.2) as (figure, axes):
+    values, x, y = shown.values, shown.x, edges_of(shown.y)
+    wide, size, place = (x[-1] - x[0]) / (y[-1] - y[0]), (7.6, 4.2), {}
+    if shown.to_scale:
+        size = 8.4, float(np.clip(7.6 / wide + 1.7 if wide > 3 else 6.4 / wide + 0.8, 2.4, 9.0))
+        place = {"orientation": "horizontal" if wide > 3 else "vertical", "aspect": 40}
+    with drawing(*size) as (figure, axes):
         axes.grid(False)
+        _draw_solids(axes, shown.solids)
         finite = values[np.isfinite(values)]
-        low, high = (float(np.quantile(finite, q)) for q in (0.002, 0.998)) if finite.size else (0.0, 1.0)
-        image = axes.pcolormesh(
-            x, _edges(shown.time), values, vmin=low if shown.signed else 0.0, vmax=max(high, 1e-12), rasterized=True
-        )
-        colour_bar(figure, image, shown.label, ax=axes, pad=0.02)
-        if finite.size and high > 0 and not shown.signed and min(values.shape) > 1:
+        off = 0.005 if shown.to_scale else 0.002  # fields have higher peaks than sums over bins
+        low, high = (float(np.quantile(finite, q)) for q in (off, 1 - off)) if finite.size else (0.0, 1.0)
+        low = min(low, 0.0) if shown.signed else 0.0
+        image = axes.pcolormesh(x, y, values, vmin=low, vmax=max(high, 1e-12), rasterized=True)
+        colour_bar(figure, image, shown.label, ax=axes, pad=0.02, **place)
+        if finite.size and high > 0 and not shown.signed and not shown.to_scale and min(values.shape) > 1:
             axes.contour(
-                0.5 * (x[1:] + x[:-1]), shown.time, np.nan_to_num(values), levels=high * np.array([0.25, 0.5, 0.75]),
+                0.5 * (x[1:] + x[:-1]), shown.y, np.nan_to_num(values), levels=high * np.array([0.25, 0.5, 0.75]),
                 colors="white", linewidths=0.7,
             )  # fmt: skip
         for line in shown.lines:
             axes.plot(line.x, line.y, label=line.label, **LOOKS[line.look])
-        if shown.lines:
+        if any(line.label for line in shown.lines):
             axes.legend(loc="upper right", labelcolor=BLACK, frameon=True, framealpha=0.9)
         seen = np.flatnonzero(np.isfinite(values).any(axis=0))
-        if seen.size:
+        if shown.to_scale:
+            lowest = min([y[0], *(solid[:, 1].min() for solid in shown.solids)])
+            axes.set(xlim=(x[0], x[-1]), ylim=(lowest, y[-1]), aspect="equal")
+        elif seen.size:
             axes.set_xlim(x[seen[0]], x[seen[-1] + 1])
-        axes.set(xlabel=PLACE, ylabel=shown.clock, title=shown.heading)
+        axes.set(xlabel=PLACE, ylabel=shown.side, title=shown.heading)
     return figure
 
 
-def _edges(time: np.ndarray) -> np.ndarray:
-    if len(time) == 1:
-        return np.array([time[0] - 0.5, time[0] + 0.5])
-    middle = 0.5 * (time[1:] + time[:-1])
-    return np.concatenate([[time[0] - (middle[0] - time[0])], middle, [time[-1] + (time[-1] - middle[-1])]])
+def _draw_solids(axes, solids: Sequence[np.ndarray]) -> None:
+    from matplotlib.patches import Polygon
+
+    for solid in solids:
+        axes.add_patch(Polygon(solid, facecolor=WALL, edgecolor="none", zorder=0.5))

@@ -144,8 +144,6 @@ class JumpResult:
                 for name, values in vars(self.track).items()
                 if isinstance(values, np.ndarray) and name != "reach_end"
             }
-            if not self.flow.timed:
-                columns = {"step": columns.pop("time"), **columns}
             result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
         if self.moving is not None:
             means = {name: values.values for name, values in mean_profile(self.moving).items()}

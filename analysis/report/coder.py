@@ -22,8 +22,8 @@ LETTERS = np.array([code for code in range(128) if code not in b"\0\n\r<"], "u1"
 BASE = len(LETTERS)
 TOP, LEAST = BASE**4, BASE**3
 SLOTS = 32
-WORST = 50
-"""Digits of one number at most: 31 bits as they are, 32 of odds of at least 31/4096, and the last four."""
+WORST = 1.2
+"""Digits of a number at most, over its bits and one: an adaptive bit takes 7.1 bits at odds of 31/4096."""
 
 
 def encode(*parts: tuple[np.ndarray, np.ndarray]) -> str:
@@ -42,10 +42,8 @@ def encode(*parts: tuple[np.ndarray, np.ndarray]) -> str:
 
 def _digits_py(values, contexts, lengths, odds):
     """Digits of numbers in their contexts, shape (digits,); `lengths` are their bits without the sign."""
-    digits, written, low, span = np.zeros(1 << 16, np.uint8), 0, 0, TOP
+    digits, written, low, span = np.zeros(int(WORST * (lengths + 1).sum()) + 5, np.uint8), 0, 0, TOP
     for number in range(values.size):
-        if written + WORST > digits.size:
-            digits = np.concatenate((digits, np.zeros_like(digits)))
         value, slot, length = abs(values[number]), SLOTS * contexts[number], lengths[number]
         plain = (2 * value + (values[number] < 0)) ^ (1 << length)
         ahead, left = length + 1, length

@@ -12,8 +12,8 @@ const CLOSEST = 90;
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
   size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) / p.grown },
-  pressure: { label: "contact pressure, by its root,", unit: "Pa", root: true, of: (p, k) => mapValue(p, k) },
-  packing: { label: "share of area that discs cover", unit: "" },
+  pressure: { label: "pressure", unit: "Pa", root: true, of: (p, k) => mapValue(p, k) },
+  packing: { label: "packing", unit: "" },
   age: { label: "time since it came in", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
 };
 
@@ -270,8 +270,9 @@ function drawLegend(p) {
     context.fillStyle = `rgb(${p.colours[Math.floor(k / wide * SHADES)]})`;
     context.fillRect(MARGIN.left + k, 4, 1.5, 9);
   }
-  const { label, unit = p.run.unit } = COLOURS[p.colour];
-  write(p, `${label} ${short(low)} to ${short(high)} ${unit}`, MARGIN.left + wide + 8, 9);
+  const { label, unit = p.run.unit, root } = COLOURS[p.colour];
+  const how = root && p.wide > NARROW - 100 ? ", colours by its root" : "";
+  write(p, `${label} ${short(low)} to ${short(high)} ${unit}${how}`, MARGIN.left + wide + 8, 9);
   drawScaleBar(p);
 }
 

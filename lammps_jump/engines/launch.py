@@ -107,7 +107,8 @@ def write_inputs(job: Job) -> None:
 def _without_result(job: Job, child: Child) -> RunResult:
     """The result of a run whose process was killed, or ended by itself."""
     blamed = [line for line in child.output if "ERROR" in line]
-    said, log = blamed or child.output[-3:], read_log(job.folder / "log.lammps").error
+    raised = [line for line in child.output[-1:] if "Error" in line]  # of Python; mpiexec tells it two lines before
+    said, log = blamed or raised or child.output[-3:], read_log(job.folder / "log.lammps").error
     status = child.process.returncode
     error = " ".join(said[:1]) or log or (f"the engine's process ended with status {status}" if status else "")
     again = last_saved(job.folder)

@@ -344,23 +344,19 @@ def derive(
     least = disc_mass(density, smallest or diameter)
     critical = critical_time_step(stiffness, least)
     time_step = time_step_fraction * critical
-    omega = angular_frequency(stiffness, mass / 2)
-    omega_wall = angular_frequency(stiffness_wall, mass)
-    c_pair = damping(restitution, stiffness, mass / 2)
-    c_wall = damping(restitution, stiffness_wall, mass)
-    corrected = correct_restitution and integrator == "velocity_verlet"
+    rate = TANGENTIAL_RATE / (3.0 if rotation else 1.0)
     share = SMOOTH_SHARE if touch == "smooth" else 1.0
-    factor = factor_wall = 1.0
-    if corrected:
-        factor -= share * (1.0 - lagged_correction(restitution, omega * time_step))
-        factor_wall -= share * (1.0 - lagged_correction(restitution, omega_wall * time_step))
-    if friction == 0:
-        tangential = tangential_wall = 0.0
-    elif tangential_damping is not None:
-        tangential = tangential_wall = tangential_damping
-    else:
-        rate = TANGENTIAL_RATE / (3.0 if rotation else 1.0)
-        tangential, tangential_wall = rate * omega, rate * omega_wall
+
+    def side(k: float, effective_mass: float) -> tuple[float, float, float, float]:
+        """Frequency, dashpot, its correction, and tangential rate of a pair or at a wall."""
+        frequency, factor = angular_frequency(k, effective_mass), 1.0
+        if correct_restitution and integrator == "velocity_verlet":
+            factor -= share * (1.0 - lagged_correction(restitution, frequency * time_step))
+        gamma = rate * frequency if tangential_damping is None else tangential_damping
+        return frequency, damping(restitution, k, effective_mass), factor, gamma if friction else 0.0
+
+    omega, c_pair, factor, tangential = side(stiffness, mass / 2)
+    omega_wall, c_wall, factor_wall, tangential_wall = side(stiffness_wall, mass)
     xi = damping_ratio(restitution)
     load = peak_force(impact_speed, xi, omega, mass / 2)
     return Coefficients(

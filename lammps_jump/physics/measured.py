@@ -6,44 +6,25 @@ Numbers here are other people's measurements, digitised or tabulated; equations 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class Curve:
-    """A measured curve.
+class Curve(NamedTuple):
+    """A measured curve: abscissas and ordinates, same length, without dimension; its citation stands below it."""
 
-    Attributes
-    ----------
-    name : str
-    x, y : tuple of float
-        Abscissa and ordinate, same length, without dimension.
-    x_label, y_label : str
-        What they are, in the symbols of the source.
-    source : str
-        Citation.
-    """
-
-    name: str
     x: tuple[float, ...]
     y: tuple[float, ...]
-    x_label: str
-    y_label: str
-    source: str
 
 
 USBR_JUMP_LENGTH = Curve(
-    name="USBR jump length",
     x=(1.6, 2, 2.25, 2.5, 2.75, 3, 3.25, 3.5, 3.75, 4, 4.5, 5, 5.5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 19.2),
     y=(
         *(3.77, 4.35, 4.56, 4.77, 4.96, 5.13, 5.28, 5.43, 5.5, 5.6, 5.75, 5.87),
         *(5.95, 6.02, 6.09, 6.13, 6.14, 6.13, 6.03, 5.91, 5.75, 5.57, 5.47),
     ),
-    x_label="Fr1",
-    y_label="L / y2",
-    source="U.S. Bureau of Reclamation, Engineering Monograph 25, free jump on a horizontal floor; digitised curve",
 )
-"""Length of the free jump over the sequent depth against the upstream Froude number."""
+"""Length of the free jump on a horizontal floor over the sequent depth, L/y2, against the upstream Froude number Fr1:
+U.S. Bureau of Reclamation, Engineering Monograph 25; digitised curve."""
 
 USBR_JUMP_CLASSES = (
     (1.0, "none"),
@@ -55,28 +36,18 @@ USBR_JUMP_CLASSES = (
 )
 """(upper bound of Fr1, name) of the kinds of jump, USBR Engineering Monograph 25; bounds belong to the lower kind."""
 
-_MARTIN_MOYCE = (
-    "Martin & Moyce 1952, Phil. Trans. R. Soc. A 244, 312-324: collapse of a water column of base a and height "
-    "n^2 a; Z = front / a"
-)
-
 MARTIN_MOYCE_FRONT = Curve(
-    name="Martin & Moyce front, n^2 = 2, a = 2.25 in",
     x=(0.41, 0.84, 1.19, 1.43, 1.63, 1.83, 1.98, 2.20, 2.32, 2.51, 2.65, 2.83, 2.98, 3.11, 3.33),
     y=(1.11, 1.22, 1.44, 1.67, 1.89, 2.11, 2.33, 2.56, 2.78, 3.00, 3.22, 3.44, 3.67, 3.89, 4.11),
-    x_label="T = n t sqrt(g/a)",
-    y_label="Z",
-    source=f"{_MARTIN_MOYCE}; table 2",
 )
+"""Z = front / a against T = n t sqrt(g/a), for n^2 = 2, a = 2.25 in: Martin & Moyce 1952, Phil. Trans. R. Soc. A 244,
+312-324, collapse of a water column of base a and height n^2 a; table 2."""
 
 MARTIN_MOYCE_HEIGHT = Curve(
-    name="Martin & Moyce column height, n^2 = 2, a = 2.25 in",
     x=(0.56, 0.77, 0.93, 1.08, 1.28, 1.46, 1.66, 1.84, 2.00, 2.21, 2.45, 2.70, 3.06, 3.44, 4.20, 5.25),
     y=(0.94, 0.89, 0.83, 0.78, 0.72, 0.67, 0.61, 0.56, 0.50, 0.44, 0.39, 0.33, 0.28, 0.22, 0.17, 0.11),
-    x_label="tau = t sqrt(g/a)",
-    y_label="h / H",
-    source=f"{_MARTIN_MOYCE}; table 6",
 )
+"""h / H of the same column at its back wall against tau = t sqrt(g/a); table 6."""
 
 MARTIN_MOYCE_FRONT_SLOPE = {1: 1.40, 2: 1.319}
 """dZ/dT of the front over T in [1.43, 3.33] for n^2 = 1 and 2 (straight-line fit of their tables)."""

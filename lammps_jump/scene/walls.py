@@ -92,11 +92,8 @@ class Wall:
     @property
     def extent(self) -> tuple[Interval, Interval]:
         """Smallest rectangle (x, y) around the faces, m; infinite where they have no end."""
-        x, y = zip(*(face.extent for face in self.faces()), strict=True)
-        lows, highs = zip(
-            *((min(low for low, _ in axis), max(high for _, high in axis)) for axis in (x, y)), strict=True
-        )
-        return (lows[0], highs[0]), (lows[1], highs[1])
+        (x_low, x_high), (y_low, y_high) = np.transpose([face.extent for face in self.faces()], (1, 2, 0))
+        return (float(min(x_low)), float(max(x_high))), (float(min(y_low)), float(max(y_high)))
 
     @property
     def finite(self) -> bool:

@@ -25,7 +25,7 @@ from lammps_jump.sweeps import Pool, run_starts
 from lammps_jump.sweeps.store import Say, Store
 
 from .sensitivity import JUMP_CASE, QUICK_CHANGES, starts_of
-from .table import markdown
+from .table import filled, markdown
 
 Candidate = Mapping[str, float]
 GRIDS: dict[str, tuple[float, ...]] = {
@@ -88,7 +88,7 @@ def run_calibration(out: Path | None = None, *, quick: bool = False, fresh: bool
         if key not in tried:
             options = {"quick": quick, "members": 1 if quick else 3, "fresh": fresh}
             tried[key] = distances(candidate, folder, pool, **options)
-            say("  " + SAID.format_map(tried[key]))
+            say("  " + filled(SAID, tried[key]))
         return tried[key]["distance"]
 
     with Pool(usable_cores()) as pool:

@@ -21,6 +21,11 @@ class _Cells(Formatter):
         return self.absent if value is None else super().format_field(value, format_spec).replace("%", " %")
 
 
+def filled(template: str, row: Mapping[str, Any], absent: str = "-") -> str:
+    """Return a template, ``{engine}, {share:.1%}``, with the values of a record; `absent` stands for None."""
+    return _Cells(absent).vformat(template, (), row)
+
+
 def cells(
     columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]], absent: str = "-"
 ) -> tuple[list[list[Any]], list[str]]:
@@ -35,12 +40,11 @@ def cells(
     absent : str
         Stands for None.
     """
-    formatter = _Cells(absent)
 
     def cell(title: str, column: Column, row: Mapping[str, Any]) -> object:
         if callable(column):
             return column(row)
-        return formatter.vformat(column, (), row) if column else row.get(title, absent)
+        return filled(column, row, absent) if column else row.get(title, absent)
 
     titled = [(title.removesuffix(":"), column) for title, column in columns.items()]
     return [[cell(*one, row) for one in titled] for row in rows], [title for title, _ in titled]

@@ -52,14 +52,14 @@ def statistics(values: ArrayLike, errors: ArrayLike, confidence: float) -> dict[
     The interval is that of Student's t with n - 1 degrees of freedom. For right errors of single runs with k degrees
     of freedom chi2 is k/(k - 2).
     """
-    from scipy.stats import t  # 0.2 s
+    from scipy.special import stdtrit  # 0.1 s; scipy.stats, with the same quantile, 0.4 s
 
     known = np.isfinite(np.asarray(values, float))
     x, own = np.asarray(values, float)[known], np.asarray(errors, float)[known]
     n, mean = len(x), x.mean() if len(x) else nan
     sd = x.std(ddof=1) if n > 1 else nan
     se = sd / np.sqrt(n) if n > 1 else nan
-    half = float(t.ppf(0.5 * (1 + confidence), n - 1)) * se if n > 1 else nan
+    half = float(stdtrit(n - 1, 0.5 * (1 + confidence))) * se if n > 1 else nan
     stated = own[np.isfinite(own) & (own > 0)]
     chi2 = nan
     if n > 1 and len(stated) == n:

@@ -184,7 +184,10 @@ def test_pressure_at_the_bed_and_its_figures(tmp_path):
     # the first open cell stands 0.05 m above the floor, under 24.75 discs; the kernel blurs it by half a disc
     np.testing.assert_allclose(pressure.hydrostatic, 24.75 * M * G / D, rtol=0.03)
     assert float(pressure.stress.mean()) == pytest.approx(25 * M * G / D, rel=0.04)
-    for figure in (field_figures.field_map(fields, c), figures.drawn(field_figures.bed_pressure_chart(fields, c))):
+    box = field_figures.field_map(fields, context())
+    assert [line.x.tolist() for line in box.lines] == [[0.0, 4.0, 4.0, 0.0, 0.0]]  # walls around discs are outlined
+    for shown in (box, field_figures.field_map(fields, c), field_figures.bed_pressure_chart(fields)):
+        figure = figures.drawn(shown)
         labels = [axes.get_xlabel() for axes in figure.axes] + [axes.get_ylabel() for axes in figure.axes]
         assert any("[m]" in label for label in labels) and any("[kPa]" in label for label in labels)
         figures.save(figure, tmp_path / "field.png")

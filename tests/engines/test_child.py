@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 import os
 import re
+import resource
 import signal
 import sys
 from dataclasses import asdict
@@ -20,7 +21,7 @@ from lammps_jump.case import load_case
 from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines import child as children
 from lammps_jump.engines.checkpoint import read_checkpoint
-from lammps_jump.engines.child import Child, prepare_worker
+from lammps_jump.engines.child import Child, close_idle, prepare_worker
 from lammps_jump.engines.launch import run
 from lammps_jump.engines.result import MARK, Progress, RunResult
 from lammps_jump.engines.setting import Job, Setting
@@ -38,7 +39,7 @@ def scene():
 
 @pytest.fixture
 def endless():
-    return build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=200000"]))
+    return build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=190000"]))
 
 
 class FakeProcess:
@@ -183,7 +184,7 @@ from lammps_jump.engines import child
 from lammps_jump.engines.launch import Setting, run
 
 case, folder, engine, kernel, ranks = sys.argv[1:]
-scene = build_scene(load_case(case, ["run.duration=200000"]))
+scene = build_scene(load_case(case, ["run.duration=190000"]))
 made = []
 class Noted(child.Child):
     def __init__(self, *arguments):
@@ -216,3 +217,15 @@ def test_without_its_parent_a_run_is_saved_and_ends(endless, tmp_path, engine, k
     setting = Setting(engine, kernel, stop_at=checkpoint.step + 1000)
     result = run(endless, tmp_path, setting, resume=checkpoint)
     assert result.steps == checkpoint.step + 1000 and result.resumed == (endless.time(checkpoint.step),)
+
+
+def test_the_reason_is_told_where_a_native_run_cannot_write(endless, tmp_path):
+    """A line of the traceback was told in place of it."""
+    close_idle()  # the next process has the limit of this one
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
+    try:
+        result = run(endless, tmp_path, Setting("native", "numba"))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert result.status == "failed" and "OSError" in result.message and "File too large" in result.message

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Statistics over members: against scipy, with members that have no number, and against errors of single runs."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -55,3 +58,12 @@ def test_members_needed_go_with_the_square_of_the_width():
     assert members_needed(found, 0.05) == 16 and members_needed(found, 0.2) == 4
     assert members_needed({"mean": 0.0, "high": 0.1, "n": 4.0}, 0.05) is None
     assert members_needed({"mean": 2.0, "high": NAN, "n": 1.0}, 0.05) == 4  # a first interval
+
+
+def test_intervals_are_those_of_scipy_stats_which_is_not_loaded():
+    for n in (2, 3, 8, 32):
+        found = statistics(range(n), [NAN] * n, 0.95)
+        assert found["high"] == found["mean"] + stats.t.ppf(0.975, n - 1) * found["se"]
+    code = "import sys; from lammps_jump.sweeps.table import statistics; statistics([1, 2], [1, 1], 0.95)"
+    done = subprocess.run([sys.executable, "-c", f"{code}; sys.exit('scipy.stats' in sys.modules)"])
+    assert done.returncode == 0

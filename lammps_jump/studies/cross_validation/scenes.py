@@ -98,7 +98,5 @@ def elastic_scene() -> Scene:
 
 def micro_scenes() -> tuple[Scene, ...]:
     """Return the scenes that both LAMMPS kernels can run, in the order of the report."""
-    makers = (
-        pair_scene, wall_scene, corner_scene, friction_scene, spin_scene, elastic_scene, gate_scene, inlet_scene,
-    )  # fmt: skip
+    makers = (pair_scene, wall_scene, corner_scene, friction_scene, spin_scene, elastic_scene, gate_scene, inlet_scene)
     return tuple(make() for make in makers)

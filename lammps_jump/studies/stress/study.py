@@ -20,7 +20,7 @@ from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.provenance import short_hash
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
-from lammps_jump.studies.table import markdown
+from lammps_jump.studies.table import filled, markdown
 from lammps_jump.sweeps import Pool
 from lammps_jump.sweeps.store import Results, Say, Store
 
@@ -134,7 +134,7 @@ class Stress:
         size = {"steps": 2000, "side": 12, "tolerance": 0.01} if self.quick else {}
         points = product(limit_options(self.quick), self.engines)
         calls = [partial(measure_limit, engine=engine, **options, **size) for options, engine in points]
-        return self._call(calls, LIMIT_SAID.format_map)
+        return self._call(calls, partial(filled, LIMIT_SAID))
 
     def periodic(self) -> list[Results]:
         """Bracket the closed form on a periodic crystal of stock LAMMPS: 0.280 is stable, 0.285 is not (e = 0.2)."""
