@@ -35,7 +35,7 @@ LARGEST = 10_000_000
 
 
 def summary_frame(found: Sweep) -> pd.DataFrame:
-    """A row for each point: values of the axes, and mean ± half the interval of each number, with its count."""
+    """Mean ± half the interval of each number, with its count: a row for each point, or a number where there is one."""
     study = found.study
     rows = []
     frame = sweeps.table.flat(found.table, study)
@@ -45,7 +45,8 @@ def summary_frame(found: Sweep) -> pd.DataFrame:
             half = numbers[f"{item.path}_high"] - numbers[item.path]
             row[item.heading] = f"{shown(numbers[item.path], error=half)} (n = {numbers[f'{item.path}_n']})"
         rows.append({**row, "found": numbers["verdicts"]} if any(frame["verdicts"]) else row)
-    return pd.DataFrame(rows)
+    whole = pd.DataFrame(rows)
+    return whole if study.axes else whole.T.reset_index().set_axis(["number", "mean ± half the interval"], axis=1)
 
 
 def table_text(found: Sweep) -> str:

@@ -203,7 +203,8 @@ class Sweep:
         """One line: how many runs are done, failed, at work, and still to come."""
         counts = Counter(self.states[member.key].stage for member in self.members)
         said = ", ".join(f"{counts[stage]} {stage}" for stage in get_args(Stage) if counts[stage])
-        return f"{len(self.members)} runs at {len(self.study.points)} points: {said}"
+        points = f" at {len(self.study.points)} points" if self.study.axes else ""
+        return f"{len(self.members)} runs{points}: {said}"
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""

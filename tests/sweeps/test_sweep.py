@@ -208,7 +208,7 @@ def test_members_of_one_case(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     status, out, _ = call(monkeypatch, capsys, "build-and-run", path)
     folder = tmp_path / "runs" / "box,members"
-    assert status == 0 and "3 runs at 1 points: 3 done" in out and (folder / "figures/sweep_profiles.png").exists()
+    assert status == 0 and "3 runs: 3 done" in out and (folder / "figures/sweep_profiles.png").exists()
     point = json.loads((folder / "summary.json").read_text())["points"][0]
     peaks = [run.summary["force"]["box"]["peak"] for run in open_sweep(folder).runs]
     assert point["numbers"]["force.box.peak"]["mean"] == pytest.approx(np.mean(peaks)) and point["members"] == 3
