@@ -61,7 +61,7 @@ def end(slurm, folder, count: int):
     """Wait until no task is left; the study is then done."""
     wait_for(lambda: not slurm.ask("squeue", "-h"), "the end of the tasks")
     said = sweep(slurm, folder, "--status")
-    assert said.splitlines()[0].endswith(f"points: {count} done"), said + printed(folder)
+    assert said.splitlines()[0].endswith(f": {count} done"), said + printed(folder)
 
 
 def table(folder) -> bytes:
