@@ -154,7 +154,7 @@ def test_mutants_are_analysed_or_refused(whole, tmp_path, tried):
 
 def test_a_bare_dump_of_a_young_jump(tmp_path):
     """Few discs stand in front of it: none need be connected to the bed that is guessed."""
-    changes = ["run.duration=3", "discs.sizes=null", "analysis.jump=false"]
+    changes = ["initial=[]", "run.duration=3", "discs.sizes=null", "analysis.jump=false"]
     run = lj.load_case(INPUTS / "quick_jump.yaml", changes).run(tmp_path / "run", kernel="stock")
     assert outcome((run.folder / "dump.lammpstrj").read_bytes(), tmp_path, figures="all") == ""
 

@@ -24,7 +24,13 @@ from lammps_jump.files import write_bytes
 from lammps_jump.runs import start
 from lammps_jump.runs.conclude import CUT
 
-CHANGES = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native", "analysis.jump": False}
+CHANGES = {
+    "run.duration": 0.3,
+    "run.output_interval": 0.02,
+    "engine.name": "native",
+    "analysis.jump": False,
+    "initial": [],
+}
 DUMP, FORCES = "dump.lammpstrj", "forces.csv"
 JSON_FILES = ("summary.json", ".lammps-jump")
 
