@@ -85,14 +85,16 @@ class FramePacker:
     Parameters
     ----------
     flow : Flow
+    every : int
+        Of the frames that are taken in, the first and every n-th behind it are kept.
     """
 
-    def __init__(self, flow: Flow):
+    def __init__(self, flow: Flow, every: int = 1):
         self.flow = flow
         self.q = flow.scene.smallest / PARTS
         self._kept: list[tuple[float, np.ndarray]] = []
         self._maps: dict[float, list[np.ndarray]] = {}
-        self._every, self._seen, self._most, self._share = 1, 0, 0, 1.0
+        self._every, self._seen, self._most, self._share = every, 0, 0, 1.0
 
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame at a time, s."""

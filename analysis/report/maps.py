@@ -6,6 +6,7 @@ import numpy as np
 from lammps_jump.analysis.contacts import find_contacts
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame
+from lammps_jump.physics.waves import GRAVITY
 
 CELL = 4
 """Diameters of a cell: a mean over some 14 discs, in which a single collision does not stand out."""
@@ -43,7 +44,7 @@ def about_map(flow: Flow, many: bool) -> dict[str, object]:
 
 def pressure_unit(flow: Flow) -> float:
     """Pressure of the number 1, Pa."""
-    return PRESSURE_STEP * flow.scene.density * (flow.g or 9.81) * flow.scene.diameter
+    return PRESSURE_STEP * flow.scene.density * (flow.g or GRAVITY) * flow.scene.diameter
 
 
 def grid(flow: Flow) -> tuple[np.ndarray, np.ndarray]:

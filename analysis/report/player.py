@@ -11,7 +11,6 @@ import numpy as np
 from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
-from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.walls import Interval, Wall
 
@@ -28,27 +27,11 @@ MEMBER_ROWS = 500_000
 """Discs times frames of a member, about 1 MB of the page of its study."""
 
 
-class MemberPacker(FramePacker):
-    """Keeps every n-th frame of a member, so that they are at most about `MEMBER_ROWS` rows.
-
-    Parameters
-    ----------
-    flow : Flow
-    frames : int
-        Of the whole run.
-    """
-
-    def __init__(self, flow: Flow, frames: int):
-        super().__init__(flow)
-        scene = flow.scene
-        mean = (len(scene.positions) + scene.expected_discs) / 2  # in play, where their number grows evenly
-        self._every_nth, self._shown = ceil(frames * mean / MEMBER_ROWS), 0
-
-    def add(self, frame: Frame, time: float) -> None:
-        """Take in a frame at a time, s."""
-        if self._shown % self._every_nth == 0:
-            super().add(frame, time)
-        self._shown += 1
+def member_packer(flow: Flow, frames: int) -> FramePacker:
+    """What keeps every n-th of the frames of a member, so that they are at most about `MEMBER_ROWS` rows."""
+    scene = flow.scene
+    mean = (len(scene.positions) + scene.expected_discs) / 2  # in play, where their number grows evenly
+    return FramePacker(flow, max(1, ceil(frames * mean / MEMBER_ROWS)))
 
 
 def make_player(packer: FramePacker, folder: Path) -> Player | None:

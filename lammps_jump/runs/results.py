@@ -22,7 +22,7 @@ from lammps_jump.analysis.profiles import bin_frame
 from lammps_jump.analysis.report import compare
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
-from lammps_jump.analysis.report.player import MemberPacker, make_player
+from lammps_jump.analysis.report.player import make_player, member_packer
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.case.checks import MOST_BINS
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
@@ -283,7 +283,7 @@ def has_player(case: ReadCase) -> bool:
 def packer_for(case: ReadCase) -> FramePacker:
     """What takes in the frames of a run for the player of its report, or of the page of its study."""
     flow, scene = flow_of(case), case.scene()
-    return FramePacker(flow) if has_page(case) else MemberPacker(flow, scene.steps // scene.output_steps + 1)
+    return FramePacker(flow) if has_page(case) else member_packer(flow, scene.steps // scene.output_steps + 1)
 
 
 def packed(case: ReadCase, folder: Path) -> FramePacker:

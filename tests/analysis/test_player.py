@@ -88,7 +88,7 @@ def test_frames_of_a_member_are_thinned_in_time(monkeypatch, frames, kept):
     monkeypatch.setattr(player, "MEMBER_ROWS", 7)
     positions = np.array([[1.0, 0.1], [12.0, 2.0]])
     flow = flow_context(domain=((0, 30), (-5, 10)), x_range=(0, 30), sized=False, positions=positions)
-    packer = player.MemberPacker(flow, frames)
+    packer = player.member_packer(flow, frames)
     for k in range(frames):
         packer.add(disc_frame(*positions.T, box=[[0, 30], [-5, 10]], time=float(k)), float(k))
     packed = packer.result()
