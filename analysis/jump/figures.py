@@ -24,21 +24,21 @@ if TYPE_CHECKING:
 def track_chart(jump: Jump) -> Chart | None:
     """Toe, end and equal-mass front against time with the fitted straight motion; None where nothing was tracked."""
     result = jump.measured
-    track, sign = result.track, result.direction
+    track = result.track
     if track is None or not track.found.any():
         return None
     lines = [
-        Line("toe", track.time, sign * track.toe),
-        Line("end", track.time, sign * track.end, "second"),
-        Line("front of equal mass", track.time, sign * track.position, "sum"),
+        Line("toe", track.time, track.toe),
+        Line("end", track.time, track.end, "second"),
+        Line("front of equal mass", track.time, track.position, "sum"),
     ]
     if track.compression is not None and np.isfinite(track.compression).any():
-        lines.append(Line("", track.time, sign * track.compression, "dots"))
-        lines.append(Line("front of the compression", track.time, sign * running_median(track.compression), "third"))
+        lines.append(Line("", track.time, track.compression, "dots"))
+        lines.append(Line("front of the compression", track.time, running_median(track.compression), "third"))
     if result.motion is not None:
         ends = np.array(result.window)
-        label = f"c = {result.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
-        lines.append(Line(label, ends, sign * (result.motion.start + result.motion.speed * ends), "fit"))
+        label = f"c = {result.motion.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
+        lines.append(Line(label, ends, result.motion.start + result.motion.speed * ends, "fit"))
     return Chart(result.verdict, result.flow.time_axis, (Panel(PLACE, lines),), result.window)
 
 
