@@ -90,7 +90,7 @@ def _history_panel(name: str, force: Force) -> Panel:
         label = f"peak {force.peak / 1e3:.0f} kN/m".replace("-", "−")
         lines.append(Line(label, np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
     shown = np.concatenate([[0.0], *smooth.values()])
-    return Panel(f"{name}: force [kN/m]", lines, y_limits=(1.2 * shown.min(), max(1.4 * shown.max(), 1e-9)))
+    return Panel(f"{name}: force [kN/m]", lines, ylim=(1.2 * shown.min(), max(1.4 * shown.max(), 1e-9)))
 
 
 def impulse_chart(result: Forces) -> Chart | None:

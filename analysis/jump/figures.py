@@ -57,7 +57,7 @@ def stream_chart(jump: Jump) -> Chart | None:
     marks = {"compression": stream.compression} if isfinite(stream.compression) else {}
     off = stairs("y₂ off Bélanger of this state", 100 * stream.deviation, edges)
     panels = (
-        Panel("[m³/s²]", fluxes, marks=marks, y_limits=(0.0, None), height=1.5),
+        Panel("[m³/s²]", fluxes, marks=marks, ylim=(0.0, None), height=1.5),
         Panel("y₂ off Bélanger [%]", [off], marks=marks),
     )
     return Chart("the stream before the jump", PLACE, panels)
@@ -93,7 +93,7 @@ def frame_chart(jump: Jump) -> Chart | None:
         ]
     panels = (
         Panel("Depth [m]", lines, "", levels, marks, (), limits, (0.0, top), 1.8),
-        Panel("Velocity [m/s]", speeds, marks=marks, x_limits=limits),
+        Panel("Velocity [m/s]", speeds, marks=marks, xlim=limits),
     )
     length = f"; thesis (4.27) {jump.length_theory:.1f} m" if isfinite(jump.length_theory) else ""
     title = f"front's frame: length {jump.length:.1f} m{length}"
@@ -141,5 +141,5 @@ def head_chart(profiles: xr.Dataset, jump: Jump) -> Chart | None:
     elif jump.inflow:
         head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)
         levels = {f"inflow {head:.2f} m": head}
-    panel = Panel("Energy head [m]", lines, "", levels, marks, y_limits=(min(0.0, float(np.nanmin(bed))), None))
+    panel = Panel("Energy head [m]", lines, "", levels, marks, ylim=(min(0.0, float(np.nanmin(bed))), None))
     return Chart(f"energy head of the window{found}", PLACE, (panel,))
