@@ -127,7 +127,7 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
     """Energy at the ends of a record, its deviations and its drift."""
     if not len(history.time):
         return Energy(reason="the dump holds no frame")
-    total = history.total
+    total, c = history.total, flow.scene.coefficients
     start = float(total[0])
     relative = (total - start) / abs(start) if start else np.full(len(total), nan)
     return Energy(
@@ -141,8 +141,8 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
         rotational=float(history.rotational[-1]),
         potential=float(history.potential[-1]),
         elastic=nan if history.elastic is None else float(history.elastic[-1]),
-        closed=bool(history.same_discs),
-        conservative=bool(flow.conservative and history.same_discs),
+        closed=history.same_discs,
+        conservative=c.restitution == 1.0 and not c.friction and history.same_discs,
         history=history,
     )
 

@@ -98,11 +98,6 @@ class Flow:
         return isfinite(self.scene.coefficients.stiffness)
 
     @property
-    def conservative(self) -> bool:
-        """Whether no contact dissipates energy."""
-        return self.scene.coefficients.restitution == 1.0 and not self.scene.coefficients.friction
-
-    @property
     def time_step(self) -> float:
         """Time step, s; 0 where it is not known."""
         return self.scene.time_step if isfinite(self.scene.time_step) else 0.0

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Map, Panel
@@ -19,9 +19,6 @@ from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
 from .impulse import with_inflow
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 LOOKS = ("first", "second", "sum", "third", "fit")
 """Of the structures, in turn."""
