@@ -74,10 +74,10 @@ def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) 
 
 
 def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) -> float:
-    """Where values rise through a level, linear in between, nearest to `around`; NaN where they do not."""
+    """Where values rise through a level, linear in between, nearest to `around`; `around` where they do not."""
     up = np.flatnonzero((values[:-1] < level) & (values[1:] >= level))
     if not up.size:
-        return nan
+        return around
     share = (level - values[up]) / (values[up + 1] - values[up])
     places = xi[up] + share * (xi[up + 1] - xi[up])
     return float(places[np.argmin(np.abs(places - around))])

@@ -263,10 +263,9 @@ def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
 def _ends(profile: xr.DataArray, level_1, level_2, toe, end) -> tuple[float, float]:
     """Where a mean profile has made 5 % and 95 % of its rise; the given places where it does not cross."""
     rise = level_2 - level_1
-    new_toe = frame.crossing(profile.xi.values, profile.values, level_1 + frame.TOE_SHARE * rise, toe)
-    new_end = frame.crossing(profile.xi.values, profile.values, level_1 + frame.END_SHARE * rise, end)
-    new_toe = new_toe if isfinite(new_toe) else toe
-    return new_toe, max(new_end if isfinite(new_end) else end, new_toe)
+    toe = frame.crossing(profile.xi.values, profile.values, level_1 + frame.TOE_SHARE * rise, toe)
+    end = frame.crossing(profile.xi.values, profile.values, level_1 + frame.END_SHARE * rise, end)
+    return toe, max(end, toe)
 
 
 def _heap(stream: xr.Dataset, start: float, gravity: float) -> Heap:
