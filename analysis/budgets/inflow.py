@@ -223,7 +223,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         RowDelivery(row.y, row.vx, float(t), float(q), float(got), int(n), int(no) if told else None)
         for row, t, q, got, n, no in zip(rows, intervals, planned, delivered, turns, refused, strict=True)
     ]
-    ends = sorted(rows[0].x + np.sign(rows[0].vx) * share * y1 for share in STATION)
+    low, high = sorted(float(rows[0].x + np.sign(rows[0].vx) * share * y1) for share in STATION)
     return Delivery(
         asked=asked,
         planned=float(planned.sum()),
@@ -235,7 +235,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         speed_asked=va,
         momentum_planned=float(planned @ np.abs(speeds)),
         **as_fields(depth=depth, speed=speed, momentum=momentum, **_sequent(depth, speed, across)),
-        station=(float(ends[0]), float(ends[1])),
+        station=(low, high),
         rows=tuple(found),
         notes=_notes(total, asked, lost, tried, _blocked(arrivals)),
     )
