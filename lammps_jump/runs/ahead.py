@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -60,9 +59,6 @@ class Ahead:
         self._thread.join()
 
     def _work(self) -> None:
-        for name in ("h5netcdf", "jinja2"):
-            with suppress(Exception):  # a program that is ending; else the analysis says it
-                importlib.import_module(name)
         with suppress(JumpError, OSError):  # what is wrong with the files is said when they are read again
             runs.results.prepare(self._case)
             if self._follows:

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import lammps_jump.sweeps as sweeps
-from lammps_jump.analysis.profiles import write_netcdf
 from lammps_jump.case.case import ReadCase
+from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.engines.choice import usable_cores
 from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.files import SWEEP_FILES, plain, read_json, write_json, write_text

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from lammps_jump.analysis.profiles import read_profiles
+from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.find import ForceHistory, read_forces
 from lammps_jump.scene.scene import Scene
 from lammps_jump.sweeps.store import Results
@@ -71,7 +71,7 @@ class Quantities:
 
 def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantities:
     """Return all numbers and curves that are compared, from what the analysis of a run has left in its folder."""
-    profiles, energy = read_profiles(folder / "profiles.nc"), pd.read_csv(folder / "energy.csv")
+    profiles, energy = read_netcdf(folder / "profiles.nc"), pd.read_csv(folder / "energy.csv")
     energy = energy[energy["time"] >= 0]
     moved, open_ = energy["kinetic"] + energy["rotational"], bool(scene.inlets or scene.pours or scene.outlets)
     coefficients, discs = scene.coefficients, summary["discs"]
