@@ -101,7 +101,7 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
 
 
 def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
-    """Write a NetCDF file (classic, 64-bit offsets), whole or not at all.
+    """Write a NetCDF file (classic, 64-bit offsets), whole or not at all; whole numbers beyond 2^31 as float64.
 
     NetCDF-4 would be about as large and takes twenty times as long, to write and to read (docs/benchmark.md).
 
@@ -110,8 +110,10 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
     DumpError
         The place cannot be written.
     """
+    most = np.iinfo(np.int32).max
+    wide = [name for name, array in dataset.variables.items() if array.dtype.kind in "iu" and (abs(array) > most).any()]
     with writes(path):
-        return write_bytes(path, dataset.to_netcdf(engine="scipy"))
+        return write_bytes(path, dataset.assign(dataset[wide].astype(float)).to_netcdf(engine="scipy"))
 
 
 def read_netcdf(path: Path) -> xr.Dataset:

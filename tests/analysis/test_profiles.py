@@ -260,6 +260,13 @@ def test_netcdf_round_trip_with_units(tmp_path):
         write_netcdf(ds, tmp_path / "no" / "profiles.nc")
 
 
+def test_steps_beyond_32_bits_are_kept(tmp_path):
+    x, y = lattice(5)
+    frames = [frame(x, y, step=3 * 10**9 + i, time=0.1 * i) for i in range(2)]
+    again = read_netcdf(write_netcdf(compute_profiles(frames, context()), tmp_path / "profiles.nc"))
+    assert again.step.values.tolist() == [3 * 10**9, 3 * 10**9 + 1]
+
+
 def test_a_damaged_netcdf_file_is_told(tmp_path):
     x, y = lattice(5)
     path = write_netcdf(compute_profiles([frame(x, y, step=i) for i in range(3)], context()), tmp_path / "p.nc")
