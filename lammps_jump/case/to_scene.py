@@ -18,7 +18,6 @@ from lammps_jump.scene.walls import Block, Interval, Plane, Wall
 from . import checks
 from .derived import doubts, reachable, skipped
 from .fields import BidisperseSizes, CaseFields, Column, PourInflow, RowsInflow, UniformSizes
-from .load import PlacedFields
 from .packing import arrange
 from .text import CaseSource, nearest
 
@@ -91,7 +90,7 @@ def disc_sizes(case: CaseFields) -> Sizes | None:
     return None if sizes.smallest == sizes.largest == d else sizes
 
 
-def build_scene(loaded: PlacedFields) -> Scene:
+def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     """The engine-neutral form of a validated case.
 
     Raises
@@ -100,7 +99,6 @@ def build_scene(loaded: PlacedFields) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
-    case, source = loaded.fields, loaded.source
     scene, walls = _with_walls(_discs_and_steps(case, source), case, source)
     return replace(
         scene,

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import lammps_jump.analysis as analysis
 import lammps_jump.runs as runs
-from lammps_jump.case.case import ReadCase
+from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.case import load_case as read_case
-from lammps_jump.case.load import Changes
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame
 from lammps_jump.engines.result import ProgressCallback, RunResult
