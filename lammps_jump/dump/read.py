@@ -165,7 +165,9 @@ def open_dump(path: str | Path) -> Dump:
     if path.is_dir():
         raise DumpError(f"{path} is a folder; name a dump file in it.")
     files = files_of(path)
-    return _first_look(_identified(path) if files in ([], [path]) else DumpSeries(path, files))
+    dump = _identified(path) if files in ([], [path]) else DumpSeries(path, files)
+    next(dump.select([0]), None)  # it fills in columns and units, and a wrong file fails at once
+    return dump
 
 
 def _identified(path: Path) -> Dump:
@@ -192,13 +194,6 @@ def _identified(path: Path) -> Dump:
         f"{path}: line 1 is {head[:30]!r}, not 'ITEM: …': this is not a LAMMPS dump (text, .gz or binary with column "
         "names). Old binary dumps without a signature must be turned into text with LAMMPS' binary2txt."
     )
-
-
-def _first_look(dump: Dump) -> Dump:
-    """Fill in columns and units from the first frame's header, so that a wrong file fails at once."""
-    for _ in dump.select([0]):
-        break
-    return dump
 
 
 def _open(path: Path, compressed: bool) -> BinaryIO:

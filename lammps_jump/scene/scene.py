@@ -200,6 +200,11 @@ class Scene:
         return self.density * np.square(np.asarray(diameters, float))
 
     @property
+    def dump_columns(self) -> tuple[str, ...]:
+        """Columns of the dump, in order: spin where discs have one, radii where they are not equal."""
+        return ("id", "x", "y", "vx", "vy", *(["omegaz"] * self.rotation), *(["radius"] * bool(self.sizes)))
+
+    @property
     def time_step(self) -> float:
         """Time step, s."""
         return self.coefficients.time_step
