@@ -9,9 +9,7 @@ from math import inf
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene.scene import InletRow, Scene
-from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Block, Interval, Wall
+from lammps_jump.scene import Block, InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow

@@ -10,10 +10,8 @@ import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
-from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene, Stations
+from lammps_jump.scene import Block, Gate, InletRow, Interval, Outlet, Plane, Pour, Scene, Sizes, Stations, Wall
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
-from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Block, Interval, Plane, Wall
 
 from . import checks
 from .derived import doubts, reachable, skipped

@@ -14,9 +14,7 @@ from pathlib import Path
 import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
-from lammps_jump.engines.checkpoint import Checkpoint
-from lammps_jump.engines.result import ProgressCallback, RunResult
-from lammps_jump.engines.setting import Job, Setting
+from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
 from lammps_jump.files import RESULT_FILES
 from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
