@@ -215,7 +215,4 @@ class Scene:
 
     def wall(self, name: str) -> Wall:
         """The wall or gate of that name; KeyError where there is none."""
-        for wall in (*self.walls, *(gate.wall for gate in self.gates)):
-            if wall.name == name:
-                return wall
-        raise KeyError(name)
+        return {wall.name: wall for wall in (*self.walls, *(gate.wall for gate in self.gates))}[name]
