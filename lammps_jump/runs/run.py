@@ -16,13 +16,10 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import lammps_jump.dump as dump
 import lammps_jump.runs as runs
-from lammps_jump.case.case import ReadCase
+from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.case import load_case as read_case
-from lammps_jump.case.load import Changes
-from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.frame import Frame
-from lammps_jump.engines.result import ProgressCallback, RunResult
-from lammps_jump.engines.setting import Setting
+from lammps_jump.dump import Frame, read_dump
+from lammps_jump.engines import ProgressCallback, RunResult, Setting
 from lammps_jump.errors import RunError
 from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
