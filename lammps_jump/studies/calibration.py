@@ -21,8 +21,7 @@ from typing import Any
 
 from lammps_jump import load_case
 from lammps_jump.engines import usable_cores
-from lammps_jump.sweeps import Pool, run_starts
-from lammps_jump.sweeps.store import Say, Store
+from lammps_jump.sweeps import Pool, Say, Store, run_starts
 
 from .sensitivity import JUMP_CASE, QUICK_CHANGES, starts_of
 from .table import filled, markdown

@@ -10,7 +10,7 @@ from lammps_jump import Case, load_case
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
-from lammps_jump.sweeps.store import Say, Store
+from lammps_jump.sweeps import Say, Store
 
 from .collision import collision_page, compare_collisions
 from .page import draw_quantity, page

@@ -17,11 +17,11 @@ import numpy as np
 
 from lammps_jump import Case
 from lammps_jump.errors import RunError
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.script import script_text
 from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
 from lammps_jump.studies.table import markdown
-from lammps_jump.sweeps.store import Results, Say, Store, all_versions
+from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
 PRECISE = ("format float %.10g", "format float %.17g")

@@ -21,14 +21,13 @@ import pandas as pd
 
 from lammps_jump import Case
 from lammps_jump.analysis.profiles import read_profiles
-from lammps_jump.dump.find import read_forces
+from lammps_jump.dump import read_forces
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.studies import settings
 from lammps_jump.studies.runs import KERNELS, in_turn, middle
 from lammps_jump.studies.settings import Setting, listed
-from lammps_jump.sweeps import Made, Pool, Start, run_starts
-from lammps_jump.sweeps.store import Results, Say, Store
+from lammps_jump.sweeps import Made, Pool, Results, Say, Start, Store, run_starts
 
 EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from lammps_jump.analysis.draw.chart import PLACE, TIME, Chart, Line, Panel
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, drawing, drawn, save
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.studies.table import Column, cells
 
 from .quantities import Comparison, Curve, relative_size

@@ -15,9 +15,9 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from lammps_jump.analysis.profiles import read_profiles
-from lammps_jump.dump.find import ForceHistory, read_forces
-from lammps_jump.scene.scene import Scene
-from lammps_jump.sweeps.store import Results
+from lammps_jump.dump import ForceHistory, read_forces
+from lammps_jump.scene import Scene
+from lammps_jump.sweeps import Results
 
 from .statistics import DECIDES, Difference, block_means, compare_curves, holm, welch
 

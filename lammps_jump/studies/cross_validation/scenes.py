@@ -5,9 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Gate, InletRow, Outlet, Scene
-from lammps_jump.scene.walls import Block, Box, Plane
+from lammps_jump.scene import Block, Box, Gate, InletRow, Outlet, Plane, Scene, handmade_scene
 
 DIAMETER = 0.2
 DOMAIN = ((-5.0, 10.0), (-5.0, 10.0))

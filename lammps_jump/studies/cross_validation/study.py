@@ -22,11 +22,9 @@ from lammps_jump import Case
 from lammps_jump.engines import choose, usable_cores, usable_kernels
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.files import plain, write_json
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.studies.runs import kernel_changes
-from lammps_jump.sweeps import Pool, Start, run_starts
-from lammps_jump.sweeps.members import JITTER
-from lammps_jump.sweeps.store import Results, Say, all_versions
+from lammps_jump.sweeps import JITTER, Pool, Results, Say, Start, all_versions, run_starts
 
 from . import page, trajectories
 from .quantities import Comparison, Quantities, compare, measure

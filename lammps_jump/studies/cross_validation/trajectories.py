@@ -16,9 +16,9 @@ from scipy import stats
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import RunError
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.studies.runs import run_frames
-from lammps_jump.sweeps.store import Results
+from lammps_jump.sweeps import Results
 
 AGREEMENT = 1e-9
 """Positions that must agree do so to this many diameters."""

@@ -18,12 +18,10 @@ import numpy as np
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics import contact
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Box, Plane
+from lammps_jump.scene import Box, Plane, Scene, handmade_scene
 from lammps_jump.script import script_text
 from lammps_jump.studies.runs import run_frames
-from lammps_jump.sweeps.store import Results
+from lammps_jump.sweeps import Results
 
 DIAMETER, DENSITY, STIFFNESS = 0.2, 1000.0, 2.56e7
 MASS = contact.disc_mass(DENSITY, DIAMETER)

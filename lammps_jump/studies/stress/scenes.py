@@ -23,13 +23,10 @@ from lammps_jump import load_case
 from lammps_jump.analysis.energy import EnergyLedger
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.passes import feed
-from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.read import open_dump
-from lammps_jump.engines.result import RunResult
+from lammps_jump.dump import open_dump, read_dump
+from lammps_jump.engines import RunResult
 from lammps_jump.errors import DumpError, JumpError, SetupError
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Box
+from lammps_jump.scene import Box, Scene, handmade_scene
 from lammps_jump.studies.runs import execute, kernel_changes
 from lammps_jump.sweeps import pool
 

@@ -21,8 +21,7 @@ from lammps_jump.physics import contact
 from lammps_jump.provenance import short_hash
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
 from lammps_jump.studies.table import filled, markdown
-from lammps_jump.sweeps import Pool
-from lammps_jump.sweeps.store import Results, Say, Store
+from lammps_jump.sweeps import Pool, Results, Say, Store
 
 from .limits import ARRANGEMENTS, ENGINES, integrator_of, measure_limit, periodic_hexagonal, resting_bed
 from .scenes import BYPASSED, ENGINE_CHANGES, GOOD, Outcome, ended, hard_scenes, judge, judge_bypassed, random_case
