@@ -13,15 +13,15 @@ from lammps_jump.errors import CaseError
 from lammps_jump.studies.bench import page as bench_page
 from lammps_jump.studies.bench import study as bench_errors
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
-from lammps_jump.studies.bench.study import Axes, QuantityError, read_axes
+from lammps_jump.studies.bench.study import QuantityError, read_axes
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
 from lammps_jump.studies.runs import in_turn, middle
-from lammps_jump.studies.settings import Setting, make_settings, reference_setting, stable
+from lammps_jump.studies.settings import QUICK, Axes, Setting, make_settings, reference_setting, stable
 from lammps_jump.sweeps.members import JITTER, started
 
 
 def test_only_stable_steps_are_settings():
-    found = make_settings(("f", "kernel", "touch"), restitution=0.2, kernels=("stock", "compiled", "native"))
+    found = make_settings(Axes(("f", "kernel", "touch")), 0.2)
     # docs/theory.md, stability: 0.280 for velocity Verlet, 0.167 for the thesis' scheme
     assert max(s.fraction for s in found if s.kernel != "native") == 0.2
     assert max(s.fraction for s in found if s.kernel == "native") == 0.1
@@ -30,12 +30,13 @@ def test_only_stable_steps_are_settings():
 
 
 def test_axes_add_their_settings():
-    every = make_settings(("f", "n", "correction", "skin", "ranks", "diameter"), restitution=0.2, diameters=(0.1,))
+    names = ("f", "n", "correction", "skin", "ranks", "diameter")
+    every = make_settings(Axes(names, diameters=(0.1,)), 0.2)
     assert {s.penetration for s in every} >= {5.0, 20.0, 40.0}
     assert any(not s.correction for s in every) and any(s.skin == 0.1 for s in every)
     assert any(s.ranks == 2 for s in every) and any(s.diameter == 0.1 for s in every)
     # restitution 1 has nothing to correct
-    assert all(s.correction for s in make_settings(("f", "correction"), restitution=1.0))
+    assert all(s.correction for s in make_settings(Axes(("f", "correction")), 1.0))
 
 
 def test_assignments_make_the_case(tmp_path):
@@ -70,10 +71,11 @@ def test_collisions_have_the_contact_of_a_case():
 
 def test_unknown_axis_is_named():
     with pytest.raises(CaseError, match="--axes: 'g' is not known; allowed are f, n"):
-        read_axes("f,g", None, None, None, None)
+        read_axes(axes="f,g")
     with pytest.raises(CaseError, match="--kernels: 'fast' is not known"):
-        read_axes(None, None, "stock,fast", None, None)
-    assert read_axes("f, n,f", None, None, "0.1", 3) == Axes(("f", "n"), diameters=(0.1,), members=3)
+        read_axes(kernels="stock,fast")
+    assert read_axes(axes="f, n,f", diameters="0.1", members=3) == Axes(("f", "n"), diameters=(0.1,), members=3)
+    assert read_axes(quick=True, fractions="0.1") == QUICK._replace(fractions=(0.1,))
 
 
 def test_reference_is_the_fastest_kernel():

@@ -11,10 +11,10 @@ the largest deviation, and its floor is 0.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from itertools import chain
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -24,9 +24,8 @@ from lammps_jump.analysis.profiles import read_profiles
 from lammps_jump.dump import read_forces
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
-from lammps_jump.studies import settings
 from lammps_jump.studies.runs import KERNELS, in_turn, middle
-from lammps_jump.studies.settings import Setting, listed
+from lammps_jump.studies.settings import AXES, QUICK, Axes, Setting, listed, make_settings, reference_setting
 from lammps_jump.sweeps import Made, Pool, Results, Say, Start, Store, run_starts
 
 EXACT = {"energy deviation": 0.0}
@@ -147,40 +146,26 @@ TARGETS = (0.01, 0.05)
 """Errors for which the cheapest setting is named."""
 
 
-@dataclass(frozen=True)
-class Axes:
-    """What a benchmark varies; an empty tuple or None leaves the default values.
+def read_axes(quick: bool = False, members: int | None = None, **words: str | None) -> Axes:
+    """Return what the options of the command line vary.
 
-    Attributes
+    Parameters
     ----------
-    names : tuple of str
-        Of `settings.AXES`.
-    fractions, diameters : tuple of float
-        Time steps over 2/omega; disc diameters, m.
-    kernels : tuple of str
-    members : int or None
-        Starts of each setting; default 5 (2 if quick). The reference gets as many.
-    """
-
-    names: tuple[str, ...] = ()
-    fractions: tuple[float, ...] = ()
-    kernels: tuple[str, ...] = ()
-    diameters: tuple[float, ...] = ()
-    members: int | None = None
-
-
-def read_axes(
-    names: str | None, fractions: str | None, kernels: str | None, diameters: str | None, members: int | None
-) -> Axes:
-    """Return what the options of the command line vary; each is a list with commas between.
+    quick : bool
+        Begin with `QUICK`.
+    members : int, optional
+    words
+        ``axes``, ``kernels``, ``fractions`` and ``diameters``, each a list with commas between.
 
     Raises
     ------
     CaseError
         An axis or a kernel that does not exist; a value that is no number above 0.
     """
-    steps, sizes = _numbers("--fractions", fractions), _numbers("--diameters", diameters)
-    return Axes(listed("--axes", names, settings.AXES), steps, listed("--kernels", kernels, KERNELS), sizes, members)
+    given: dict[str, Any] = {"names": listed("--axes", words.get("axes"), AXES), "members": members}
+    given |= {"kernels": listed("--kernels", words.get("kernels"), KERNELS)}
+    given |= {name: _numbers(f"--{name}", words.get(name)) for name in ("fractions", "diameters")}
+    return (QUICK if quick else Axes())._replace(**{name: value for name, value in given.items() if value})
 
 
 def _numbers(option: str, text: str | None) -> tuple[float, ...]:
@@ -195,10 +180,10 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...]:
     return values
 
 
-def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh: bool, say: Say) -> Results:
+def measure_settings(
+    case: Case, store: Store, *, axes: Axes | None, quick: bool = False, fresh: bool = False, say: Say
+) -> Results:
     """Run every setting from several starts; returns rows, Pareto fronts and choices.
-
-    With `quick`: three steps, two starts, nothing but step, kernel and touch.
 
     Raises
     ------
@@ -207,18 +192,11 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh
     RunError
         No setting came to its end.
     """
-    fields = case.fields
-    names = axes.names or (("f", "touch", "kernel") if quick else settings.USUAL_AXES)
-    usable, notes = usable_kernels()
-    usable = [kernel for kernel in usable if kernel in axes.kernels] or usable
-    chosen = settings.make_settings(
-        names, restitution=fields.contact.restitution, kernels=usable, diameters=axes.diameters,
-        fractions=axes.fractions or (settings.QUICK_FRACTIONS if quick else settings.FRACTIONS),
-        penetrations=(5.0, 20.0) if quick else settings.PENETRATIONS,
-    )  # fmt: skip
-    reference = settings.reference_setting(0.02 if quick else min(settings.FRACTIONS), usable)
-    chosen = list(dict.fromkeys([reference, *chosen]))
-    rounds = axes.members or (2 if quick else 5)
+    axes, (usable, notes) = axes or read_axes(quick), usable_kernels()
+    axes = axes._replace(kernels=tuple(kernel for kernel in usable if kernel in axes.kernels) or tuple(usable))
+    fields, rounds = case.fields, axes.members
+    reference = reference_setting(axes.finest, axes.kernels)
+    chosen = list(dict.fromkeys([reference, *make_settings(axes, fields.contact.restitution)]))
     for note in notes:
         say(f"note: {note}")
     say(f"{case.name}: {len(chosen)} settings x {rounds} starts -> {store.path.parent}")
