@@ -203,8 +203,8 @@ def measure_limit(
     return {**asked, **found, "deviation": middle / predicted - 1.0}
 
 
-def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> float:
-    """Return the growth of a 2 % compressed hexagonal crystal with periodic boundaries, in stock LAMMPS.
+def crystal_growth(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> Results:
+    """Return the growth of a 2 % compressed periodic hexagonal crystal, in stock LAMMPS; 1e300 stands for infinity.
 
     Raises
     ------
@@ -218,7 +218,8 @@ def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, 
     options = {"time_step_fraction": fraction, "restitution": restitution, "steps": steps, "output_steps": steps}
     scene = _scene(points, speeds, domain=domain, **options)
     script = script_text(scene, kernel="stock", dump_format="binary").replace("f f p", "p p p", 1)
-    return growth(scene, "stock", steps, looks=1, script=script)
+    found = min(growth(scene, "stock", steps, looks=1, script=script), 1e300)
+    return {"restitution": restitution, "fraction": fraction, "growth": found, "stable": found < 1.0}
 
 
 def resting_bed(engine: str, steps: int) -> Results:

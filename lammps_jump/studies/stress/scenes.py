@@ -190,11 +190,10 @@ def judge_bypassed(positions: tuple[tuple[float, float], ...], engine: str) -> O
 
 def judge_scene(scene: Scene, engine: str) -> Outcome:
     """Run a scene and judge all that it wrote; the engines must find what the checks of a case would refuse."""
-    kernel = "native" if engine.startswith("native") else engine
     scene = replace(scene, probe_steps=max(1, scene.probe_steps))
     with tempfile.TemporaryDirectory() as folder, np.errstate(all="ignore"):
         try:
-            result = execute(scene, Path(folder), kernel)
+            result = execute(scene, Path(folder), engine.split()[0])
         except JumpError as error:
             return told(error, stopped(str(error)))
         message = result.message.replace(folder, "the run folder")
