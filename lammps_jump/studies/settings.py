@@ -17,6 +17,12 @@ AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
 BASE = 0.05
 """Time-step fraction of the settings that vary another axis."""
 SKINS = (0.1, 0.2, 0.3, 0.5, 0.7)
+FIELDS = {
+    "ranks": "engine.ranks", "fraction": "run.time_step_fraction", "touch": "contact.touch",
+    "correction": "contact.correct_restitution", "penetration": "contact.penetration_fraction",
+    "diameter": "discs.diameter",
+}  # fmt: skip
+"""Fields of a case by what a `Setting` calls them; skin and kernel are none of them."""
 
 
 class Axes(NamedTuple):
@@ -102,20 +108,10 @@ class Setting:
 
     def changes(self, diameter: float) -> dict[str, object]:
         """Return the values of a case that this setting changes; `diameter` (m) is that of the case."""
-        found: dict[str, object] = {
-            **kernel_changes(self.kernel),
-            "engine.ranks": self.ranks,
-            "run.time_step_fraction": self.fraction,
-            "contact.touch": self.touch,
-            "contact.correct_restitution": self.correction,
-        }
-        if self.penetration is not None:
-            found["contact.penetration_fraction"] = self.penetration
-        if self.diameter is not None:
-            found["discs.diameter"] = self.diameter
-        if self.skin is not None:
-            found["engine.skin"] = self.skin * (self.diameter or diameter)
-        return found
+        fields = {path: getattr(self, name) for name, path in FIELDS.items()}
+        skin = None if self.skin is None else self.skin * (self.diameter or diameter)
+        changed = {**kernel_changes(self.kernel), **fields, "engine.skin": skin}
+        return {path: value for path, value in changed.items() if value is not None}
 
 
 def listed(option: str, text: str | None, allowed: Sequence[str]) -> tuple[str, ...]:
