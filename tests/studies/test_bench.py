@@ -113,23 +113,30 @@ def test_missing_values_leave_no_number():
     ]
 
 
-def test_pareto_front():
-    points = [(1.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.05), (1.5, 0.6)]
-    assert bench_errors.pareto(points) == [0, 1, 3]
-
-
 def row(label, seconds, error, floor=0.0, **setting):
-    """What `cheapest` reads of a row."""
+    """What `summarise_quantity` reads of a row."""
     errors = {"q": QuantityError(error, floor)._asdict()}
     return {"label": label, "seconds": seconds, "setting": setting, "errors": errors}
 
 
+def test_pareto_front():
+    points = [(1.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.05), (1.5, 0.6)]
+    rows = [row(f"{seconds:g} s", seconds, error) for seconds, error in points]
+    assert bench_errors.summarise_quantity(rows, "q")["pareto"] == ["1 s", "2 s", "4 s"]
+    unknown = [row("without an error", 0.5, None), row("not run", None, 0.01)]
+    assert bench_errors.summarise_quantity([*rows, *unknown], "q")["pareto"] == ["1 s", "2 s", "4 s"]
+    assert bench_errors.summarise_quantity(unknown, "q") == {
+        "pareto": [], "cheapest": {"0.01": None, "0.05": None}, "floor": None
+    }  # fmt: skip
+
+
 def test_cheapest_needs_error_and_floor_within():
     rows = [row("quick", 1.0, 0.001, floor=0.2), row("good", 2.0, 0.009, floor=0.005), row("slow", 3.0, 0.001)]
-    assert bench_errors.cheapest(rows, "q", 0.01)["label"] == "good"
-    assert bench_errors.cheapest(rows, "q", 0.0001) is None
+    found = bench_errors.summarise_quantity(rows, "q")
+    assert found["cheapest"] == {"0.01": "good", "0.05": "good"} and found["floor"] == 0.005
+    assert bench_errors.summarise_quantity(rows[:1], "q")["cheapest"] == {"0.01": None, "0.05": None}
     other_flow = row("coarse", 0.1, 0.001, diameter=0.4)
-    assert bench_errors.cheapest([other_flow, *rows], "q", 0.01)["label"] == "good"
+    assert bench_errors.summarise_quantity([other_flow, *rows], "q")["cheapest"]["0.01"] == "good"
 
 
 def test_turns_go_to_and_fro():

@@ -24,6 +24,7 @@ from lammps_jump.analysis.profiles import read_profiles
 from lammps_jump.dump import read_forces
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.files import plain
 from lammps_jump.studies.runs import KERNELS, in_turn, middle
 from lammps_jump.studies.settings import AXES, QUICK, Axes, Setting, listed, make_settings, reference_setting
 from lammps_jump.sweeps import Made, Pool, Results, Say, Start, Store, run_starts
@@ -121,25 +122,6 @@ def setting_errors(runs: Sequence[Measures], reference: Sequence[Measures]) -> d
         name: quantity_error(name, *([measures.get(name) for measures in side] for side in (runs, reference)))
         for name in names_of([*runs, *reference])
     }
-
-
-def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Return the indices of the points (time, error) that no other beats in both, from fast to slow."""
-    errors = pd.DataFrame(points, columns=["time", "error"]).sort_values(["time", "error"]).error
-    return errors.index[errors < errors.cummin().shift(fill_value=inf)].tolist()
-
-
-def cheapest(rows: Sequence[Results], quantity: str, accuracy: float) -> Results | None:
-    """Return the quickest row whose error and floor in `quantity` are within `accuracy`; None where there is none.
-
-    Rows with another stiffness or disc size are other flows and are not chosen.
-    """
-    good = [
-        row for row in rows
-        if row["setting"].get("penetration") is None and row["setting"].get("diameter") is None
-        and row["errors"][quantity]["error"] <= accuracy and (row["errors"][quantity]["floor"] or 0.0) <= accuracy
-    ]  # fmt: skip
-    return min(good, key=lambda row: row["seconds"], default=None)
 
 
 TARGETS = (0.01, 0.05)
@@ -265,13 +247,21 @@ def make_row(
     }
 
 
-def summarise_quantity(rows: list[Results], name: str) -> Results:
-    """Return Pareto front (labels), the cheapest setting for each of `TARGETS`, and the median floor of the errors."""
-    usable = [row for row in rows if row["seconds"] and (row["errors"].get(name) or {}).get("error") is not None]
-    choices = {f"{target:g}": cheapest(usable, name, target) for target in TARGETS}
-    front = pareto([(row["seconds"], row["errors"][name]["error"]) for row in usable])
+def summarise_quantity(rows: Sequence[Results], name: str) -> Results:
+    """Return Pareto front (labels), the cheapest setting for each of `TARGETS`, and the median floor of the errors.
+
+    The front holds the settings that no other beats in time and error, from fast to slow. The cheapest is the quickest
+    whose error and floor are within the target. Settings with another stiffness or disc size are other flows and are
+    not chosen.
+    """
+    known = [row for row in rows if row["seconds"] and (row["errors"].get(name) or {}).get("error") is not None]
+    errors = pd.DataFrame([row["errors"][name] for row in known], columns=QuantityError._fields, dtype=float)
+    table = errors.assign(**{key: [row[key] for row in known] for key in ("label", "seconds")})
+    table["flow"] = [all(row["setting"].get(key) is None for key in ("penetration", "diameter")) for row in known]
+    table = table.sort_values(["seconds", "error"])
+    own = table[table.flow.astype(bool)].set_index("label")[["error", "floor"]].fillna(0.0)
     return {
-        "pareto": [usable[i]["label"] for i in front],
-        "cheapest": {target: row and row["label"] for target, row in choices.items()},
-        "floor": middle(row["errors"][name]["floor"] for row in usable),
+        "pareto": table.label[table.error < table.error.cummin().shift(fill_value=inf)].tolist(),
+        "cheapest": {f"{target:g}": next(iter(own.index[(own <= target).all(axis=1)]), None) for target in TARGETS},
+        "floor": plain(table.floor.median()),
     }
