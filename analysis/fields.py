@@ -23,6 +23,7 @@ import numpy as np
 import xarray as xr
 from numba import njit
 
+from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
@@ -32,7 +33,7 @@ from .contacts import find_contacts
 from .draw.chart import Drawings
 from .draw.maps import bed_pressure, bed_pressure_chart, field_map
 from .flow import Flow
-from .profiles import window_of, within, write_netcdf
+from .profiles import window_of, within
 
 FIELD_FRAMES = 20
 """Frames of the window that the mean fields use at most: contact stress rings, one frame says little."""
