@@ -77,7 +77,7 @@ class JumpResult(AlongStream):
         In the moving frame, from the mean mass depth, m along the stream from the front; `surface_toe`, `surface_end`
         from the surface.
     upstream, downstream : frame.State or None
-    developed : bool
+    developed : bool or None
         A level stretch behind the end was there to be measured.
     balance : frame.Balance or None
     mass : frame.Mass or None
@@ -104,7 +104,7 @@ class JumpResult(AlongStream):
     surface_end: float = nan
     upstream: frame.State | None = None
     downstream: frame.State | None = None
-    developed: bool = False
+    developed: bool | None = None
     balance: frame.Balance | None = None
     mass: frame.Mass | None = None
     roller: frame.Roller | None = None
@@ -119,14 +119,12 @@ class JumpResult(AlongStream):
         return self.track.found & self.in_window
 
 
-def level_reach(bed: np.ndarray, diameter: float) -> slice:
+def level_reach(bed: np.ndarray, diameter: float) -> np.ndarray:
     """Bins, in the stream's order, of the longest stretch of level bed (heights in m): up to a sill or a fall."""
     with np.errstate(invalid="ignore"):
         breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * diameter)) + 1
-    ends = np.concatenate([[0], breaks, [len(bed)]])
-    runs = [(stop - start, -start) for start, stop in itertools.pairwise(ends) if np.isfinite(bed[start])]
-    length, start = max(runs, default=(0, 0))
-    return slice(int(-start), int(-start + length))
+    stretches = [bins for bins in np.split(np.arange(len(bed)), breaks) if np.isfinite(bed[bins[0]])]
+    return max(stretches, key=len, default=np.arange(0))
 
 
 def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> JumpResult:
@@ -152,7 +150,7 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
     reach = level_reach(profiles["bed"].values[::direction], flow.scene.diameter)
-    if reach.stop - reach.start < 8:
+    if len(reach) < 8:
         return replace(nothing, reason="fewer than eight bins of level bed to look at")
     fields = profiles[FIELDS]
     if contacts is not None:
