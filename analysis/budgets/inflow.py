@@ -85,15 +85,10 @@ class InflowCounter:
 
     def _turns(self, step: int) -> tuple[np.ndarray, np.ndarray]:
         """Step and row of each turn after the frame before, in order; shape (turns,) each."""
-        steps, rows = [], []
-        for k, row in enumerate(self.rows):
-            first, last = (max(0, (s - row.first_step) // row.every_steps + 1) for s in (self._step, step))
-            if row.limit is not None:
-                last = min(last, row.limit)
-            steps.append(row.first_step + np.arange(first, last) * row.every_steps)
-            rows.append(np.full(len(steps[-1]), k))
-        order = np.argsort(np.concatenate(steps), kind="stable")
-        return np.concatenate(steps)[order], np.concatenate(rows)[order]
+        steps = self._step, step
+        until = [[range(row.first_step, s + 1, row.every_steps)[: row.limit] for s in steps] for row in self.rows]
+        turns = sorted((turn, k) for k, (before, now) in enumerate(until) for turn in now[len(before) :])
+        return tuple(np.array(turns, int).reshape(-1, 2).T)
 
     def _taken(self, new: np.ndarray, turns: np.ndarray, frame: Frame) -> np.ndarray | None:
         """Turn at which each new disc entered, shape (discs,); None where that would be guessing."""
