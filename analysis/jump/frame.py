@@ -256,9 +256,7 @@ def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance
         return part(one) - part(two)
 
     def between(values: xr.DataArray) -> float:
-        amount = integral(values, one.middle, two.middle)
-        good = amount[np.isfinite(amount)]
-        return float(good.mean()) if good.size else nan
+        return mean_of(integral(values, one.middle, two.middle)).value
 
     upstream, downstream = (state.uniform_flux + state.still(state.mass_depth) for state in (one, two))
     momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one.middle, two.middle)
