@@ -35,10 +35,7 @@ def check_size(
 ) -> None:
     """Refuse more steps, frames or discs than a run can hold, before arrays are made."""
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
-        index, settle = max(
-            ((i, item.settle) for i, item in enumerate(case.initial) if isinstance(item, Column) and item.gate),
-            key=lambda pair: pair[1],
-        )
+        settle, index = case.settling
         raise source.error(
             ("initial", index, "settle"),
             f"{settle:g} s behind the gate are {settle_steps:.3g} steps, with those of run.duration "
@@ -191,9 +188,9 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
     return notes
 
 
-def adapted(case: CaseFields, scene: Scene, settle: float) -> tuple[str, ...]:
-    """Sentences on asked values that whole steps have changed; `settle` is the time asked for, s."""
-    dt = scene.time_step
+def adapted(case: CaseFields, scene: Scene) -> tuple[str, ...]:
+    """Sentences on asked values that whole steps have changed."""
+    dt, settle = scene.time_step, case.settling[0]
     asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
     if case.run.output_interval is not None:
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt

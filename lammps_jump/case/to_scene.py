@@ -102,7 +102,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         scene,
         skipped=skipped(case, walls, scene.walls, scene.probes, scene.sizes),
         warnings=(*scene.warnings, *checks.check_stop(case, source), *doubts(case, _stiffness(case)[1], scene.inlets)),
-        adapted=checks.adapted(case, scene, _settle(case)),
+        adapted=checks.adapted(case, scene),
     )
 
 
@@ -199,14 +199,9 @@ def _stiffness(case: CaseFields) -> tuple[float, float, float]:
 def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:
     """Steps of the run, and steps behind the gate before it: whole frames."""
     steps = plan_steps(*_times(case), dt)
-    settle = math.ceil(math.ceil(_settle(case) / dt - 1e-9) / steps.output) * steps.output
+    settle = math.ceil(math.ceil(case.settling[0] / dt - 1e-9) / steps.output) * steps.output
     checks.check_size(case, source, settle, steps.run, steps.output, sizes)
     return steps, settle
-
-
-def _settle(case: CaseFields) -> float:
-    """Time behind the gate, s."""
-    return max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
 
 
 INLET_WALL = "inlet_back"

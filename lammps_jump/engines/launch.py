@@ -17,15 +17,13 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.script import write_continuation, write_script
 
 from .checkpoint import Checkpoint, last_saved
-from .child import Child, child_for, prepare_worker
+from .child import Child, child_for
 from .interrupts import handled_by
 from .lammps.drive import make_ready
 from .lammps.finish import Outcome, conclude
 from .lammps.log import read_log
 from .result import Progress, ProgressCallback, RunResult, interruption
 from .setting import Job, Setting
-
-__all__ = ["Setting", "prepare_worker", "run", "write_inputs"]
 
 
 def run(
