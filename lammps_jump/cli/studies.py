@@ -177,7 +177,8 @@ def bench(
     """Measure run time against error for steps, kernels, contacts and stiffnesses. Continues where it stopped."""
     parts = {"cells": cells, "skips": skips, "speed": speed, "overhead": overhead}
     part = next((name for name, wanted in parts.items() if wanted), "bench")
-    varied = studies.bench.read_axes(axes, fractions, kernels, diameters, members)
+    words = {"axes": axes, "fractions": fractions, "kernels": kernels, "diameters": diameters}
+    varied = studies.bench.read_axes(quick, members, **words)
     if table and part == "bench":
         return studies.table.show(studies.bench.stored_table(case, out))
     read, say = None if case == Path("collision") else lj.load_case(case, set_), options.sayer(quiet)

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-import lammps_jump.analysis as analysis
+import lammps_jump.dump as dump
 import lammps_jump.runs as runs
 from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.case import load_case as read_case
@@ -215,7 +215,7 @@ class Run:
         path = self.folder / "profiles.nc"
         if self._changes or not path.exists():
             return self._found.gathered.profiles
-        return analysis.profiles.read_profiles(path)
+        return dump.read_netcdf(path)
 
     @property
     def jump(self) -> Jump:

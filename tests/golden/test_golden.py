@@ -44,7 +44,7 @@ def test_skin_of_the_case_reaches_every_neighbour_list():
     stock, compiled = (script_text(scene, kernel=kernel) for kernel in ("stock", "compiled"))
     assert "neighbor        0.05 bin\n" in stock
     # the plugin keeps a list of its own; LAMMPS' skin says no more than when discs must change ranks
-    assert "neighbor        0.2 bin\n" in compiled and " diameter 0.2 skin 0.05 halo yes\n" in compiled
+    assert "neighbor        0.2 bin\n" in compiled and " diameter 0.2 skin 0.05\n" in compiled
 
 
 def test_traps_of_the_design_are_avoided():

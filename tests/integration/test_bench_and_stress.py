@@ -74,8 +74,8 @@ def test_skips_change_no_trajectory(skip, column, box):
 
 
 def test_periodic_crystal_brackets_the_limit():
-    assert stress_limits.periodic_hexagonal(0.2, 0.280, steps=8000) < 1.0
-    assert stress_limits.periodic_hexagonal(0.2, 0.285, steps=8000) > 1e3
+    assert stress_limits.crystal_growth(0.2, 0.280, steps=8000)["stable"]
+    assert stress_limits.crystal_growth(0.2, 0.285, steps=8000)["growth"] > 1e3
 
 
 def test_stress_quick(tmp_path):
