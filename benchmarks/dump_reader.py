@@ -36,12 +36,9 @@ def make_files(folder: Path, discs: int, frames: int, seed: int = 1) -> dict[str
     ids = np.arange(1, discs + 1)
     for step in range(frames):
         x, y, vx, vy = rng.uniform(0, 60, discs), rng.uniform(0, 7, discs), *rng.normal(size=(2, discs))
+        columns = dict(zip(COLUMNS, (ids, x, y, vx, vy), strict=True))
         for writer in writers.values():
-            writer.write_frame(
-                make_frame(
-                    100 * step, 0.1 * step, [[-1, 95], [-15, 40]], dict(zip(COLUMNS, (ids, x, y, vx, vy), strict=True))
-                )
-            )
+            writer.write_frame(make_frame(100 * step, 0.1 * step, [[-1, 95], [-15, 40]], columns))
     for writer in writers.values():
         writer.close()
     return {name: path for name, (path, _, _) in files.items()}
