@@ -221,8 +221,7 @@ def energy_gain(folder: Path, scene: Scene) -> float:
     for _ in feed(read_dump(folder), flow, [ledger]):
         pass
     energy = ledger.result()
-    elastic = 0.0 if energy.elastic is None else energy.elastic[0]
-    moved = energy.kinetic[0] + elastic + float(np.ptp(energy.potential))
+    moved = energy.kinetic[0] + energy.elastic[0] + float(np.ptp(energy.potential))
     return float((energy.total - energy.total[0]).max() / moved) if moved > 0 else 0.0
 
 
