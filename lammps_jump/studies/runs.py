@@ -14,7 +14,7 @@ from typing import TypeVar
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import RunResult, Setting, plugin, run
 from lammps_jump.engines.native import run_native
-from lammps_jump.errors import RunInterrupted
+from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.scene import Scene
 
 KERNELS = ("stock", "compiled", "native")
@@ -72,11 +72,19 @@ def execute(
 
 
 def run_frames(
-    scene: Scene, kernel: str, *, dump_format: str = "text", script: str | None = None
+    scene: Scene, kernel: str, *, dump_format: str = "text", script: str | None = None, check: bool = True
 ) -> tuple[RunResult, list[Frame]]:
-    """Run a scene in a temporary folder, as `execute`; returns the frames too, discs by id, none of a failed run."""
+    """Run a scene in a temporary folder, as `execute`; returns the frames too, discs by id.
+
+    Raises
+    ------
+    RunError
+        A run that is not complete; without `check` it has no frames.
+    """
     with tempfile.TemporaryDirectory() as folder:
         result = execute(scene, Path(folder), kernel, dump_format=dump_format, script=script)
+        if check and result.status != "complete":
+            raise RunError(f"{kernel}, {scene.name}: {result.message}")
         frames = read_dump(Path(folder)) if result.status == "complete" else []
         return result, [frame.sorted() for frame in frames]
 
