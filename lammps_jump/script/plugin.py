@@ -11,8 +11,6 @@ from .probes import plugin_probes, probed_parts
 from .walls import number, numbers, plugin_walls
 
 probes = plugin_probes
-OVERLAP = 7
-"""Place of the largest overlap in the vector of the plugin's fix."""
 ONE_RANK_LOOKS = 10
 SORT_CELL = 0.65
 """Side of the cells that LAMMPS sorts discs into (for the cache), in diameters: half of d and a skin of 0.3 d."""
@@ -48,10 +46,10 @@ def contact_law(scene: Scene) -> list[str]:
     words = [
         f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
         f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter "
-        f"{number(scene.diameter)} skin {number(scene.skin)} halo yes",
+        f"{number(scene.diameter)} skin {number(scene.skin)}",
     ]
     if scene.touch == "smooth":
-        words.append(f"touch smooth {number(scene.touch_width)} dashpot even")
+        words.append(f"smooth {number(scene.touch_width)}")
     if scene.rotation:
         words.append("spin yes")
     if scene.sizes:
@@ -106,4 +104,4 @@ def sizes(scene: Scene) -> list[str]:
 
 def guards(scene: Scene) -> list[str]:
     """What ends a run that has gone wrong; the fix gives the largest overlap, and nothing moves in z."""
-    return stock.guards_of(scene, f"f_motion[{OVERLAP}]")
+    return stock.guards_of(scene, "f_motion")

@@ -3,19 +3,15 @@
 
 from __future__ import annotations
 
+from itertools import count, islice
 from math import isfinite
 
 import numpy as np
 
 from lammps_jump.files import FORCES_HEADER
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Wall
+from lammps_jump.scene import Scene, Wall
 
 from .walls import fix_names, number, plugin_parts, stock_wall
-
-GLOBAL_VALUES = 9
-"""Length of the vector of the plugin's fix before the values of the probes."""
-
 
 MARGIN = 1.01
 """Distance from a face up to which discs are looked at, in largest radii; they touch it within 1."""
@@ -90,13 +86,12 @@ def probed_parts(scene: Scene) -> list[str]:
 def plugin_probes(scene: Scene) -> list[str]:
     """Force on each probed wall: the fix holds the mean over each window, every step counted, moments too."""
     lines = ["variable        clock equal time"] if scene.probes else []
-    value = GLOBAL_VALUES + 1
+    values = (f"f_motion[{n}]" for n in count(1))
     for name in scene.probes:
         wall = scene.wall(name)
         fx, fy, mz = [], [], []
         for part in plugin_parts(wall):
-            x, y, moment = (f"f_motion[{value + i}]" for i in range(3))
-            value += 3
+            x, y, moment = islice(values, 3)
             # the plugin takes the moment about the point of each part
             arm_x, arm_y = np.subtract(part.moment_point, wall.moment_point)
             shift = f"+({number(arm_x)})*{y}-({number(arm_y)})*{x}" if arm_x or arm_y else ""

@@ -11,7 +11,6 @@ from scipy import stats
 
 import lammps_jump as lj
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
@@ -233,7 +232,7 @@ class TestEnsembles:
         assert np.array_equal(one.velocities, scene.velocities) and one.steps == scene.steps
 
     def test_jitter_of_inflow_changes_speeds_only(self):
-        scene = build_scene(load_case("inputs/quick_jump.yaml"))
+        scene = load_case("inputs/quick_jump.yaml").scene()
         moved = perturbed(scene, 3, JITTER)
         for before, after in zip(scene.inlets, moved.inlets, strict=True):
             assert 0 < abs(after.vx / before.vx - 1) <= JITTER

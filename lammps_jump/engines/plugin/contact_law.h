@@ -91,18 +91,7 @@ template <class Number> struct ContactForce {
   Number fx, fy;            // on the disc, N
   Number twist;             // tangential force times its sense: moment on the disc is -(lever) * twist
   Number overlap;
-  Number dash_x, dash_y;    // share of the dashpot in the force
-  Number rub_x, rub_y;      // share of friction in the force
 };
-
-/** Elastic energy of an overlap, J per metre of width; the width of a sharp touch is 0. */
-inline double elastic_energy(const Law &law, double overlap)
-{
-  const double s = law.width;
-  if (overlap <= 0.0) return 0.0;
-  if (overlap < s) return law.k * overlap * overlap * overlap / (6.0 * s);
-  return law.k * (s * s / 6.0 + 0.5 * (overlap * overlap - s * s) - 0.5 * s * (overlap - s));
-}
 
 /** Force on a disc whose centre lies at (dx, dy) from its partner's; (vx, vy) is its relative velocity.
 
@@ -137,11 +126,9 @@ inline ContactForce<Number> contact_force(const Law &law, const Own &own, const 
     ccel = law.k * overlap * rinv - damp;
   }
   out.overlap = overlap;
-  out.dash_x = -dx * damp;
-  out.dash_y = -dy * damp;
   out.fx = dx * ccel;
   out.fy = dy * ccel;
-  out.twist = out.rub_x = out.rub_y = spread(0.0, rsq);
+  out.twist = spread(0.0, rsq);
   if (has_friction(FRICTION)) {
     Number vtx = vx - dx * vnnr * rsqinv;
     Number vty = vy - dy * vnnr * rsqinv;
@@ -163,8 +150,6 @@ inline ContactForce<Number> contact_force(const Law &law, const Own &own, const 
     out.fx += fsx;
     out.fy += fsy;
     out.twist = rinv * (dx * fsy - dy * fsx);
-    out.rub_x = fsx;
-    out.rub_y = fsy;
   }
   return out;
 }

@@ -4,7 +4,6 @@
 #include "pair_jump_disc.h"
 
 #include "atom.h"
-#include "comm.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
@@ -68,15 +67,12 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
     error->all(FLERR, "fix jump/step: gamma_wall, gammat_wall and mu_wall must not be negative");
 
   time_integrate = 1;
-  restart_global = 1;
-  scalar_flag = vector_flag = 1;
-  global_freq = 1;
-  size_vector = LEDGER + 3 * (int) probed.size();
-  extscalar = 0;
-  extvector = 0;
+  scalar_flag = global_freq = 1;
+  size_vector = 3 * (int) probed.size();
+  vector_flag = size_vector > 0;
+  extscalar = extvector = 0;
   window.assign(3 * probed.size(), 0.0);
   mean.assign(3 * probed.size(), 0.0);
-  output.assign(size_vector, 0.0);
 }
 
 int FixJumpStep::add_pieces(int a, int narg, char **arg)
@@ -108,7 +104,6 @@ void FixJumpStep::init()
   sized = 0;
   friction = jump::friction_of(mu, gamma_t, pair->sign, pair->spin);
   law = jump::make_law(k, gamma, gamma_t, mu, pair->mass, 0.5 * pair->diameter, pair->width);
-  pair->stepped = modify->n_post_integrate == 0;
   reset_dt();
 }
 
@@ -124,7 +119,7 @@ void FixJumpStep::setup(int vflag)
   post_force(vflag);
 }
 
-template <bool SPIN, bool SIZES> void FixJumpStep::drift()
+template <bool SIZES> void FixJumpStep::drift()
 {
   double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
@@ -150,7 +145,7 @@ template <bool SPIN, bool SIZES> void FixJumpStep::drift()
     pair->range_hi[axis] = hi[axis];
   }
   near_moved += dtv * std::max(std::max(-lo[0], hi[0]), std::max(-lo[1], hi[1]));
-  if (SPIN) {
+  if (pair->spin) {
     double *const __restrict omega = atom->omega[0];
     const double *const __restrict torque = atom->torque[0];
     double radius = 0.5 * pair->diameter, rate = SIZES ? 0.0 : spin_rate(0);
@@ -165,72 +160,27 @@ template <bool SPIN, bool SIZES> void FixJumpStep::drift()
   }
 }
 
-double FixJumpStep::mass_of(int i) const
-{
-  return pair->sizes ? atom->rmass[i] : pair->mass;
-}
-
 /** Spin that a torque of 1 gives to a disc in half a step. */
 double FixJumpStep::spin_rate(int i) const
 {
   const double radius = pair->radius_of(i);
-  return dt_spin / (radius * radius * mass_of(i));
-}
-
-/** Work that dashpots and friction take in the half kick that comes next: force times mean velocity, which is exact.
-
-    Over a half kick from v to v + dt/2 F/m the kinetic energy changes by dt/2 F . (v + dt/4 F/m). */
-void FixJumpStep::book_half_kick()
-{
-  const int n = atom->nlocal;
-  const double half = dtf;
-  const Vec2 mean_kick = {0.25 * dtv * gx, 0.25 * dtv * gy};
-  const double *const v = atom->v[0], *const f = atom->f[0];
-  const auto *const loss = pair->loss.data();
-  Vec2 dash = {0.0, 0.0}, rub = {0.0, 0.0};
-  for (int i = 0; i < n; i++) {
-    const Vec2 speed = at(v, i) + (0.5 * dtf / mass_of(i) * at(f, i) + mean_kick);
-    dash += Vec2{loss[i].dash_x, loss[i].dash_y} * speed;
-    rub += Vec2{loss[i].rub_x, loss[i].rub_y} * speed;
-  }
-  double dashed = dash[0] + dash[1], rubbed = rub[0] + rub[1];
-  if (pair->spin) {
-    for (int i = 0; i < n; i++) {
-      const double torque = atom->torque[i][2];    // nothing but friction turns a disc
-      rubbed += torque * (atom->omega[i][2] + 0.5 * spin_rate(i) * torque);
-    }
-  }
-  dashpot_loss -= half * dashed;
-  friction_loss -= half * rubbed;
+  return dt_spin / (radius * radius * (pair->sizes ? atom->rmass[i] : pair->mass));
 }
 
 void FixJumpStep::initial_integrate(int)
 {
   if (atom->nlocal == 0) {
-    pair->range_lo[0] = pair->range_lo[1] = 1e300;    // ghosts may widen it
+    pair->range_lo[0] = pair->range_lo[1] = 1e300;    // discs of other ranks may widen it
     pair->range_hi[0] = pair->range_hi[1] = -1e300;
-    pair->packed_step = update->ntimestep;
     return;
   }
-  pair->reserve(atom->nlocal + atom->nghost);
-  if (pair->ledger) book_half_kick();
-  if (pair->sizes)
-    pair->spin ? drift<true, true>() : drift<false, true>();
-  else
-    pair->spin ? drift<true, false>() : drift<false, false>();
-  // others may move discs before the forces: then the pair style packs them itself
-  pair->packed_step = update->ntimestep;
-  if (modify->n_post_integrate) {
-    pair->packed_step = -1;
-    near_moved = 1e300;
-  }
+  pair->sizes ? drift<true>() : drift<false>();
 }
 
 void FixJumpStep::final_integrate()
 {
   const int n = atom->nlocal;
   if (n == 0) return;
-  if (pair->ledger) book_half_kick();
   double *const __restrict v = atom->v[0];
   const double *const __restrict f = atom->f[0];
   const double dtfm = dtf / pair->mass;
@@ -278,15 +228,10 @@ void FixJumpStep::end_of_step()
   sized = highest;
 }
 
-/** Sums over the ranks, once for each step that is asked about. */
-void FixJumpStep::reduce()
+/** Largest overlap of pairs and walls at the last force evaluation, m. */
+double FixJumpStep::compute_scalar()
 {
-  if (output_step == update->ntimestep) return;
-  output_step = update->ntimestep;
-  const int n = atom->nlocal;
-  std::vector<double> sum(size_vector, 0.0);
-  double overlap = pair->largest_overlap();
-  sum[0] = pair->elastic_energy();
+  double here = pair->largest_overlap(), all;
   for (const auto &face : faces) {
     if (update->ntimestep >= walls[face.wall].until) continue;
     for (const int i : face.near) {
@@ -300,71 +245,16 @@ void FixJumpStep::reduce()
       } else {
         distance = face.sign * ((face.kind == PLANE_X ? a.x : a.y) - face.at);
       }
-      const double deep = pair->radius_of(i) - distance;
-      overlap = std::max(overlap, deep);
-      sum[1] += jump::elastic_energy(law, deep);
+      here = std::max(here, pair->radius_of(i) - distance);
     }
   }
-  sum[2] = dashpot_loss;
-  sum[3] = friction_loss;
-  for (int i = 0; i < n; i++) {
-    const double *const v = atom->v[i];
-    const double *const x = atom->x[i];
-    const double mass = mass_of(i);
-    sum[4] += 0.5 * mass * (v[0] * v[0] + v[1] * v[1]);
-    sum[5] -= mass * (gx * x[0] + gy * x[1]);
-  }
-  if (pair->spin)
-    for (int i = 0; i < n; i++) {
-      const double rim = pair->radius_of(i) * atom->omega[i][2];
-      sum[4] += 0.25 * mass_of(i) * rim * rim;
-    }
-  sum[8] = touching;
-  for (size_t c = 0; c < mean.size(); c++) sum[LEDGER + c] = mean[c];
-  MPI_Allreduce(sum.data(), output.data(), size_vector, MPI_DOUBLE, MPI_SUM, world);
-  MPI_Allreduce(&overlap, &output[6], 1, MPI_DOUBLE, MPI_MAX, world);
-  output[7] = pair->largest_speed;
-}
-
-double FixJumpStep::compute_scalar()
-{
-  reduce();
-  return output[0] + output[1];
+  MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+  return all;
 }
 
 double FixJumpStep::compute_vector(int n)
 {
-  reduce();
-  return output[n];
-}
-
-void FixJumpStep::write_restart(FILE *fp)
-{
-  std::vector<double> mine = {dashpot_loss, friction_loss};
-  mine.insert(mine.end(), window.begin(), window.end());
-  std::vector<double> all(mine.size(), 0.0);
-  MPI_Allreduce(mine.data(), all.data(), (int) mine.size(), MPI_DOUBLE, MPI_SUM, world);
-  all.push_back((double) window_steps);
-  if (comm->me == 0) {
-    const int size = (int) (all.size() * sizeof(double));
-    fwrite(&size, sizeof(int), 1, fp);
-    fwrite(all.data(), sizeof(double), all.size(), fp);
-  }
-}
-
-void FixJumpStep::restart(char *buf)
-{
-  const auto *const all = reinterpret_cast<const double *>(buf);
-  window_steps = (bigint) all[2 + window.size()];
-  if (comm->me != 0) return;    // the first rank has what all had
-  dashpot_loss = all[0];
-  friction_loss = all[1];
-  for (size_t c = 0; c < window.size(); c++) window[c] = all[2 + c];
-}
-
-double FixJumpStep::memory_usage()
-{
-  double bytes = 0.0;
-  for (const auto &face : faces) bytes += (double) (face.near.capacity() * sizeof(int));
-  return bytes;
+  double sum;
+  MPI_Allreduce(&mean[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
+  return sum;
 }

@@ -7,7 +7,7 @@
                         [probe EVERY NAME...]                                   (probe comes last)
 
    One pass for what a step of discs needs besides the pairs of `pair_style jump/disc` (which must be in use,
-   and gives law, touch, spin, ledger, masses and diameters):
+   and gives law, touch, spin, masses and diameters):
 
    - velocity Verlet, as fix nve (with spin: as fix nve/sphere disc, I = m R^2/2); gravity enters the velocities
      here and not the force array;
@@ -21,10 +21,8 @@
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about the lower-left corner (block, box) or the plane's point nearest the origin.
 
-   Global vector: 1 elastic energy of the pairs, 2 of the walls, 3 dashpot loss since the start, 4 friction loss since
-   the start (both with `ledger yes`: work in each half kick, exact for velocity Verlet), 5 kinetic energy, 6 potential energy of gravity, 7 largest overlap,
-   8 largest speed of the last force evaluation (law sign), 9 number of discs touching walls, then for each probe
-   fx, fy, moment. Global scalar: 1 + 2. All in SI per metre of width. Restarts keep losses and open windows. */
+   Global scalar: the largest overlap, m. Global vector: for each probe fx, fy (N) and moment (N m), per metre of width.
+   A restart begins a new window. */
 
 #ifndef LMP_FIX_JUMP_STEP_H
 #define LMP_FIX_JUMP_STEP_H
@@ -47,13 +45,9 @@ class FixJumpStep : public Fix {
   void reset_dt() override;
   double compute_scalar() override;
   double compute_vector(int) override;
-  void write_restart(FILE *) override;
-  void restart(char *) override;
-  double memory_usage() override;
 
  private:
   enum Kind { PLANE_X, PLANE_Y, BLOCK };
-  static constexpr int LEDGER = 9;
   static constexpr double NEAR_MARGIN = 0.5;    // diameters
 
   struct Wall {
@@ -92,20 +86,13 @@ class FixJumpStep : public Fix {
   std::vector<int> probed;                    // wall of each probe
   std::vector<double> window, mean;           // this rank: running sums and last full window's mean
   bigint window_steps = 0;
-  double dashpot_loss = 0.0, friction_loss = 0.0;
-  int touching = 0;
-  std::vector<double> output;                 // all ranks
-  bigint output_step = -1;
 
   int add_wall(int, int, char **);
   int add_pieces(int, int, char **);
   double diameter_of(tagint) const;
   double spin_rate(int) const;
-  double mass_of(int) const;
   void find_near();
-  void book_half_kick();
-  void reduce();
-  template <bool SPIN, bool SIZES> void drift();
+  template <bool SIZES> void drift();
   template <jump::Friction, jump::Touch, bool SIZES> void push();
   template <jump::Friction, jump::Touch, class Own>
   void touch(const Face &, int, double, double, const Own &, double *);

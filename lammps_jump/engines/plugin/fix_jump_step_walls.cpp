@@ -106,14 +106,6 @@ void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const Own
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
   on_wall[2] -= (a.x - dx - wall.x0) * out.fy - (a.y - dy - wall.y0) * out.fx;
-  if (pair->ledger) {
-    auto &loss = pair->loss[i];
-    loss.dash_x += out.dash_x;
-    loss.dash_y += out.dash_y;
-    loss.rub_x += out.rub_x;
-    loss.rub_y += out.rub_y;
-  }
-  touching++;
 }
 
 template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
@@ -163,8 +155,6 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
 void FixJumpStep::post_force(int)
 {
   if (near_order != pair->order || update->setupflag || !(near_moved < NEAR_MARGIN * pair->diameter)) find_near();
-  touching = 0;
-  output_step = -1;
   law.eps = jump::SIGN_RAMP * pair->largest_speed;
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
   jump::with_branch(friction, pair->touch, [&](auto f, auto t) {

@@ -110,12 +110,3 @@ void JumpHalo::finish(PairJumpDisc &pair)
     }
   }
 }
-
-double JumpHalo::memory_usage() const
-{
-  double bytes = 0.0;
-  for (const auto &partner : partners)
-    bytes += (double) (partner.mine.capacity() * sizeof(int)) +
-        (double) ((partner.in.capacity() + partner.out.capacity()) * sizeof(double));
-  return bytes;
-}

@@ -27,7 +27,6 @@ class JumpHalo : protected Pointers {
   void finish(PairJumpDisc &pair);
 
   int count() const { return number; }
-  double memory_usage() const;
 
  private:
   /** A rank with discs in reach. */

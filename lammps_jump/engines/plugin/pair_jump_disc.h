@@ -1,24 +1,22 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D
-                        [touch sharp | touch smooth S] [dashpot even] [spin yes|no] [ledger yes|no] [skin L]
-                        [halo yes|no] [sizes SMALLEST LARGEST]
+/* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D skin L
+                        [smooth S] [spin yes|no] [sizes SMALLEST LARGEST]
    pair_coeff * *
 
    Contact forces between discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Discs are equal: one of
    another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
    M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
-   sqrt((M/2)/m_eff). Works with any fixes; `fix jump/step` shares its arrays.
+   sqrt((M/2)/m_eff). `fix jump/step` moves the discs and shares the arrays. The style gives no energy and no
+   virial: their sums are NaN, and computes of them for each disc are refused.
 
    The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs whose rims are closer than
-   L, 0.3 D unless given) and asks LAMMPS for none. The list holds until the discs can have moved L against one
-   another. Where fix jump/step moves the discs, that is bounded by the sum over the steps of dt times the range of the
-   velocities (all the discs of a jet move together: only the range counts); under other integrators the list is built
-   when LAMMPS reneighbours, with LAMMPS' skin. Without ghosts it also outlives a reneighbouring that only brought new
-   discs.
+   L) and asks LAMMPS for none. The list holds until the discs can have moved L against one another. That is bounded by
+   the sum over the steps of dt times the range of the velocities (all the discs of a jet move together: only the range
+   counts). On one rank it also outlives a reneighbouring that only brought new discs.
 
-   halo yes (no): on several ranks the style exchanges the discs near the cuts itself (halo.h) and asks LAMMPS for no
-   ghosts. For `processors * 1 1`, newton off and no periodic x or y; it sees to `comm_modify cutoff`. The list is then in
-   two parts: contacts of local discs, which are computed while the messages travel, and contacts across the cuts. */
+   On several ranks the style exchanges the discs near the cuts itself (halo.h) and asks LAMMPS for no ghosts. It needs
+   `processors * 1 1`, newton off and no periodic x or y; it sees to `comm_modify cutoff`. The list is then in two parts:
+   contacts of local discs, which are computed while the messages travel, and contacts across the cuts. */
 
 #ifndef LMP_PAIR_JUMP_DISC_H
 #define LMP_PAIR_JUMP_DISC_H
@@ -29,25 +27,11 @@
 
 namespace LAMMPS_NS {
 
-/** Settings of the style, as they stand in restart files too. */
-struct DiscSettings {
-  double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
-  double mass = 0.0, diameter = 0.0, width = 0.0;      // of nominal discs, with sizes
-  double skin = 0.0;                                   // asked for
-  double smallest = 0.0, largest = 0.0;                // diameters
-  int sign = 0, smooth = 0, sizes = 0, spin = 0, ledger = 0, halo = 0;
-};
-
-class PairJumpDisc : public Pair, public DiscSettings {
+class PairJumpDisc : public Pair {
  public:
   /** What a contact reads of a disc, in half a cache line. */
   struct alignas(32) Disc {
     double x, y, vx, vy;
-  };
-
-  /** Dashpot and friction force on a disc. */
-  struct alignas(32) Loss {
-    double dash_x, dash_y, rub_x, rub_y;
   };
 
   PairJumpDisc(class LAMMPS *);
@@ -57,39 +41,31 @@ class PairJumpDisc : public Pair, public DiscSettings {
   void coeff(int, char **) override;
   void init_style() override;
   double init_one(int, int) override;
-  void write_restart(FILE *) override;
   void read_restart(FILE *) override;
-  void write_restart_settings(FILE *) override;
-  void read_restart_settings(FILE *) override;
-  double memory_usage() override;
 
   // shared with fix jump/step
 
+  double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
+  double mass = 0.0, diameter = 0.0, width = 0.0;    // of nominal discs, with sizes
+  double skin = 0.0, smallest = 0.0, largest = 0.0;  // diameters from smallest to largest
+  bool sign = false, sizes = false, spin = false;
   jump::Friction friction = jump::Friction::NONE;
-  std::vector<Loss> loss;                            // what takes energy from the local discs, with the ledger
+  jump::Touch touch = jump::Touch::SHARP;
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
-  std::vector<Disc> disc;                            // local discs, then ghosts
+  std::vector<Disc> disc;                            // local discs, then those of other ranks
   std::vector<double> rim;                           // R omega, with spin
   std::vector<double> radii, inverse_masses;         // with sizes; in the order of the discs
-  bigint packed_step = -1;                           // step for which the local discs are packed
-  bool stepped = false;                              // fix jump/step moves the discs, and nobody else
-
-  jump::Touch touch = jump::Touch::SHARP;
   bigint order = 0;                                  // counts the changes of what the indices of discs mean
-  double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};                   // least and largest velocity of the discs, this step
+  double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};    // least and largest velocity of the discs, this step
 
   void reserve(int);
-  void pack(int, int);
   void pack_sizes(int, int);
-  double elastic_energy() const;
   double largest_overlap() const;
-  void check_discs(int, int);
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
   double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
 
  private:
   jump::Law law;
-  double margin = 0.0;               // skin of the list as it stands
   std::vector<int> first, second;    // candidate pairs, flat, cell by cell
   size_t interior = 0, candidates = 0;    // pairs of local discs, which come first where there are others; and all
   double moved[2] = {0.0, 0.0};      // bound of the relative displacement of all discs since the list was built
@@ -101,17 +77,15 @@ class PairJumpDisc : public Pair, public DiscSettings {
   std::vector<int> first_across, second_across;    // pairs across a cut, while the list is built
 
   void allocate();
-  void choose();
+  void pack(int, int);
+  void check_discs(int, int);
   bool keeps_order() const;
-  bool is_mine(int, int) const;
-  void build_list(double);
+  void build_list();
   template <bool SIZES> size_t find_pairs(int, int);
   void append_to_list(int);
   void make_room(size_t);
-  bool uses_halo() const;
-  int others() const;
-  void widen_range(int, int);
-  bool driven() const;
+  void widen_range();
+  bool moved_by_others() const;
   bool worn(const double *) const;
   void update_list();
   void travel(double *) const;
@@ -120,7 +94,7 @@ class PairJumpDisc : public Pair, public DiscSettings {
   double largest_squared_speed() const;
   void find_largest_speed();
   void evaluate(size_t, size_t);
-  template <jump::Friction, jump::Touch TOUCH, bool LEDGER, bool SIZES> void evaluate(size_t, size_t);
+  template <jump::Friction, jump::Touch, bool SIZES> void evaluate(size_t, size_t);
 };
 
 }    // namespace LAMMPS_NS

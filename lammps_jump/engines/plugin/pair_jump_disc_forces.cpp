@@ -6,7 +6,6 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
-#include "force.h"
 #include "neighbor.h"
 #include "update.h"
 
@@ -44,7 +43,7 @@ void PairJumpDisc::find_largest_speed()
 }
 
 /** Forces of the pairs from one place in the list to another. */
-template <Friction FRICTION, Touch TOUCH, bool LEDGER, bool SIZES> void PairJumpDisc::evaluate(size_t from, size_t to)
+template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluate(size_t from, size_t to)
 {
   const Disc *const __restrict at = disc.data();
   const int *const __restrict one = first.data();
@@ -53,9 +52,7 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER, bool SIZES> void PairJump
   const double *const __restrict own_radius = radii.data();
   const jump::Law rule = law;
   const int nlocal = atom->nlocal;
-  const bool newton = force->newton_pair;
   const double radius = 0.5 * diameter;
-  const bool tally = vflag_atom || num_tally_compute > 0;
   double *const __restrict f = atom->f ? atom->f[0] : nullptr;
   double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
 
@@ -63,7 +60,6 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER, bool SIZES> void PairJump
   alignas(64) double between[BATCH][4];
   alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
   alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[SIZES ? BATCH : 1];
-  alignas(64) double dashed[LEDGER ? BATCH : 1][2], rubbed[LEDGER ? BATCH : 1][2];
   int touching[BATCH + 1];
   for (size_t begin = from; begin < to; begin += BATCH) {
     const size_t end = begin + BATCH < to ? begin + BATCH : to;
@@ -114,35 +110,16 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER, bool SIZES> void PairJump
         if (SIZES) *reinterpret_cast<Lanes *>(twist_two + c) = (*rj - 0.5 * out.overlap) * out.twist;
         *reinterpret_cast<Lanes *>(twist + c) = (SIZES ? *ri - 0.5 * out.overlap : radius + Lanes{}) * out.twist;
       }
-      if (LEDGER) {
-        jump::rows_of_two(out.dash_x, out.dash_y, dashed + c);
-        jump::rows_of_two(out.rub_x, out.rub_y, rubbed + c);
-      }
-    }
-    if (vflag_global && !tally) {    // with newton on it comes from forces and positions at the end
-      for (int c = 0; c < n; c++) {
-        const double share = newton || two[touching[c]] < nlocal ? 1.0 : 0.5;
-        virial[0] += share * between[c][0] * force_on[c][0];
-        virial[1] += share * between[c][1] * force_on[c][1];
-        virial[3] += share * between[c][0] * force_on[c][1];
-      }
     }
     for (int c = 0; c < n; c++) {
       const int i = one[touching[c]], j = two[touching[c]];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
       *reinterpret_cast<Vec2 *>(f + 3 * i) += push;
       if (jump::has_spin(FRICTION)) torque[3 * i + 2] -= twist[c];
-      if (newton || j < nlocal) {
+      if (j < nlocal) {
         *reinterpret_cast<Vec2 *>(f + 3 * j) -= push;
         if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= SIZES ? twist_two[c] : twist[c];
       }
-      if (LEDGER) {
-        const Vec4 taken = {dashed[c][0], dashed[c][1], rubbed[c][0], rubbed[c][1]};
-        *reinterpret_cast<Vec4 *>(&loss[i]) += taken;
-        if (j < nlocal) *reinterpret_cast<Vec4 *>(&loss[j]) -= taken;
-      }
-      if (tally)
-        ev_tally_xyz(i, j, nlocal, newton, 0.0, 0.0, push[0], push[1], 0.0, between[c][0], between[c][1], 0.0);
     }
   }
 }
@@ -150,56 +127,34 @@ template <Friction FRICTION, Touch TOUCH, bool LEDGER, bool SIZES> void PairJump
 void PairJumpDisc::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
+  if (eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0)
+    error->all(FLERR, "pair_style jump/disc gives no energy and no virial: leave out computes of them for each disc");
+  eng_vdwl = NAN;    // LAMMPS asks for the sums at steps where nothing may read them: no error then
+  std::fill_n(virial, 6, NAN);
   const int nlocal = atom->nlocal;
-  const bool reneighboured = neighbor->ago == 0;
-  reserve(nlocal + others());
+  const bool ranks = comm->nprocs > 1;
   // fix jump/step has packed the local discs; a reneighbouring may have moved them to other indices since
-  if (reneighboured || packed_step != update->ntimestep) pack(0, nlocal);
-  bool travelling = false;    // the discs of other ranks
-  if (!uses_halo()) {
-    pack(nlocal, nlocal + others());
-  } else {
-    if (num_tally_compute > 0) error->all(FLERR, "pair_style jump/disc: a tally compute needs halo no");
-    if (reneighboured) {
-      ring.rebuild(*this, halo_cut());
-    } else {
-      ring.start(*this);
-      travelling = true;
-    }
+  const bool fresh = neighbor->ago == 0 || moved_by_others();
+  if (fresh) {
+    reserve(nlocal);
+    pack(0, nlocal);
   }
-  if (driven()) travel(moved_here);
-  if (travelling && (!driven() || worn(moved_here))) {
-    ring.finish(*this);
-    travelling = false;
-  }
-  if (!travelling) {
-    widen_range(nlocal, nlocal + others());
-    if (driven()) travel(moved);
-    update_list();
-  }
+  if (ranks) fresh ? ring.rebuild(*this, halo_cut()) : ring.start(*this);
   if (sign) find_largest_speed();
-  if (ledger) std::fill(loss.begin(), loss.begin() + nlocal, Loss{0.0, 0.0, 0.0, 0.0});
-
-  if (travelling) {
-    evaluate(0, interior);
-    ring.finish(*this);
-    widen_range(nlocal, nlocal + others());
-    travel(moved);
-    if (worn(moved)) build_list(skin);
-    evaluate(interior, candidates);
-  } else {
-    evaluate(0, candidates);
-  }
-  packed_step = update->ntimestep;
-
-  if (eflag_global) eng_vdwl += elastic_energy();
-  if (vflag_fdotr) virial_fdotr_compute();
+  travel(moved_here);
+  const bool early = ranks && !fresh && !worn(moved_here);    // contacts of local discs, while the others travel
+  if (early) evaluate(0, interior);
+  if (ranks && !fresh) ring.finish(*this);
+  widen_range();
+  travel(moved);
+  update_list();
+  evaluate(early ? interior : 0, candidates);
 }
 
 /** Take the others' velocities into the range of this step. */
-void PairJumpDisc::widen_range(int from, int to)
+void PairJumpDisc::widen_range()
 {
-  for (int i = from; i < to; i++) {
+  for (int i = atom->nlocal; i < atom->nlocal + ring.count(); i++) {
     range_lo[0] = std::min(range_lo[0], disc[i].vx);
     range_hi[0] = std::max(range_hi[0], disc[i].vx);
     range_lo[1] = std::min(range_lo[1], disc[i].vy);
@@ -212,27 +167,8 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
   jump::with_branch(friction, touch, [&](auto f, auto t) {
     constexpr Friction F = decltype(f)::value;
     constexpr Touch T = decltype(t)::value;
-    if (sizes)
-      ledger ? evaluate<F, T, true, true>(from, to) : evaluate<F, T, false, true>(from, to);
-    else
-      ledger ? evaluate<F, T, true, false>(from, to) : evaluate<F, T, false, false>(from, to);
+    sizes ? evaluate<F, T, true>(from, to) : evaluate<F, T, false>(from, to);
   });
-}
-
-/** Elastic energy in the pairs of this rank, from the positions of the last force evaluation, J/m. */
-double PairJumpDisc::elastic_energy() const
-{
-  double sum = 0.0;
-  const int nlocal = atom->nlocal;
-  for (size_t p = 0; p < candidates; p++) {
-    const double dx = disc[first[p]].x - disc[second[p]].x, dy = disc[first[p]].y - disc[second[p]].y;
-    const double rsq = dx * dx + dy * dy;
-    const double reach = reach_of(first[p], second[p]);
-    if (rsq >= reach * reach) continue;
-    const double share = force->newton_pair || second[p] < nlocal ? 1.0 : 0.5;
-    sum += share * jump::elastic_energy(law, reach - std::sqrt(rsq));
-  }
-  return sum;
 }
 
 /** Largest overlap of the pairs of this rank at the last force evaluation, m; 0 where none touch. */

@@ -5,9 +5,8 @@
 
 #include "atom.h"
 #include "comm.h"
-#include "domain.h"
 #include "error.h"
-#include "force.h"
+#include "modify.h"
 #include "neighbor.h"
 #include "update.h"
 
@@ -24,19 +23,6 @@ bool PairJumpDisc::keeps_order() const
   return n > 0 && (size_t) atom->nlocal >= n && memcmp(listed.data(), atom->tag, n * sizeof(tagint)) == 0;
 }
 
-/** Whether this rank computes the pair; at least one of the two is local.
-
-    With newton on, a pair across a border belongs to one rank only. Ranks build their lists at different times, so
-    the choice must not depend on positions: it goes by the ids. */
-bool PairJumpDisc::is_mine(int i, int j) const
-{
-  const int nlocal = atom->nlocal;
-  if (i < nlocal && j < nlocal) return true;
-  if (!force->newton_pair) return true;
-  const tagint mine = atom->tag[i < nlocal ? i : j], other = atom->tag[i < nlocal ? j : i];
-  return (mine + other) % 2 == 0 ? mine < other : mine > other;
-}
-
 void PairJumpDisc::remember_order()
 {
   listed.assign(atom->tag, atom->tag + atom->nlocal);
@@ -51,17 +37,16 @@ void PairJumpDisc::make_room(size_t pairs)
   second.resize(first.size());
 }
 
-/** All pairs whose rims are closer than the room to move, from the packed positions.
+/** All pairs whose rims are closer than the skin, from the packed positions.
 
     Cells are as wide as that distance and numbered along x first, as LAMMPS sorts its discs: pairs that follow each
     other then lie close in memory. What a disc can meet and that comes after it lies in two runs of the sorted discs,
     its own cell with the one beside, and the three cells above. */
-void PairJumpDisc::build_list(double room_to_move)
+void PairJumpDisc::build_list()
 {
   const int nlocal = atom->nlocal;
-  const int n = nlocal + others();
+  const int n = nlocal + ring.count();
   candidates = interior = 0;
-  margin = room_to_move;
   for (int c = 0; c < 2; c++) moved[c] = moved_here[c] = 0.0;
   first_across.clear();
   second_across.clear();
@@ -69,7 +54,7 @@ void PairJumpDisc::build_list(double room_to_move)
   remember_order();
   if (n == 0) return;
 
-  const double cut = largest + margin;
+  const double cut = largest + skin;
   double xlo = disc[0].x, xhi = xlo, ylo = disc[0].y, yhi = ylo;
   for (int i = 0; i < n; i++) {
     if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
@@ -126,12 +111,12 @@ template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
 {
   const int nlocal = atom->nlocal;
   const bool ghosts = n > nlocal;
-  double cut_sq = (largest + margin) * (largest + margin);
+  double cut_sq = (largest + skin) * (largest + skin);
   size_t found = 0;
   for (int s = 0; s < n; s++) {
     const int i = sorted[s];
     const int c = cell_of[i];
-    const double x = sorted_x[s], y = sorted_y[s], rim = SIZES ? sorted_radius[s] + margin : 0.0;
+    const double x = sorted_x[s], y = sorted_y[s], rim = SIZES ? sorted_radius[s] + skin : 0.0;
     const int above = c + nx - 1;
     const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
     make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]));
@@ -141,7 +126,7 @@ template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
           const double dx = x - sorted_x[t], dy = y - sorted_y[t];
           if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
           const int j = sorted[t];
-          if (dx * dx + dy * dy >= cut_sq || (i >= nlocal && j >= nlocal) || !is_mine(i, j)) continue;
+          if (dx * dx + dy * dy >= cut_sq || (i >= nlocal && j >= nlocal)) continue;
           if (i < nlocal && j < nlocal) {
             first[found] = i;
             second[found] = j;
@@ -175,7 +160,7 @@ void PairJumpDisc::append_to_list(int from)
     for (int i = 0; i < j; i++) {
       const double dx = disc[j].x - disc[i].x, dy = disc[j].y - disc[i].y;
       // the others may have moved since the list was built: look as far as they still may
-      const double cut = reach_of(i, j) + margin;
+      const double cut = reach_of(i, j) + skin;
       first[candidates] = i;
       second[candidates] = j;
       candidates += dx * dx + dy * dy < cut * cut;
@@ -184,10 +169,10 @@ void PairJumpDisc::append_to_list(int from)
   remember_order();
 }
 
-/** Whether fix jump/step moved the discs to where they are packed: then their way is known. */
-bool PairJumpDisc::driven() const
+/** Whether the discs may be where fix jump/step did not move and pack them: before a run, or by fixes that act after it. */
+bool PairJumpDisc::moved_by_others() const
 {
-  return packed_step == update->ntimestep && !update->setupflag;
+  return update->setupflag || modify->n_post_integrate > 0;
 }
 
 /** Add this step to a bound of the way of the discs against one another. */
@@ -199,23 +184,15 @@ void PairJumpDisc::travel(double *way) const
 /** Whether pairs may have come into reach that the list does not hold. */
 bool PairJumpDisc::worn(const double *way) const
 {
-  return !(way[0] * way[0] + way[1] * way[1] < margin * margin);
+  return !(way[0] * way[0] + way[1] * way[1] < skin * skin);
 }
 
 /** Keep the list usable for the positions that are packed now. */
 void PairJumpDisc::update_list()
 {
-  const int nlocal = atom->nlocal;
-  const bool reneighboured = neighbor->ago == 0;
-  if (!driven()) {
-    // the start of a run that fix jump/step will go on with needs no more than the style's own skin
-    if (reneighboured || listed.empty()) build_list(stepped && update->setupflag ? skin : neighbor->skin);
-    return;
-  }
-  const bool fixed_indices =
-      comm->nprocs == 1 && atom->nghost == 0 && !domain->xperiodic && !domain->yperiodic;
-  if (worn(moved) || (reneighboured && !(fixed_indices && keeps_order())))
-    build_list(skin);
-  else if (reneighboured && nlocal > (int) listed.size())
+  const bool other_indices = neighbor->ago == 0 && !(comm->nprocs == 1 && keeps_order());
+  if (moved_by_others() || other_indices || worn(moved))
+    build_list();
+  else if (atom->nlocal > (int) listed.size())
     append_to_list((int) listed.size());
 }

@@ -21,8 +21,7 @@ import pandas as pd
 from pydantic import Field, TypeAdapter, ValidationError
 
 from lammps_jump import Case
-from lammps_jump.analysis.profiles import read_profiles
-from lammps_jump.dump import read_forces
+from lammps_jump.dump import read_forces, read_netcdf
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import plain
@@ -103,7 +102,7 @@ def measure(run: Made) -> Measures:
         found["front position"] = np.interp(times, table["time"], table["quantile"]).tolist()
         found["column height"] = np.interp(times, table["time"], table["height"]).tolist()
     if jump := summary.get("jump"):
-        depth = read_profiles(folder / "profiles.nc")["mass_depth_mean"].values
+        depth = read_netcdf(folder / "profiles.nc")["mass_depth_mean"].values
         found["depth profile"] = np.nan_to_num(depth, posinf=0.0, neginf=0.0).tolist()
         found |= {"sequent depth": jump["y2"], "shock speed": jump["speed"]}
     for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():

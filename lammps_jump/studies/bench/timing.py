@@ -113,7 +113,7 @@ def cell_page(data: Results, folder: Path) -> str:
     table = pd.DataFrame(data["rows"]).astype(float)
     cells, lists = table.dropna(subset="size"), table[table["size"].isna()]
     line, levels = Line("cells", cells["size"], cells.seconds, "measured"), {search_name(None): lists.seconds.min()}
-    panel = Panel("CPU time (s)", [line], levels=levels, marks={"thesis": 2.0}, y_limits=(0.0, None))
+    panel = Panel("CPU time (s)", [line], levels=levels, marks={"thesis": 2.0}, ylim=(0.0, None))
     title, x = "contact search of the native engine", "cell size over disc diameter"
     save(drawn(Chart(title, x, [panel], name=data["case"])), folder / "cells.png")
     columns = {

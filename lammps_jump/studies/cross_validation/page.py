@@ -71,7 +71,7 @@ def divergence(scene: Scene, checks: Sequence[DeterministicCheck], part: Diverge
     y, marks = "log10 of the largest distance\nof a disc's two places [d]", {t: scene.time(s) for t, s in steps.items()}
     limits = -17.0, 1.0 + max(0.0, *(np.nanmax(line.y, initial=0.0) for line in lines))
     agreed = {f"must agree to {AGREEMENT:g} d": np.log10(AGREEMENT)}
-    panel = Panel(y, lines, levels=agreed, marks=marks, y_limits=limits)
+    panel = Panel(y, lines, levels=agreed, marks=marks, ylim=limits)
     return Chart(DIVERGENCE, TIME, [panel])
 
 

@@ -15,8 +15,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from lammps_jump.analysis import Jump
-from lammps_jump.analysis.profiles import read_profiles
-from lammps_jump.dump import ForceHistory, read_forces
+from lammps_jump.dump import ForceHistory, read_forces, read_netcdf
 from lammps_jump.scene import Scene
 from lammps_jump.sweeps import Results
 from lammps_jump.units import numbers_of
@@ -42,7 +41,8 @@ class Curve(NamedTuple):
 
 JUMP_NUMBERS = {
     "speed": "shock speed", "y1": "depth before the jump", "y2": "sequent depth",
-    "sequent_ratio": "sequent depth ratio", "froude": "Froude number in the shock's frame", "toe": "jump toe at the end", "length": "jump length",
+    "sequent_ratio": "sequent depth ratio", "froude": "Froude number in the shock's frame",
+    "toe": "jump toe at the end", "length": "jump length",
 }  # fmt: skip
 """What is compared of a `Jump`, and its name here."""
 
@@ -67,7 +67,7 @@ class Quantities:
 
 def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantities:
     """Return all numbers and curves that are compared, from what the analysis of a run has left in its folder."""
-    profiles, energy = read_profiles(folder / "profiles.nc"), pd.read_csv(folder / "energy.csv")
+    profiles, energy = read_netcdf(folder / "profiles.nc"), pd.read_csv(folder / "energy.csv")
     energy = energy[energy["time"] >= 0]
     moved, open_ = energy["kinetic"] + energy["rotational"], bool(scene.inlets or scene.pours or scene.outlets)
     coefficients, discs, jump = scene.coefficients, summary["discs"], summary.get("jump") or {}
