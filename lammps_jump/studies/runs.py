@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
@@ -17,22 +16,14 @@ from lammps_jump.engines.native import run_native
 from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.scene import Scene
 
-KERNELS = ("stock", "compiled", "native")
+KERNELS = {
+    **{kernel: {"engine.name": "lammps", "engine.kernel": kernel} for kernel in ("stock", "compiled")},
+    "native": {"engine.name": "native", "engine.kernel": "auto"},
+}
+"""Values of a case that select a kernel, by its name."""
 
 Item = TypeVar("Item")
 Found = TypeVar("Found")
-
-
-def set_texts(changes: Mapping[str, object]) -> list[str]:
-    """Return changed values as ``--set`` texts."""
-    return [f"{path}={value if isinstance(value, str) else json.dumps(value)}" for path, value in changes.items()]
-
-
-def kernel_changes(kernel: str) -> dict[str, str]:
-    """Return the values of a case that select a kernel of `KERNELS`."""
-    if kernel == "native":
-        return {"engine.name": "native", "engine.kernel": "auto"}
-    return {"engine.name": "lammps", "engine.kernel": kernel}
 
 
 def execute(

@@ -18,7 +18,7 @@ import numpy as np
 from lammps_jump import Case
 from lammps_jump.scene import Scene
 from lammps_jump.script import script_text
-from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
+from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames
 from lammps_jump.studies.table import markdown
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
@@ -134,7 +134,7 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
     A row holds the time with the thing over the time without it, and the largest change of the trajectory (m or m/s);
     None where the scene needs the thing.
     """
-    case = case.replace(kernel_changes("stock"))
+    case = case.replace(KERNELS["stock"])
     scene, rounds = case.scene(), 1 if quick else 5
     identity = f"{case.hash} {all_versions()} {rounds}"
     rows = []

@@ -27,7 +27,7 @@ from lammps_jump.dump import open_dump, read_dump
 from lammps_jump.engines import RunResult
 from lammps_jump.errors import DumpError, JumpError, SetupError
 from lammps_jump.scene import Box, Scene, handmade_scene
-from lammps_jump.studies.runs import execute, kernel_changes
+from lammps_jump.studies.runs import KERNELS, execute
 from lammps_jump.sweeps import pool
 
 HARD = yaml.safe_load(Path(__file__).with_name("scenes.yaml").read_text())
@@ -41,8 +41,8 @@ REASONS = re.compile(r"overlap|number|lost|left the domain|left the plane|balanc
 ENGINE_CHANGES = {
     "native": {"engine.name": "native", "run.integrator": "leapfrog_extrapolated"},
     "native verlet": {"engine.name": "native", "run.integrator": "velocity_verlet"},
-    "stock": kernel_changes("stock"),
-    "compiled": kernel_changes("compiled"),
+    "stock": KERNELS["stock"],
+    "compiled": KERNELS["compiled"],
 }
 BYPASSED = {
     "past the checks: discs overlapping by half": ((0.5, 2.0), (0.6, 2.0)),
