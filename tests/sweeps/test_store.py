@@ -28,19 +28,19 @@ def test_store_goes_on_where_it_was(tmp_path):
 
 def test_calls_are_made_once_and_kept_as_they_come(tmp_path):
     store, said = Store(tmp_path / "s.json"), []
-    calls = {"one": partial(int, "1"), "two": partial(int, "11", base=3)}
+    once = partial(os.mkdir, str(tmp_path / "once"))  # an error the second time
+    calls = [partial(int, "1"), partial(int, "11", base=3), once]
     with Pool(1) as pool:
-        assert store.call(calls, pool, said=lambda key, piece: said.append(key)) == {"one": 1, "two": 4}
-        again = Store(tmp_path / "s.json")
-        assert again.call({"two": partial(os._exit, 1), "one": partial(os._exit, 1)}, pool) == {"two": 4, "one": 1}
-    assert said == ["one", "two"]
+        assert store.call(calls, pool, said=said.append) == [1, 4, None]
+        assert Store(tmp_path / "s.json").call([once, *calls[:2]], pool) == [None, 1, 4]
+    assert said == [1, 4, None]
 
 
 def test_a_call_that_fails_is_an_error_or_an_outcome_and_the_others_are_kept(tmp_path):
     store = Store(tmp_path / "s.json")
-    calls = {"bad": partial(os._exit, 3), "good": partial(int, "1")}
+    calls = [partial(os._exit, 3), partial(int, "1")]
     with Pool(1) as pool:
         with pytest.raises(RunError, match="status 3"):
             store.call(calls, pool)
-        assert Store(tmp_path / "s.json").pieces == {"good": 1}
-        assert store.call(calls, pool, otherwise=lambda outcome: outcome.kind) == {"bad": "crash", "good": 1}
+        assert list(Store(tmp_path / "s.json").pieces.values()) == [1]
+        assert store.call(calls, pool, otherwise=lambda outcome: outcome.kind) == ["crash", 1]
