@@ -23,6 +23,7 @@ import numpy as np
 import xarray as xr
 from numba import njit
 
+from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
@@ -32,7 +33,7 @@ from .contacts import find_contacts
 from .draw.chart import Drawings
 from .draw.maps import bed_pressure, bed_pressure_chart, field_map
 from .flow import Flow
-from .profiles import window_of, within, write_netcdf
+from .profiles import window_of, within
 
 FIELD_FRAMES = 20
 """Frames of the window that the mean fields use at most: contact stress rings, one frame says little."""
@@ -55,6 +56,8 @@ LONG_NAMES = {
     "pressure": ("Pa", "half the trace of contact and kinetic stress"),
     "hydrostatic": ("Pa", "weight of the density above, per area"),
 }
+
+VELOCITY = ["velocity_x", "velocity_y"]
 
 
 def compute_fields(
@@ -138,13 +141,8 @@ def compute_fields(
     above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
     fields["hydrostatic"] = above * spacing * abs(flow.gravity)
     inner = (slice(margin, margin + ny), slice(margin, margin + nx))
-    variables = {}
-    for name, values in fields.items():
-        units, long_name = LONG_NAMES[name]
-        attributes = {"units": units, "long_name": long_name}
-        variables[name] = (("y", "x"), np.where(open_, values, np.nan)[inner], attributes)
     return xr.Dataset(
-        variables,
+        {name: _described(name, np.where(open_, values, np.nan)[inner]) for name, values in fields.items()},
         coords={
             "x": ("x", centre_x[margin : margin + nx], {"units": "m", "long_name": "distance along the channel"}),
             "y": ("y", centre_y[margin : margin + ny], {"units": "m", "long_name": "height"}),
@@ -157,6 +155,12 @@ def compute_fields(
             "title": f"fields of {flow.scene.name}",
         },
     )
+
+
+def _described(name: str, values: np.ndarray, of: str = "") -> tuple:
+    """Values over the grid with unit and name, of their mean where `of` says so."""
+    units, long_name = LONG_NAMES[name]
+    return ("y", "x"), values, {"units": units, "long_name": f"{of}{long_name}"}
 
 
 def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval, **options) -> xr.Dataset:
@@ -181,22 +185,16 @@ def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval
     total, count = None, 0
     for frame in frames:
         fields = compute_fields(frame, flow, x=x, y=y, **options).drop_vars("time")
-        for axis in ("x", "y"):
-            fields[f"velocity_{axis}"] = (fields[f"velocity_{axis}"] * fields["density"]).where(
-                fields["density"] != 0, 0 * fields["density"]
-            )
+        density = fields["density"]
+        fields.update((fields[VELOCITY] * density).where(density != 0, 0 * density))
         total = fields if total is None else total + fields
         count += 1
     if total is None:
         raise DumpError("there is no frame to make fields of.")
     mean = total / count
-    for axis in ("x", "y"):
-        mean[f"velocity_{axis}"] = mean[f"velocity_{axis}"] / mean["density"].where(mean["density"] > 0)
-    for name, (units, long_name) in LONG_NAMES.items():
-        if name in mean:
-            mean[name].attrs = {"units": units, "long_name": f"time mean of {long_name}"}
-    mean.attrs = {**fields.attrs, "frames": count}
-    return mean
+    mean.update(mean[VELOCITY] / mean["density"].where(mean["density"] > 0))
+    mean = mean.assign({name: _described(name, values.values, "time mean of ") for name, values in mean.items()})
+    return mean.assign_attrs(fields.attrs, frames=count)
 
 
 def write_fields(flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path) -> tuple[dict[str, object], Drawings]:
@@ -264,38 +262,19 @@ def _kernel_table(spacing: float, reach: float) -> np.ndarray:
     return table / table.sum()
 
 
-def _balance_py(open_, table, rounds):
+def balance(open_: np.ndarray, table: np.ndarray, rounds: int) -> np.ndarray:
     """Weights a of the cells with a(r) sum W(r - r') a(r') = 1 on open cells, 0 in walls; 1 off the grid."""
-    rows, columns = open_.shape
-    k = table.shape[0] // 2
-    a = np.where(open_, 1.0, 0.0)
-    affected = np.zeros(open_.shape, np.bool_)  # a wall lies within three reaches: the others stay at 1
-    far = 3 * k
-    for r in range(rows):
-        for c in range(columns):
-            if not open_[r, c]:
-                # only a face can matter, and its cells see an open neighbour
-                face = False
-                for rr in range(max(r - 1, 0), min(r + 2, rows)):
-                    for cc in range(max(c - 1, 0), min(c + 2, columns)):
-                        face = face or open_[rr, cc]
-                if face:
-                    affected[max(r - far, 0) : r + far + 1, max(c - far, 0) : c + far + 1] = True
+    from scipy.ndimage import maximum_filter  # 0.08 s
+
+    (rows, columns), k = open_.shape, len(table) // 2
+    # only a wall's face within three reaches can matter: the other cells stay at 1
+    face = ~open_ & maximum_filter(open_, 3)
+    row, column = np.nonzero(open_ & maximum_filter(face, 6 * k + 1))
+    a = np.pad(np.where(open_, 1.0, 0.0), k, constant_values=1.0)
     for _ in range(rounds):
-        new = a.copy()
-        for r in range(rows):
-            for c in range(columns):
-                if not (open_[r, c] and affected[r, c]):
-                    continue
-                total = 0.0
-                for i in range(-k, k + 1):
-                    for j in range(-k, k + 1):
-                        rr, cc = r + i, c + j
-                        inside = 0 <= rr < rows and 0 <= cc < columns
-                        total += table[i + k, j + k] * (a[rr, cc] if inside else 1.0)
-                new[r, c] = sqrt(a[r, c] / total)
-        a = new
-    return a
+        total = sum(weight * a[row + i, column + j] for (i, j), weight in np.ndenumerate(table))
+        a[row + k, column + k] = np.sqrt(a[row + k, column + k] / total)
+    return a[k : k + rows, k : k + columns].copy()
 
 
 def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, sums):
@@ -342,4 +321,3 @@ def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, sums)
 
 
 spread = njit(cache=True)(_spread_py)
-balance = njit(cache=True)(_balance_py)

@@ -132,11 +132,9 @@ def quantile_front(x: np.ndarray, diameter: float, share: float = 0.99) -> float
 
 def stack_top(y: np.ndarray, diameter: float, bed: float) -> float:
     """Top edge of the discs that stand on the bed without a gap of `GAP` diameters, m above it; 0 for none."""
-    ordered = np.sort(y)
-    if not ordered.size or ordered[0] - bed > 0.5 * diameter + GAP * diameter:
+    if not len(y) or y.min() - bed > 0.5 * diameter + GAP * diameter:
         return 0.0
-    gaps = np.flatnonzero(np.diff(ordered) > GAP * diameter)
-    return float(ordered[gaps[0] if gaps.size else -1]) + 0.5 * diameter - bed
+    return bulk_front(y, diameter) - bed
 
 
 class FrontTracker:
@@ -217,8 +215,8 @@ def free_length(flow: Flow, history: FrontHistory) -> float:
     """Distance from the back wall to the first thing in the way of the front, m; infinite where there is none."""
     base = history.back + history.column[0]
     bed = float(flow.bed_height(np.array([base]))[0])
-    starts = [wall.extent[0][0] for wall in flow.scene.walls if wall.finite]
-    faces = [start for start in starts if start > base + flow.scene.diameter]
+    blocks = [wall.extent[0][0] for wall in flow.scene.walls if wall.finite]
+    faces = [start for start in blocks if start > base + flow.scene.diameter]
     faces += [wall.room("x")[1] for wall in flow.scene.walls]
     # the floor may end before anything stands in the way
     probe = np.linspace(base, flow.scene.domain[0][1], 2000)
@@ -349,7 +347,7 @@ def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     speeds = (Line("surface, mean", time, history.top_speed), Line("tip (last 5 d)", time, history.tip_speed, "second"))
     panels = (
         Panel("Distance from\nthe back wall [m]", fronts, height=1.5),
-        Panel("Column at the\nback wall [m]", (Line("column", time, history.height),), y_limits=(0.0, None)),
+        Panel("Column at the\nback wall [m]", (Line("column", time, history.height),), ylim=(0.0, None)),
         Panel("Velocity u [m/s]", speeds),
     )
     return Chart("front and column", flow.time_axis, panels)
@@ -375,7 +373,7 @@ def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     obstacle = {"first obstacle": free} if free < top else {}
     ends = (0.0, float(min(values["T"].max(), 5))), (0.0, float(min(values["tau"].max(), 5.5)))
     panels = (
-        Panel("Z = front / a", fronts, "T = n t √(g/a)", obstacle, x_limits=ends[0], y_limits=(1.0, top)),
-        Panel("h / H", columns, "τ = t √(g/a)", x_limits=ends[1], y_limits=(0.0, 1.05)),
+        Panel("Z = front / a", fronts, "T = n t √(g/a)", obstacle, xlim=ends[0], ylim=(1.0, top)),
+        Panel("h / H", columns, "τ = t √(g/a)", xlim=ends[1], ylim=(0.0, 1.05)),
     )
     return Chart(f"n² = H/a = {depth / base:.3g}{'' if same else ': no measured curve'}", "", panels)

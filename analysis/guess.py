@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields
 from math import nan
 
@@ -15,7 +15,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.quoting import visible
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Interval, Plane
+from lammps_jump.scene.walls import Plane
 
 from .flow import Flow, radii_of_types
 
@@ -71,8 +71,10 @@ def from_dump(
     mass = _mass(frame, density * nominal**2, sized, notes)
     notes.append("Gravity taken as 9.81 m/s2.")
     occupied = [(f, _radii(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
-    floor = Plane("floor", "y", _floor(occupied, notes), "above")
-    x_range = _seen(occupied, notes)
+    low, floor = (float(min((getattr(f, axis) - radius).min() for f, radius in occupied)) for axis in "xy")
+    high = float(max((f.x + radius).max() for f, radius in occupied))
+    notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
+    notes.append(f"Profiles from x = {low:.6g} to {high:.6g} m: as far as discs were seen.")
     timed = _timed(dump, time_step, notes)
     scene = Scene(
         name=name or visible(dump.path.name),
@@ -87,11 +89,11 @@ def from_dump(
         domain=tuple((float(low), float(high)) for low, high in frame.box[:2]),
         positions=np.empty((0, 2)),
         velocities=np.empty((0, 2)),
-        walls=(floor,),
+        walls=(Plane("floor", "y", floor, "above"),),
     )
     return Flow(
         scene,
-        x_range,
+        (low, high),
         bin_width or 5 * scene.diameter,
         notes=tuple(notes),
         sized=sized,
@@ -115,21 +117,6 @@ def _looked_at(dump: Dump) -> list[Frame]:
         raise DumpError(f"{dump.path}: no frame holds a disc; there is nothing to analyse.")
     fullest = max(range(len(headers)), key=lambda i: headers[i].n)
     return [require_finite(frame, dump.path) for frame in dump.select({0, fullest, len(headers) - 1})]
-
-
-def _floor(occupied: Sequence[tuple[Frame, np.ndarray | float]], notes: list[str]) -> float:
-    """Lower edge of the lowest disc, m, of frames with the radii of their discs (m)."""
-    floor = float(min((frame.y - radius).min() for frame, radius in occupied))
-    notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
-    return floor
-
-
-def _seen(occupied: Sequence[tuple[Frame, np.ndarray | float]], notes: list[str]) -> Interval:
-    """How far the same discs go along x, m."""
-    low = float(min((frame.x - radius).min() for frame, radius in occupied))
-    high = float(max((frame.x + radius).max() for frame, radius in occupied))
-    notes.append(f"Profiles from x = {low:.6g} to {high:.6g} m: as far as discs were seen.")
-    return low, high
 
 
 def _timed(dump: Dump, time_step: float | None, notes: list[str]) -> bool:

@@ -7,18 +7,16 @@ discharge and momentum over all bins and what lies outside add up to the discs' 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from math import asin, ceil, floor, pi, sqrt
-from pathlib import Path
-from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numba import njit
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
-from lammps_jump.files import write_bytes
 from lammps_jump.scene.walls import Interval
 
 from .cell_grid import sort_into_cells
@@ -157,11 +155,12 @@ def _dataset(values, times, steps, discs, masses, edges, bed, flow) -> xr.Datase
         "mass_left": described(left, "kg m-1", "mass left of the first bin"),
         "mass_right": described(right, "kg m-1", "mass right of the last bin"),
     }
+    centres = pd.Index(0.5 * (edges[1:] + edges[:-1]))  # for an array xarray would import pint, 0.1 s
     return xr.Dataset(
         variables,
         coords={
-            "time": described(times.astype(float), *when),
-            "x": ("x", 0.5 * (edges[1:] + edges[:-1]), {"units": "m", "long_name": "distance along the channel"}),
+            "time": described(pd.Index(times.astype(float)), *when),
+            "x": described(centres, "m", "distance along the channel", ("x",)),
         },
         attrs={
             "title": f"depth profiles of {flow.scene.name}",
@@ -238,44 +237,6 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
         f"{LEAST_SAMPLES} frames or where blocks do not become independent within the window",
     }
     return averaged
-
-
-def write_profiles(dataset: xr.Dataset, path: str | Path) -> Path:
-    """Write profiles as NetCDF-4 (compressed); DumpError where the place cannot be written."""
-    encoding = {name: {"zlib": True, "complevel": 1} for name, array in dataset.data_vars.items() if array.ndim == 2}
-    return write_netcdf(dataset, Path(path), encoding)
-
-
-def write_netcdf(dataset: xr.Dataset, path: Path, encoding: Mapping[str, Any] | None = None) -> Path:
-    """Write a NetCDF-4 file, whole or not at all; DumpError where the place cannot be written.
-
-    It is made in memory: on a full disk HDF5 ends the process.
-    """
-    try:
-        write_bytes(path, dataset.to_netcdf(engine="h5netcdf", encoding=encoding))
-    except OSError as error:
-        raise DumpError(f"{path}: cannot be written ({error.strerror or error}).") from error
-    return path
-
-
-def read_profiles(path: str | Path) -> xr.Dataset:
-    """Profiles written by `write_profiles`, in memory; DumpError where there are none."""
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            return dataset.load()
-    except (OSError, ValueError) as error:
-        raise DumpError(f"{path}: not a profiles file ({error}).") from error
-
-
-def read_arrays(path: Path, *names: str) -> list[np.ndarray]:
-    """Some arrays of a file of `write_profiles`, in a fifteenth of the time of `read_profiles`; errors as there."""
-    import h5netcdf  # 0.1 s
-
-    try:
-        with h5netcdf.File(path) as file:
-            return [file[name][:] for name in names]
-    except (OSError, ValueError, KeyError) as error:
-        raise DumpError(f"{path}: not a profiles file ({error}).") from error
 
 
 def _left_share_py(a):

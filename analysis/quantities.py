@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from lammps_jump.dump.exports import write_table
+from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import DumpError, SetupError
@@ -32,7 +32,7 @@ from .jump import head
 from .jump import section as jump
 from .jump.summary import Jump
 from .passes import Collector, Gathered, Tables, gather
-from .profiles import bin_edges, window_of, write_profiles
+from .profiles import bin_edges, window_of
 from .report.headline import belongs, headline
 from .report.page import Section
 
@@ -177,7 +177,7 @@ def _write(
     gathered: Gathered, results: Mapping[str, object], shown: Mapping[str, Chart | Bars | Map], out: Path
 ) -> list[str]:
     """Write profiles, tables and what the page draws; the names of the files."""
-    files = [write_profiles(gathered.profiles, out / "profiles.nc").name]
+    files = [write_netcdf(gathered.profiles, out / "profiles.nc").name]
     clock = {} if gathered.flow.timed else {"time": "step"}
     tables = {file: columns for name in results for file, columns in QUANTITIES[name].tables(results[name]).items()}
     for file, columns in tables.items():

@@ -244,7 +244,7 @@ def arrays(path: Path) -> dict[str, object]:
     if path.suffix == ".npz":
         with np.load(path) as file:
             return {name: file[name] for name in file.files}
-    with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as file:
+    with xr.open_dataset(path, engine="scipy", decode_times=False) as file:
         found = {f"attributes.{key}": named(value) for key, value in file.attrs.items()}
         for name, variable in file.variables.items():
             found |= {name: np.asarray(variable.values), f"{name}.dimensions": " ".join(variable.dims)}

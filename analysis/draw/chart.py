@@ -49,11 +49,11 @@ class Panel:
     lines : sequence of Line
     x : str
         Of the abscissa, where it is not that of the chart.
-    levels, marks : mapping of label to number, optional
+    levels, marks : mapping of label to number
         Horizontal lines of a theory; vertical marks.
     solids : sequence of ndarray, shape (corners, 2)
         Walls.
-    x_limits, y_limits : (float or None, float or None)
+    xlim, ylim : (float or None, float or None)
         None: as the lines ask.
     height : float
         Share of the height, relative to the other panels.
@@ -62,11 +62,11 @@ class Panel:
     y: str
     lines: Sequence[Line]
     x: str = ""
-    levels: Mapping[str, float] | None = None
-    marks: Mapping[str, float] | None = None
+    levels: Mapping[str, float] = field(default_factory=dict)
+    marks: Mapping[str, float] = field(default_factory=dict)
     solids: Sequence[np.ndarray] = ()
-    x_limits: tuple[float | None, float | None] = (None, None)
-    y_limits: tuple[float | None, float | None] = (None, None)
+    xlim: tuple[float | None, float | None] = (None, None)
+    ylim: tuple[float | None, float | None] = (None, None)
     height: float = 1.0
 
 
@@ -204,17 +204,8 @@ def _plain_panel(panel: Panel) -> dict[str, Any]:
         if lines and lines[0]["x"] == numbers["x"]:
             del numbers["x"]  # that of the first line
         lines.append({"label": line.label, "look": line.look, **numbers})
-    return {
-        "y": panel.y,
-        "x": panel.x,
-        "lines": lines,
-        "levels": [[label, value] for label, value in (panel.levels or {}).items()],
-        "marks": [[label, value] for label, value in (panel.marks or {}).items()],
-        "solids": [np.round(solid, 4).tolist() for solid in panel.solids],
-        "xlim": panel.x_limits,
-        "ylim": panel.y_limits,
-        "height": panel.height,
-    }
+    pairs = {name: list(map(list, getattr(panel, name).items())) for name in ("levels", "marks")}
+    return {**vars(panel), **pairs, "lines": lines, "solids": [np.round(solid, 4).tolist() for solid in panel.solids]}
 
 
 def _digits(values: np.ndarray) -> list[float | None]:

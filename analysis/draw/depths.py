@@ -23,13 +23,7 @@ def axis_label(quantity: xr.DataArray) -> str:
     return f"{name[:1].upper()}{name[1:]}" + (f" [{units}]" if units not in ("", "1") else "")
 
 
-def depth_profile(
-    profiles: xr.Dataset,
-    flow: Flow,
-    *,
-    lines: Mapping[str, float] | None = None,
-    marks: Mapping[str, float] | None = None,
-) -> Chart:
+def depth_profile(profiles: xr.Dataset, flow: Flow, *, lines: Mapping[str, float], marks: Mapping[str, float]) -> Chart:
     """Mean free surface and mass depth along the channel, with the classical depths beside them; velocity below.
 
     Parameters
@@ -37,22 +31,22 @@ def depth_profile(
     profiles : xarray.Dataset
         Of `compute_profiles`.
     flow : Flow
-    lines : mapping of label to depth (m), optional
+    lines : mapping of label to depth (m)
         Horizontal lines to compare with.
-    marks : mapping of label to x (m), optional
+    marks : mapping of label to x (m)
         Vertical marks: toe, end of the jump.
     """
-    bed, compare = profiles.bed.values, lines or {}
+    bed = profiles.bed.values
     surface = _mean(profiles, "surface_depth", bed, "free surface")
     mass = _mean(profiles, "mass_depth", bed, "mass depth", "second")
     low = min(0.0, float(np.min(bed[np.isfinite(bed)], initial=0.0)))
-    top = float(np.nanmax([1.0, *compare.values(), *surface.y, *mass.y]))
+    top = float(np.nanmax([1.0, *lines.values(), *surface.y, *mass.y]))
     x, y = _occupied(profiles), (low - 0.04 * top, 1.15 * top)
     solids = shown_walls(flow.scene.walls, x, y)
-    upper = Panel("Height above y = 0 [m]", (surface, mass), "", compare, marks, solids, x, y, 2.2)
+    upper = Panel("Height above y = 0 [m]", (surface, mass), "", lines, marks, solids, x, y, 2.2)
     speed = _mean(profiles, "velocity", 0.0, "mean velocity")
     skin = Line("at the surface", profiles.x.values, profiles.surface_velocity_mean.values, "second")
-    lower = Panel("Velocity [m/s]", (speed, skin), marks=marks, x_limits=x)
+    lower = Panel("Velocity [m/s]", (speed, skin), marks=marks, xlim=x)
     begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
     return Chart(f"mean of {frames} frames, {flow.clock(begin, end)}", PLACE, (upper, lower))
 

@@ -79,5 +79,5 @@ def bed_pressure_chart(fields: xr.Dataset) -> Chart:
         Line("hydrostatic: weight above", x, weight, "theory"),
     )
     lowest = min(0.0, float(np.min(stress[np.isfinite(stress)], initial=0.0)))
-    panel = Panel("Vertical stress [kPa]", lines, y_limits=(lowest, None))
+    panel = Panel("Vertical stress [kPa]", lines, ylim=(lowest, None))
     return Chart(_heading(fields, "pressure at the bed"), PLACE, (panel,))

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -60,8 +61,11 @@ def style() -> AbstractContextManager[None]:
     return mpl.rc_context(STYLE)
 
 
-def new_figure(width: float = 7.2, height: float = 3.6, rows: int = 1, columns: int = 1, **subplots):
-    """A figure with its Agg canvas and its axes (call it inside `style`).
+@contextmanager
+def drawing(
+    width: float = 7.2, height: float = 3.6, rows: int = 1, columns: int = 1, **subplots
+) -> Iterator[tuple[Figure, Any]]:
+    """A figure with its Agg canvas, and its axes, in this package's `style` for the time of a ``with`` block.
 
     Parameters
     ----------
@@ -70,16 +74,10 @@ def new_figure(width: float = 7.2, height: float = 3.6, rows: int = 1, columns: 
     rows, columns : int
         Grid of axes; further keywords go to ``Figure.subplots``.
     """
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure, figure.subplots(rows, columns, **subplots)
-
-
-@contextmanager
-def drawing(*size: float, **subplots) -> Iterator[tuple]:
-    """`new_figure` inside `style`, for the time of a ``with`` block; the arguments are those of `new_figure`."""
     with style():
-        yield new_figure(*size, **subplots)
+        figure = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure, figure.subplots(rows, columns, **subplots)
 
 
 def colour_bar(figure: Figure, colours, label: str, **place) -> None:
@@ -148,16 +146,17 @@ def _draw_panel(axes, panel: Panel) -> None:
             band = line.y - 2 * line.error, line.y + 2 * line.error
             axes.fill_between(line.x, *band, color=look["color"], alpha=0.2, lw=0)
     aside = {"textcoords": "offset points", "fontsize": 8}
-    levels = panel.levels or {}
-    for label, value in levels.items():
+    for label, value in panel.levels.items():
         axes.axhline(value, color=RED, lw=1, ls=(0, (6, 2)), zorder=1)
-        under = any(value < other < 1.2 * value for other in levels.values())  # apart from the label of a near one
+        under = any(
+            value < other < 1.2 * value for other in panel.levels.values()
+        )  # apart from the label of a near one
         place = {"xycoords": ("axes fraction", "data"), "color": RED, **aside}
         axes.annotate(label, (0, value), (3, -9 if under else 2), **place)
-    for label, value in (panel.marks or {}).items():
+    for label, value in panel.marks.items():
         axes.axvline(value, color=GREY, lw=1, ls=":")
         axes.annotate(label, (value, 1), (3, -10), xycoords=("data", "axes fraction"), color=GREY, **aside)
-    axes.set(ylabel=panel.y, xlim=panel.x_limits, ylim=panel.y_limits)
+    axes.set(ylabel=panel.y, xlim=panel.xlim, ylim=panel.ylim)
     low, high = axes.get_ylim()
     if low < 0 < high:
         axes.axhline(0, color=GREY, lw=0.8, zorder=0.9)

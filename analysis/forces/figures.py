@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Map, Panel
 from lammps_jump.analysis.draw.depths import xt_map
 from lammps_jump.analysis.passes import Gathered
@@ -17,6 +18,7 @@ from lammps_jump.analysis.report.page import Section, Table, Text, with_error
 from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
+from .impulse import with_inflow
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +31,10 @@ def analyse(gathered: Gathered) -> Forces | None:
     """Forces of a run; None where nothing was recorded."""
     if not gathered.forces:
         return None
-    return analyse_forces(gathered.forces, gathered.flow, gathered.histories.get("force"), gathered.profiles)
+    momentum, arrivals = (gathered.histories.get(name) for name in ("force", "inflow"))
+    if isinstance(arrivals, Arrivals):
+        momentum = with_inflow(momentum, arrivals, gathered.flow.scene)
+    return analyse_forces(gathered.forces, gathered.flow, momentum, gathered.profiles)
 
 
 def figures(result: Forces, gathered: Gathered) -> Drawings:
@@ -70,7 +75,7 @@ def history_chart(result: Forces) -> Chart | None:
 
 
 def _history_panel(name: str, force: Force) -> Panel:
-    table = force.series.table
+    table = force.table
     time, smooth = table["time"], {key: table[f"{key}_smooth"] / 1e3 for key in ("fx", "fy")}
     lines = [Line("as recorded", time, table[force.component] / 1e3, "faint")]
     for (key, values), look in zip(smooth.items(), LOOKS, strict=False):
@@ -79,13 +84,13 @@ def _history_panel(name: str, force: Force) -> Panel:
     if force.component == "fx" and np.isfinite(table["hydrostatic"]).any():
         sign = np.sign(force.peak) or 1.0
         lines.append(Line("hydrostatic, ρgh²/2", time, sign * table["hydrostatic"] / 1e3, "theory"))
-        if force.series.wall.finite:
+        if force.wall.finite:
             lines.append(Line("oncoming, ρhu² + ρgh²/2", time, sign * table["oncoming"] / 1e3, "third"))
     if np.isfinite(force.peak):
         label = f"peak {force.peak / 1e3:.0f} kN/m".replace("-", "−")
         lines.append(Line(label, np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
     shown = np.concatenate([[0.0], *smooth.values()])
-    return Panel(f"{name}: force [kN/m]", lines, y_limits=(1.2 * shown.min(), max(1.4 * shown.max(), 1e-9)))
+    return Panel(f"{name}: force [kN/m]", lines, ylim=(1.2 * shown.min(), max(1.4 * shown.max(), 1e-9)))
 
 
 def impulse_chart(result: Forces) -> Chart | None:
@@ -94,7 +99,7 @@ def impulse_chart(result: Forces) -> Chart | None:
         return None
     impulses, moments = [], []
     for i, (name, force) in enumerate(result.structures.items()):
-        look, table, axis = LOOKS[i % len(LOOKS)], force.series.table, force.component[1]
+        look, table, axis = LOOKS[i % len(LOOKS)], force.table, force.component[1]
         time, moment = table["time"], table["moment_smooth"]
         impulses.append(Line(f"{name}, {force.component}", time, table[f"impulse_{axis}"] / 1e3, look))
         if np.isfinite(moment).any() and force.component == "fx":

@@ -68,33 +68,17 @@ def peak_error(time: np.ndarray, force: np.ndarray) -> float:
 
 
 @dataclass(frozen=True)
-class StructureForce:
-    """History of one structure.
-
-    Attributes
-    ----------
-    wall : Wall or None
-        None where the flow does not know the name.
-    component : {'fx', 'fy'}
-        The one with the larger integral of its magnitude.
-    table : dict of ndarray, shape (n,)
-        As in the CSV table, per metre of width: the record (time, s, fx, fy, N, moment, N m); the same behind the
-        low-pass (``fx_smooth`` …), the moment of upright faces about their foot at the bed; the running impulse
-        (``impulse_x``, ``impulse_y``, N s); the mass depth in front of the structure, m, and the hydrostatic force on
-        its face for that depth, N (NaN where no profile is); and ``oncoming``, the momentum of the flow two bins in
-        front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
-    """
-
-    wall: Wall | None
-    component: str
-    table: dict[str, np.ndarray]
-
-
-@dataclass(frozen=True)
 class Force(Estimates):
     """Force of the discs on one structure, per metre of width; peaks are behind the low-pass, after t = 0.
 
-    `component` is the one with the larger integral of its magnitude: `peak` and `impulse` are of it.
+    `component` is the one with the larger integral of its magnitude: `peak` and `impulse` are of it. `wall` is None
+    where the flow does not know the name.
+
+    `table` holds the columns of the CSV table, shape (n,), per metre of width: the record (time, s, fx, fy, N, moment,
+    N m); the same behind the low-pass (``fx_smooth`` …), the moment of upright faces about their foot at the bed; the
+    running impulse (``impulse_x``, ``impulse_y``, N s); the mass depth in front of the structure, m, and the
+    hydrostatic force on its face for that depth, N (NaN where no profile is); and ``oncoming``, the momentum of the
+    flow two bins in front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
     """
 
     component: str | None = None
@@ -113,19 +97,19 @@ class Force(Estimates):
     mean_fx: float = estimate("N/m", "mean Fx of the window")
     mean_fy: float = estimate("N/m", "mean Fy of the window")
     mean_hydrostatic: float = number("N/m", "mean of ρgh²/2 in the window", default=nan)
-    series: StructureForce | None = field(default=None, metadata={"summary": False})
+    wall: Wall | None = field(default=None, metadata={"summary": False})
+    table: Mapping[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
 
     @property
     def history(self) -> ForceHistory:
         """The record: time (s), fx, fy (N/m), moment (N), shape (n,) each."""
-        return ForceHistory(*(self.series.table[name] for name in ("time", "fx", "fy", "moment")))
+        return ForceHistory(*(self.table[name] for name in ("time", "fx", "fy", "moment")))
 
 
 @dataclass(frozen=True)
 class Forces:
     """Forces on all structures, the impulse identities along x and y, the reflected wave."""
 
-    flow: Flow
     structures: dict[str, Force]
     identities: tuple[Identity, ...]
     reflected: ReflectedWave | None
@@ -150,7 +134,7 @@ class Forces:
 
     def tables(self) -> Tables:
         """CSV tables: one a structure, and the reflected wave."""
-        result: Tables = {f"force_{name}.csv": force.series.table for name, force in self.structures.items()}
+        result: Tables = {f"force_{name}.csv": force.table for name, force in self.structures.items()}
         if self.reflected is not None:
             result["reflected_wave.csv"] = {"time": self.reflected.time, "position": self.reflected.position}
         return result
@@ -169,13 +153,12 @@ def analyse_forces(
     momentum : MomentumHistory, optional
     profiles : xarray.Dataset
     """
-    series = {name: _structure(name, history, flow, profiles) for name, history in forces.items()}
-    identities = ()
-    if momentum is not None:
-        identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in ("x", "y"))
-    structures = {name: _numbers(one, window_of(profiles), bool(flow.scene.inlets)) for name, one in series.items()}
-    settled = _settled(series, flow, profiles, momentum)
-    return Forces(flow, structures, identities, _reflected(series, flow, profiles), settled)
+    walls = {wall.name: wall for wall in (*flow.scene.walls, *(gate.wall for gate in flow.scene.gates))}
+    structures = {name: _structure(walls.get(name), history, flow, profiles) for name, history in forces.items()}
+    axes = ("x", "y") if momentum is not None else ()
+    identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in axes)
+    settled = _settled(structures, flow, profiles, momentum)
+    return Forces(structures, identities, _reflected(structures, flow, profiles), settled)
 
 
 def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
@@ -191,57 +174,46 @@ def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
     return (low, -np.inf, np.inf, 1) if np.isfinite(low) else (high, -np.inf, np.inf, -1)
 
 
-def _structure(name: str, history: ForceHistory, flow: Flow, profiles: xr.Dataset) -> StructureForce:
-    try:
-        wall = flow.scene.wall(name)
-    except KeyError:
-        wall = None
-    lengths = window_lengths(history.time)
+def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.Dataset) -> dict[str, np.ndarray]:
+    """The `table` of a `Force`."""
+    lengths, gravity, moment = window_lengths(history.time), flow.gravity, history.moment
     samples = 1 if len(lengths) < 2 else round(LOW_PASS / max(float(np.median(lengths)), 1e-300))
     samples = max(1, samples + (samples + 1) % 2)
-    moment = history.moment
-    impulse = np.cumsum(np.column_stack([history.fx, history.fy]) * lengths[:, None], axis=0)
-    weights = {name: np.sum(np.abs(getattr(history, name)) * lengths) for name in ("fx", "fy")}
-    nothing = np.full(len(history.time), nan)
-    depth, hydrostatic, oncoming = nothing, nothing, nothing
-    face = _face(wall)
-    gravity = flow.gravity
-    if face is not None and gravity > 0:
+    depth = hydrostatic = oncoming = np.full(len(history.time), nan)
+    face = _face(wall) if gravity > 0 else None
+    if face is not None:
         at, foot, top, side = face
-        near = _station(profiles, at, side, 1, flow)
-        far = _station(profiles, at, side, 2, flow)
+        near, far = (_station(profiles, at, side, bins) for bins in (1, 2))
         if near is not None:
-            bed = float(profiles["bed"].values[near])
+            bed = float(near["bed"])
             # the record's point is the block's corner, or y = 0 of a plane: moved up to where the face leaves the bed
             moment = history.moment + (max(bed, foot) - wall.moment_point[1]) * history.fx
             high = top - max(foot, bed)
-            depth = _at_times(history.time, profiles, profiles["mass_depth"].values[:, near])
+            depth = _at_times(history.time, profiles, near["mass_depth"].values)
             hydrostatic = waves.hydrostatic_force(depth, flow.scene.density, gravity, np.maximum(depth - high, 0))
         if far is not None:
-            flux = profiles["momentum_flux"].values[:, far]
-            towards = side * profiles["discharge"].values[:, far] < 0
-            still = 0.5 * gravity * profiles["mass_depth"].values[:, far] ** 2
-            oncoming = _at_times(history.time, profiles, flow.scene.density * (np.where(towards, flux, 0.0) + still))
+            towards = side * far["discharge"].values < 0
+            still = 0.5 * gravity * far["mass_depth"].values ** 2
+            flux = np.where(towards, far["momentum_flux"].values, 0.0)
+            oncoming = _at_times(history.time, profiles, flow.scene.density * (flux + still))
     smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
-    table = {
+    return {
         **vars(history),
         **{f"{name}_smooth": moving_mean(values, samples) for name, values in smooth.items()},
-        "impulse_x": impulse[:, 0],
-        "impulse_y": impulse[:, 1],
+        "impulse_x": np.cumsum(history.fx * lengths),
+        "impulse_y": np.cumsum(history.fy * lengths),
         "depth": depth,
         "hydrostatic": hydrostatic,
         "oncoming": oncoming,
     }
-    return StructureForce(wall, max(weights, key=weights.__getitem__), table)
 
 
-def _station(profiles: xr.Dataset, at: float, side: int, bins: int, flow: Flow) -> int | None:
-    """The bin that lies `bins` bins before a face, or None outside the profiles."""
+def _station(profiles: xr.Dataset, at: float, side: int, bins: int) -> xr.Dataset | None:
+    """The profiles of the bin that lies `bins` bins before a face; None outside them."""
     width = profiles.attrs["bin_width"]
-    place = at + side * (bins - 0.5) * width
-    index = int(np.floor((place - profiles.attrs["x_low"]) / width))
+    index = int(np.floor((at + side * (bins - 0.5) * width - profiles.attrs["x_low"]) / width))
     inside = 0 <= index < profiles.sizes["x"] and np.isfinite(profiles["bed"].values[index])
-    return index if inside else None
+    return profiles.isel(x=index) if inside else None
 
 
 def _at_times(time: np.ndarray, profiles: xr.Dataset, values: np.ndarray) -> np.ndarray:
@@ -260,12 +232,14 @@ BIGGEST = {
 """Number of a structure -> column of its table whose largest value it is."""
 
 
-def _numbers(series: StructureForce, window: tuple[float, float], steady: bool) -> Force:
-    """Numbers of one structure; `steady`: discs flow in all the time, so parts of the record tell of each other."""
-    table, component = series.table, series.component
-    time, main = table["time"], table[f"{component}_smooth"]
+def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.Dataset) -> Force:
+    """Numbers of one structure; where discs flow in all the time, parts of the record tell of each other."""
+    table, time, window = _columns(wall, history, flow, profiles), history.time, window_of(profiles)
     if not len(time):
-        return Force(series=series)
+        return Force(wall=wall, table=table)
+    sizes = {name: np.sum(np.abs(table[name]) * window_lengths(time)) for name in ("fx", "fy")}
+    component = max(sizes, key=sizes.__getitem__)
+    main = table[f"{component}_smooth"]
     live = time > 0 if (time > 0).any() else np.ones(len(time), bool)
 
     def biggest(values: np.ndarray) -> tuple[float, float]:
@@ -274,32 +248,29 @@ def _numbers(series: StructureForce, window: tuple[float, float], steady: bool) 
         return (float(values[k]), float(time[k])) if chosen[k] >= 0 else (nan, nan)
 
     first = int(np.argmax(live))
-    impulse = {
-        f"f{axis}": float(values[-1] - (values[first - 1] if first else 0.0))
-        for axis in "xy"
-        for values in (table[f"impulse_{axis}"],)
-    }
+    given = {axis: table[f"impulse_{axis}"] for axis in "xy"}
+    impulse = {axis: float(values[-1] - np.append(0.0, values)[first]) for axis, values in given.items()}
     peak, peak_time = biggest(main)
     inside = (time > window[0]) & (time <= window[1] + 1e-9)
-    known = inside & np.isfinite(table["hydrostatic"])
     return Force(
         component=component,
         peak=peak,
-        peak_error=peak_error(time, main) if steady else nan,
+        peak_error=peak_error(time, main) if flow.scene.inlets else nan,
         peak_time=peak_time,
         peak_unfiltered=biggest(table[component])[0],
-        impulse=impulse[component],
-        impulse_x=impulse["fx"],
-        impulse_y=impulse["fy"],
+        impulse=impulse[component[1]],
+        impulse_x=impulse["x"],
+        impulse_y=impulse["y"],
         **{name: biggest(table[column])[0] for name, column in BIGGEST.items()},
         **as_fields(mean_fx=mean_of(table["fx"][inside]), mean_fy=mean_of(table["fy"][inside])),
-        mean_hydrostatic=float(table["hydrostatic"][known].mean()) if known.any() else nan,
-        series=series,
+        mean_hydrostatic=mean_of(table["hydrostatic"][inside]).value,
+        wall=wall,
+        table=table,
     )
 
 
 def _settled(
-    structures: Mapping[str, StructureForce], flow: Flow, profiles: xr.Dataset, momentum: MomentumHistory | None
+    structures: Mapping[str, Force], flow: Flow, profiles: xr.Dataset, momentum: MomentumHistory | None
 ) -> dict[str, dict[str, float]]:
     """Mean force over the last quarter of the time before the gate opens, against hydrostatics and the weight."""
     times = profiles["time"].values
@@ -316,8 +287,8 @@ def _settled(
         mean_x, mean_y = (float(force.table[name][chosen].mean()) for name in ("fx", "fy"))
         face = _face(force.wall)
         if face is not None and not force.wall.finite:
-            index = _station(profiles, *face[::3], 2, flow)
-            depth = nan if index is None else float(profiles["mass_depth"].values[frames, index].mean())
+            far = _station(profiles, *face[::3], 2)
+            depth = nan if far is None else float(far["mass_depth"].values[frames].mean())
             expected = waves.hydrostatic_force(depth, flow.scene.density, gravity)
             result[name] = {"force": mean_x, "depth": depth, "hydrostatic": expected, "ratio": _ratio(mean_x, expected)}
         elif momentum is not None and abs(mean_y) > abs(mean_x):
@@ -331,7 +302,7 @@ def _ratio(force: float, expected: float) -> float:
     return abs(force) / expected if expected > 0 else nan
 
 
-def _reflected(structures: Mapping[str, StructureForce], flow: Flow, profiles: xr.Dataset) -> ReflectedWave | None:
+def _reflected(structures: Mapping[str, Force], flow: Flow, profiles: xr.Dataset) -> ReflectedWave | None:
     """The wave thrown back by the first block that stands in a stream towards +x."""
     along = [force.wall for force in structures.values() if force.wall is not None and force.component == "fx"]
     blocks = [wall for wall in along if wall.finite and not wall.hollow]

@@ -4,16 +4,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import nan
 
 import numpy as np
 
-from lammps_jump.analysis.budgets.inflow import InflowCounter
+from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.contacts import ContactCollector, wall_sums
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
+from lammps_jump.scene.scene import Scene
 from lammps_jump.units import number
 
 
@@ -53,11 +54,10 @@ class MomentumHistory:
 
 
 class MomentumLedger:
-    """Collects a `MomentumHistory`."""
+    """Collects a `MomentumHistory`, for `with_inflow` where discs come in by rows."""
 
     def __init__(self, flow: Flow, _: ContactCollector | None = None):
         self.flow = flow
-        self.entering = InflowCounter(flow) if flow.scene.inlets and not flow.scene.pours else None
         self._rows: list[tuple] = []
         self._before: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         self._forces: list[dict[str, tuple]] = []
@@ -74,8 +74,6 @@ class MomentumLedger:
             held = float(before[1][~gone].sum()) * (time - self._rows[-1][0])
             # a disc that was poured may have got its own size since
             same = not gone.any() and len(ids) == len(before[0]) and abs(discs - self._rows[-1][3]) < 1e-7 * discs
-        if self.entering is not None:
-            self.entering.add(frame, time)
         momentum = flow.scene.mass * (mass @ speeds)
         self._before = now
         self._rows.append((time, *momentum, discs, same, *(flow.scene.mass * carried), held))
@@ -97,7 +95,7 @@ class MomentumLedger:
         """
         scene, order = self.flow.scene, np.argsort(frame.ids)
         mass = self.flow.relative_masses(frame)
-        if self.entering is not None:
+        if scene.inlets:
             mass = (scene.diameters(frame.ids) / scene.diameter) ** 2
         return frame.ids[order], mass[order], np.column_stack([frame.vx, frame.vy])[order]
 
@@ -105,16 +103,18 @@ class MomentumLedger:
         """The history of all frames added."""
         time, px, py, discs, same, *carried, held = np.array(self._rows, float).reshape(-1, 8).T
         brought = np.zeros((len(time), 2))
-        if self.entering is not None and len(time):
-            found, scene = self.entering.result(), self.flow.scene
-            brought = scene.density * found.area @ np.array([(row.vx, row.vy) for row in scene.inlets])
-            held = held + np.nan_to_num(found.age) / scene.diameter**2
-            same = np.append(False, np.isfinite(found.age[1:]))
         forces, unprobed = _by_wall(self._forces, float), _by_wall(self._unprobed, bool)
         return MomentumHistory(
             time, np.column_stack([px, py]), discs, same.astype(bool), brought, np.transpose(carried), held, forces,
             unprobed,
         )  # fmt: skip
+
+
+def with_inflow(history: MomentumHistory, arrivals: Arrivals, scene: Scene) -> MomentumHistory:
+    """The history with the discs that rows of inflow let in: those came in known numbers, from known places."""
+    brought = scene.density * arrivals.area @ np.array([(row.vx, row.vy) for row in scene.inlets])
+    held = history.held + np.nan_to_num(arrivals.age) / scene.diameter**2
+    return replace(history, brought=brought, held=held, same=np.append(False, np.isfinite(arrivals.age[1:])))
 
 
 def _by_wall(frames: list[dict[str, tuple]], kind: type) -> dict[str, np.ndarray]:

@@ -24,21 +24,21 @@ if TYPE_CHECKING:
 def track_chart(jump: Jump) -> Chart | None:
     """Toe, end and equal-mass front against time with the fitted straight motion; None where nothing was tracked."""
     result = jump.measured
-    track, sign = result.track, result.direction
+    track = result.track
     if track is None or not track.found.any():
         return None
     lines = [
-        Line("toe", track.time, sign * track.toe),
-        Line("end", track.time, sign * track.end, "second"),
-        Line("front of equal mass", track.time, sign * track.position, "sum"),
+        Line("toe", track.time, track.toe),
+        Line("end", track.time, track.end, "second"),
+        Line("front of equal mass", track.time, track.position, "sum"),
     ]
     if track.compression is not None and np.isfinite(track.compression).any():
-        lines.append(Line("", track.time, sign * track.compression, "dots"))
-        lines.append(Line("front of the compression", track.time, sign * running_median(track.compression), "third"))
+        lines.append(Line("", track.time, track.compression, "dots"))
+        lines.append(Line("front of the compression", track.time, running_median(track.compression), "third"))
     if result.motion is not None:
         ends = np.array(result.window)
-        label = f"c = {result.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
-        lines.append(Line(label, ends, sign * (result.motion.start + result.motion.speed * ends), "fit"))
+        label = f"c = {result.motion.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
+        lines.append(Line(label, ends, result.motion.start + result.motion.speed * ends, "fit"))
     return Chart(result.verdict, result.flow.time_axis, (Panel(PLACE, lines),), result.window)
 
 
@@ -57,7 +57,7 @@ def stream_chart(jump: Jump) -> Chart | None:
     marks = {"compression": stream.compression} if isfinite(stream.compression) else {}
     off = stairs("y₂ off Bélanger of this state", 100 * stream.deviation, edges)
     panels = (
-        Panel("[m³/s²]", fluxes, marks=marks, y_limits=(0.0, None), height=1.5),
+        Panel("[m³/s²]", fluxes, marks=marks, ylim=(0.0, None), height=1.5),
         Panel("y₂ off Bélanger [%]", [off], marks=marks),
     )
     return Chart("the stream before the jump", PLACE, panels)
@@ -93,7 +93,7 @@ def frame_chart(jump: Jump) -> Chart | None:
         ]
     panels = (
         Panel("Depth [m]", lines, "", levels, marks, (), limits, (0.0, top), 1.8),
-        Panel("Velocity [m/s]", speeds, marks=marks, x_limits=limits),
+        Panel("Velocity [m/s]", speeds, marks=marks, xlim=limits),
     )
     length = f"; thesis (4.27) {jump.length_theory:.1f} m" if isfinite(jump.length_theory) else ""
     title = f"front's frame: length {jump.length:.1f} m{length}"
@@ -141,5 +141,5 @@ def head_chart(profiles: xr.Dataset, jump: Jump) -> Chart | None:
     elif jump.inflow:
         head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)
         levels = {f"inflow {head:.2f} m": head}
-    panel = Panel("Energy head [m]", lines, "", levels, marks, y_limits=(min(0.0, float(np.nanmin(bed))), None))
+    panel = Panel("Energy head [m]", lines, "", levels, marks, ylim=(min(0.0, float(np.nanmin(bed))), None))
     return Chart(f"energy head of the window{found}", PLACE, (panel,))

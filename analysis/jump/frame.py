@@ -8,7 +8,7 @@ Forces and momentum fluxes are divided by the density: m^3/s^2.
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import nan, sqrt
 
@@ -31,6 +31,13 @@ COVERED = 0.9
 def mean_profile(moving: xr.Dataset, share: float = 0.5) -> xr.Dataset:
     """Means over the frames, NaN where fewer than this share of them has a value, dims (xi)."""
     return moving.where(moving.notnull().mean("time") >= share).mean("time")
+
+
+def along_stream(fields: xr.Dataset, direction: int, odd: Sequence[str]) -> xr.Dataset:
+    """Fields over x as a stream towards `direction` (+1 or -1) meets them; the `odd` ones change their sign with it."""
+    turned = fields.isel(x=slice(None, None, direction))
+    turned = turned.assign_coords(x=direction * turned.x)
+    return turned.assign(direction * turned[[name for name in odd if name in fields]])
 
 
 def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) -> xr.Dataset:

@@ -25,7 +25,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import Estimates, estimate, number, shown
 
-from .frame import growth_rate, integral, move_along
+from .frame import along_stream, growth_rate, integral, move_along
 
 if TYPE_CHECKING:
     from .result import JumpResult
@@ -39,7 +39,7 @@ ODD = ("discharge", "flux", "power", "elastic_flux")
 
 
 class EnergyFluxes:
-    """Collects the `FIELDS` of each frame, shape (frames, fields, bins), laboratory frame.
+    """Collects the `FIELDS` of each frame over (time, x), laboratory frame.
 
     ``energy`` is kinetic and gravitational energy, ``flux`` is carried by discs, ``power`` is the power of contact
     forces through vertical planes, F·(v_i + v_j)/2, ``dashpots`` what dashpots dissipate.
@@ -51,6 +51,7 @@ class EnergyFluxes:
         self.known = flow.knows_contacts and not c.friction and flow.time_step > 0 and flow.gravity > 0
         # LAMMPS' dashpots act with the velocity of the half step, the thesis' with that of the step
         self.rounds = ROUNDS if flow.scene.integrator == "velocity_verlet" else 0
+        self._times: list[float] = []
         self._kept: list[np.ndarray] = []
 
     def add(self, frame: Frame, time: float) -> None:
@@ -58,7 +59,7 @@ class EnergyFluxes:
         if not self.known:
             return
         flow, low, width = self.flow, float(self.edges[0]), float(self.edges[1] - self.edges[0])
-        c, bins = flow.scene.coefficients, len(self.edges) - 1
+        bins = len(self.edges) - 1
         x, y, u, v = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y, frame.vx, frame.vy))
         mass = flow.scene.mass * flow.relative_masses(frame)
         fields = np.zeros((len(FIELDS), bins))
@@ -68,75 +69,77 @@ class EnergyFluxes:
         energy = 0.5 * (u * u + v * v) + flow.gravity * height
         for row, amount in enumerate((np.ones_like(u), u, u * u, energy, energy * u)):
             fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)
-        faces = [face for wall in flow.walls_at(time) for face in wall_contacts(frame, wall, flow, damping=False)]
-        index = np.concatenate([face.index for face in faces]) if faces else np.zeros(0, np.int64)
-        columns = [(face.overlap, face.nx, face.ny) for face in faces]
-        overlap, nx, ny = (np.concatenate(part) for part in zip(*columns, strict=True)) if faces else np.zeros((3, 0))
-        rubber = flow.dashpots[1] * np.sqrt(flow.relative_masses(frame)[index])
-        pairs = touching_pairs(frame, flow)
-        law = c.stiffness, c.stiffness_wall, flow.touch_width
-        walls = (index, overlap, nx, ny, rubber)
-        half = 0.5 * flow.time_step / mass
-        _contact_fields(x, y, u, v, half, -flow.gravity * mass, *pairs, *walls, *law, self.rounds, low, width, fields)
+        # behind the discs stands one that never moves: the walls
+        u, v, kick = (np.append(values, 0.0) for values in (u, v, 0.5 * flow.time_step / mass))
+        weight = np.append(-flow.gravity * mass, 0.0)
+        contacts = self._contacts(frame, x, y, time)
+        _contact_fields(x, u, v, kick, weight, *contacts, flow.touch_width, self.rounds, low, width, fields)
+        self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))
 
-    def result(self) -> np.ndarray | None:
+    def _contacts(self, frame: Frame, x: np.ndarray, y: np.ndarray, time: float) -> list[np.ndarray]:
+        """Both discs of each contact, the push on the second, overlap, dashpot and stiffness; ``frame.n`` is a wall."""
+        flow, c = self.flow, self.flow.scene.coefficients
+        i, j, apart, dashpot = touching_pairs(frame, flow)
+        dx, dy = x[j] - x[i], y[j] - y[i]
+        distance = np.sqrt(dx * dx + dy * dy)
+        parts = [(i, j, dx / distance, dy / distance, apart - distance, dashpot, np.full(len(i), c.stiffness))]
+        for wall in flow.walls_at(time):
+            for face in wall_contacts(frame, wall, flow, damping=False):
+                rubber = flow.dashpots[1] * np.sqrt(flow.relative_masses(frame)[face.index])
+                still, stiffness = np.full(len(rubber), frame.n), np.full(len(rubber), c.stiffness_wall)
+                parts.append((still, face.index, face.nx, face.ny, face.overlap, rubber, stiffness))
+        return [np.concatenate(column) for column in zip(*parts, strict=True)]
+
+    def result(self) -> xr.Dataset | None:
         """The fields of all frames; None where contacts are not known, or rub, which is not counted."""
-        return np.array(self._kept) if self.known else None
+        if not self.known:
+            return None
+        kept = np.reshape(self._kept, (len(self._kept), len(FIELDS), -1))
+        middles = 0.5 * (self.edges[1:] + self.edges[:-1])
+        data = {name: (("time", "x"), kept[:, k]) for k, name in enumerate(FIELDS)}
+        return xr.Dataset(data, {"time": self._times, "x": middles})
 
 
 def _contact_fields_py(
-    x, y, u, v, half, weight, first, second, apart, dashpot, index, overlap, nx, ny, rubber, stiffness, wall_stiffness,
-    touch, rounds, low, width, fields,
-):  # fmt: skip
+    x, u, v, kick, weight, first, second, ex, ey, overlap, dashpot, stiffness, touch, rounds, low, width, fields
+):
     """Add power, thrust, elastic energy, its flux and dissipation of the contacts to rows 5 to 9 of `fields`.
 
     A pair counts half at either disc; its force acts through the planes between the centres.
     """
-    bins = fields.shape[1]
-    hu, hv = u.copy(), v.copy()
+    walls, bins = x.size, fields.shape[1]
+    hu, hv = u, v
     for _ in range(rounds):
         fx, fy = np.zeros_like(u), weight.copy()
-        for p in range(first.size):
-            i, j = first[p], second[p]
-            dx, dy = x[j] - x[i], y[j] - y[i]
-            apart_now = np.sqrt(dx * dx + dy * dy)
-            ex, ey = dx / apart_now, dy / apart_now
-            opening = (hu[j] - hu[i]) * ex + (hv[j] - hv[i]) * ey
-            force = normal_force(apart[p] - apart_now, opening, stiffness, dashpot[p], touch)[0]
-            fx[j] += force * ex
-            fy[j] += force * ey
-            fx[i] -= force * ex
-            fy[i] -= force * ey
-        for q in range(index.size):
-            i = index[q]
-            opening = hu[i] * nx[q] + hv[i] * ny[q]
-            force = normal_force(overlap[q], opening, wall_stiffness, rubber[q], touch)[0]
-            fx[i] += force * nx[q]
-            fy[i] += force * ny[q]
-        for i in range(u.size):
-            hu[i] = u[i] - half[i] * fx[i]
-            hv[i] = v[i] - half[i] * fy[i]
-    for p in range(first.size):
-        i, j = first[p], second[p]
-        dx, dy = x[j] - x[i], y[j] - y[i]
-        apart_now = np.sqrt(dx * dx + dy * dy)
-        ex, ey = dx / apart_now, dy / apart_now
-        depth = apart[p] - apart_now
-        before = (hu[j] - hu[i]) * ex + (hv[j] - hv[i]) * ey
-        force, dash = normal_force(depth, before, stiffness, dashpot[p], touch)
-        opening = (u[j] - u[i]) * ex + (v[j] - v[i]) * ey
-        energy = stiffness * stored_energy(depth, touch)
-        mu, mv = 0.5 * (u[i] + u[j]), 0.5 * (v[i] + v[j])
+        for k in range(first.size):
+            i, j = first[k], second[k]
+            opening = (hu[j] - hu[i]) * ex[k] + (hv[j] - hv[i]) * ey[k]
+            force = normal_force(overlap[k], opening, stiffness[k], dashpot[k], touch)[0]
+            fx[j] += force * ex[k]
+            fy[j] += force * ey[k]
+            fx[i] -= force * ex[k]
+            fy[i] -= force * ey[k]
+        hu, hv = u - kick * fx, v - kick * fy
+    for k in range(first.size):
+        i, j = first[k], second[k]
+        before = (hu[j] - hu[i]) * ex[k] + (hv[j] - hv[i]) * ey[k]
+        force, dash = normal_force(overlap[k], before, stiffness[k], dashpot[k], touch)
+        opening = (u[j] - u[i]) * ex[k] + (v[j] - v[i]) * ey[k]
+        share = 1.0 if i == walls else 0.5
+        energy = share * stiffness[k] * stored_energy(overlap[k], touch)
         for disc in (i, j):
-            b = int(np.floor((x[disc] - low) / width))
+            b = int(np.floor((x[disc] - low) / width)) if disc < walls else -1
             if 0 <= b < bins:
-                fields[7, b] += 0.5 * energy
-                fields[8, b] += 0.5 * energy * u[disc]
-                fields[9, b] -= 0.5 * dash * opening
+                fields[7, b] += energy
+                fields[8, b] += energy * u[disc]
+                fields[9, b] -= share * dash * opening
+        if i == walls:
+            continue
         # what the discs left of a plane do to those right of it
-        push = force * abs(dx) / apart_now
-        power = force * (ex * mu + ey * mv) * (1.0 if dx > 0 else -1.0)
+        mu, mv = 0.5 * (u[i] + u[j]), 0.5 * (v[i] + v[j])
+        push = force * abs(ex[k])
+        power = force * (ex[k] * mu + ey[k] * mv) * (1.0 if ex[k] > 0 else -1.0)
         left, right = min(x[i], x[j]), max(x[i], x[j])
         b = max(int(np.floor((left - low) / width)), 0)
         while b < bins and low + b * width < right:
@@ -145,16 +148,6 @@ def _contact_fields_py(
                 fields[5, b] += power * inside
                 fields[6, b] += push * inside
             b += 1
-    for q in range(index.size):
-        i = index[q]
-        b = int(np.floor((x[i] - low) / width))
-        if 0 <= b < bins:
-            before, opening = hu[i] * nx[q] + hv[i] * ny[q], u[i] * nx[q] + v[i] * ny[q]
-            dash = normal_force(overlap[q], before, wall_stiffness, rubber[q], touch)[1]
-            energy = wall_stiffness * stored_energy(overlap[q], touch)
-            fields[7, b] += energy
-            fields[8, b] += energy * u[i]
-            fields[9, b] -= dash * opening
 
 
 _contact_fields = watching_law(njit(cache=True)(_contact_fields_py))
@@ -183,34 +176,38 @@ class Budget(Estimates):
     frames: int = 0
 
 
-def energy_budget(fields: np.ndarray | None, result: JumpResult, edges: np.ndarray) -> Budget | None:
+def energy_budget(fields: object, result: JumpResult) -> Budget | None:
     """Budget between the stations that the case names, else the middles of the stretches of the states of a jump.
 
     Parameters
     ----------
-    fields : ndarray, shape (frames, fields, bins)
+    fields : xarray.Dataset or None
         Of `EnergyFluxes`; None where they are not known.
     result : JumpResult
-    edges : ndarray, shape (bins + 1,), m
     """
-    if fields is None or result.upstream is None or result.downstream is None or result.flow.scene.gravity[0]:
+    if (
+        not isinstance(fields, xr.Dataset)
+        or result.upstream is None
+        or result.downstream is None
+        or result.flow.scene.gravity[0]
+    ):
         return None
     asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
     if asked is None:
-        return budget_between(fields, result, edges, (result.upstream.middle, result.downstream.middle))
+        return budget_between(fields, result, (result.upstream.middle, result.downstream.middle))
     first, last = (result.flow.scene.time(step) for step in (asked.first_step, asked.last_step))
     half = 0.5 * float(np.diff(time).min())
     used, speed = (time > first - half) & (time < last + half), sign * asked.speed
-    start = sign * asked.x[0 if sign > 0 else 1] - speed * first  # of the station upstream, along the stream
-    found = budget_between(fields, result, edges, (0.0, asked.x[1] - asked.x[0]), (start, speed), used)
-    off = result.motion.start - start + (result.motion.speed - speed) * 0.5 * (first + last)  # the front, half-way
+    start = min(sign * x for x in asked.x) - speed * first  # of the station upstream, along the stream
+    found = budget_between(fields, result, (0.0, asked.x[1] - asked.x[0]), (start, speed), used)
+    front = result.motion.turned(sign)
+    off = front.start - start + (front.speed - speed) * 0.5 * (first + last)  # the front, half-way
     return found and replace(found, start=found.start - off, stop=found.stop - off)
 
 
 def budget_between(
-    fields: np.ndarray,
+    fields: xr.Dataset,
     result: JumpResult,
-    edges: np.ndarray,
     stations: tuple[float, float],
     line: tuple[float, float] | None = None,
     used: np.ndarray | None = None,
@@ -224,17 +221,12 @@ def budget_between(
     used : ndarray of bool, shape (frames,), optional
         Other frames than those of the window that have a jump.
     """
-    track, sign = result.track, result.direction
-    begin, c = line or (result.motion.start, result.motion.speed)
-    used = track.found & result.in_window if used is None else used
-    signs = np.array([sign if name in ODD else 1 for name in FIELDS])
-    stream = (signs[:, None] * fields[used])[:, :, ::sign]
-    x = sign * 0.5 * (edges[1:] + edges[:-1])[::sign]
-    time = track.time[used]
+    sign, front = result.direction, result.motion.turned(result.direction)
+    begin, c = line or (front.start, front.speed)
+    stream = along_stream(fields.isel(time=result.used if used is None else used), sign, ODD)
+    time = stream.time.values
     fronts = begin + c * time
-    data = {name: (("time", "x"), stream[:, k]) for k, name in enumerate(FIELDS)}
-    moving = move_along(xr.Dataset(data, {"time": time, "x": x}), fronts, np.full(len(time), np.inf))
-    a = {name: moving[name] for name in FIELDS}
+    a = move_along(stream, fronts, np.full(len(time), np.inf))
     energy = a["energy"] - c * a["discharge"] + 0.5 * c * c * a["mass"]
     carried = a["flux"] - c * a["momentum"] + 0.5 * c * c * a["discharge"] - c * energy
     carried = carried + a["elastic_flux"] - c * a["elastic"]

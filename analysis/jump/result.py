@@ -27,6 +27,7 @@ from .frame import (
     Mass,
     Roller,
     State,
+    along_stream,
     balance,
     crossing,
     mass_balance,
@@ -38,7 +39,7 @@ from .frame import (
 )
 from .stream import Stream, compression_front, measure_stream
 from .tail import Tail, measure_tail
-from .track import JumpTrack, Motion, piece_speeds, straight_motion, track_jump
+from .track import AlongStream, JumpTrack, Motion, piece_speeds, straight_motion, track_jump
 
 if TYPE_CHECKING:
     from lammps_jump.analysis.contacts import ContactSeries
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
 Stretches = tuple[tuple[float, float], tuple[float, float]]
 
 FIELDS = ["mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity"]
-ALONG = ["discharge", "energy_flux", "surface_velocity"]
+ODD = ("discharge", "energy_flux", "surface_velocity", "bed")
 """Those that change their sign with the direction of x."""
 STILL = 0.02
 """Below this share of sqrt(g s) the discs of a bin count as standing."""
@@ -72,7 +73,7 @@ class Heap:
 
 
 @dataclass(frozen=True)
-class JumpResult:
+class JumpResult(AlongStream):
     """All that is known of a jump; `verdict` says whether it is one.
 
     Attributes
@@ -81,19 +82,19 @@ class JumpResult:
     reason : str
         One sentence behind the verdict.
     direction : int
-        +1 for a stream towards larger x, -1 towards smaller; positions below are along the stream from `origin`, and
-        ``x = direction * position``.
+        +1 for a stream towards larger x, -1 towards smaller.
     window : (float, float)
         s.
     in_window : ndarray of bool, shape (frames,)
     track : JumpTrack or None
     toe_speed, end_speed : float
-        Of the toe and the end, along the stream, m/s.
+        Of the toe and the end, along x, m/s.
     motion : Motion or None
         Of the front of equal mass.
     moving : xarray.Dataset or None
     toe, end : float
-        In the moving frame, from the mean mass depth, m from the front; `surface_toe`, `surface_end` from the surface.
+        In the moving frame, from the mean mass depth, m along the stream from the front; `surface_toe`, `surface_end`
+        from the surface.
     upstream, downstream : State or None
     developed : bool
         A level stretch behind the end was there to be measured.
@@ -104,6 +105,7 @@ class JumpResult:
     tail : Tail or None
     """
 
+    ALONG = ("track", "toe_speed", "end_speed", "motion", "stream")
     verdict: str
     reason: str
     flow: Flow
@@ -131,34 +133,15 @@ class JumpResult:
     pieces: tuple[JumpResult, ...] = ()
 
     @property
-    def speed(self) -> float:
-        """Velocity of the front in the laboratory, m/s along x."""
-        return self.direction * self.motion.speed if self.motion else nan
-
-    def tables(self) -> dict[str, dict[str, np.ndarray]]:
-        """CSV tables: the track, and the mean profile in the moving frame."""
-        result = {}
-        if self.track is not None:
-            columns = {
-                name: values if name == "time" or "depth" in name else self.direction * values
-                for name, values in vars(self.track).items()
-                if isinstance(values, np.ndarray) and name != "reach_end"
-            }
-            result["jump_track.csv"] = {**columns, "found": self.track.found.astype(int)}
-        if self.moving is not None:
-            means = {name: values.values for name, values in mean_profile(self.moving).items()}
-            result["jump_frame.csv"] = {"distance": self.moving.xi.values, **means}
-        if self.stream is not None:
-            values = vars(self.stream).items()
-            result["jump_stream.csv"] = {name: value for name, value in values if isinstance(value, np.ndarray)}
-        return result
+    def used(self) -> np.ndarray:
+        """Whether a frame of the window has a jump, shape (frames,)."""
+        return self.track.found & self.in_window
 
 
-def level_reach(profiles: xr.Dataset, flow: Flow, direction: int) -> slice:
-    """Bins, in the stream's order, of the longest stretch of level bed: up to a sill or a fall."""
-    bed = profiles["bed"].values[::direction]
+def level_reach(bed: np.ndarray, diameter: float) -> slice:
+    """Bins, in the stream's order, of the longest stretch of level bed (heights in m): up to a sill or a fall."""
     with np.errstate(invalid="ignore"):
-        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * flow.scene.diameter)) + 1
+        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * diameter)) + 1
     ends = np.concatenate([[0], breaks, [len(bed)]])
     runs = [(stop - start, -start) for start, stop in itertools.pairwise(ends) if np.isfinite(bed[start])]
     length, start = max(runs, default=(0, 0))
@@ -181,27 +164,31 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     JumpResult
         With verdict 'no jump found' and the reason where there is none.
     """
-    window, time, width = window_of(profiles), profiles["time"].values, profiles.attrs["bin_width"]
-    in_window = within(time, window)
+    window, gravity = window_of(profiles), flow.gravity
+    in_window = within(profiles["time"].values, window)
     direction = -1 if np.nansum(profiles["discharge"].values[in_window]) < 0 else 1
     nothing = JumpResult("no jump found", "", flow, direction, window, in_window)
-    gravity = flow.gravity
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
-    reach = level_reach(profiles, flow, direction)
+    reach = level_reach(profiles["bed"].values[::direction], flow.scene.diameter)
     if reach.stop - reach.start < 8:
         return replace(nothing, reason="fewer than eight bins of level bed to look at")
-    stream = profiles[FIELDS].isel(x=slice(None, None, direction)).isel(x=reach)
-    stream = stream.assign_coords(x=direction * stream.x)
-    stream = stream.assign(direction * stream[ALONG])
+    fields = profiles[FIELDS]
     if contacts is not None:
-        scale = 1.0 / flow.scene.density
-        thrust, wall = (force[:, ::direction][:, reach] for force in (contacts.thrust, contacts.wall_fx))
-        stream["thrust"] = ("time", "x"), scale * thrust
-        stream["bed"] = ("time", "x"), direction * scale / width * wall
-    edges = np.append(stream.x.values - 0.5 * width, stream.x.values[-1] + 0.5 * width)
+        scale, dims = 1.0 / flow.scene.density, ("time", "x")
+        bed = scale / profiles.attrs["bin_width"] * contacts.wall_fx
+        fields = fields.assign(thrust=(dims, scale * contacts.thrust), bed=(dims, bed))
+    found = _follow(nothing, along_stream(fields, direction, ODD).isel(x=reach), profiles.attrs["bin_width"])
+    return replace(found.turned(direction), pieces=tuple(piece.turned(direction) for piece in found.pieces))
+
+
+def _follow(nothing: JumpResult, stream: xr.Dataset, width: float) -> JumpResult:
+    """The jump of a stream towards larger x, on a level bed, in bins of this width, m."""
+    flow, in_window, gravity = nothing.flow, nothing.in_window, nothing.flow.gravity
+    x, time = stream.x.values, stream.time.values
+    edges = np.append(x - 0.5 * width, x[-1] + 0.5 * width)
     track = track_jump(stream, edges, gravity, flow.scene.diameter, in_window)
-    if contacts is not None:
+    if "thrust" in stream:
         track = replace(track, compression=compression_front(stream, track, gravity))
     used = track.found & in_window
     share = used.sum() / max(in_window.sum(), 1)
@@ -250,8 +237,8 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
     depth = result.downstream.mass_depth
     tail = measure_tail(stream.isel(time=used), front, depth)
     before = measure_stream(stream, track, used, speed, depth, result.flow.gravity)
-    result = replace(result, stream=before and before.turned(result.direction))
-    result = replace(result, developed=enough, roller=roller(moving, speed, toe, end), tail=tail)
+    found = roller(moving, speed, toe, end)
+    result = replace(result, stream=before, developed=enough, roller=found, tail=tail)
     return replace(result, pieces=_pieces(result))
 
 
@@ -277,7 +264,7 @@ def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around
 
 def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
     """The jump of each piece of the window, with the speed of that piece."""
-    frames = np.flatnonzero(whole.track.found & whole.in_window)
+    frames = np.flatnonzero(whole.used)
     track = whole.track
     speeds = [piece_speeds(track.time[frames], line[frames]) for line in (track.toe, track.end, track.position)]
     result = []
@@ -332,7 +319,10 @@ def _judge(result: JumpResult, used: np.ndarray, gravity: float, to_inlet: float
     if abs(motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * result.track.mass_depth_2[used].mean())):
         words = "stands still within the error"
     tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
-    return "jump", f"the front {words} at {shown(result.speed, 'm/s', motion.error, bound=True)}.{tail}"
+    return (
+        "jump",
+        f"the front {words} at {shown(result.direction * motion.speed, 'm/s', motion.error, bound=True)}.{tail}",
+    )
 
 
 def _why_none(track, in_window, stream, heap, gravity, inflow) -> tuple[str, str]:

@@ -8,21 +8,20 @@ from collections.abc import Mapping
 from dataclasses import replace
 from math import isfinite
 from types import MappingProxyType
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
 from lammps_jump.analysis.budgets import inflow
 from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.report.headline import belongs
 from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
 from lammps_jump.analysis.statistics import STUDENT, Mean, propagated
 from lammps_jump.units import ABSENT, AT_LEAST, is_bound, numbers_of, shown
 
 from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
-from .frame import Balance
+from .frame import Balance, mean_profile
 from .head import energy_budget, no_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
@@ -46,8 +45,7 @@ def analyse(gathered: Gathered) -> Jump:
     if not gathered.flow.timed:
         return untimed(found)
     found = worded(found)
-    edges = bin_edges(gathered.flow.x_range, gathered.flow.bin_width)
-    budget = energy_budget(cast("np.ndarray | None", gathered.histories.get("jump")), found.measured, edges)
+    budget = energy_budget(gathered.histories.get("jump"), found.measured)
     if budget is None:
         why = no_budget(gathered.flow) if found.verdict in A_JUMP else ""
         return replace(found, reason=f"{found.reason} {why}".strip())
@@ -78,15 +76,26 @@ def marks(jump: Jump) -> Marks:
     if tail and isfinite(tail.belanger_y2):
         lines[f"Bélanger of the inflow, front's frame, y₂ = {tail.belanger_y2:.3g} m"] = tail.belanger_y2
     places = {"toe": jump.toe, "end": jump.end} if isfinite(jump.toe) else {}
-    track, direction = jump.measured.track, jump.measured.direction
+    track = jump.measured.track
     if track is None or not track.found.any():
         return Marks(lines, places)
-    return Marks(lines, places, (direction * track.toe[track.found], track.time[track.found]))
+    return Marks(lines, places, (track.toe[track.found], track.time[track.found]))
 
 
 def tables(jump: Jump) -> Tables:
-    """The track, and the mean profile in the moving frame."""
-    return jump.measured.tables()
+    """The track, the mean profile in the moving frame, and the stream before the jump."""
+    result, found = jump.measured, {}
+    if result.track is not None:
+        columns = {name: values for name, values in _arrays(result.track).items() if name != "reach_end"}
+        found["jump_track.csv"] = {**columns, "found": result.track.found.astype(int)}
+    if result.moving is not None:
+        means = {name: values.values for name, values in mean_profile(result.moving).items()}
+        found["jump_frame.csv"] = {"distance": result.moving.xi.values, **means}
+    return found | ({"jump_stream.csv": _arrays(result.stream)} if result.stream else {})
+
+
+def _arrays(result: object) -> dict[str, np.ndarray]:
+    return {name: values for name, values in vars(result).items() if isinstance(values, np.ndarray)}
 
 
 def figures(jump: Jump, gathered: Gathered) -> Drawings:

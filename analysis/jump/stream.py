@@ -8,7 +8,7 @@ through a plane, so hydrostatic pressure is in it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite, nan
 
 import numpy as np
@@ -18,7 +18,7 @@ from lammps_jump.analysis.statistics import mean_of
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
-from .track import JumpTrack
+from .track import AlongStream, JumpTrack
 
 STRETCH = 5.0
 """Length of the stretches of the table, in depths of the stream; a quarter of a stream shorter than four of them."""
@@ -31,7 +31,7 @@ NEAR_INLET = 15.0
 
 
 @dataclass(frozen=True)
-class Stream:
+class Stream(AlongStream):
     """The stream from the inlet to the toe, means over the window; arrays have one value a stretch, NaN not known.
 
     Attributes
@@ -47,6 +47,7 @@ class Stream:
         lies off it, a share.
     """
 
+    ALONG = ("start", "stop", "velocity", "discharge", "compression")
     start: np.ndarray
     stop: np.ndarray
     mass_depth: np.ndarray
@@ -63,11 +64,6 @@ class Stream:
     compression: float = number("m", "front of the compression before the toe", default=nan)
     undisturbed: float = number("m", "stretch from the inlet to the front of the compression", default=nan)
     at_inlet: bool = False
-
-    def turned(self, direction: int) -> Stream:
-        """The same along x, for a stream towards `direction` = +1 or -1."""
-        along = ("start", "stop", "velocity", "discharge", "compression")
-        return replace(self, **{name: direction * getattr(self, name) for name in along})
 
 
 def compression_front(stream: xr.Dataset, track: JumpTrack, gravity: float) -> np.ndarray:

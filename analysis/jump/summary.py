@@ -127,8 +127,7 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
                 heap=result.heap, measured=result)  # fmt: skip
     if result.track is None:
         return jump
-    used = result.track.found & result.in_window
-    found, frames = int(used.sum()), int(result.in_window.sum())
+    found, frames = int(result.used.sum()), int(result.in_window.sum())
     jump = replace(jump, frames_found=found, frames_in_window=frames, share_found=found / frames if frames else nan)
     if result.upstream is None:
         return jump
@@ -148,7 +147,7 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
     jump = replace(jump, members=members(jump))
     if jump.inflow is not None:
         stream = delivered or (Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0))
-        front = Mean(result.motion.speed, jump.speed_error)
+        front = Mean(result.direction * result.motion.speed, jump.speed_error)
         jump = replace(jump, tail=against_inflow(result.tail, stream, front, result.flow.gravity))
     if jump.verdict == "jump" and jump.sequent_ratio < DEVELOPED_SHARE * jump.belanger_ratio:
         share = 100 * jump.sequent_ratio / jump.belanger_ratio
@@ -166,21 +165,21 @@ def _numbers(result: JumpResult) -> dict[str, object]:
 
 def _places(result: JumpResult) -> dict[str, float]:
     """Places along x at the last frame used, velocities, and lengths."""
-    track, sign, motion = result.track, result.direction, result.motion
-    used = track.found & result.in_window
-    time = float(track.time[np.flatnonzero(used)[-1]])
+    track, motion = result.track, result.motion
+    used = result.used
+    time = float(track.time[used][-1])
     front = float(motion.start + motion.speed * time)
     return {
         "time": time,
-        "position": sign * front,
-        "toe": sign * (front + result.toe),
-        "end": sign * (front + result.end),
-        "speed": result.speed,
-        "toe_speed": sign * result.toe_speed,
-        "end_speed": sign * result.end_speed,
+        "position": front,
+        "toe": front + result.direction * result.toe,
+        "end": front + result.direction * result.end,
+        "speed": motion.speed,
+        "toe_speed": result.toe_speed,
+        "end_speed": result.end_speed,
         "length": result.surface_end - result.surface_toe,
         "length_mass": result.end - result.toe,
-        "length_ramp": float(np.median(track.end[used] - track.toe[used])),
+        "length_ramp": result.direction * float(np.median(track.end[used] - track.toe[used])),
     }
 
 

@@ -6,10 +6,10 @@ The stream flows towards larger x here; `result.analyse_jump` mirrors streams to
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import nan, sqrt
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 import xarray as xr
@@ -91,7 +91,24 @@ def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
 
 
 @dataclass(frozen=True)
-class JumpTrack:
+class AlongStream:
+    """Base of results whose places and velocities are along the stream at first; `ALONG` names them."""
+
+    ALONG: ClassVar[tuple[str, ...]] = ()
+
+    def turned(self, direction: int) -> Self:
+        """The same along x, for a stream towards `direction` = +1 or -1."""
+        return replace(self, **{name: _turned(getattr(self, name), direction) for name in self.ALONG})
+
+
+def _turned(value: Any, direction: int) -> Any:
+    if isinstance(value, AlongStream):
+        return value.turned(direction)
+    return None if value is None else direction * value
+
+
+@dataclass(frozen=True)
+class JumpTrack(AlongStream):
     """The jump frame by frame; NaN where it was not found, and `why` says the reason.
 
     Attributes
@@ -111,6 +128,7 @@ class JumpTrack:
         Front of the compressed stream before the toe; None where contact forces are not known.
     """
 
+    ALONG = ("toe", "end", "position", "velocity_1", "velocity_2", "reach_end", "compression")
     time: np.ndarray
     toe: np.ndarray
     end: np.ndarray
@@ -224,7 +242,7 @@ def equivalent_position(
 
 
 @dataclass(frozen=True)
-class Motion:
+class Motion(AlongStream):
     """Straight-line motion.
 
     Attributes
@@ -236,6 +254,7 @@ class Motion:
     points : int
     """
 
+    ALONG = ("speed", "start")
     speed: float
     error: float
     start: float

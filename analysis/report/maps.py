@@ -57,5 +57,9 @@ def grid(flow: Flow) -> tuple[np.ndarray, np.ndarray]:
 def _numbers(flow: Flow, x: np.ndarray, y: np.ndarray, values: np.ndarray, power: float = 1.0) -> np.ndarray:
     """Power of the sum of values at places (m) over the area of their cells, as whole numbers up to 255."""
     counts, sides = grid(flow)
-    sums = np.histogram2d(y, x, counts[::-1], flow.scene.domain[::-1], weights=values)[0].ravel() / sides.prod()
+    low = np.array(flow.scene.domain)[:, 0]
+    column, row = np.floor((np.column_stack([x, y]) - low) / sides).T
+    inside = (column >= 0) & (column < counts[0]) & (row >= 0) & (row < counts[1])
+    cell = (row * counts[0] + column)[inside].astype(int)
+    sums = np.bincount(cell, values[inside], counts.prod()) / sides.prod()
     return np.rint(np.clip(sums, 0, None) ** power).clip(max=255).astype("u1")

@@ -5,30 +5,48 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
 import yaml
+from pydantic import ValidationError
 
+from lammps_jump.errors import CaseError
+from lammps_jump.files import plain
 from lammps_jump.provenance import short_hash
+from lammps_jump.quoting import plain_name
 from lammps_jump.scene.scene import Scene
 
 from .derived import Derived
+from .explain import explain
 from .fields import CaseFields
-from .load import Changes, PlacedFields, json_text, validated
-from .text import CaseSource, parse_source, read_source
+from .text import CaseSource, override, parse_source, read_source
 from .to_scene import build_scene
+
+Changes = Mapping[str, object] | Iterable[str]
+"""Values by path, ``{"walls.sill.y": [-10, 3]}``, or texts ``path=value`` as of ``--set``."""
 
 NOT_OF_THE_RUN = ("name", "description", "analysis")
 """Fields that change nothing of the run itself."""
 
 
 @dataclass(frozen=True)
-class ReadCase(PlacedFields):
-    """A validated case."""
+class ReadCase:
+    """A validated case.
+
+    Attributes
+    ----------
+    fields : CaseFields
+        The values, every default filled in; frozen.
+    source : CaseSource
+        Where each value stands, for messages.
+    """
+
+    fields: CaseFields
+    source: CaseSource = field(repr=False, compare=False)
 
     @property
     def name(self) -> str:
@@ -43,13 +61,18 @@ class ReadCase(PlacedFields):
     @cached_property
     def core(self) -> dict[str, Any]:
         """Plain data of what decides the run: all but name, description, analysis and how often it is saved."""
-        data = {key: value for key, value in _plain_data(self.fields).items() if key not in NOT_OF_THE_RUN}
+        data = {key: value for key, value in self._data.items() if key not in NOT_OF_THE_RUN}
         return {**data, "run": {key: value for key, value in data["run"].items() if key != "checkpoint_interval"}}
 
     @cached_property
     def rest(self) -> dict[str, Any]:
         """Plain data of what changes no run: name, description and analysis."""
-        return {key: value for key, value in _plain_data(self.fields).items() if key in NOT_OF_THE_RUN}
+        return {key: value for key, value in self._data.items() if key in NOT_OF_THE_RUN}
+
+    @cached_property
+    def _data(self) -> dict[str, Any]:
+        """Plain data without the empty optional fields, which would only be noise for a reader."""
+        return self.fields.model_dump(mode="json", exclude_none=True)
 
     def replace(self, changes: Changes) -> Self:
         """The case with other values, validated as a file is.
@@ -65,14 +88,8 @@ class ReadCase(PlacedFields):
         CaseError
             A path that is not there, or a value that is not allowed.
         """
-        source = self.source
-        copied = replace(
-            source,
-            data=copy.deepcopy(source.data) | {"name": self.name},
-            lines=dict(source.lines),
-            overrides=dict(source.overrides),
-        )
-        return type(self)(validated(copied, changes, self.name), copied)
+        source = copy.deepcopy(self.source)
+        return type(self)(_validated(source, changes, self.name), source)
 
     def scene(self) -> Scene:
         """The engine-neutral numbers of the case, SI.
@@ -86,7 +103,7 @@ class ReadCase(PlacedFields):
 
     @cached_property
     def _scene(self) -> Scene:
-        return build_scene(self)
+        return build_scene(self.fields, self.source)
 
     def check(self) -> Derived:
         """Everything derived from the case: coefficients, theory of the inflow, what is skipped, warnings.
@@ -100,8 +117,7 @@ class ReadCase(PlacedFields):
 
     def to_yaml(self) -> str:
         """The case as YAML text, every default filled in, in the order of the fields."""
-        data = _plain_data(self.fields)
-        return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
+        return yaml.safe_dump(self._data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
 
 
 def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> ReadCase:
@@ -120,7 +136,7 @@ def load_case(source: str | Path | Mapping[str, object], changes: Changes | None
         One paragraph with file:line, the field, the value, what is allowed and what to do.
     """
     if isinstance(source, Mapping):
-        return _read(CaseSource(file="<case>", data=json.loads(json_text(dict(source)))), changes or (), "case")
+        return _read(CaseSource(file="<case>", data=json.loads(_json_text(dict(source)))), changes or (), "case")
     path = Path(source)
     if (path / "case.yaml").is_file():
         path /= "case.yaml"
@@ -133,17 +149,40 @@ def parse_case(text: str, file: str = "<case>", changes: Changes = ()) -> ReadCa
 
 
 def _read(source: CaseSource, changes: Changes, default_name: str) -> ReadCase:
-    return ReadCase(validated(source, changes, default_name), source)
+    return ReadCase(_validated(source, changes, default_name), source)
 
 
-def _plain_data(fields: CaseFields) -> dict[str, Any]:
-    """Plain data without the empty optional fields, which would only be noise for a reader."""
+def _json_text(value: object) -> str:
+    """A value as JSON, which is YAML too; CaseError where it is none of a case."""
+    try:
+        return json.dumps(plain(value))
+    except (TypeError, ValueError):
+        raise CaseError(f"{value!r} is no value of a case; numbers, texts, lists and mappings are allowed") from None
 
-    def prune(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: prune(item) for key, item in value.items() if item is not None}
-        if isinstance(value, list | tuple):
-            return [prune(item) for item in value]
-        return value
 
-    return prune(fields.model_dump(mode="json"))
+def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseFields:
+    """The fields of a case after its changes, which also stand in `source` then.
+
+    Raises
+    ------
+    CaseError
+        One paragraph with file:line, the field, the value, what is allowed and what to do.
+    """
+    if isinstance(changes, Mapping):
+        changes = [f"{path}={_json_text(value)}" for path, value in changes.items()]
+    for assignment in changes:
+        override(source, assignment)
+    data = dict(source.data)
+    if "name" not in data:
+        data["name"] = plain_name(default_name)
+    try:
+        fields = CaseFields.model_validate(data)
+    except ValidationError as error:
+        raise explain(error, source) from None
+    names = [wall.name for wall in fields.walls]
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise source.error(("walls", index, "name"), f"two walls are called '{name}'; give each its own name")
+    if not fields.initial and fields.inflow is None:
+        raise source.error((), "there are no discs: give initial (a column, lattice or list) or inflow")
+    return fields

@@ -13,10 +13,8 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
-from lammps_jump.scene.scene import Gate, InletRow, Scene
+from lammps_jump.scene import Gate, InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_FRAMES, told
-from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Interval, Wall
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
 from .packing import deepest_overlap, disc_count

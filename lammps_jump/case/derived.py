@@ -9,9 +9,7 @@ from math import inf
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene.scene import InletRow, Scene
-from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Block, Interval, Wall
+from lammps_jump.scene import Block, InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow
@@ -265,9 +263,7 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
             f"the channel is {end - inflow.x:.3g} m long from the inlet to the sill or outlet; stream, jump and tail "
             f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {theory.channel_length(number, y1):.3g} m)"
         )
-    discharge = inflow.velocity * y1
-    critical = (discharge**2 / g) ** (1 / 3)
-    height = theory.specific_energy(y2, discharge / y2, g) - 1.5 * critical
+    height = theory.sill_holding_height(inflow.velocity, y1, g)
     if steps and sill < LOWEST_SILL * height:
         found.append(
             f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "

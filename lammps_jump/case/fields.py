@@ -8,22 +8,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
+from lammps_jump import units
 from lammps_jump.physics.inlet import LEAST_GAP
 from lammps_jump.quoting import LONGEST_NAME, one_line
 from lammps_jump.scene.walls import KINDS, Coordinate, Extent, ordered
-from lammps_jump.units import (
-    Degree,
-    Density,
-    Metre,
-    MetrePerSecond,
-    MetrePerSecond2,
-    MetrePerSecondMetre,
-    PerSecond,
-    Plain,
-    Second,
-    Share,
-    Stiffness,
-)
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=LONGEST_NAME)]
 
@@ -35,8 +23,8 @@ TIME = {"ge": 1e-9, "le": 1e9}
 STIFFNESS = {"ge": 1e-6, "le": 1e24}
 LEAST_GRAVITY, MOST_GRAVITY = 1e-6, 1e6
 
-Component = Annotated[MetrePerSecond, Field(ge=-1e6, le=1e6)]
-Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
+Component = Annotated[units.MetrePerSecond, Field(ge=-1e6, le=1e6)]
+Moment = Annotated[units.Second, Field(ge=-1e9, le=1e9)]
 Point = tuple[Coordinate, Coordinate]
 Vector = tuple[Component, Component]
 
@@ -60,7 +48,7 @@ class Strict(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
 
-Spread = Annotated[Plain, Field(ge=0, le=0.5, description="half the range of diameters, in nominal diameters")]
+Spread = Annotated[units.Plain, Field(ge=0, le=0.5, description="half the range of diameters, in nominal diameters")]
 
 
 class UniformSizes(Strict):
@@ -75,15 +63,15 @@ class BidisperseSizes(Strict):
 
     kind: Literal["bidisperse"]
     spread: Spread
-    share: Plain = Field(default=0.5, gt=0, lt=1, description="share of the large discs, by number")
+    share: units.Plain = Field(default=0.5, gt=0, lt=1, description="share of the large discs, by number")
 
 
 class ListSizes(Strict):
     """Diameters one by one, with their shares by number."""
 
     kind: Literal["list"]
-    diameters: tuple[Annotated[Metre, Field(**LENGTH)], ...] = Field(min_length=1, max_length=100)
-    shares: tuple[Annotated[Plain, Field(gt=0, le=1)], ...]
+    diameters: tuple[Annotated[units.Metre, Field(**LENGTH)], ...] = Field(min_length=1, max_length=100)
+    shares: tuple[Annotated[units.Plain, Field(gt=0, le=1)], ...]
 
     @model_validator(mode="after")
     def _shares(self) -> ListSizes:
@@ -104,8 +92,8 @@ WIDEST_SIZES = 4.0
 class Discs(Strict):
     """Discs; mass per metre of width = density * diameter^2."""
 
-    diameter: Metre = Field(**LENGTH, description="nominal diameter; of all discs without sizes")
-    density: Density = Field(default=1000.0, ge=1e-3, le=1e6)
+    diameter: units.Metre = Field(**LENGTH, description="nominal diameter; of all discs without sizes")
+    density: units.Density = Field(default=1000.0, ge=1e-3, le=1e6)
     sizes: SizesField | None = Field(default=None, description="distribution of diameters; null: all equal")
 
     @model_validator(mode="after")
@@ -122,20 +110,22 @@ class Discs(Strict):
 class Contact(Strict):
     """Contact of two discs: coefficients of the thesis and further options."""
 
-    restitution: Plain = Field(ge=1e-6, le=1)
-    friction: Plain = Field(default=0.0, ge=0, le=1000)
+    restitution: units.Plain = Field(ge=1e-6, le=1)
+    friction: units.Plain = Field(default=0.0, ge=0, le=1000)
     friction_law: Literal["hooke", "sign"] = "hooke"
-    penetration_fraction: Plain | None = Field(default=None, ge=1, le=1e6, description="n = d / largest overlap (3.20)")
-    impact_speed: MetrePerSecond | None = Field(default=None, **SPEED, description="v0 of (3.20)")
-    stiffness: Stiffness | None = Field(default=None, **STIFFNESS)
-    stiffness_wall: Stiffness | None = Field(default=None, **STIFFNESS)
+    penetration_fraction: units.Plain | None = Field(
+        default=None, ge=1, le=1e6, description="n = d / largest overlap (3.20)"
+    )
+    impact_speed: units.MetrePerSecond | None = Field(default=None, **SPEED, description="v0 of (3.20)")
+    stiffness: units.Stiffness | None = Field(default=None, **STIFFNESS)
+    stiffness_wall: units.Stiffness | None = Field(default=None, **STIFFNESS)
     rotation: bool = False
     correct_restitution: bool = Field(default=True, description="remove the restitution bias of velocity Verlet")
-    tangential_damping: PerSecond | None = Field(
+    tangential_damping: units.PerSecond | None = Field(
         default=None, ge=1e-9, le=1e24, description="gamma_t, 1/s; default by rule"
     )
     touch: Literal["sharp", "smooth"] = "sharp"
-    touch_width: Metre | None = Field(
+    touch_width: units.Metre | None = Field(
         default=None, **FINE_LENGTH, description="smooth touch: width of the soft start, m"
     )
 
@@ -170,9 +160,9 @@ class Column(Strict):
     y: Extent
     packing: Literal["square", "hexagonal"] = "square"
     hydrostatic: bool = Field(default=True, description="overlaps of thesis figure 6.2 that carry the weight")
-    jitter: Plain = Field(default=0.0, ge=0, le=0.2, description="random shift, in diameters")
+    jitter: units.Plain = Field(default=0.0, ge=0, le=0.2, description="random shift, in diameters")
     gate: bool = Field(default=True, description="held at its right side until t = 0")
-    settle: Second = Field(default=0.0, ge=0, le=1e9, description="time behind the gate before t = 0")
+    settle: units.Second = Field(default=0.0, ge=0, le=1e9, description="time behind the gate before t = 0")
     velocity: Vector = (0.0, 0.0)
 
     @model_validator(mode="after")
@@ -188,9 +178,9 @@ class Lattice(Strict):
     kind: Literal["lattice"]
     nx: Whole = Field(gt=0)
     ny: Whole = Field(gt=0)
-    spacing: Metre = Field(**LENGTH)
+    spacing: units.Metre = Field(**LENGTH)
     origin: Point
-    jitter: Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
+    jitter: units.Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
     velocity: Vector = (0.0, 0.0)
     velocities: dict[int, Vector] = Field(
         default_factory=dict, description="disc number (from 1, along x first): [vx, vy]"
@@ -203,7 +193,7 @@ class DiscList(Strict):
     kind: Literal["list"]
     positions: tuple[Point, ...] = Field(min_length=1)
     velocities: tuple[Vector, ...] = ()
-    jitter: Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
+    jitter: units.Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
 
 
 InitialField = Annotated[Column | Lattice | DiscList, Field(discriminator="kind")]
@@ -215,16 +205,16 @@ class RowsInflow(Strict):
     kind: Literal["rows"]
     x: Coordinate = 0.0
     y: Coordinate = 0.0
-    depth: Metre = Field(**LENGTH)
-    mean_speed: MetrePerSecond | None = Field(default=None, **SPEED)
-    discharge: MetrePerSecondMetre | None = Field(
+    depth: units.Metre = Field(**LENGTH)
+    mean_speed: units.MetrePerSecond | None = Field(default=None, **SPEED)
+    discharge: units.MetrePerSecondMetre | None = Field(
         default=None, ge=1e-12, le=1e12, description="in place of mean_speed: mean_speed * depth, m^2/s"
     )
     profile: Literal["power_law", "uniform"] = "power_law"
     schedule: Literal["exact", "thesis"] = Field(
         default="exact", description="exact: rows carry the discharge asked for; thesis: touching rows fill the depth"
     )
-    spacing: Plain = Field(
+    spacing: units.Plain = Field(
         default=LEAST_GAP, ge=1, le=5, description="least distance between discs of a row, in largest diameters"
     )
     back: Literal["wall", "open"] = Field(default="wall", description="wall: discs cannot flow back through the inlet")
@@ -264,8 +254,8 @@ class PourInflow(Strict):
     x: Extent
     y: Extent
     count: Whole = Field(gt=0, le=20_000_000)
-    volume_fraction: Plain = Field(default=0.4, gt=0, le=0.7)
-    speed_down: MetrePerSecond = Field(default=0.0, ge=0, le=1e6)
+    volume_fraction: units.Plain = Field(default=0.4, gt=0, le=0.7)
+    speed_down: units.MetrePerSecond = Field(default=0.0, ge=0, le=1e6)
 
 
 InflowField = Annotated[RowsInflow | PourInflow, Field(discriminator="kind")]
@@ -297,9 +287,11 @@ STILL_INTERVAL = 0.1
 class Run(Strict):
     """Duration, time step and output."""
 
-    duration: Second = Field(**TIME)
-    time_step_fraction: Plain = Field(default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)")
-    output_interval: Second | None = Field(
+    duration: units.Second = Field(**TIME)
+    time_step_fraction: units.Plain = Field(
+        default=0.05, ge=1e-6, le=2, description="f of the critical step 2/omega (3.24)"
+    )
+    output_interval: units.Second | None = Field(
         default=None, **TIME, description="default 0.4 sqrt(d/g), at most 400 frames"
     )
     seed: Whole = Field(
@@ -308,14 +300,14 @@ class Run(Strict):
         le=2_000_000_000,
         description="of sizes, shifts and row speeds; 0 leaves row speeds as they are",
     )
-    accuracy: Share | None = Field(
+    accuracy: units.Share | None = Field(
         default=None, description="picks the cheapest setting that the stored calibration shows to meet it: 0.01 or 1%"
     )
     members: Whole | None = Field(default=None, ge=1, le=1000, description="starts, of seeds 1 to this number")
     stop_when_steady: bool = False
     allow_unstable: bool = False
     integrator: Literal["auto", "velocity_verlet", "leapfrog_extrapolated"] = "auto"
-    checkpoint_interval: Second = Field(default=60.0, **TIME, description="wall time between checkpoints")
+    checkpoint_interval: units.Second = Field(default=60.0, **TIME, description="wall time between checkpoints")
     dump_format: Literal["text", "gz", "binary"] = "text"
 
 
@@ -331,14 +323,16 @@ class Probes(Strict):
     """What is recorded at every step: forces on walls, and the energy between two stations."""
 
     forces: tuple[Name, ...] = ()
-    interval: Second = Field(default=0.01, **TIME, description="forces are averaged over this time, every step counted")
+    interval: units.Second = Field(
+        default=0.01, **TIME, description="forces are averaged over this time, every step counted"
+    )
     stations: StationPair | None = Field(default=None, description="energy budget between them; native engine only")
 
 
 class Analysis(Strict):
     """Analyses of the dump."""
 
-    bin_width: Metre | None = Field(default=None, **LENGTH)
+    bin_width: units.Metre | None = Field(default=None, **LENGTH)
     window: Annotated[tuple[Moment, Moment], AfterValidator(ordered)] | None = None
     jump: bool = False
     energy: bool = False
@@ -354,7 +348,7 @@ class Engine(Strict):
     name: Literal["lammps", "native"] = "lammps"
     kernel: Literal["auto", "stock", "compiled"] = "auto"
     ranks: Annotated[int | Literal["auto"], BeforeValidator(_no_truth)] = 1
-    skin: Metre | None = Field(default=None, **FINE_LENGTH, description="neighbour skin; default 0.3 d")
+    skin: units.Metre | None = Field(default=None, **FINE_LENGTH, description="neighbour skin; default 0.3 d")
 
     @field_validator("ranks")
     @classmethod
@@ -371,8 +365,8 @@ class CaseFields(Strict):
 
     name: Name
     description: Annotated[str, BeforeValidator(_folded)] = Field(default="", description="one line, for readers")
-    gravity: MetrePerSecond2 = Field(default=9.81, ge=0, le=MOST_GRAVITY)
-    slope: Degree = Field(default=0.0, gt=-90, lt=90, description="tilts gravity along +x")
+    gravity: units.MetrePerSecond2 = Field(default=9.81, ge=0, le=MOST_GRAVITY)
+    slope: units.Degree = Field(default=0.0, gt=-90, lt=90, description="tilts gravity along +x")
     discs: Discs
     contact: Contact
     domain: Domain | None = None

@@ -10,15 +10,12 @@ import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
-from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour, Scene, Stations
+from lammps_jump.scene import Block, Gate, InletRow, Interval, Outlet, Plane, Pour, Scene, Sizes, Stations, Wall
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
-from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Block, Interval, Plane, Wall
 
 from . import checks
 from .derived import doubts, reachable, skipped
 from .fields import BidisperseSizes, CaseFields, Column, PourInflow, RowsInflow, UniformSizes
-from .load import PlacedFields
 from .packing import arrange
 from .text import CaseSource, nearest
 
@@ -91,7 +88,7 @@ def disc_sizes(case: CaseFields) -> Sizes | None:
     return None if sizes.smallest == sizes.largest == d else sizes
 
 
-def build_scene(loaded: PlacedFields) -> Scene:
+def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     """The engine-neutral form of a validated case.
 
     Raises
@@ -100,7 +97,6 @@ def build_scene(loaded: PlacedFields) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
-    case, source = loaded.fields, loaded.source
     scene, walls = _with_walls(_discs_and_steps(case, source), case, source)
     return replace(
         scene,
@@ -119,7 +115,7 @@ def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
     penetration, impact_speed, _ = _stiffness(case)
     warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
     warnings += checks.check_sizes(case, source, sizes)
-    d, dt = case.discs.diameter, coefficients.time_step
+    d, dt, law = case.discs.diameter, coefficients.time_step, case.contact
     steps, settle = _steps(case, source, dt, sizes)
     positions, velocities = _discs(case, source, coefficients, sizes)
     return Scene(
@@ -129,8 +125,8 @@ def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
         density=case.discs.density,
         gravity=_gravity(case),
         coefficients=coefficients,
-        friction_law=case.contact.friction_law,
-        rotation=case.contact.rotation and case.contact.friction > 0,
+        friction_law=law.friction_law,
+        rotation=law.rotation and law.friction > 0,
         integrator=integrator,
         domain=((math.nan, math.nan), (math.nan, math.nan)),
         positions=_frozen(positions),
@@ -143,8 +139,8 @@ def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * d,
         overlap_limit=2 * d / penetration,
-        touch=case.contact.touch,
-        touch_width=_touch_width(case, impact_speed, dt),
+        touch=law.touch,
+        touch_width=0.0 if law.touch == "sharp" else law.touch_width or TOUCH_STEPS * impact_speed * dt,
         sizes=sizes,
         warnings=tuple(warnings),
     )
@@ -153,7 +149,9 @@ def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
 def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Scene, tuple[Wall, ...]]:
     """The scene with inlets, outlets, domain, and the walls in its reach; and all walls that the case has."""
     inlets, raster = _inlets(case, source, scene)
-    scene = replace(scene, inlets=inlets, size_steps=raster if inlets else POUR_RASTER, pours=_pours(case))
+    pour = case.inflow if isinstance(case.inflow, PourInflow) else None
+    pours = (Pour(**pour.model_dump(exclude={"kind"})),) if pour else ()
+    scene = replace(scene, inlets=inlets, size_steps=raster if inlets else POUR_RASTER, pours=pours)
     speed = _largest_speed(case, scene)
     scene = replace(scene, domain=_domain(case, source, scene, speed))
     scene = replace(scene, outlets=_outlets(case, source, scene, speed), gates=_gates(case, scene))
@@ -172,12 +170,6 @@ def _gravity(case: CaseFields) -> tuple[float, float]:
         return 0.0, -case.gravity if case.gravity else 0.0
     angle = math.radians(case.slope)
     return case.gravity * math.sin(angle), -case.gravity * math.cos(angle)
-
-
-def _touch_width(case: CaseFields, impact_speed: float, dt: float) -> float:
-    if case.contact.touch == "sharp":
-        return 0.0
-    return case.contact.touch_width or TOUCH_STEPS * impact_speed * dt
 
 
 def _largest_speed(case: CaseFields, scene: Scene) -> float:
@@ -308,13 +300,6 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
         InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, 0.999 * largest)
         for height, speed, steps in rows
     ), plan.raster
-
-
-def _pours(case: CaseFields) -> tuple[Pour, ...]:
-    inflow = case.inflow
-    if not isinstance(inflow, PourInflow):
-        return ()
-    return (Pour(inflow.x, inflow.y, inflow.count, inflow.volume_fraction, inflow.speed_down),)
 
 
 def _domain(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -> tuple[Interval, Interval]:

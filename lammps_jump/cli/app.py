@@ -16,7 +16,7 @@ import lammps_jump
 from lammps_jump.errors import JumpError, SetupError
 
 from . import analyse, run, studies, tools
-from .early import start_engine_early
+from .early import start_early
 from .streams import patient_output
 
 app = typer.Typer(
@@ -53,7 +53,7 @@ def main() -> None:
     """Run the command line; a `JumpError` becomes one paragraph and an exit status, never a traceback."""
     # imports leave a million objects that stay; collecting among them took a tenth of the time of an analysis
     gc.set_threshold(50_000, 20, 50)
-    start_engine_early(sys.argv[1:])
+    start_early(sys.argv[1:])
     with patient_output() as output:
         drop_unknown_backend()
         status = _status()

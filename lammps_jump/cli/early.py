@@ -1,26 +1,31 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The engine's process is started before the case is read: it loads its libraries meanwhile."""
+"""Processes that a command will need are started before its case is read: they load their libraries meanwhile."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-from lammps_jump import engines
+from lammps_jump import engines, sweeps
 from lammps_jump.files import read_file
 
-COMMANDS = ("build-and-run", "run")
+COMMANDS = ("build-and-run", "run", "sweep")
+MEMBERS = ("--members", "--until")
+OTHERS = {"--help", "--slurm", "--status", "--table", "--member", "--jobs"}
 
 
-def start_engine_early(words: list[str]) -> None:
-    """Start the process of the engine that a command line will need; a wrong guess costs a process that is not used.
+def start_early(words: list[str]) -> None:
+    """Start the engine of a run, or the workers of a study; a wrong guess costs a process that is not used.
 
     Parameters
     ----------
     words : list of str
         Of the command line, the program's name left out.
     """
-    if len(words) < 2 or words[0] not in COMMANDS or {"--help", "--members", "--until"} & set(words):
+    if len(words) < 2 or words[0] not in COMMANDS or OTHERS & set(words):
+        return
+    if words[0] == "sweep" or any(word.startswith(MEMBERS) for word in words):
+        sweeps.pool.prepare_workers(engines.usable_cores())
         return
     path = Path(words[1]) / "case.yaml" if words[0] == "run" else Path(words[1])
     try:

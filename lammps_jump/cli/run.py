@@ -17,25 +17,7 @@ import lammps_jump.script as script
 import lammps_jump.sweeps as sweeps
 from lammps_jump.errors import CaseError, RunError
 
-from .options import (
-    Accuracy,
-    CaseFile,
-    EngineName,
-    Force,
-    Jobs,
-    Kernel,
-    Members,
-    Out,
-    Quiet,
-    Ranks,
-    Resume,
-    Sets,
-    Slurm,
-    SlurmSite,
-    Until,
-    assignments,
-    told,
-)
+from . import options
 from .progress import ProgressLine
 from .studies import run_sweep, site_of, study_fields, submit
 
@@ -44,28 +26,28 @@ app = typer.Typer(rich_markup_mode=None)
 
 @app.command("build-and-run")
 def build_and_run(
-    case: CaseFile,
-    site: SlurmSite = None,
-    slurm: Slurm = False,
-    out: Out = None,
-    engine: EngineName = None,
-    kernel: Kernel = None,
-    ranks: Ranks = None,
-    accuracy: Accuracy = None,
-    set_: Sets = None,
-    force: Force = False,
-    resume: Resume = False,
+    case: options.CaseFile,
+    site: options.SlurmSite = None,
+    slurm: options.Slurm = False,
+    out: options.Out = None,
+    engine: options.EngineName = None,
+    kernel: options.Kernel = None,
+    ranks: options.Ranks = None,
+    accuracy: options.Accuracy = None,
+    set_: options.Sets = None,
+    force: options.Force = False,
+    resume: options.Resume = False,
     live: Annotated[
         bool, typer.Option("--live", help="Draw the run while it goes on, in a window and in live.png.")
     ] = False,
-    members: Members = None,
-    until: Until = None,
-    jobs: Jobs = None,
-    quiet: Quiet = False,
+    members: options.Members = None,
+    until: options.Until = None,
+    jobs: options.Jobs = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Check a case, write its script, run it, analyse it and write the report; several starts of it with --members."""
     at = site_of(site, slurm)
-    loaded = lj.load_case(case, assignments(set_, engine=engine, kernel=kernel, ranks=ranks, accuracy=accuracy))
+    loaded = lj.load_case(case, options.assignments(set_, engine=engine, kernel=kernel, ranks=ranks, accuracy=accuracy))
     if members is not None or until or loaded.fields.run.members:
         for option, given in (("--live", live), ("--force", force), ("--resume", resume)):
             if given:
@@ -82,19 +64,19 @@ def build_and_run(
 
 @app.command()
 def build(
-    case: CaseFile,
-    out: Out = None,
-    kernel: Kernel = None,
-    ranks: Ranks = None,
-    set_: Sets = None,
+    case: options.CaseFile,
+    out: options.Out = None,
+    kernel: options.Kernel = None,
+    ranks: options.Ranks = None,
+    set_: options.Sets = None,
     slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a Slurm cluster.")] = False,
     site: Annotated[
         Path | None, typer.Option("--site", help="Partition, account and modules for --slurm (YAML; docs/scaling.md).")
     ] = None,
-    force: Force = False,
+    force: options.Force = False,
 ) -> None:
     """Write the run folder (case and LAMMPS script) without running it."""
-    loaded = lj.load_case(case, assignments(set_, kernel=kernel, ranks=ranks))
+    loaded = lj.load_case(case, options.assignments(set_, kernel=kernel, ranks=ranks))
     folder = out or runs.folder.default_folder(loaded)
     job = script.job.read_site(site) if site else script.job.Site() if slurm else None
     runs.start.build(loaded, folder, job=job, force=force)
@@ -108,9 +90,9 @@ def build(
 @app.command()
 def run(
     folder: Annotated[Path, typer.Argument(help="Folder made by `lammps-jump build`.", show_default=False)],
-    force: Force = False,
-    resume: Resume = False,
-    quiet: Quiet = False,
+    force: options.Force = False,
+    resume: options.Resume = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run a built folder and analyse it."""
     _run(lj.open_run(folder).case, folder, quiet=quiet, force=force, resume=resume)
@@ -125,7 +107,7 @@ def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force:
         )
     line = ProgressLine(case.fields.run.duration, quiet=quiet, first_step=None if resume else 0)
     view = cli.live.LiveView(case.scene(), folder, line) if live else line
-    with told(quiet):
+    with options.told(quiet):
         try:
             done = lj.run(case, folder, force=force, resume=resume, progress=view)
         except RunError:  # others leave the folder as it was

@@ -14,23 +14,7 @@ import lammps_jump.studies as studies
 import lammps_jump.sweeps as sweeps
 from lammps_jump.errors import CaseError
 
-from .options import (
-    CaseFile,
-    Fresh,
-    Jobs,
-    Members,
-    Quiet,
-    QuietStudy,
-    Ranks,
-    Sets,
-    Slurm,
-    SlurmSite,
-    Until,
-    assignments,
-    place,
-    sayer,
-    told,
-)
+from . import options
 from .progress import StudyLine
 
 app = typer.Typer(rich_markup_mode=None)
@@ -39,38 +23,38 @@ app = typer.Typer(rich_markup_mode=None)
 @app.command()
 def sweep(
     study: Annotated[Path, typer.Argument(help="Study file, case file, or the folder of a study.", show_default=False)],
-    site: SlurmSite = None,
-    slurm: Slurm = False,
+    site: options.SlurmSite = None,
+    slurm: options.Slurm = False,
     axis: Annotated[
         list[str] | None,
         typer.Option("--axis", metavar="PATH=VALUES", help="Values of a field, 0,0.05,0.1. May be repeated."),
     ] = None,
-    members: Members = None,
+    members: options.Members = None,
     collect: Annotated[
         str | None, typer.Option(help="Numbers of summary.json with commas between, such as jump.y2,jump.speed.")
     ] = None,
-    until: Until = None,
+    until: options.Until = None,
     most_members: Annotated[int | None, typer.Option(help="Members that --until may come to (default 32).")] = None,
     out: Annotated[
-        Path | None, place("Folder (default: runs/<stem of the study>, of a case runs/<stem>_sweep).")
+        Path | None, options.place("Folder (default: runs/<stem of the study>, of a case runs/<stem>_sweep).")
     ] = None,
-    jobs: Jobs = None,
-    set_: Sets = None,
-    ranks: Ranks = None,
+    jobs: options.Jobs = None,
+    set_: options.Sets = None,
+    ranks: options.Ranks = None,
     retry: Annotated[bool, typer.Option("--retry", help="Run again what failed.")] = False,
     status: Annotated[bool, typer.Option("--status", help="Tell how far it is; run nothing.")] = False,
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is there; run nothing.")] = False,
     member: Annotated[
         str | None, typer.Option(help="Run this member alone, or a range, 4-7, of a folder; for job files.")
     ] = None,
-    quiet: Quiet = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run a case at many points, several starts each; table, figures and page. Continues where it stopped."""
     if member is not None:
-        with told(quiet):
+        with options.told(quiet):
             return sweeps.slurm.run_task(out or study, member, retry=retry)
     at = site_of(site, slurm)
-    set_ = assignments(set_, ranks=ranks)
+    set_ = options.assignments(set_, ranks=ranks)
     given = study_fields(members=members, until=until, axis=axis, collect=collect, set_=set_)
     given |= {"most_members": most_members} if most_members else {}
     if not (status or table or at):
@@ -120,7 +104,7 @@ def run_sweep(
 ) -> None:
     """Run a study with a line of progress, and print its table; exit status 1 where a member failed."""
     line = StudyLine(quiet=quiet)
-    with told(quiet):
+    with options.told(quiet):
         try:
             found = lj.sweep(study, out, jobs=jobs, retry=retry, progress=line, **given)
         finally:
@@ -138,17 +122,17 @@ def run_sweep(
 
 @app.command("cross-validate")
 def cross_validate(
-    case: CaseFile,
-    out: Annotated[Path | None, place("Folder (default: runs/<name>_cross_validation).")] = None,
+    case: options.CaseFile,
+    out: Annotated[Path | None, options.place("Folder (default: runs/<name>_cross_validation).")] = None,
     members: Annotated[int | None, typer.Option(help="Runs in each ensemble (default 6, quick 3).")] = None,
     kernel: Annotated[str, typer.Option(help="LAMMPS kernel of the ensembles: auto, stock or compiled.")] = "auto",
     quick: Annotated[bool, typer.Option("--quick", help="Fewer members, no comparison of laws.")] = False,
-    set_: Sets = None,
-    quiet: Quiet = False,
+    set_: options.Sets = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Compare LAMMPS with the native engine; exit status 1 if they differ where they must agree."""
     study = studies.cross_validation
-    read, say = lj.load_case(case, set_), sayer(quiet)
+    read, say = lj.load_case(case, set_), options.sayer(quiet)
     report = study.cross_validate(read, out=out, members=members, kernel=kernel, quick=quick, say=say)
     if not quiet or not report["passed"]:
         print(study.verdict_text(report))
@@ -163,7 +147,7 @@ def bench(
         Path,
         typer.Argument(help="Case file, or `collision` for two discs against their closed forms.", show_default=False),
     ],
-    out: Annotated[Path | None, place("Folder (default: runs/bench/<name>).")] = None,
+    out: Annotated[Path | None, options.place("Folder (default: runs/bench/<name>).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Three steps, two starts.")] = False,
     axes: Annotated[
         str | None,
@@ -186,35 +170,38 @@ def bench(
     diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
     fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
     kernels: Annotated[str | None, typer.Option(help="Of stock,compiled,native; default all that run here.")] = None,
-    set_: Sets = None,
-    fresh: Fresh = False,
-    quiet: QuietStudy = False,
+    set_: options.Sets = None,
+    fresh: options.Fresh = False,
+    quiet: options.QuietStudy = False,
 ) -> None:
     """Measure run time against error for steps, kernels, contacts and stiffnesses. Continues where it stopped."""
     parts = {"cells": cells, "skips": skips, "speed": speed, "overhead": overhead}
     part = next((name for name, wanted in parts.items() if wanted), "bench")
-    varied = studies.bench.read_axes(axes, fractions, kernels, diameters, members)
+    words = {"axes": axes, "fractions": fractions, "kernels": kernels, "diameters": diameters}
+    varied = studies.bench.read_axes(quick, members, **words)
     if table and part == "bench":
         return studies.table.show(studies.bench.stored_table(case, out))
-    read, say = None if case == Path("collision") else lj.load_case(case, set_), sayer(quiet)
+    read, say = None if case == Path("collision") else lj.load_case(case, set_), options.sayer(quiet)
     text = studies.bench.run_bench(read, out=out, part=part, axes=varied, quick=quick, fresh=fresh, say=say)
     studies.table.show(text)
 
 
 @app.command()
 def stress(
-    out: Annotated[Path | None, place("Folder (default: runs/stress).")] = None,
+    out: Annotated[Path | None, options.place("Folder (default: runs/stress).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Small packings, few scenes.")] = False,
     long: Annotated[
         bool, typer.Option("--long", help="Also long runs: a bed for 10^7 steps, a drowned inlet for minutes.")
     ] = False,
     random: Annotated[int | None, typer.Option(min=0, help="Number of random scenes (default 200, quick 10).")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first random scene.")] = 0,
-    fresh: Fresh = False,
-    quiet: QuietStudy = False,
+    fresh: options.Fresh = False,
+    quiet: options.QuietStudy = False,
 ) -> None:
     """Test stability: limits of the step, hard and random scenes. Exit status 1 if a scene fails the test."""
-    found = studies.stress.stress(out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=sayer(quiet))
+    found = studies.stress.stress(
+        out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=options.sayer(quiet)
+    )
     if found:
         print("\n".join(["ended badly:", *found]))
         raise typer.Exit(1)
@@ -223,22 +210,22 @@ def stress(
 
 @app.command()
 def sensitivity(
-    out: Annotated[Path | None, place("Folder (default: runs/sensitivity).")] = None,
+    out: Annotated[Path | None, options.place("Folder (default: runs/sensitivity).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Short, coarse flows: seconds.")] = False,
     only: Annotated[str | None, typer.Option(help="Of diameter,restitution,friction,stiffness,froude,sill.")] = None,
-    fresh: Fresh = False,
-    quiet: QuietStudy = False,
+    fresh: options.Fresh = False,
+    quiet: options.QuietStudy = False,
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
-    studies.table.show(studies.run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=sayer(quiet)))
+    studies.table.show(studies.run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=options.sayer(quiet)))
 
 
 @app.command()
 def calibrate(
-    out: Annotated[Path | None, place("Folder (default: runs/calibrate).")] = None,
+    out: Annotated[Path | None, options.place("Folder (default: runs/calibrate).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Four candidates on coarse flows: seconds.")] = False,
-    fresh: Fresh = False,
-    quiet: QuietStudy = False,
+    fresh: options.Fresh = False,
+    quiet: options.QuietStudy = False,
 ) -> None:
     """Contact coefficients that make discs behave most like water; the distances are printed."""
-    studies.table.show(studies.run_calibration(out, quick=quick, fresh=fresh, say=sayer(quiet)))
+    studies.table.show(studies.run_calibration(out, quick=quick, fresh=fresh, say=options.sayer(quiet)))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+from .check import FrameCheck as FrameCheck
+from .check import force_troubles as force_troubles
 from .exports import export as export
+from .exports import read_netcdf as read_netcdf
 from .find import ForceHistory as ForceHistory
 from .find import find_dump as find_dump
 from .find import read_dump as read_dump

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Numbers for other programs: CSV tables, VTK grids and discs for ParaView, the thesis' picture files."""
+"""Numbers for other programs: NetCDF, CSV tables, VTK for ParaView, the thesis' picture files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pandas as pd  # xarray needs it and brings it
 import xarray as xr
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import writes
+from lammps_jump.files import write_bytes, writes
 from lammps_jump.folders import require_replaceable, standing
 from lammps_jump.quoting import csv_cell
 
@@ -90,21 +90,44 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
         require_replaceable(out / name)
     with writes(out):
         out.mkdir(parents=True, exist_ok=True)
-    written = write_profiles_csv(_dataset(place / "profiles.nc"), out) if "csv" in kinds else []
+    written = write_profiles_csv(read_netcdf(place / "profiles.nc"), out) if "csv" in kinds else []
     if "pictures" in kinds:
         written += write_pictures(read_dump(place), out)
     if "vtk" in kinds:
-        written += _discs_for_paraview(read_dump(place), _dataset(place / "profiles.nc"), out)
+        written += _discs_for_paraview(read_dump(place), read_netcdf(place / "profiles.nc"), out)
         if (place / "fields.nc").is_file():
-            written.append(write_vti(_dataset(place / "fields.nc"), out / "fields.vti"))
+            written.append(write_vti(read_netcdf(place / "fields.nc"), out / "fields.vti"))
     return written
 
 
-def _dataset(path: Path) -> xr.Dataset:
+def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
+    """Write a NetCDF file (classic, 64-bit offsets), whole or not at all; whole numbers beyond 2^31 as float64.
+
+    NetCDF-4 would be about as large and takes twenty times as long, to write and to read (docs/benchmark.md).
+
+    Raises
+    ------
+    DumpError
+        The place cannot be written.
+    """
+    most = np.iinfo(np.int32).max
+    wide = [name for name, array in dataset.variables.items() if array.dtype.kind in "iu" and (abs(array) > most).any()]
+    with writes(path):
+        return write_bytes(path, dataset.assign(dataset[wide].astype(float)).to_netcdf(engine="scipy"))
+
+
+def read_netcdf(path: Path) -> xr.Dataset:
+    """A file of `write_netcdf`, in memory.
+
+    Raises
+    ------
+    DumpError
+        No such file, or another kind.
+    """
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+        with xr.open_dataset(path, engine="scipy") as dataset:
             return dataset.load()
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, TypeError, LookupError) as error:  # what scipy raises for a damaged file
         raise DumpError(
             f"{path}: cannot be read ({error}); `lammps-jump analyze {path.parent}` makes it from the dump."
         ) from error

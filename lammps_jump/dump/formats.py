@@ -3,21 +3,26 @@
 
 from __future__ import annotations
 
+import gzip
+import io
 import itertools
 import struct
 import zlib
 from collections.abc import Callable, Iterator
-from typing import BinaryIO
 
 import numpy as np
 
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.schedule import MOST_FRAMES
 
-from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
+from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, UNPACKED, DumpFile, Frame, FrameHeader, read_only
 from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
 
 MOST_BLANK = 10_000
+CHUNK = 1 << 17
+"""Bytes that are read at once: gzip makes room for as many each time."""
+DAMAGE = (EOFError, zlib.error, gzip.BadGzipFile)
+"""What reading a gzip file raises that is damaged or cut short."""
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
 
@@ -29,16 +34,37 @@ class _Truncated(Exception):
     """The file ends inside a frame; the message says where."""
 
 
-class _Buffer:
+class _Source:
+    """The bytes of a dump, up to a damage."""
+
+    def __init__(self, dump: DumpFile, stream):
+        self.dump, self.path = dump, dump.path
+        self.stream = stream if hasattr(stream, "readinto1") else io.BufferedReader(stream)
+        self.taken = 0
+        self.damaged = ""
+
+    def read(self, target: memoryview) -> int:
+        """Read at most as many bytes as `target` takes; 0 at the end of the file, and where it is damaged."""
+        try:
+            got = self.stream.readinto1(target[:CHUNK])
+        except DAMAGE as error:
+            self.damaged = f" (the gzip stream is damaged or cut short: {error})"
+            return 0
+        self.taken += got
+        if self.dump.compressed and self.taken > self.dump.most_bytes:
+            raise OSError(f"it unpacks to more than {UNPACKED} times its size, as no dump of discs does")
+        return got
+
+
+class _Buffer(_Source):
     """A window on a stream that slides forward; a line fits into half of it."""
 
-    def __init__(self, path, stream):
-        self.path, self.stream = path, stream
+    def __init__(self, dump: DumpFile, stream):
+        super().__init__(dump, stream)
         self.bytes = bytearray(BUFFER)
         self.data = np.frombuffer(self.bytes, np.uint8)
         self.begin = self.end = 0
         self.line_number = 0
-        self.damaged = ""
 
     def more(self) -> bool:
         """Read on, keeping what is not yet used; False at the end of the file."""
@@ -47,11 +73,7 @@ class _Buffer:
             raise DumpError(f"{self.path}, {self.place()}: no end of a line within {left} bytes, so this is no dump.")
         self.bytes[:left] = self.bytes[self.begin : self.end]
         self.begin, self.end = 0, left
-        try:
-            got = self.stream.readinto(memoryview(self.bytes)[left:])
-        except (EOFError, zlib.error) as error:
-            self.damaged = f" (the gzip stream is damaged or cut short: {error})"
-            got = 0
+        got = self.read(memoryview(self.bytes)[left:])
         self.end += got
         return got > 0
 
@@ -76,9 +98,8 @@ class _Buffer:
 
 def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
     """Headers, and the frames for whose index `parse` is true; a last frame that is cut off is left out and noted."""
-    source, read = (
-        (_Buffer(dump.path, stream), _text_frame) if dump.format == "text" else (_Bytes(dump, stream), _binary_frame)
-    )
+    kind, read = (_Buffer, _text_frame) if dump.format == "text" else (_Bytes, _binary_frame)
+    source = kind(dump, stream)
     for index in itertools.count():
         start = source.place()
         try:
@@ -247,60 +268,44 @@ def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) ->
     return values
 
 
-class _Bytes:
-    """The bytes of a binary dump, one number or block after the other."""
-
-    damaged = ""
-
-    def __init__(self, dump: DumpFile, stream):
-        self.dump, self.stream = dump, stream
-        self.position = 0
+class _Bytes(_Source):
+    """A binary dump, one number or block after the other."""
 
     def place(self) -> str:
         """Where the next byte stands in the file."""
-        return f"byte {self.position}"
+        return f"byte {self.taken}"
 
-    def take(self, size: int) -> bytes:
+    def take(self, size: int) -> bytearray:
         """The next `size` bytes; _Truncated where the file ends before."""
         if size < 0:
             raise DumpError(f"{self.dump.path}, {self.place()}: a length of {size} bytes: the file is damaged.")
         if size > self.dump.most_bytes:
             raise _Truncated(f": the file is too short for {size} bytes at {self.place()}")
-        parts, left = [], size
-        while left:
-            part = read_some(self.stream, left)
-            if not part:
+        data, done = bytearray(size), 0
+        while done < size:
+            got = self.read(memoryview(data)[done:])
+            if not got:
                 raise _Truncated(f"at {self.place()}")
-            parts.append(part)
-            left -= len(part)
-            self.position += len(part)
-        return b"".join(parts)
+            done += got
+        return data
 
     def number(self, code: str):
         """The next number, of this code of `struct`."""
         return struct.unpack("<" + code, self.take(struct.calcsize("<" + code)))[0]
 
 
-def read_some(stream: BinaryIO, size: int) -> bytes:
-    """At most `size` bytes; none at the end of a file, and where a gzip stream is damaged."""
-    try:
-        return stream.read(size)
-    except (EOFError, zlib.error):
-        return b""
-
-
 def _binary_frame(dump: DumpFile, source: _Bytes, wanted: bool) -> tuple[FrameHeader, Frame | None] | None:
     """The next frame, with signature and revision 2; None at the end of the file."""
-    take, number, start = source.take, source.number, source.position
+    take, number, start = source.take, source.number, source.taken
     try:
         first = number("q")
     except _Truncated:
-        if source.position == start:
+        if source.taken == start:
             return None
         raise
     if not -64 <= first < 0:
         raise DumpError(f"{dump.path}, byte {start}: no frame begins here (found {first}).")
-    signature = take(-first)
+    signature = bytes(take(-first))
     endian, revision = number("i"), number("i")
     if not signature.startswith(b"DUMP") or endian != 1:
         raise DumpError(f"{dump.path}, byte {start}: signature {signature!r}, byte order {endian}: not read.")

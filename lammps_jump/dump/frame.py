@@ -130,11 +130,6 @@ class FrameHeader:
     n: int
 
 
-def unpacked_limit(packed: int) -> int:
-    """Bytes that are unpacked of so many; numbers of discs shrink to a third, those at rest to a tenth."""
-    return 50_000_000 + UNPACKED * packed
-
-
 class DumpFile:
     """What is known of a dump file, and what a walk through it notes.
 
@@ -162,8 +157,9 @@ class DumpFile:
 
     @property
     def most_bytes(self) -> int:
-        """More bytes than a dump of this size can hold once unpacked."""
-        return unpacked_limit(self.path.stat().st_size) if self.compressed else self.path.stat().st_size
+        """More bytes than a dump of this size holds; packed numbers have a third, of discs at rest a tenth."""
+        size = self.path.stat().st_size
+        return 50_000_000 + UNPACKED * size if self.compressed else size
 
     def warn(self, message: str) -> None:
         """Note something odd once per pass."""

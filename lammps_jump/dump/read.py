@@ -7,12 +7,11 @@ reads it (files with the ``DUMP…`` signature, revision 2, which carry the name
 
 from __future__ import annotations
 
-import io
-import os
+import gzip
 import re
 import struct
-import zlib
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, overload
@@ -20,8 +19,8 @@ from typing import BinaryIO, overload
 from lammps_jump.errors import DumpError
 from lammps_jump.files import read_start
 
-from .formats import NoFrame, read_some, walk
-from .frame import UNPACKED, DumpFile, Frame, FrameHeader, unpacked_limit
+from .formats import DAMAGE, NoFrame, walk
+from .frame import DumpFile, Frame, FrameHeader
 
 
 class Dump(DumpFile):
@@ -165,15 +164,18 @@ def open_dump(path: str | Path) -> Dump:
     if path.is_dir():
         raise DumpError(f"{path} is a folder; name a dump file in it.")
     files = files_of(path)
-    return _first_look(_identified(path) if files in ([], [path]) else DumpSeries(path, files))
+    dump = _identified(path) if files in ([], [path]) else DumpSeries(path, files)
+    next(dump.select([0]), None)  # it fills in columns and units, and a wrong file fails at once
+    return dump
 
 
 def _identified(path: Path) -> Dump:
     """A dump whose format is known."""
+    head = b""
     try:
         compressed = read_start(path, 2) == b"\x1f\x8b"
-        with _open(path, compressed) as stream:
-            head = read_some(stream, 64)
+        with _open(path, compressed) as stream, suppress(*DAMAGE):
+            head = stream.read1(64)
     except OSError as error:
         raise DumpError(f"{path}: cannot be read ({error.strerror or error}).") from error
     if not head.strip():
@@ -194,48 +196,5 @@ def _identified(path: Path) -> Dump:
     )
 
 
-def _first_look(dump: Dump) -> Dump:
-    """Fill in columns and units from the first frame's header, so that a wrong file fails at once."""
-    for _ in dump.select([0]):
-        break
-    return dump
-
-
 def _open(path: Path, compressed: bool) -> BinaryIO:
-    file = open(path, "rb", buffering=0)
-    return _Unzipped(file) if compressed else file
-
-
-class _Unzipped(io.RawIOBase):
-    """A gzip file as a stream that hands over every byte before a damage, which ``gzip`` does not."""
-
-    def __init__(self, file: BinaryIO):
-        self.file = file
-        self.unzip = zlib.decompressobj(wbits=31)
-        self.waiting = b""
-        self.left = unpacked_limit(os.fstat(file.fileno()).st_size)
-
-    def readable(self) -> bool:
-        return True
-
-    def readinto(self, target) -> int:
-        while True:
-            self.waiting = self.waiting or self.file.read(1 << 18)
-            if self.unzip.eof:  # another member may follow
-                if not self.waiting.strip(b"\0"):
-                    return 0
-                self.unzip = zlib.decompressobj(wbits=31)
-            if not self.waiting:
-                raise EOFError("it ends in the middle of the stream")
-            part = self.unzip.decompress(self.waiting, len(target))
-            self.waiting = self.unzip.unused_data if self.unzip.eof else self.unzip.unconsumed_tail
-            if part:
-                self.left -= len(part)
-                if self.left < 0:
-                    raise OSError(f"it unpacks to more than {UNPACKED} times its size, as no dump of discs does")
-                target[: len(part)] = part
-                return len(part)
-
-    def close(self) -> None:
-        self.file.close()
-        super().close()
+    return gzip.open(path) if compressed else open(path, "rb")

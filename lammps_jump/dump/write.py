@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.errors import CaseError, DumpError
+from lammps_jump.errors import DumpError
 from lammps_jump.files import DUMP_NAMES, writes
 from lammps_jump.scene.scene import Scene
 
@@ -151,14 +151,5 @@ def run_writer(folder: Path, scene: Scene, dump_format: str = "text", *, append:
         Of `files.DUMP_NAMES`; text has 10 digits, binary is LAMMPS' revision 2.
     append : bool
         Write behind the frames that are there.
-
-    Raises
-    ------
-    CaseError
-        A format that is not known.
     """
-    if dump_format not in DUMP_NAMES:
-        raise CaseError(f"dump format {dump_format!r} is not known: use one of {', '.join(DUMP_NAMES)}")
-    own = (*(("omegaz",) if scene.rotation else ()), *(("radius",) if scene.sizes else ()))
-    columns = ("id", "x", "y", "vx", "vy", *own)
-    return DumpWriter(folder / DUMP_NAMES[dump_format], columns, dump_format, append=append)
+    return DumpWriter(folder / DUMP_NAMES[dump_format], scene.dump_columns, dump_format, append=append)

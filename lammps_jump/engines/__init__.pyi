@@ -10,6 +10,7 @@ from .choice import usable_kernels as usable_kernels
 from .launch import run as run
 from .launch import write_inputs as write_inputs
 from .result import Progress as Progress
+from .result import ProgressCallback as ProgressCallback
 from .result import RunResult as RunResult
 from .setting import Job as Job
 from .setting import Setting as Setting

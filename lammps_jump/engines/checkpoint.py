@@ -137,7 +137,8 @@ class CheckpointWriter:
             flush(growing.path)
         sums = [{name: growing.sum() for name, growing in files.items()} for files in (states, grown)]
         put_checkpoint(folder, Checkpoint(fingerprint(self.scene), step, self.scene.time(step), *sums, removed, result))
-        kept = {*states, *_named(folder / PREVIOUS_FILE)}
+        before = _readable(folder / PREVIOUS_FILE)
+        kept = {*states, *(before.state if before else ())}
         for path in _states(folder):
             if path.name not in kept:
                 path.unlink()
@@ -181,14 +182,6 @@ def _states(folder: Path) -> list[Path]:
     return [path for pattern in STATE_FILES for path in folder.glob(pattern)]
 
 
-def _named(path: Path) -> set[str]:
-    """Names of the states in a checkpoint's file; empty where it cannot be read."""
-    try:
-        return set(_checked(path).state)
-    except (OSError, ValueError):
-        return set()
-
-
 def has_checkpoint(folder: Path) -> bool:
     """Whether there is a checkpoint in a folder, sound or not."""
     return any(os.path.lexists(folder / name) for name in (CHECKPOINT_FILE, PREVIOUS_FILE))
@@ -202,12 +195,15 @@ def last_saved(folder: Path) -> float | None:
 
 def _newest(folder: Path) -> Checkpoint | None:
     """The newest checkpoint that can be read; its files are not looked at."""
-    for name in (CHECKPOINT_FILE, PREVIOUS_FILE):
-        try:
-            return _checked(folder / name)
-        except (OSError, ValueError):
-            continue
-    return None
+    return _readable(folder / CHECKPOINT_FILE) or _readable(folder / PREVIOUS_FILE)
+
+
+def _readable(path: Path) -> Checkpoint | None:
+    """The checkpoint in a file; None where it cannot be read."""
+    try:
+        return _checked(path)
+    except (OSError, ValueError):
+        return None
 
 
 def read_checkpoint(folder: Path) -> Checkpoint | None:
@@ -219,20 +215,19 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
         None of them is whole: it cannot be read or holds what no run writes, or a file that it names is gone, shorter
         than it was, or another one.
     """
-    troubles = []
+    trouble = None
     for name in (CHECKPOINT_FILE, PREVIOUS_FILE):
-        if not os.path.lexists(folder / name):
-            continue
-        try:
-            found = _read(folder / name)
-        except ResumeError as error:
-            troubles.append(str(error))
-            continue
-        if troubles:
-            log.info(f"note: {troubles[0].removesuffix(f'; {ANEW}')}; the checkpoint before it is used")
-        return found
-    if troubles:
-        raise ResumeError(troubles[0])
+        if os.path.lexists(folder / name):
+            try:
+                found = _read(folder / name)
+            except ResumeError as error:
+                trouble = trouble or error
+                continue
+            if trouble:
+                log.info(f"note: {str(trouble).removesuffix(f'; {ANEW}')}; the checkpoint before it is used")
+            return found
+    if trouble:
+        raise trouble
     return None
 
 

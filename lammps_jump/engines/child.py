@@ -118,7 +118,8 @@ class Child:
                 if self.ranks > 1:
                     self.output += self.messages
                     self.process.wait()
-                return RunResult.from_json(message["result"])
+                result = message["result"]
+                return RunResult(**{**result, "resumed": tuple(result["resumed"])})
             if message.get("report"):
                 step, discs = message["report"]
                 self.last = Progress(step, scene.steps, scene.time(step), discs)

@@ -14,8 +14,7 @@ from pathlib import Path
 
 from lammps_jump.folders import writable
 from lammps_jump.scene.scene import Scene
-from lammps_jump.script.assemble import write_script
-from lammps_jump.script.resume import write_continuation
+from lammps_jump.script import write_continuation, write_script
 
 from .checkpoint import Checkpoint, last_saved
 from .child import Child, child_for, prepare_worker

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from lammps_jump.scene.scene import Scene
@@ -89,11 +89,6 @@ class RunResult:
     resumed: tuple[float, ...] = ()
     cpu_seconds: float = 0.0
     outside: bool = False
-
-    @classmethod
-    def from_json(cls, stored: dict[str, Any]) -> RunResult:
-        """The result of what ``dataclasses.asdict`` and JSON made of it."""
-        return cls(**{**stored, "resumed": tuple(stored["resumed"])})
 
 
 def interruption(scene: Scene, step: int, folder: object, *, again: float | None = None, reason: str = "") -> str:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import importlib
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -60,15 +59,13 @@ class Ahead:
         self._thread.join()
 
     def _work(self) -> None:
-        for name in ("h5netcdf", "jinja2"):
-            with suppress(Exception):  # a program that is ending; else the analysis says it
-                importlib.import_module(name)
         with suppress(JumpError, OSError):  # what is wrong with the files is said when they are read again
             runs.results.prepare(self._case)
             if self._follows:
-                self.packer = runs.results.packer_for(self._case)
+                flow = runs.results.flow_of(self._case)
+                self.packer = runs.results.packer_for(self._case, flow)
                 watch = (self.packer, self.check) if runs.results.has_player(self._case) else (self.check,)
-                self._gathered = runs.results.collect(self._case, self._folder, self._dump, *watch)
+                self._gathered = runs.results.collect(self._case, flow, self._folder, self._dump, *watch)
 
     def result(self, outputs: Mapping[str, Mapping[str, int | str]], waiting: Callable[[int], None]) -> Gathered | None:
         """What was gathered of a run that has ended; None where the dump among its `outputs` is still to be read.

@@ -17,12 +17,10 @@ from typing import Any
 
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
-from lammps_jump.dump.check import FrameCheck, force_troubles
-from lammps_jump.dump.find import read_dump
+from lammps_jump.dump import FrameCheck, force_troubles, read_dump
+from lammps_jump.engines import Progress, ProgressCallback, RunResult, Setting
 from lammps_jump.engines.checkpoint import remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
-from lammps_jump.engines.result import Progress, ProgressCallback, RunResult
-from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, RunError, RunInterrupted
 from lammps_jump.files import FIGURES, checksum, write_text
 from lammps_jump.folders import clear, publish, staging
@@ -174,7 +172,8 @@ class Conclusion:
     def _analyse(self, stored: Mapping[str, Any], ahead: Ahead | None = None) -> str:
         """Check and analyse, for the first time with `ahead`; what the analysis could not do, in words."""
         folder, note, trouble = self.folder, self.result.message if ahead is None else "", ""
-        check, packer = FrameCheck(self.case.scene()), runs.results.packer_for(self.case)
+        check, flow = FrameCheck(self.case.scene()), runs.results.flow_of(self.case)
+        packer = runs.results.packer_for(self.case, flow)
         with staging(folder) as stage:
             try:
                 with signals_end(STOPPED.format(folder)):

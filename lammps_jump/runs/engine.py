@@ -7,10 +7,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from lammps_jump.case.case import ReadCase
+from lammps_jump.engines import Setting, choose
 from lammps_jump.engines.accuracy import with_accuracy
-from lammps_jump.engines.choice import choose
 from lammps_jump.engines.lammps.loader import wheel_version
-from lammps_jump.engines.setting import Setting
 from lammps_jump.provenance import __version__, short_hash
 
 

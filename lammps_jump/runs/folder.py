@@ -14,10 +14,9 @@ from lammps_jump import folders
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
+from lammps_jump.engines import RunResult, Setting
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
-from lammps_jump.engines.result import RunResult
-from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import CaseError
 from lammps_jump.files import JOB_FILE, write_text
 from lammps_jump.provenance import short_hash

@@ -90,9 +90,12 @@ def _wanted(case: ReadCase) -> list[str]:
     return [name for name in (*quantities.QUANTITIES, "fields") if getattr(case.fields.analysis, name, False)]
 
 
-def collect(case: ReadCase, folder: Path, dump: Dump, *watch: Collector) -> Gathered:
-    """What one pass over the dump of a run folder gives to the analyses that its case asks for."""
-    return quantities.collect(flow_of(case), dump, [folder], _wanted(case), watch)
+def collect(case: ReadCase, flow: Flow, folder: Path, dump: Dump, *watch: Collector) -> Gathered:
+    """What one pass over the dump of a run folder gives to the analyses that its case asks for.
+
+    The contacts of a frame are found once for all that have the same `flow`.
+    """
+    return quantities.collect(flow, dump, [folder], _wanted(case), watch)
 
 
 def analyse(
@@ -280,9 +283,9 @@ def has_player(case: ReadCase) -> bool:
     return case.fields.analysis.figures != "none"
 
 
-def packer_for(case: ReadCase) -> FramePacker:
+def packer_for(case: ReadCase, flow: Flow) -> FramePacker:
     """What takes in the frames of a run for the player of its report, or of the page of its study."""
-    flow, scene = flow_of(case), case.scene()
+    scene = case.scene()
     return FramePacker(flow) if has_page(case) else member_packer(flow, scene.steps // scene.output_steps + 1)
 
 

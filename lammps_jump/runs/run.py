@@ -14,15 +14,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-import lammps_jump.analysis as analysis
+import lammps_jump.dump as dump
 import lammps_jump.runs as runs
-from lammps_jump.case.case import ReadCase
+from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.case import load_case as read_case
-from lammps_jump.case.load import Changes
-from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.frame import Frame
-from lammps_jump.engines.result import ProgressCallback, RunResult
-from lammps_jump.engines.setting import Setting
+from lammps_jump.dump import Frame, read_dump
+from lammps_jump.engines import ProgressCallback, RunResult, Setting
 from lammps_jump.errors import RunError
 from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
@@ -218,7 +215,7 @@ class Run:
         path = self.folder / "profiles.nc"
         if self._changes or not path.exists():
             return self._found.gathered.profiles
-        return analysis.profiles.read_profiles(path)
+        return dump.read_netcdf(path)
 
     @property
     def jump(self) -> Jump:

@@ -14,9 +14,7 @@ from pathlib import Path
 import lammps_jump.engines as engines
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase, load_case
-from lammps_jump.engines.checkpoint import Checkpoint
-from lammps_jump.engines.result import ProgressCallback, RunResult
-from lammps_jump.engines.setting import Job, Setting
+from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
 from lammps_jump.files import RESULT_FILES
 from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
@@ -32,6 +30,8 @@ from .summary import SUMMARY_FILE, read_summary
 log = logging.getLogger(__name__)
 """Says what is done, and notes; the command line prints it."""
 StopCallback = Callable[[], bool]
+Watchers = tuple[ProgressCallback | None, StopCallback | None]
+"""What is told how far a run has come, and what is asked whether it is to end."""
 
 
 def start(
@@ -64,64 +64,49 @@ def start(
     with signals_end(ended), run_folder(folder, marker_of(case, setting)):
         left = ask()  # again: another process may have been there
         if left == "run":
-            _run(case, folder, setting, notes, resume, begin, progress, should_stop)
+            _run(case, folder, setting, notes, resume, begin, (progress, should_stop))
         elif left == "analyse":
             log.info(f"{folder} already holds this run: only its analysis is made. --force runs it again.")
             _reanalyse(case, folder, setting, notes)
 
 
 def _run(
-    case: ReadCase,
-    folder: Path,
-    setting: Setting,
-    notes: tuple[str, ...],
-    resume: bool,
-    begin: float,
-    progress: ProgressCallback | None,
-    should_stop: StopCallback | None,
+    case: ReadCase, folder: Path, setting: Setting, notes: tuple[str, ...], resume: bool, begin: float, watch: Watchers
 ) -> None:
     """Run in a folder that this process holds."""
-    scene, checkpoint = case.scene(), None
+    scene, told = case.scene(), [*case.scene().warnings, *case.scene().adapted, *notes]
+    checkpoint = resumable(case, folder, setting) if resume else None
     before: Mapping[str, float] = {}
-    if resume:
-        checkpoint = resumable(case, folder, setting)
     if checkpoint is not None:
-        setting = replace(setting, kernel=checkpoint.result.kernel)
+        done = checkpoint.result
+        setting = replace(setting, kernel=done.kernel)
         before = read_summary(folder).get("wall_seconds") or {}
         said = (
             f"goes on at t = {checkpoint.time:.4g} s of {scene.time(scene.steps):.4g} s "
             f"(step {checkpoint.step} of {scene.steps})"
         )
+        left = sum(item.count for item in scene.pours) + len(scene.positions) - done.present - done.removed
+        if scene.pours and left > 0 and done.engine == "lammps":
+            told.append(f"the {left} discs that are still to be poured come from a new random stream")
     else:
         c, ranks = scene.coefficients, f", {setting.ranks} ranks" if setting.ranks > 1 else ""
         said = (
             f"{setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
             f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m"
         )
-    for note in (*scene.warnings, *scene.adapted, *notes, *(_of_resume(case, folder, checkpoint) if resume else ())):
+        if resume:
+            told.append(f"{folder} holds no checkpoint: the run starts from the beginning")
+    for note in told:
         log.info(f"note: {note}")
     log.info(f"{scene.name}: {said} -> {folder}")
     if checkpoint is None:
         write_folder(case, folder, marker_of(case, setting))
         before = {"build": time.perf_counter() - begin}
-    with _files_at_risk(folder):
-        with Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
-            result, steady = _run_engine(case, folder, setting, checkpoint, progress, should_stop)
-            if checkpoint is not None:
-                clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-            Conclusion(case, folder, setting, result, steady, before, notes, progress).first(ahead)
-
-
-def _of_resume(case: ReadCase, folder: Path, checkpoint: Checkpoint | None) -> Iterator[str]:
-    """What to tell of a run that goes on."""
-    scene = case.scene()
-    if checkpoint is None:
-        yield f"{folder} holds no checkpoint: the run starts from the beginning"
-    elif checkpoint.result.engine == "lammps":
-        done = checkpoint.result
-        left = sum(item.count for item in scene.pours) + len(scene.positions) - done.present - done.removed
-        if scene.pours and left > 0:
-            yield f"the {left} discs that are still to be poured come from a new random stream"
+    with _files_at_risk(folder), Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
+        result, steady = _run_engine(case, folder, setting, checkpoint, watch)
+        if checkpoint is not None:
+            clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
+        Conclusion(case, folder, setting, result, steady, before, notes, watch[0]).first(ahead)
 
 
 def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:
@@ -194,18 +179,13 @@ def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str,
 
 
 def _run_engine(
-    case: ReadCase,
-    folder: Path,
-    setting: Setting,
-    checkpoint: Checkpoint | None,
-    progress: ProgressCallback | None,
-    should_stop: StopCallback | None,
+    case: ReadCase, folder: Path, setting: Setting, checkpoint: Checkpoint | None, watch: Watchers
 ) -> tuple[RunResult, str]:
     """Run; the text says why it was stopped as steady or drowned, and is empty where it was not."""
-    scene, watch = case.scene(), None
+    scene, steady, (progress, should_stop) = case.scene(), None, watch
     if case.fields.run.stop_when_steady:
-        watch = runs.steady.SteadyWatch(scene, folder, runs.steady.studied_reach(runs.results.flow_of(case)))
-    asked = [ask for ask in (watch, should_stop) if ask is not None]
+        steady = runs.steady.SteadyWatch(scene, folder, runs.steady.studied_reach(runs.results.flow_of(case)))
+    asked = [ask for ask in (steady, should_stop) if ask is not None]
     result = engines.run(
         scene,
         folder,
@@ -216,8 +196,8 @@ def _run_engine(
     )
     if checkpoint is not None and result.status == "failed" and result.steps <= checkpoint.step:
         raise RunError(f"{result.message} Nothing was added to the run, and its checkpoint is kept.")
-    if watch is not None and watch.reason and result.status == "interrupted":
-        return replace(result, status="complete", message=""), watch.reason
+    if steady is not None and steady.reason and result.status == "interrupted":
+        return replace(result, status="complete", message=""), steady.reason
     return result, ""
 
 

@@ -27,8 +27,7 @@ from scipy.special import stdtrit
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.jump.result import STILL
 from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp
-from lammps_jump.dump.frame import Frame
-from lammps_jump.dump.tail import Tail
+from lammps_jump.dump import Frame, Tail
 from lammps_jump.scene.scene import Scene
 
 PASSAGES = 1.5

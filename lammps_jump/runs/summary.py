@@ -11,8 +11,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, FiniteFloat, NonNegativeInt, ValidationError
 
 from lammps_jump.case.case import ReadCase
-from lammps_jump.engines.result import RunResult
-from lammps_jump.engines.setting import Setting
+from lammps_jump.engines import RunResult, Setting
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain, read_json, write_json
 from lammps_jump.provenance import versions

@@ -9,5 +9,6 @@ from .scene import Stations as Stations
 from .sizes import Sizes as Sizes
 from .walls import Block as Block
 from .walls import Box as Box
+from .walls import Interval as Interval
 from .walls import Plane as Plane
 from .walls import Wall as Wall

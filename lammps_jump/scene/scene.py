@@ -200,6 +200,11 @@ class Scene:
         return self.density * np.square(np.asarray(diameters, float))
 
     @property
+    def dump_columns(self) -> tuple[str, ...]:
+        """Columns of the dump, in order: spin where discs have one, radii where they are not equal."""
+        return ("id", "x", "y", "vx", "vy", *(["omegaz"] * self.rotation), *(["radius"] * bool(self.sizes)))
+
+    @property
     def time_step(self) -> float:
         """Time step, s."""
         return self.coefficients.time_step
@@ -210,7 +215,4 @@ class Scene:
 
     def wall(self, name: str) -> Wall:
         """The wall or gate of that name; KeyError where there is none."""
-        for wall in (*self.walls, *(gate.wall for gate in self.gates)):
-            if wall.name == name:
-                return wall
-        raise KeyError(name)
+        return {wall.name: wall for wall in (*self.walls, *(gate.wall for gate in self.gates))}[name]

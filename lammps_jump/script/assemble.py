@@ -80,12 +80,24 @@ def script_text(scene: Scene, **options) -> str:
 
 
 def control(scene: Scene, how: Options) -> list[Section]:
-    """Sections that balance, record, guard and stop a run."""
+    """Sections that balance, record, guard and stop a run.
+
+    Several ranks get equal shares of the discs along x, adapted as the flow fills the channel. They pause if there is a
+    file `STOP_FILE`, for which the first rank looks at ends of probe windows: no restart file keeps a window's sums.
+    """
+    share, stop = [], []
+    if how.ranks > 1:
+        share = [f"fix             balance all balance {max(1, scene.output_steps)} 1.01 shift x 10 1.005"]
+        every = scene.probe_steps if scene.probes else min(scene.output_steps, STOP_STEPS)
+        stop = [
+            f"variable        asked equal is_file({STOP_FILE})",
+            f"fix             stop all halt {every} v_asked != 0 error soft",
+        ]
     return [
-        ("balance of the ranks", balance(scene, how.ranks)),
+        ("balance of the ranks", share),
         ("force on structures", how.style.probes(scene)),
         ("guards", how.style.guards(scene)),
-        ("end on request", stop_on_request(scene, how.ranks)),
+        ("end on request", stop),
     ]
 
 
@@ -97,30 +109,6 @@ def joined(title: str, name: str, how: Options, sections: list[Section]) -> str:
         if commands:
             lines += ["", f"# --- {name}", *commands]
     return "\n".join(lines) + "\n"
-
-
-def balance(scene: Scene, ranks: int) -> list[str]:
-    """Equal shares of discs for the ranks, along x; adapted as the flow fills the channel."""
-    if ranks == 1:
-        return []
-    return [f"fix             balance all balance {max(1, scene.output_steps)} 1.01 shift x 10 1.005"]
-
-
-def stop_on_request(scene: Scene, ranks: int) -> list[str]:
-    """Pause a run of several ranks if there is a file `STOP_FILE`; the first rank looks for all."""
-    if ranks == 1:
-        return []
-    return [
-        f"variable        asked equal is_file({STOP_FILE})",
-        f"fix             stop all halt {stop_steps(scene, ranks)} v_asked != 0 error soft",
-    ]
-
-
-def stop_steps(scene: Scene, ranks: int) -> int:
-    """Steps between possible stops of ranks: ends of probe windows, because no restart file keeps a window's sums."""
-    if ranks == 1:
-        return 1
-    return scene.probe_steps if scene.probes else min(scene.output_steps, STOP_STEPS)
 
 
 def stop_at(scene: Scene, step: int) -> tuple[int, list[str]]:

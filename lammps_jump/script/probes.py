@@ -9,8 +9,7 @@ from math import isfinite
 import numpy as np
 
 from lammps_jump.files import FORCES_HEADER
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Wall
+from lammps_jump.scene import Scene, Wall
 
 from .walls import fix_names, number, plugin_parts, stock_wall
 

@@ -191,11 +191,11 @@ def pours(scene: Scene, sizes: list[str]) -> list[str]:
 
 def output(scene: Scene, dump_format: str) -> list[str]:
     """Dump with ten digits (six are the default), simulated time in each frame, discs in order of their id."""
-    columns = "id x y vx vy" + (" omegaz" if scene.rotation else "") + (" radius" if scene.sizes else "")
     style = "custom/gz" if dump_format == "gz" else "custom"
     digits = "" if dump_format == "binary" else " format float %.10g"
     return [
-        f"dump            frames all {style} {scene.output_steps} {DUMP_NAMES[dump_format]} {columns}",
+        f"dump            frames all {style} {scene.output_steps} {DUMP_NAMES[dump_format]} "
+        f"{' '.join(scene.dump_columns)}",
         f"dump_modify     frames sort id time yes{digits}",
     ]
 

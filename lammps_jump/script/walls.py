@@ -12,8 +12,7 @@ from functools import singledispatch
 import numpy as np
 
 from lammps_jump.physics.contact import restitution_of
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Block, Box, Plane, Wall
+from lammps_jump.scene import Block, Box, Plane, Scene, Wall
 
 FAR = 1e4
 """Distance that an opened gate is moved away, m."""

@@ -19,10 +19,11 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from lammps_jump import load_case
 from lammps_jump.engines import usable_cores
-from lammps_jump.sweeps import Pool, run_starts
-from lammps_jump.sweeps.store import Say, Store
+from lammps_jump.sweeps import Pool, Say, Store, run_starts, table
 
 from .sensitivity import JUMP_CASE, QUICK_CHANGES, starts_of
 from .table import filled, markdown
@@ -54,17 +55,16 @@ def distances(candidate: Candidate, folder: Path, pool: Pool, *, quick: bool, me
         run_starts(case, starts_of(case, changes, members), folder, pool, fresh=fresh)
         for case, changes in ((load_case(JUMP_CASE), jump), (load_case(COLUMN_CASE), column))
     )
-    found = [run.jump for run in jumps if run.jump]
-    without = [1.0] * (len(jumps) - len(found))
-    fronts = [((run.summary.get("front") or {}).get("martin_moyce") or {}).get("rms_bulk") for run in columns]
+    names = ["sequent_ratio", "belanger_ratio", "length", "length_usbr"]
+    found = pd.DataFrame([run.jump for run in jumps], columns=names, dtype=float)
     parts = {
-        "depth": [*(abs(one["sequent_ratio"] / one["belanger_ratio"] - 1) for one in found), *without],
-        "length": [*(abs(one["length"] / one["length_usbr"] - 1) for one in found), *without],
-        "front": [1.0 if value is None else value for value in fronts],
+        "depth": found.sequent_ratio / found.belanger_ratio - 1,
+        "length": found.length / found.length_usbr - 1,
+        "front": pd.Series([table.number_at(run.summary, "front.martin_moyce.rms_bulk") for run in columns]),
     }
-    means = {name: sum(values) / len(values) for name, values in parts.items()}
+    means = {name: float(part.abs().fillna(1.0).mean()) for name, part in parts.items()}
     total = sqrt(sum(value**2 for value in means.values()) / 3)
-    return {**candidate, **means, "distance": total, "jumps": f"{len(found)} of {len(jumps)}"}
+    return {**candidate, **means, "distance": total, "jumps": f"{sum(bool(run.jump) for run in jumps)} of {len(jumps)}"}
 
 
 def run_calibration(out: Path | None = None, *, quick: bool = False, fresh: bool = False, say: Say = print) -> str:

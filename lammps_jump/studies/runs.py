@@ -11,13 +11,11 @@ from pathlib import Path
 from statistics import median
 from typing import TypeVar
 
-from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.frame import Frame
-from lammps_jump.engines import Setting, plugin, run
+from lammps_jump.dump import Frame, read_dump
+from lammps_jump.engines import RunResult, Setting, plugin, run
 from lammps_jump.engines.native import run_native
-from lammps_jump.engines.result import RunResult
 from lammps_jump.errors import RunInterrupted
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 
 KERNELS = ("stock", "compiled", "native")
 

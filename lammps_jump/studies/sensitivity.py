@@ -22,8 +22,7 @@ from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_cores, usable_kernels
 from lammps_jump.files import plain
 from lammps_jump.physics import jump as theory
-from lammps_jump.sweeps import Made, Pool, Start, run_starts
-from lammps_jump.sweeps.store import Say, Store
+from lammps_jump.sweeps import Made, Pool, Say, Start, Store, run_starts
 
 from .runs import middle
 from .settings import Setting, listed, reference_setting, stable

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from lammps_jump.case.to_scene import INTEGRATORS
 from lammps_jump.errors import CaseError
@@ -13,13 +14,45 @@ from lammps_jump.physics import contact
 from .runs import KERNELS, kernel_changes
 
 AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
-USUAL_AXES = ("f", "touch", "kernel", "correction", "n", "skin")
-FRACTIONS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
 BASE = 0.05
 """Time-step fraction of the settings that vary another axis."""
-QUICK_FRACTIONS = (0.05, 0.1, 0.2)
-PENETRATIONS = (5.0, 10.0, 20.0, 40.0)
 SKINS = (0.1, 0.2, 0.3, 0.5, 0.7)
+FIELDS = {
+    "ranks": "engine.ranks", "fraction": "run.time_step_fraction", "touch": "contact.touch",
+    "correction": "contact.correct_restitution", "penetration": "contact.penetration_fraction",
+    "diameter": "discs.diameter",
+}  # fmt: skip
+"""Fields of a case by what a `Setting` calls them; skin and kernel are none of them."""
+
+
+class Axes(NamedTuple):
+    """What a benchmark varies.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of `AXES`.
+    fractions, diameters : tuple of float
+        Time steps over 2/omega; disc diameters, m.
+    kernels : tuple of str
+    members : int
+        Starts of each setting. The reference gets as many.
+    penetrations : tuple of float
+        n of thesis (3.20).
+    finest : float
+        Time step of the reference.
+    """
+
+    names: tuple[str, ...] = ("f", "touch", "kernel", "correction", "n", "skin")
+    fractions: tuple[float, ...] = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
+    kernels: tuple[str, ...] = KERNELS
+    diameters: tuple[float, ...] = ()
+    members: int = 5
+    penetrations: tuple[float, ...] = (5.0, 10.0, 20.0, 40.0)
+    finest: float = 0.01
+
+
+QUICK = Axes(("f", "touch", "kernel"), (0.05, 0.1, 0.2), members=2, penetrations=(5.0, 20.0), finest=0.02)
 
 
 @dataclass(frozen=True)
@@ -75,20 +108,10 @@ class Setting:
 
     def changes(self, diameter: float) -> dict[str, object]:
         """Return the values of a case that this setting changes; `diameter` (m) is that of the case."""
-        found: dict[str, object] = {
-            **kernel_changes(self.kernel),
-            "engine.ranks": self.ranks,
-            "run.time_step_fraction": self.fraction,
-            "contact.touch": self.touch,
-            "contact.correct_restitution": self.correction,
-        }
-        if self.penetration is not None:
-            found["contact.penetration_fraction"] = self.penetration
-        if self.diameter is not None:
-            found["discs.diameter"] = self.diameter
-        if self.skin is not None:
-            found["engine.skin"] = self.skin * (self.diameter or diameter)
-        return found
+        fields = {path: getattr(self, name) for name, path in FIELDS.items()}
+        skin = None if self.skin is None else self.skin * (self.diameter or diameter)
+        changed = {**kernel_changes(self.kernel), **fields, "engine.skin": skin}
+        return {path: value for path, value in changed.items() if value is not None}
 
 
 def listed(option: str, text: str | None, allowed: Sequence[str]) -> tuple[str, ...]:
@@ -112,45 +135,32 @@ def stable(setting: Setting, restitution: float) -> bool:
     return setting.fraction <= contact.stable_fraction(contact.damping_ratio(restitution), integrator)
 
 
-def make_settings(
-    axes: Iterable[str],
-    *,
-    restitution: float,
-    kernels: Iterable[str] = KERNELS,
-    fractions: Iterable[float] = FRACTIONS,
-    penetrations: Iterable[float] = PENETRATIONS,
-    diameters: Iterable[float] = (),
-) -> list[Setting]:
+def make_settings(axes: Axes, restitution: float) -> list[Setting]:
     """Return stable settings: step, kernel and touch are crossed, the other axes vary one at a time from `BASE`.
 
     Parameters
     ----------
-    axes : iterable of str
-        Of `AXES`.
+    axes : Axes
+        With kernels that are usable here.
     restitution : float
         Decides which steps are stable.
-    kernels : iterable of str
-        Those that are usable here.
-    fractions, penetrations, diameters : iterable of float
-        Values of the axes f, n and diameter (m).
     """
-    axes, kernels = set(axes), list(kernels)
-    first = kernels[0]
-    families = [(kernel, "sharp") for kernel in (kernels if "kernel" in axes else [first])]
+    names, kernels, first = axes.names, axes.kernels, axes.kernels[0]
+    families = [(kernel, "sharp") for kernel in (kernels if "kernel" in names else [first])]
     quickest = reference_setting(BASE, kernels).kernel
-    if "touch" in axes and quickest != "stock":
+    if "touch" in names and quickest != "stock":
         families.append((quickest, "smooth"))
-    steps = list(fractions) if "f" in axes else [BASE]
+    steps = list(axes.fractions) if "f" in names else [BASE]
     found = [Setting(kernel, step, touch) for kernel, touch in families for step in steps]
-    if "correction" in axes and restitution < 1:
+    if "correction" in names and restitution < 1:
         found += [Setting(first, step, correction=False) for step in steps]
-    if "n" in axes:
-        found += [Setting(quickest, step, penetration=n) for n in penetrations for step in (BASE, 2 * BASE)]
-    if "skin" in axes:
+    if "n" in names:
+        found += [Setting(quickest, step, penetration=n) for n in axes.penetrations for step in (BASE, 2 * BASE)]
+    if "skin" in names:
         found += [Setting(kernel, BASE, skin=skin) for kernel in kernels[:2] for skin in SKINS]
-    if "diameter" in axes:
-        found += [Setting(quickest, BASE, diameter=d) for d in diameters]
-    if "ranks" in axes:
+    if "diameter" in names:
+        found += [Setting(quickest, BASE, diameter=d) for d in axes.diameters]
+    if "ranks" in names:
         found += [Setting(first, BASE), Setting(first, BASE, ranks=2)]
     return list(dict.fromkeys(setting for setting in found if stable(setting, restitution)))
 

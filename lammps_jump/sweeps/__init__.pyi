@@ -3,11 +3,16 @@ from . import page as page
 from . import pool as pool
 from . import slurm as slurm
 from . import table as table
+from .members import JITTER as JITTER
 from .members import Made as Made
 from .members import Start as Start
 from .members import plan as plan
 from .members import run_starts as run_starts
 from .pool import Pool as Pool
+from .store import Results as Results
+from .store import Say as Say
+from .store import Store as Store
+from .store import all_versions as all_versions
 from .study import parse_axis as parse_axis
 from .study import parse_set as parse_set
 from .study import parse_until as parse_until

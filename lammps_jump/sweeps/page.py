@@ -15,7 +15,6 @@ import xarray as xr
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
-from lammps_jump.analysis.profiles import read_arrays
 from lammps_jump.analysis.report.page import Choice, Code, Items, Picture, Player, Section, Table, Text, picture, render
 from lammps_jump.files import PLAYER, read_json, write_text
 from lammps_jump.provenance import versions
@@ -77,16 +76,16 @@ def draw(found: Sweep) -> list[Picture]:
 def save_profiles(found: Sweep, path: Path) -> Path:
     """Draw mean profiles of the members of a case: each member as a thin line, the interval of the mean as a band."""
     panels = {"mass_depth_mean": "mass depth [m]", "velocity_mean": "velocity [m/s]"}
-    arrays = (read_arrays(run.folder / "profiles.nc", "x", *panels) for run in found.runs)
-    x, *profiles = map(np.array, zip(*arrays, strict=True))
+    members = [run.profiles for run in found.runs]
     with drawing(7.2, 4.6, 2, 1, sharex=True) as (figure, axes):
-        for panel, label, lines in zip(axes, panels.values(), profiles, strict=True):
+        for panel, (name, label) in zip(axes, panels.items(), strict=True):
+            lines = np.array([profiles[name] for profiles in members])
             confidence = found.study.fields.confidence
             cells = [sweeps.table.statistics(line, np.full(len(line), np.nan), confidence) for line in lines.T]
             mean, low, high = (np.array([cell[key] for cell in cells]) for key in ("mean", "low", "high"))
-            panel.plot(x[0], lines.T, color=GREY, lw=0.5)
-            panel.fill_between(x[0], low, high, color=BLUE, alpha=0.3, lw=0, label="interval over members")
-            panel.plot(x[0], mean, color=BLUE, label=f"mean of {len(lines)} members")
+            panel.plot(members[0].x, lines.T, color=GREY, lw=0.5)
+            panel.fill_between(members[0].x, low, high, color=BLUE, alpha=0.3, lw=0, label="interval over members")
+            panel.plot(members[0].x, mean, color=BLUE, label=f"mean of {len(lines)} members")
             panel.set_ylabel(label)
         axes[0].legend()
         axes[1].set_xlabel("x [m]")

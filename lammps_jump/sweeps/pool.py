@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import atexit
 import multiprocessing
 import os
 import signal
@@ -84,6 +85,21 @@ class Worker:
         return self.process.wait()
 
 
+_ready: list[Worker] = []
+"""Workers that no pool has taken yet."""
+
+
+def prepare_workers(count: int) -> None:
+    """Start workers before there is work for them: they load the analysis meanwhile, a second."""
+    _ready.extend(Worker() for _ in range(count))
+
+
+@atexit.register
+def _end_ready() -> None:
+    while _ready:
+        _ready.pop().end(kill=True)
+
+
 class Pool:
     """Worker processes that are started once and end with the ``with`` block.
 
@@ -150,7 +166,7 @@ class Pool:
         with handled_by(self._signalled):
             while self._busy or (waiting and self._asked_at is None):
                 while waiting and len(self._busy) < self.jobs and self._asked_at is None:
-                    worker = self._idle.pop() if self._idle else Worker()
+                    worker = next((some.pop() for some in (self._idle, _ready) if some), None) or Worker()
                     self._busy.append(worker)
                     worker.start(*waiting.popleft(), patience)
                 for worker, kind, value in self._heard():

@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.files import plain, read_json, write_json, write_text
-from lammps_jump.provenance import machine, versions
+from lammps_jump.provenance import machine, short_hash, versions
 
 from .pool import Outcome, Pool
 
@@ -60,43 +60,46 @@ class Store:
 
     def call(
         self,
-        calls: Mapping[str, partial[Any]],
+        calls: Sequence[partial[Any]],
         pool: Pool,
         *,
-        said: Callable[[str, Any], None] = lambda key, piece: None,
+        said: Callable[[Any], None] = lambda piece: None,
         otherwise: Callable[[Outcome], object] | None = None,
         patience: float = float("inf"),
-    ) -> Results:
-        """Return the pieces of all keys; those that are missing are made by calls in the pool.
+    ) -> list[Any]:
+        """Return the pieces of all calls; those that are missing are made in the pool.
 
         Parameters
         ----------
-        calls : mapping of str to functools.partial
+        calls : sequence of functools.partial
+            The name of the function and its arguments, which are plain data, are the key of a piece.
         pool : Pool
         said : callable
-            Called with key and piece of every call, when it is made.
+            Called with the piece of every call, when it is made.
         otherwise : callable, optional
             Makes the piece of a call that did not return; without it such a call is an error.
         patience : float
             s that a call may take.
         """
-        left = [key for key in calls if key not in self.pieces]
+        keys = [f"{one.func.__name__} {short_hash({'arguments': plain([one.args, one.keywords])})}" for one in calls]
+        left = {key: one for key, one in zip(keys, calls, strict=True) if key not in self.pieces}
+        names = list(left)
         wrong: list[Outcome] = []
 
         def done(number: int, outcome: Outcome) -> None:
             if outcome.kind == "done":
-                self._keep(left[number], outcome.value)
+                self._keep(names[number], outcome.value)
             elif otherwise is not None and outcome.kind != "RunInterrupted":
-                self._keep(left[number], otherwise(outcome))
+                self._keep(names[number], otherwise(outcome))
             else:
                 wrong.append(outcome)
                 return
-            said(left[number], self.pieces[left[number]])
+            said(self.pieces[names[number]])
 
-        pool.run([calls[key] for key in left], done=done, patience=patience)
+        pool.run(list(left.values()), done=done, patience=patience)
         if wrong:
             raise wrong[0].error()
-        return {key: self.pieces[key] for key in calls}
+        return [self.pieces[key] for key in keys]
 
     def _keep(self, key: str, piece: object) -> None:
         self.pieces[key] = plain(piece)

@@ -71,6 +71,7 @@ def main() -> None:
     gc.set_threshold(50_000, 20, 50)
     place = int(sys.argv[1])
     threading.Thread(target=_end_with_parent, args=(place,), daemon=True).start()
+    importlib.import_module("lammps_jump.runs.results")  # while the parent reads the study
     serve(Connection(place))
 
 

@@ -12,7 +12,6 @@ from made_up import INPUTS, numbers
 from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.jump.head import (
-    FIELDS,
     EnergyFluxes,
     budget_between,
     energy_budget,
@@ -55,7 +54,7 @@ def test_dashpots_of_frames_at_every_step_are_those_of_the_ledger(integrator, er
     for _ in range(scene.steps):
         simulation.run(1)
         fluxes.add(take_frame(simulation), 0.0)
-    found = dict(zip(FIELDS, fluxes.result().sum(axis=2).T * 0.05 * scene.density, strict=True))
+    found = {name: values.values * 0.05 * scene.density for name, values in fluxes.result().sum("x").items()}
     ledger = simulation.ledger
     assert ledger["dissipated_dashpots"] > 0.1 * ledger["throughput"]
     taken = found["dashpots"].sum() - 0.5 * found["dashpots"][-1]  # the ledger stops at the step, amid its kick
@@ -86,12 +85,12 @@ def jump():
     fluxes = EnergyFluxes(flow)
     result = analyse_jump(compute_profiles(feed(frames, flow, [fluxes]), flow), flow)
     assert result.verdict == "jump"
-    return fluxes.result(), result, fluxes.edges
+    return fluxes.result(), result
 
 
 def test_the_budget_of_a_jump_closes_within_its_error(jump):
-    fields, result, edges = jump
-    found = energy_budget(fields, result, edges)
+    fields, result = jump
+    found = energy_budget(fields, result)
     assert abs(found.residual) < 3 * found.residual_error
     assert abs(found.residual) < 0.12 * found.lost
     assert found.lost == pytest.approx(found.carried + found.contacts - found.storage, rel=1e-9)
@@ -103,14 +102,14 @@ def test_the_budget_of_a_jump_closes_within_its_error(jump):
 
 
 def test_the_loss_belongs_to_its_stations(jump):
-    fields, result, edges = jump
-    near, far = (budget_between(fields, result, edges, (result.toe - a, result.toe + b)) for a, b in ((1, 3), (3, 6)))
+    fields, result = jump
+    near, far = (budget_between(fields, result, (result.toe - a, result.toe + b)) for a, b in ((1, 3), (3, 6)))
     assert near.dashpots < 0.9 * far.dashpots
 
 
 def test_frames_have_a_budget_between_the_stations_of_the_case(jump):
     """The same stations, named once from the front and once by the case; those of the case may be anywhere."""
-    fields, result, edges = jump
+    fields, result = jump
     front, scene, times = result.motion, result.flow.scene, result.track.time
     first, last = (round(time / scene.time_step) for time in (times[0], times[-1]))
     at = front.start + front.speed * times[0]
@@ -118,11 +117,11 @@ def test_frames_have_a_budget_between_the_stations_of_the_case(jump):
     def asked(speed):
         stations = Stations((at + result.toe - 2, at + result.toe + 4), speed, first, last)
         return energy_budget(
-            fields, replace(result, flow=replace(result.flow, scene=replace(scene, stations=stations))), edges
+            fields, replace(result, flow=replace(result.flow, scene=replace(scene, stations=stations)))
         )
 
     alike, still = asked(front.speed), asked(0.0)
-    expected = budget_between(fields, result, edges, (result.toe - 2, result.toe + 4))
+    expected = budget_between(fields, result, (result.toe - 2, result.toe + 4))
     assert (alike.start, alike.stop, alike.lost) == pytest.approx((-2.0, 4.0, expected.lost), rel=0.01)
     assert alike.x == pytest.approx((at + result.toe - 2, at + result.toe + 4), abs=1e-6)
     assert still.speed == 0.0 and still.discharge == pytest.approx(expected.discharge, rel=0.1)
@@ -135,8 +134,8 @@ def test_frames_have_a_budget_between_the_stations_of_the_case(jump):
 
 
 def test_ledger_and_frames_stand_side_by_side(jump):
-    fields, result, edges = jump
-    budget = as_summary(energy_budget(fields, result, edges))
+    fields, result = jump
+    budget = as_summary(energy_budget(fields, result))
     keys = ("carried", "contacts", "walls", "storage", "dashpots", "friction", "lost", "residual")
     ledger = {f"stations_{key}": -1e-17 for key in keys} | {"stations_lost": 2.3456, "stations_discharge": 6.6}
     ledger |= {"stations_left": 16.0, "stations_right": 23.0, "stations_speed": -1.0}
@@ -159,17 +158,17 @@ def test_why_friction_or_a_slope_have_no_budget_is_said():
 
 
 def test_friction_has_no_budget(jump):
-    fields, result, edges = jump
+    fields, result = jump
     scene = load_case(INPUTS / "quick_jump.yaml", ["contact.friction=0.1"]).scene()
     assert EnergyFluxes(from_scene(scene)).result() is None
-    assert energy_budget(None, result, edges) is None
-    assert energy_budget(fields, replace(result, upstream=None), edges) is None
+    assert energy_budget(None, result) is None
+    assert energy_budget(fields, replace(result, upstream=None)) is None
     assert sentence({}) == ""
 
 
 def test_the_report_names_the_stations_beside_the_loss(jump):
-    fields, result, edges = jump
-    found = energy_budget(fields, result, edges)
+    fields, result = jump
+    found = energy_budget(fields, result)
     summary = numbers(replace(summarise_jump(result), budget=found, head_lost=found.lost))
     (row,) = (row for row in _comparisons_of(summary) if "Head lost" in str(row[0]))
     assert f"{found.start:+.1f} to {found.stop:+.1f} m from the toe".replace("-", "−") in row[0]

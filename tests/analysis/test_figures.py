@@ -91,7 +91,7 @@ def test_empty_flow_can_be_drawn(tmp_path):
         make_frame(i, float(i), [[0, 20], [0, 5]], {c: [] for c in ("id", "x", "y", "vx", "vy")}) for i in range(3)
     ]
     profiles = compute_profiles(empty, CONTEXT)
-    figures.save(figures.drawn(depth_profile(profiles, CONTEXT)), tmp_path / "a.png")
+    figures.save(figures.drawn(depth_profile(profiles, CONTEXT, lines={}, marks={})), tmp_path / "a.png")
     figures.save(figures.drawn(xt_map(profiles)), tmp_path / "b.png")
     figures.save(snapshots.snapshots(empty, CONTEXT), tmp_path / "c.png")
 
@@ -133,8 +133,7 @@ def test_png_is_drawn_at_the_saved_resolution(tmp_path):
     """One drawing at savefig's dots per inch; the figure keeps its own."""
     from PIL import Image
 
-    with figures.style():
-        figure, axes = figures.new_figure(4.0, 3.0)
+    with figures.drawing(4.0, 3.0) as (figure, axes):
         axes.plot([0, 1])
     before = figure.get_dpi()
     with Image.open(figures.save(figure, tmp_path / "a.png")) as picture:

@@ -149,7 +149,7 @@ def test_hydrostatic_estimates_of_wall_and_block():
     np.testing.assert_array_equal(result.structures["structure"].history.fx, peak.fx)
     assert structure["impulse"] == pytest.approx(1e5 * 0.2 + 10 * 1.0, rel=1e-9)
     # corner at -5 m, bed at 0: the moment moves up by 5 m times fx
-    assert result.structures["structure"].series.table["moment_smooth"][50] == pytest.approx(5.0 * (1e5 + 10), rel=1e-9)
+    assert result.structures["structure"].table["moment_smooth"][50] == pytest.approx(5.0 * (1e5 + 10), rel=1e-9)
 
 
 def test_oncoming_stream_towards_a_structure():

@@ -9,8 +9,9 @@ import pytest
 from made_up import call, columns_of_discs
 
 from lammps_jump.analysis.guess import from_dump
-from lammps_jump.analysis.profiles import compute_profiles, read_profiles
+from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.headline import headline
+from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
@@ -52,7 +53,7 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
         assert front[key] is None
     known = "vx" in columns
     assert (jump["u1"] is None, front["highest_surface_speed"] is None) == (not known, not known)
-    profiles = read_profiles(folder / "profiles.nc")
+    profiles = read_netcdf(folder / "profiles.nc")
     assert profiles.time.attrs == {"units": "1", "long_name": "step"}
     assert bool(np.isfinite(profiles.velocity).any()) is known
     for table in ("front.csv", "jump_track.csv"):

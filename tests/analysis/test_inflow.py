@@ -9,7 +9,7 @@ from made_up import INPUTS, numbers
 
 from lammps_jump.analysis.budgets.inflow import Arrivals, InflowCounter, analyse, deliver, in_order, section
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.forces.impulse import MomentumLedger, identity_sentence, impulse_identity
+from lammps_jump.analysis.forces.impulse import MomentumLedger, identity_sentence, impulse_identity, with_inflow
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.case import load_case
 from lammps_jump.dump.find import ForceHistory
@@ -100,17 +100,18 @@ def test_momentum_of_a_jet_that_leaves_at_an_outlet_is_accounted_for(changes):
     more = ("run.duration=6", "walls.sill.y=[-5, 0.4]", *near, *changes)
     scene = load_case(INPUTS / "quick_jump.yaml", [*QUICK, *more]).scene()
     flow, simulation = from_scene(scene), NativeSimulation(scene, ledger=False)
-    ledger = MomentumLedger(flow)
+    ledger, counter = MomentumLedger(flow), InflowCounter(flow)
     while True:
         frame = take_frame(simulation)
-        ledger.add(frame, flow.time(frame))
+        for collector in (ledger, counter):
+            collector.add(frame, flow.time(frame))
         if simulation.step >= scene.steps:
             break
         simulation.run(scene.output_steps)
     time, _, fx, fy, moment = zip(*simulation.forces, strict=True)
     record = ForceHistory(*(np.array(column, float) for column in (time, fx, fy, moment)))
     record = replace(record, time=np.array([scene.time(step) for step in time]))
-    identity = impulse_identity({"sill": record}, ledger.result(), flow, "x")
+    identity = impulse_identity({"sill": record}, with_inflow(ledger.result(), counter.result(), scene), flow, "x")
     assert identity.complete and (identity.start, identity.end) == (0.0, pytest.approx(6.0, rel=2e-3))
     assert identity.carried_out > 0.1 * identity.brought_in > 0
     assert identity.relative < 1e-5

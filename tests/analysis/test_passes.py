@@ -13,10 +13,9 @@ from made_up import columns_of_discs, flow_context
 
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import with_velocities
-from lammps_jump.analysis.profiles import read_profiles
 from lammps_jump.analysis.quantities import analyse, main_numbers
 from lammps_jump.cli.analyse import analyze
-from lammps_jump.dump.exports import export
+from lammps_jump.dump.exports import export, read_netcdf
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
@@ -107,7 +106,7 @@ def test_nothing_but_profiles_when_nothing_is_asked(tmp_path):
     parts = analyse(context(), path, tmp_path / "new" / "folder", (), figures="none")
     assert parts["files"] == ["profiles.nc"]
     assert not {"jump", "front", "energy", "force"} & set(parts)
-    assert read_profiles(tmp_path / "new" / "folder" / "profiles.nc").sizes["time"] == 1
+    assert read_netcdf(tmp_path / "new" / "folder" / "profiles.nc").sizes["time"] == 1
 
 
 @pytest.mark.parametrize(

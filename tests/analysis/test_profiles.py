@@ -5,21 +5,16 @@ from functools import partial
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context
 
 from lammps_jump.analysis import profiles as profile_kernels
 from lammps_jump.analysis.passes import feed
-from lammps_jump.analysis.profiles import (
-    add_means,
-    bin_edges,
-    compute_profiles,
-    read_arrays,
-    read_profiles,
-    write_profiles,
-)
+from lammps_jump.analysis.profiles import add_means, bin_edges, compute_profiles
 from lammps_jump.analysis.statistics import block_average
+from lammps_jump.dump.exports import read_netcdf, write_netcdf
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block, Plane
@@ -252,19 +247,37 @@ def test_netcdf_round_trip_with_units(tmp_path):
     x, y = lattice(5)
     frames = [frame(x, y, u=float(i), step=i, time=0.1 * i) for i in range(20)]
     ds = compute_profiles(frames, context(window=(0.5, 1.9)))
-    path = write_profiles(ds, tmp_path / "profiles.nc")
-    again = read_profiles(path)
+    path = write_netcdf(ds, tmp_path / "profiles.nc")
+    again = read_netcdf(path)
     assert again.identical(ds)
-    for name, values in zip(("x", "velocity_mean"), read_arrays(path, "x", "velocity_mean"), strict=True):
-        assert np.array_equal(values, again[name].values, equal_nan=True)
-    with pytest.raises(DumpError, match="not a profiles file"):
-        read_arrays(path, "absent")
+    with xr.open_dataset(path) as opened:  # as anyone would
+        assert opened.identical(ds)
     assert again.discharge.attrs["units"] == "m2 s-1" and "discharge" in again.discharge.attrs["long_name"]
     assert again.attrs["window_frames"] == 15
-    with pytest.raises(DumpError, match="not a profiles file"):
-        read_profiles(tmp_path / "none.nc")
+    with pytest.raises(DumpError, match="cannot be read"):
+        read_netcdf(tmp_path / "none.nc")
     with pytest.raises(DumpError, match="cannot be written"):
-        write_profiles(ds, tmp_path / "no" / "profiles.nc")
+        write_netcdf(ds, tmp_path / "no" / "profiles.nc")
+
+
+def test_steps_beyond_32_bits_are_kept(tmp_path):
+    x, y = lattice(5)
+    frames = [frame(x, y, step=3 * 10**9 + i, time=0.1 * i) for i in range(2)]
+    again = read_netcdf(write_netcdf(compute_profiles(frames, context()), tmp_path / "profiles.nc"))
+    assert again.step.values.tolist() == [3 * 10**9, 3 * 10**9 + 1]
+
+
+def test_a_damaged_netcdf_file_is_told(tmp_path):
+    x, y = lattice(5)
+    path = write_netcdf(compute_profiles([frame(x, y, step=i) for i in range(3)], context()), tmp_path / "p.nc")
+    whole = path.read_bytes()
+    for kept in (0, 3, 4, 20, 100, len(whole) // 2, len(whole) - 8):
+        path.write_bytes(whole[:kept])
+        with pytest.raises(DumpError, match="cannot be read"):
+            read_netcdf(path)
+    path.write_bytes(b"\x89HDF\r\n\x1a\n" + whole)
+    with pytest.raises(DumpError, match="lammps-jump analyze"):
+        read_netcdf(path)
 
 
 def test_window_of_the_means():

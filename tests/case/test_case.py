@@ -15,7 +15,7 @@ from made_up import INPUTS
 
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names, scene_text
-from lammps_jump.case.to_scene import build_scene, contact_coefficients
+from lammps_jump.case.to_scene import contact_coefficients
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.walls import Block, Plane
 from lammps_jump.script import script_text
@@ -148,7 +148,7 @@ def test_schema_names_every_field():
 
 def test_thesis_numbers_of_the_hydraulic_jump():
     case = load_case(INPUTS / "hydraulic_jump.yaml")
-    scene, c = build_scene(case), contact_coefficients(case.fields, "velocity_verlet", None)
+    scene, c = case.scene(), contact_coefficients(case.fields, "velocity_verlet", None)
     assert c.mass == pytest.approx(40, rel=1e-12)
     assert c.stiffness == pytest.approx(2.56e7, rel=1e-12)
     assert c.time_step == pytest.approx(8.839e-5, rel=1e-4)  # 0.05 x 2/omega, four digits
@@ -159,14 +159,14 @@ def test_thesis_numbers_of_the_hydraulic_jump():
     assert c.correction == pytest.approx(0.9775, abs=5e-5)
     speeds = [row.vx for row in scene.inlets]
     assert speeds == pytest.approx([13.160, 15.396, 16.562, 17.377, 18.013], abs=5e-4)
-    exact = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", {"inflow.schedule": "exact", "run.seed": 0})).inlets
+    exact = load_case(INPUTS / "hydraulic_jump.yaml", {"inflow.schedule": "exact", "run.seed": 0}).scene().inlets
     assert [row.every_steps for row in exact] == [214, 183, 170, 162, 157, 153]
     assert sum(row.vx for row in exact) / 6 == pytest.approx(16, rel=1e-14)
 
 
 def test_column_carries_its_weight_from_the_start():
     """Every row's overlap with the row below equals the weight above (thesis figure 6.2)."""
-    scene = build_scene(load_case(INPUTS / "dam_break.yaml"))
+    scene = load_case(INPUTS / "dam_break.yaml").scene()
     c = scene.coefficients
     assert len(scene.positions) == 1200
     column = scene.positions[::20][:, 1]
@@ -179,7 +179,7 @@ def test_column_carries_its_weight_from_the_start():
 
 
 def test_gate_stands_until_time_zero():
-    scene = build_scene(load_case(INPUTS / "wave_structure.yaml"))
+    scene = load_case(INPUTS / "wave_structure.yaml").scene()
     (gate,) = scene.gates
     assert gate.wall == Plane("gate", "x", 4.0, "below")
     assert scene.time(gate.release_step) == 0.0
@@ -202,19 +202,19 @@ run: {duration: 0.1, output_interval: 0.1}
 
 
 def test_gate_with_discs_beyond_it_is_felt_from_both_sides():
-    (gate,) = build_scene(parse_case(WET_BED.replace("FAR", "1.05"), "wet.yaml")).gates
+    (gate,) = parse_case(WET_BED.replace("FAR", "1.05"), "wet.yaml").scene().gates
     assert isinstance(gate.wall, Block) and gate.wall.x == (1.0, 1.0)
     assert gate.wall.distance([0.95, 1.05], [0.5, 0.5]) == pytest.approx([0.05, 0.05])
 
 
 def test_disc_in_a_gate_is_refused():
     with pytest.raises(CaseError, match="deep in wall 'gate'"):
-        build_scene(parse_case(WET_BED.replace("FAR, 0.05", "1.02, 2"), "wet.yaml"))
+        parse_case(WET_BED.replace("FAR, 0.05", "1.02, 2"), "wet.yaml").scene()
 
 
 def test_frames_and_probe_windows_divide_the_run():
     for path in sorted(INPUTS.glob("*.yaml")):
-        scene = build_scene(load_case(path))
+        scene = load_case(path).scene()
         assert scene.steps % scene.output_steps == 0
         assert scene.output_steps % scene.probe_steps == 0
         wanted = load_case(path).fields.run.duration
@@ -223,7 +223,7 @@ def test_frames_and_probe_windows_divide_the_run():
 
 
 def test_skips_are_named():
-    skipped = " ".join(build_scene(load_case(INPUTS / "energy_box_16.yaml")).skipped)
+    skipped = " ".join(load_case(INPUTS / "energy_box_16.yaml").scene().skipped)
     for word in ("friction", "dashpots", "spin", "gravity", "inlet", "outlet"):
         assert word in skipped
 
@@ -236,19 +236,17 @@ def test_walls_out_of_reach_are_left_out():
             "domain={x: [-5, 5], y: [-5, 5]}",
         ],
     )
-    scene = build_scene(loaded)
+    scene = loaded.scene()
     assert scene.walls == () and any("far" in text for text in scene.skipped)
 
 
 def test_near_the_limit_is_a_warning_beyond_it_an_error():
-    assert not build_scene(parse_case(SMALL.format(diameter="0.2"))).warnings
-    close = build_scene(parse_case(SMALL.format(diameter="0.2"), changes=["run.time_step_fraction=0.37"]))
+    assert not parse_case(SMALL.format(diameter="0.2")).scene().warnings
+    close = parse_case(SMALL.format(diameter="0.2"), changes=["run.time_step_fraction=0.37"]).scene()
     assert any("limit of stability" in text for text in close.warnings)
     with pytest.raises(CaseError, match="allow_unstable"):
-        build_scene(parse_case(SMALL.format(diameter="0.2"), changes=["run.time_step_fraction=0.5"]))
-    build_scene(
-        parse_case(SMALL.format(diameter="0.2"), changes=["run.time_step_fraction=0.5", "run.allow_unstable=true"])
-    )
+        parse_case(SMALL.format(diameter="0.2"), changes=["run.time_step_fraction=0.5"]).scene()
+    parse_case(SMALL.format(diameter="0.2"), changes=["run.time_step_fraction=0.5", "run.allow_unstable=true"]).scene()
 
 
 @settings(max_examples=40)
@@ -269,7 +267,7 @@ def test_random_cases_survive_the_round_trip(diameter, restitution, friction, du
     loaded = parse_case(text)
     again = parse_case(loaded.to_yaml())
     assert again == loaded and again.hash == loaded.hash
-    scene = build_scene(loaded)
+    scene = loaded.scene()
     assert len(scene.positions) == counts[0] * counts[1]
     assert scene.steps % scene.output_steps == 0 and scene.steps >= 1
 
@@ -289,25 +287,25 @@ def test_check_is_quick_to_import():
 
 def test_frames_are_no_closer_than_steps():
     loaded = parse_case(SMALL.format(diameter="0.2"), changes=["run.duration=0.01", "run.output_interval=1e-7"])
-    scene = build_scene(loaded)
+    scene = loaded.scene()
     assert scene.output_steps == 1
     assert scene.steps * scene.time_step == pytest.approx(0.01, abs=scene.time_step)
 
 
 def test_a_run_has_no_more_frames_than_are_read(monkeypatch):
     loaded = parse_case(SMALL.format(diameter="0.2"), changes=["run.duration=0.1", "run.output_interval=0.01"])
-    scene = build_scene(loaded)
+    scene = loaded.scene()
     frames = scene.steps // scene.output_steps + 1  # with that of the start
     monkeypatch.setattr("lammps_jump.case.checks.MOST_FRAMES", frames)
-    build_scene(loaded)
+    loaded.replace({}).scene()
     monkeypatch.setattr("lammps_jump.case.checks.MOST_FRAMES", frames - 1)
     with pytest.raises(CaseError, match=f"make {frames} frames; allowed are {frames - 1}"):
-        build_scene(loaded)
+        loaded.replace({}).scene()
 
 
 @pytest.mark.parametrize("name", scene_names())
 def test_scenes_that_come_along_are_scenes(name):
-    build_scene(parse_case(scene_text(name), f"{name}.yaml"))
+    parse_case(scene_text(name), f"{name}.yaml").scene()
 
 
 def test_discharge_stands_in_place_of_the_mean_speed():

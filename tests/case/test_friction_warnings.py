@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from lammps_jump.case import parse_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.physics.slip import SLIP_MODES
 
 CASE = """\
@@ -20,7 +19,7 @@ engine: {name: native}
 
 
 def warnings(*assignments):
-    return build_scene(parse_case(CASE, "small.yaml", assignments)).warnings
+    return parse_case(CASE, "small.yaml", assignments).scene().warnings
 
 
 @pytest.mark.parametrize("law", ["sign", "hooke"])

@@ -12,7 +12,6 @@ from made_up import INPUTS
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.packing import deepest_overlap
 from lammps_jump.case.piling import piled
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.sizes import Sizes
 
@@ -51,20 +50,20 @@ def overlaps(positions, diameters):
     ],
 )
 def test_kinds_of_sizes(sizes, smallest, largest, mean_square):
-    scene = build_scene(case(f"discs.sizes={sizes}"))
+    scene = case(f"discs.sizes={sizes}").scene()
     assert (scene.smallest, scene.largest) == pytest.approx((smallest, largest), rel=1e-15)
     assert scene.mean_mass == pytest.approx(1000 * mean_square, rel=1e-14)
     assert scene.coefficients.critical_time_step == pytest.approx(2 / np.sqrt(2 * 2.56e7 / (1000 * smallest**2)))
 
 
 def test_no_spread_is_equal_discs():
-    equal, none = (build_scene(case(f"discs.sizes={text}")) for text in ("null", "{kind: uniform, spread: 0}"))
+    equal, none = (case(f"discs.sizes={text}").scene() for text in ("null", "{kind: uniform, spread: 0}"))
     assert equal.sizes is None and none.sizes is None
     assert (equal.positions == none.positions).all()
 
 
 def test_the_seed_shuffles_the_sizes():
-    one, two = (build_scene(case(f"run.seed={seed}")) for seed in (1, 2))
+    one, two = (case(f"run.seed={seed}").scene() for seed in (1, 2))
     assert (one.diameters(np.arange(1, 50)) != two.diameters(np.arange(1, 50))).all()
 
 
@@ -91,7 +90,7 @@ def test_sizes_that_cannot_be(sizes, words):
 
 
 def test_a_column_is_a_dense_pile():
-    scene = build_scene(case())
+    scene = case().scene()
     d = scene.diameters(np.arange(1, len(scene.positions) + 1))
     found = overlaps(scene.positions, d)
     assert found.max() < 1e-9
@@ -126,7 +125,7 @@ def test_any_pile_stays_in_its_rectangle_without_overlaps(ratio, share, width, h
 
 
 def test_a_pile_goes_on_with_the_ids_of_what_came_before():
-    both = build_scene(case("initial=[{kind: list, positions: [[8, 1]]}, {kind: column, x: [0, 4], y: [0, 3]}]"))
+    both = case("initial=[{kind: list, positions: [[8, 1]]}, {kind: column, x: [0, 4], y: [0, 3]}]").scene()
     d = both.diameters(np.arange(1, len(both.positions) + 1))
     assert overlaps(both.positions, d).max() < 1e-9
     assert both.positions[1] == pytest.approx((d[1] / 2, d[1] / 2), rel=1e-9)
@@ -134,25 +133,25 @@ def test_a_pile_goes_on_with_the_ids_of_what_came_before():
 
 @pytest.mark.parametrize("sizes", ["null", "{kind: uniform, spread: 0.2}"])
 def test_all_discs_of_a_column_start_with_its_velocity(sizes):
-    still = build_scene(case(f"discs.sizes={sizes}"))
-    both = build_scene(case(f"discs.sizes={sizes}", "initial.0.velocity=[2, '-50 cm/s']"))
+    still = case(f"discs.sizes={sizes}").scene()
+    both = case(f"discs.sizes={sizes}", "initial.0.velocity=[2, '-50 cm/s']").scene()
     assert np.array_equal(both.positions, still.positions) and not still.velocities.any()
     assert np.array_equal(both.velocities, np.tile([2.0, -0.5], (len(both.positions), 1)))
 
 
 def test_hexagonal_packing_needs_equal_discs():
     with pytest.raises(CaseError, match=r"initial\[0\]: packing: hexagonal .* drop packing"):
-        build_scene(case("initial.0.packing=hexagonal"))
+        case("initial.0.packing=hexagonal").scene()
 
 
 def test_a_column_too_narrow_for_its_first_disc_is_refused():
     with pytest.raises(CaseError, match="not one disc"):
-        build_scene(case("initial.0.x=[0,0.1]"))
+        case("initial.0.x=[0,0.1]").scene()
 
 
 def test_overlaps_at_the_start_are_those_of_the_discs_themselves():
     sizes = "discs.sizes={kind: list, diameters: [0.1, 0.3], shares: [0.5, 0.5]}"
-    scene = build_scene(case(sizes, "initial=[{kind: lattice, nx: 20, ny: 1, spacing: 1, origin: [1, 1]}]"))
+    scene = case(sizes, "initial=[{kind: lattice, nx: 20, ny: 1, spacing: 1, origin: [1, 1]}]").scene()
     large = scene.diameters(np.arange(1, 21)) > 0.2
     i = int(np.flatnonzero(large[:-1] & large[1:])[0]) if (large[:-1] & large[1:]).any() else 0
     first, second = scene.diameters([i + 1, i + 2]).tolist()
@@ -162,12 +161,12 @@ def test_overlaps_at_the_start_are_those_of_the_discs_themselves():
         places[i + 1] = [places[i][0] + apart, 1.0]
         changes = (sizes, f"initial=[{{kind: list, positions: {places}}}]")
         if fits:
-            build_scene(case(*changes))
+            case(*changes).scene()
         else:
             with pytest.raises(CaseError, match=f"discs {i + 1} .* and {i + 2} .* overlap by 0.021 m"):
-                build_scene(case(*changes))
+                case(*changes).scene()
     with pytest.raises(CaseError, match=r"disc 1 .* deep in wall 'back'"):
-        build_scene(case(sizes, f"initial=[{{kind: list, positions: [[{scene.diameters(1) / 2 - 0.021}, 1]]}}]"))
+        case(sizes, f"initial=[{{kind: list, positions: [[{scene.diameters(1) / 2 - 0.021}, 1]]}}]").scene()
 
 
 @given(seed=st.integers(0, 10_000), n=st.integers(2, 60))
@@ -187,21 +186,21 @@ def test_deepest_overlap_is_that_of_all_pairs(seed, n):
 
 
 def test_inlet_and_pour_make_room_for_the_largest_disc():
-    scene = build_scene(case(*JET))
+    scene = case(*JET).scene()
     assert [row.y for row in scene.inlets] == pytest.approx([0.24 * (i + 0.5) for i in range(7)], rel=1e-14)
     assert {row.clearance for row in scene.inlets} == {0.999 * scene.largest}
     assert all(row.first_step == scene.size_steps and row.every_steps % scene.size_steps == 0 for row in scene.inlets)
     assert scene.wall("inlet_back").at == pytest.approx(1 - 0.51 * 0.24)
     with pytest.raises(CaseError, match=r"inflow.x: .*0.24 m or more"):
-        build_scene(case("initial=[]", "inflow={kind: pour, x: [1, 1.22], y: [5, 7], count: 20}"))
+        case("initial=[]", "inflow={kind: pour, x: [1, 1.22], y: [5, 7], count: 20}").scene()
     with pytest.raises(CaseError, match=r"row 1 enters .* deep in wall 'floor'"):
-        build_scene(case(*JET, "inflow.y=-0.01"))
+        case(*JET, "inflow.y=-0.01").scene()
 
 
 def test_friction_without_damping_is_refused():
     with pytest.raises(CaseError, match=r"contact.friction: is 0.1 with restitution 1; .*equal discs"):
-        build_scene(case("contact.friction=0.1", "contact.restitution=1"))
-    build_scene(case("contact.friction=0.1", "contact.restitution=1", "discs.sizes=null"))
+        case("contact.friction=0.1", "contact.restitution=1").scene()
+    case("contact.friction=0.1", "contact.restitution=1", "discs.sizes=null").scene()
 
 
 @pytest.mark.parametrize(
@@ -216,16 +215,16 @@ def test_friction_without_damping_is_refused():
     ],
 )
 def test_jump_scenes_say_whether_they_make_a_level_jump(changes, words):
-    notes = build_scene(case(*JET, *changes)).warnings
+    notes = case(*JET, *changes).scene().warnings
     assert len(notes) == len(words), notes
     assert all(word in note for word, note in zip(words, notes, strict=True))
-    assert not build_scene(case(*JET, *changes, "analysis.jump=false")).warnings
+    assert not case(*JET, *changes, "analysis.jump=false").scene().warnings
 
 
 def test_a_graded_column_says_that_it_does_not_carry_its_weight():
-    (note,) = build_scene(case("initial.0.hydrostatic=true")).warnings
+    (note,) = case("initial.0.hydrostatic=true").scene().warnings
     assert "initial[0]" in note and "settle" in note
-    assert not build_scene(case("initial.0.hydrostatic=true", "initial.0.settle=1")).warnings
+    assert not case("initial.0.hydrostatic=true", "initial.0.settle=1").scene().warnings
 
 
 @pytest.mark.parametrize(("fraction", "count"), [(0.11, 0), (0.112, 1)])
@@ -233,7 +232,7 @@ def test_a_graded_column_says_that_it_does_not_carry_its_weight():
 def test_slip_is_judged_by_the_smallest_pair(fraction, count, sizes):
     # 18 f a step in a dense packing: dashpots grow as sqrt(m), and the step as sqrt(m) of the smallest
     changes = ("contact.friction=0.1", f"run.time_step_fraction={fraction}", f"discs.sizes={sizes}")
-    assert len(build_scene(case(*changes)).warnings) == count
+    assert len(case(*changes).scene().warnings) == count
 
 
 def test_check_says_what_sizes_mean():
@@ -252,5 +251,5 @@ def test_check_says_what_sizes_mean():
 
 
 def test_rows_too_close_to_enter_are_named():
-    (note,) = build_scene(case(*JET, "inflow.spacing=1.02")).warnings
+    (note,) = case(*JET, "inflow.spacing=1.02").scene().warnings
     assert "inflow.spacing 1.02" in note and "1.1" in note

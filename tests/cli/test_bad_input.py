@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from lammps_jump.case import parse_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli.app import main
 
 GOOD = """\
@@ -250,7 +249,7 @@ def test_wrong_pour_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
     inflow = next(line for line in GOOD.splitlines() if line.startswith("inflow"))
     good = GOOD.replace(inflow, POUR)
     assert old in good
-    build_scene(parse_case(good))
+    parse_case(good).scene()
     (tmp_path / "case.yaml").write_text(good.replace(old, new, 1))
     status, message = attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml")
     assert status == 2 and message.count("\n") == 1, message

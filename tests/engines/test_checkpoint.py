@@ -16,7 +16,6 @@ import pytest
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines import checkpoint as checkpoints
 from lammps_jump.engines.checkpoint import (
@@ -40,7 +39,7 @@ DUMP = DUMP_NAMES["text"]
 
 @pytest.fixture
 def scene():
-    return build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=2"]))
+    return load_case(INPUTS / "energy_box_16.yaml", ["run.duration=2"]).scene()
 
 
 def result(step: int) -> RunResult:

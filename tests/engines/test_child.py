@@ -18,7 +18,6 @@ from children import run_child
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines import child as children
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.child import Child, close_idle, prepare_worker
@@ -34,12 +33,12 @@ RESULT = RunResult("native", "numba", "complete", "", 900, 1.0, 7, 7, 0, 0, 1.0)
 
 @pytest.fixture
 def scene():
-    return build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=2"]))
+    return load_case(INPUTS / "energy_box_16.yaml", ["run.duration=2"]).scene()
 
 
 @pytest.fixture
 def endless():
-    return build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=190000"]))
+    return load_case(INPUTS / "energy_box_16.yaml", ["run.duration=190000"]).scene()
 
 
 class FakeProcess:
@@ -179,12 +178,11 @@ ORPHAN = """
 import os, signal, sys
 from pathlib import Path
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.engines import child
 from lammps_jump.engines.launch import Setting, run
 
 case, folder, engine, kernel, ranks = sys.argv[1:]
-scene = build_scene(load_case(case, ["run.duration=190000"]))
+scene = load_case(case, ["run.duration=190000"]).scene()
 made = []
 class Noted(child.Child):
     def __init__(self, *arguments):

@@ -17,7 +17,6 @@ from made_up import choose_to_stop_at, run_case, without_analysis
 
 import lammps_jump as lj
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli import run as cli
 from lammps_jump.cli.app import main
 from lammps_jump.cli.progress import ProgressLine
@@ -46,7 +45,7 @@ JUMP = (
 
 
 def case_scene(name: str, *changes: str):
-    return build_scene(load_case(INPUTS / f"{name}.yaml", ["engine.name=native", *changes]))
+    return load_case(INPUTS / f"{name}.yaml", ["engine.name=native", *changes]).scene()
 
 
 def pouring():

@@ -6,7 +6,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.script import script_text
 
 HERE = Path(__file__).parent
@@ -17,7 +16,7 @@ def golden_texts() -> dict[str, str]:
     """File name -> script, for every scene and both kernels."""
     texts = {}
     for path in sorted(INPUTS.glob("*.yaml")):
-        scene = build_scene(load_case(path))
+        scene = load_case(path).scene()
         for kernel in ("stock", "compiled"):
             texts[f"{path.stem}.{kernel}.lammps"] = script_text(scene, kernel=kernel)
     return texts

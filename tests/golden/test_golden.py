@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.script import script_text
 
 HERE = Path(__file__).parent
@@ -41,7 +40,7 @@ def test_blocks_stand_only_where_needed():
 
 
 def test_skin_of_the_case_reaches_every_neighbour_list():
-    scene = build_scene(load_case(_make.INPUTS / "dam_break.yaml", ["engine.skin=0.05"]))
+    scene = load_case(_make.INPUTS / "dam_break.yaml", ["engine.skin=0.05"]).scene()
     stock, compiled = (script_text(scene, kernel=kernel) for kernel in ("stock", "compiled"))
     assert "neighbor        0.05 bin\n" in stock
     # the plugin keeps a list of its own; LAMMPS' skin says no more than when discs must change ranks

@@ -9,7 +9,6 @@ import pytest
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.studies.bench import timing
 from lammps_jump.studies.bench.command import run_bench
 from lammps_jump.studies.bench.timing import make_row, make_variants, speed_page, started_from
@@ -43,7 +42,7 @@ def test_a_run_that_fails_has_no_speed(monkeypatch, status, rate):
 
 
 def test_every_variant_starts_from_the_developed_discs():
-    scene = build_scene(load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.3"]))
+    scene = load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.3"]).scene()
     developed = developed_scene(scene, work=1e5)
     short = started_from(developed, scene, 50)
     assert len(short.positions) == len(developed.positions) > len(scene.positions)

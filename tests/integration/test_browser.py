@@ -14,12 +14,12 @@ from made_up import flow_context
 from PIL import Image
 
 from lammps_jump import load_case
-from lammps_jump.analysis.profiles import read_profiles
 from lammps_jump.analysis.report import frames
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.page import Choice, Section, render
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.analysis.report.run import write_report
+from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.scene.scene import InletRow, Outlet
@@ -383,7 +383,7 @@ def read_back(page, folder):
     """Compare what the page holds with the dump and with the profiles."""
     times = page.run("players[0].run.times")
     q, qv, sizes = (page.run(f"players[0].run.{name}") for name in ("q", "qv", "radii.length"))
-    profiles = read_profiles(folder / "profiles.nc")
+    profiles = read_netcdf(folder / "profiles.nc")
     frames = {frame.time: frame.sorted() for frame in read_dump(folder)}
     assert len(times) <= 400 and set(times) <= set(frames)
     for k in range(0, len(times), max(1, len(times) // 20)):

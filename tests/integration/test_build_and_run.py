@@ -17,7 +17,6 @@ from made_up import INPUTS, analysed_again, plugin_or_skip, run_case
 import lammps_jump as lj
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli.run import build
 from lammps_jump.cli.run import run as run_built
 from lammps_jump.dump.read import open_dump
@@ -130,7 +129,7 @@ def test_energy_box_whole(tmp_path, fraction, bound):
 def test_row_speeds_and_counts_while_the_inlet_is_free(tmp_path):
     """floor(u t / (s d)) + 1 discs a row to within one, at the row speeds of the 1/7 profile (4.1)."""
     summary = job("hydraulic_jump", tmp_path, "run.duration=0.4")
-    scene = build_scene(load_case(INPUTS / "hydraulic_jump.yaml", ["run.duration=0.4"]))
+    scene = load_case(INPUTS / "hydraulic_jump.yaml", ["run.duration=0.4"]).scene()
     theory = summary["theory"]  # docs/theory.md, printed digits
     assert theory["froude"] == pytest.approx(5.108, abs=5e-4)
     assert theory["belanger_y2"] == pytest.approx(6.742, abs=5e-4)
@@ -143,7 +142,7 @@ def test_discs_enter_with_their_rows_speed(tmp_path):
     """vx is the row's speed. The rows touch: in a millisecond the weight on their slanting contact adds at most
     g t times the slope (2 m/s * 1 ms / 0.2 m), 1e-4 m/s, so 1e-5 of the speed for each row above."""
     job("hydraulic_jump", tmp_path, "run.duration=0.001", "run.output_interval=0.001")
-    speeds = [row.vx for row in build_scene(load_case(INPUTS / "hydraulic_jump.yaml")).inlets]
+    speeds = [row.vx for row in load_case(INPUTS / "hydraulic_jump.yaml").scene().inlets]
     last = list(open_dump(tmp_path / "dump.lammpstrj"))[-1].sorted()
     assert last.n == 5
     assert last.vx == pytest.approx(speeds, rel=5e-5)
@@ -195,7 +194,7 @@ def test_stored_result_is_returned_and_force_runs_again(tmp_path, caplog):
 
 
 def test_interrupted_run_keeps_its_frames(tmp_path):
-    scene = build_scene(load_case(INPUTS / "energy_box_16.yaml", ["run.duration=20000"]))
+    scene = load_case(INPUTS / "energy_box_16.yaml", ["run.duration=20000"]).scene()
     result = run(scene, tmp_path, Setting(stop_at=20_000))
     assert result.status == "interrupted" and result.steps == 20_000
     assert 0 < result.steps < scene.steps
@@ -226,7 +225,7 @@ def test_deep_overlap_ends_the_run_and_names_the_discs(tmp_path):
         "initial: [{kind: list, positions: [[0, 0], [1, 0]], velocities: [[40, 0], [-40, 0]]}]\n"
         "domain: {x: [-5, 6], y: [-1, 1]}\nrun: {duration: 0.02, output_interval: 0.0002}\n"
     )
-    scene = build_scene(case)
+    scene = case.scene()
     result = run(scene, tmp_path)
     assert result.status == "failed"
     assert "overlap too deeply at t = 0.0" in result.message and "discs" in result.message and "2 d/n" in result.message
@@ -240,7 +239,7 @@ def test_a_run_that_blows_up_is_reported(tmp_path):
         "initial: [{kind: lattice, nx: 5, ny: 5, spacing: 0.198, origin: [0.1, 0.1], jitter: 0.001}]\n"
         "run: {duration: 5, time_step_fraction: 1.2, allow_unstable: true}\n"
     )
-    scene = build_scene(case)
+    scene = case.scene()
     result = run(scene, tmp_path)
     assert (result.status == "failed" and "time_step_fraction" in result.message) or "domain" in result.message
     assert "nan" not in (tmp_path / "dump.lammpstrj").read_text().lower()
@@ -359,7 +358,7 @@ def test_refusal_leaves_an_earlier_result_alone(tmp_path):
 def test_positions_that_are_no_numbers_end_the_run(tmp_path, kernel):
     """Two discs at one place have no normal: LAMMPS itself would run on with NaN to a complete end."""
     plugin = plugin_or_skip() if kernel == "compiled" else None
-    scene = build_scene(load_case(INPUTS / "energy_box_7.yaml", ["run.duration=1"]))
+    scene = load_case(INPUTS / "energy_box_7.yaml", ["run.duration=1"]).scene()
     together = scene.positions.copy()
     together[1] = together[0]
     scene = replace(scene, positions=together)
@@ -430,5 +429,5 @@ def test_plugin_in_a_folder_with_a_blank(tmp_path):
     library = tmp_path / "my cache" / "plugin.so"
     library.parent.mkdir()
     shutil.copy(plugin_or_skip(), library)
-    scene = build_scene(load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.1"]))
+    scene = load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.1"]).scene()
     assert run(scene, tmp_path, Setting(kernel="compiled", plugin=library)).status == "complete"

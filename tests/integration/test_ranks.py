@@ -13,7 +13,6 @@ from children import run_program
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.lammps.log import read_log
@@ -30,7 +29,7 @@ def mpiexec():
 
 
 def run(name, folder, plugin, ranks, *changes, **options):
-    scene = build_scene(load_case(INPUTS / f"{name}.yaml", list(changes)))
+    scene = load_case(INPUTS / f"{name}.yaml", list(changes)).scene()
     setting = Setting(kernel="compiled", ranks=ranks, dump_format="binary", plugin=plugin, **options)
     return scene, run_scene(scene, folder, setting)
 
@@ -71,7 +70,7 @@ def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
 
 def test_stock_discs_of_several_sizes_stay_in_the_plane(tmp_path):
     """Sharing the discs anew moved them by 1e-17 m in z, which ended the run."""
-    scene = build_scene(load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.16"]))
+    scene = load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.16"]).scene()
     result = run_scene(scene, tmp_path, Setting(ranks=2))
     assert result.status == "complete", result.message
     assert result.steps == scene.steps > 900 and result.present > 30

@@ -15,7 +15,6 @@ from children import engines_that_save_at
 from made_up import choose_to_stop_at, run_case, without_analysis
 
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, PREVIOUS_FILE, read_checkpoint
@@ -46,7 +45,7 @@ JUMP = (
 
 
 def scene_of(name: str, *changes: str):
-    return build_scene(load_case(INPUTS / f"{name}.yaml", list(changes)))
+    return load_case(INPUTS / f"{name}.yaml", list(changes)).scene()
 
 
 def plugin_of(kernel: str) -> Path | None:

@@ -7,7 +7,7 @@ import pytest
 from made_up import INPUTS
 
 import lammps_jump as lj
-from lammps_jump.analysis import quantities
+from lammps_jump.analysis import contacts, quantities
 
 SHORT = {"run.duration": 0.6, "run.output_interval": 0.02, "engine.name": "native"}
 
@@ -33,6 +33,14 @@ def test_frames_are_read_once_with_the_same_results(tmp_path, passes, kind, expe
     again = lj.open_run(run.folder)
     assert passes == [*expected, "Dump"] and {key: again.summary[key] for key in kept} == first
     assert (run.folder / "profiles.nc").read_bytes() == stored
+
+
+def test_the_pairs_of_a_frame_are_looked_for_once(tmp_path, passes, monkeypatch):
+    """By the momentum of the jump and by the pressure of the player alike."""
+    found, close_pairs = [], contacts.close_pairs
+    monkeypatch.setattr(contacts, "close_pairs", lambda *more: found.append(more) or close_pairs(*more))
+    run = lj.load_case(INPUTS / "quick_jump.yaml", SHORT).run(tmp_path / "run")
+    assert len(found) == run.summary["profiles"]["frames"] == 31
 
 
 def test_progress_and_seconds_tell_the_parts_of_the_analysis(tmp_path):

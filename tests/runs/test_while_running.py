@@ -13,7 +13,6 @@ from made_up import INPUTS
 from PIL import Image
 
 from lammps_jump.case import load_case
-from lammps_jump.case.to_scene import build_scene
 from lammps_jump.cli.live import SECONDS, LiveView
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.tail import Tail
@@ -26,7 +25,7 @@ from lammps_jump.runs.steady import SteadyWatch, steady_window
 
 @pytest.fixture
 def scene():
-    return build_scene(load_case(INPUTS / "quick_jump.yaml"))
+    return load_case(INPUTS / "quick_jump.yaml").scene()
 
 
 def frame_text(time: float, step: int, rows: np.ndarray, first: int = 1) -> str:
@@ -98,7 +97,7 @@ def test_watch_reads_every_frame_once_and_leaves_the_unfinished(tmp_path, scene)
 
 
 def test_scene_without_inflow_has_no_window(tmp_path):
-    scene = build_scene(load_case(INPUTS / "dam_break.yaml", ["run.stop_when_steady=true"]))
+    scene = load_case(INPUTS / "dam_break.yaml", ["run.stop_when_steady=true"]).scene()
     assert steady_window(scene, (0, 10)) is None
     assert any("stop_when_steady has no effect" in text for text in scene.warnings)
     assert SteadyWatch(scene, tmp_path, (0, 10))() is False
@@ -302,7 +301,7 @@ def test_log_is_read(tmp_path):
 
 def test_ranks(scene):
     # one rank for a small scene whatever is free; a number is obeyed
-    small = build_scene(load_case(INPUTS / "energy_box_16.yaml"))
+    small = load_case(INPUTS / "energy_box_16.yaml").scene()
     assert choose_ranks("auto", small)[0] == 1
     assert choose_ranks(3, scene)[0] == 3
     assert choose_ranks(10_000, scene)[1]

@@ -13,15 +13,15 @@ from lammps_jump.errors import CaseError
 from lammps_jump.studies.bench import page as bench_page
 from lammps_jump.studies.bench import study as bench_errors
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
-from lammps_jump.studies.bench.study import Axes, QuantityError, read_axes
+from lammps_jump.studies.bench.study import QuantityError, read_axes
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
 from lammps_jump.studies.runs import in_turn, middle
-from lammps_jump.studies.settings import Setting, make_settings, reference_setting, stable
+from lammps_jump.studies.settings import QUICK, Axes, Setting, make_settings, reference_setting, stable
 from lammps_jump.sweeps.members import JITTER, started
 
 
 def test_only_stable_steps_are_settings():
-    found = make_settings(("f", "kernel", "touch"), restitution=0.2, kernels=("stock", "compiled", "native"))
+    found = make_settings(Axes(("f", "kernel", "touch")), 0.2)
     # docs/theory.md, stability: 0.280 for velocity Verlet, 0.167 for the thesis' scheme
     assert max(s.fraction for s in found if s.kernel != "native") == 0.2
     assert max(s.fraction for s in found if s.kernel == "native") == 0.1
@@ -30,12 +30,13 @@ def test_only_stable_steps_are_settings():
 
 
 def test_axes_add_their_settings():
-    every = make_settings(("f", "n", "correction", "skin", "ranks", "diameter"), restitution=0.2, diameters=(0.1,))
+    names = ("f", "n", "correction", "skin", "ranks", "diameter")
+    every = make_settings(Axes(names, diameters=(0.1,)), 0.2)
     assert {s.penetration for s in every} >= {5.0, 20.0, 40.0}
     assert any(not s.correction for s in every) and any(s.skin == 0.1 for s in every)
     assert any(s.ranks == 2 for s in every) and any(s.diameter == 0.1 for s in every)
     # restitution 1 has nothing to correct
-    assert all(s.correction for s in make_settings(("f", "correction"), restitution=1.0))
+    assert all(s.correction for s in make_settings(Axes(("f", "correction")), 1.0))
 
 
 def test_assignments_make_the_case(tmp_path):
@@ -70,10 +71,11 @@ def test_collisions_have_the_contact_of_a_case():
 
 def test_unknown_axis_is_named():
     with pytest.raises(CaseError, match="--axes: 'g' is not known; allowed are f, n"):
-        read_axes("f,g", None, None, None, None)
+        read_axes(axes="f,g")
     with pytest.raises(CaseError, match="--kernels: 'fast' is not known"):
-        read_axes(None, None, "stock,fast", None, None)
-    assert read_axes("f, n,f", None, None, "0.1", 3) == Axes(("f", "n"), diameters=(0.1,), members=3)
+        read_axes(kernels="stock,fast")
+    assert read_axes(axes="f, n,f", diameters="0.1", members=3) == Axes(("f", "n"), diameters=(0.1,), members=3)
+    assert read_axes(quick=True, fractions="0.1") == QUICK._replace(fractions=(0.1,))
 
 
 def test_reference_is_the_fastest_kernel():
@@ -111,23 +113,30 @@ def test_missing_values_leave_no_number():
     ]
 
 
-def test_pareto_front():
-    points = [(1.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.05), (1.5, 0.6)]
-    assert bench_errors.pareto(points) == [0, 1, 3]
-
-
 def row(label, seconds, error, floor=0.0, **setting):
-    """What `cheapest` reads of a row."""
+    """What `summarise_quantity` reads of a row."""
     errors = {"q": QuantityError(error, floor)._asdict()}
     return {"label": label, "seconds": seconds, "setting": setting, "errors": errors}
 
 
+def test_pareto_front():
+    points = [(1.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.05), (1.5, 0.6)]
+    rows = [row(f"{seconds:g} s", seconds, error) for seconds, error in points]
+    assert bench_errors.summarise_quantity(rows, "q")["pareto"] == ["1 s", "2 s", "4 s"]
+    unknown = [row("without an error", 0.5, None), row("not run", None, 0.01)]
+    assert bench_errors.summarise_quantity([*rows, *unknown], "q")["pareto"] == ["1 s", "2 s", "4 s"]
+    assert bench_errors.summarise_quantity(unknown, "q") == {
+        "pareto": [], "cheapest": {"0.01": None, "0.05": None}, "floor": None
+    }  # fmt: skip
+
+
 def test_cheapest_needs_error_and_floor_within():
     rows = [row("quick", 1.0, 0.001, floor=0.2), row("good", 2.0, 0.009, floor=0.005), row("slow", 3.0, 0.001)]
-    assert bench_errors.cheapest(rows, "q", 0.01)["label"] == "good"
-    assert bench_errors.cheapest(rows, "q", 0.0001) is None
+    found = bench_errors.summarise_quantity(rows, "q")
+    assert found["cheapest"] == {"0.01": "good", "0.05": "good"} and found["floor"] == 0.005
+    assert bench_errors.summarise_quantity(rows[:1], "q")["cheapest"] == {"0.01": None, "0.05": None}
     other_flow = row("coarse", 0.1, 0.001, diameter=0.4)
-    assert bench_errors.cheapest([other_flow, *rows], "q", 0.01)["label"] == "good"
+    assert bench_errors.summarise_quantity([other_flow, *rows], "q")["cheapest"]["0.01"] == "good"
 
 
 def test_turns_go_to_and_fro():

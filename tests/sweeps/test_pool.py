@@ -11,6 +11,7 @@ import pytest
 
 from lammps_jump.engines.choice import usable_cores
 from lammps_jump.errors import RunInterrupted
+from lammps_jump.sweeps import pool as pools
 from lammps_jump.sweeps import worker
 from lammps_jump.sweeps.pool import Pool
 
@@ -35,6 +36,15 @@ def test_calls_end_in_their_order_and_workers_are_reused():
         assert [outcome.value for outcome in found] == [2**n for n in range(20)]
         assert len(pids) <= 2 and os.getpid() not in pids and all(map(alive, pids))
     assert not any(map(alive, pids))
+
+
+def test_workers_prepared_before_are_taken_first_and_the_rest_end_with_the_program():
+    pools.prepare_workers(2)
+    prepared = {one.process.pid for one in pools._ready}
+    with Pool(1) as pool:
+        assert {outcome.value for outcome in pool.run([partial(os.getpid)] * 3)} < prepared
+    pools._end_ready()
+    assert not any(map(alive, prepared))
 
 
 def test_a_hang_a_crash_a_refusal_and_a_bug_are_outcomes_of_their_calls():

@@ -19,11 +19,10 @@ from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.case.to_scene import TOUCH_STEPS
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene, handmade_scene
 from lammps_jump.studies.runs import run_frames
 from lammps_jump.studies.table import markdown
-from lammps_jump.sweeps.store import Results, Say, Store
+from lammps_jump.sweeps import Results, Say, Store
 
 DIAMETER, DENSITY, SPEED, PENETRATION = 0.2, 1000.0, 16.0, 10.0
 PHASES = 64

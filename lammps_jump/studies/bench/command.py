@@ -10,12 +10,13 @@ from lammps_jump import Case, load_case
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
-from lammps_jump.sweeps.store import Say, Store
+from lammps_jump.studies.settings import Axes
+from lammps_jump.sweeps import Say, Store
 
 from .collision import collision_page, compare_collisions
 from .page import draw_quantity, page
 from .skips import measure_skips, skip_page
-from .study import Axes, measure_settings
+from .study import measure_settings
 from .timing import cell_page, overhead_page, speed_page, time_cells, time_commands, time_kernels
 
 FOLDER = Path("runs") / "bench"
@@ -65,7 +66,7 @@ def run_bench(
         part, fresh = "collision", True
     name = case.name if case else part
     store = Store((out or FOLDER / name) / f"{part}.json", fresh=fresh)
-    measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes or Axes(), fresh=fresh), settings_page)
+    measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes, fresh=fresh), settings_page)
     store.data |= plain(measure(case, store, quick=quick, say=say)) | {"case": name, "machine": machine()}
     store.save()
     return store.finish(show(store.data, store.path.parent))

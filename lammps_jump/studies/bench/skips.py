@@ -16,12 +16,13 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump import Case
+from lammps_jump.dump import Frame
 from lammps_jump.errors import RunError
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.script import script_text
 from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
 from lammps_jump.studies.table import markdown
-from lammps_jump.sweeps.store import Results, Say, Store, all_versions
+from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
 PRECISE = ("format float %.10g", "format float %.17g")
@@ -100,8 +101,8 @@ def both_scripts(scene: Scene, skip: Skip) -> tuple[str, str]:
     return plain, skip.edit(plain, scene)
 
 
-def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
-    """Return the last frame (id, x, y, vx, vy; shape (n, 5)) and the processor seconds of a script for a scene.
+def run_script(scene: Scene, text: str) -> tuple[Frame, float]:
+    """Return the last frame and the processor seconds of a script for a scene.
 
     Raises
     ------
@@ -111,26 +112,24 @@ def run_script(scene: Scene, text: str) -> tuple[np.ndarray, float]:
     result, frames = run_frames(scene, "stock", script=text)
     if not frames:
         raise RunError(result.message)
-    last = frames[-1]
-    return np.column_stack([last.ids, last.x, last.y, last.vx, last.vy]), result.cpu_seconds
-
-
-def largest_difference(one: np.ndarray, two: np.ndarray) -> float:
-    """Return the largest difference of positions (m) or velocities (m/s); infinite where the discs differ."""
-    if one.shape != two.shape or not np.array_equal(one[:, 0], two[:, 0]):
-        return inf
-    return float(np.abs(one[:, 1:] - two[:, 1:]).max(initial=0.0))
+    return frames[-1], result.cpu_seconds
 
 
 def compare_skip(scene: Scene, skip: Skip) -> float | None:
-    """Return the largest change of the trajectory with the thing in the script; None where the scene needs it."""
+    """Return the largest change of the last frame with the thing in the script; None where the scene needs it.
+
+    It is of positions (m) or velocities (m/s), and infinite where the discs differ.
+    """
     if not skip.exact:
         steps = min(scene.steps, EARLY_STEPS)
         scene = replace(scene, steps=steps, settle_steps=0, gates=(), output_steps=steps, probe_steps=steps)
     plain, edited = both_scripts(scene, skip)
     if edited == plain:
         return None
-    return largest_difference(run_script(scene, plain)[0], run_script(scene, edited)[0])
+    one, two = (run_script(scene, text)[0] for text in (plain, edited))
+    if not np.array_equal(one.ids, two.ids):
+        return inf
+    return max(float(np.abs(one.columns[c] - two.columns[c]).max(initial=0.0)) for c in ("x", "y", "vx", "vy"))
 
 
 def dump_formats(scene: Scene, rounds: int) -> dict[str, float | None]:
@@ -158,12 +157,10 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
 
 
 def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
-    plain, edited = both_scripts(scene, skip)
-    ratio, difference, verdict = None, None, "the scene needs it"
-    if edited != plain:
-        taken = in_turn([plain, edited], rounds, lambda text, _: run_script(scene, text)[1])
+    ratio, difference, verdict = None, compare_skip(scene, skip), "the scene needs it"
+    if difference is not None:
+        taken = in_turn(both_scripts(scene, skip), rounds, lambda text, _: run_script(scene, text)[1])
         ratio = middle(with_it / without for without, with_it in zip(*taken.values(), strict=True))
-        difference = compare_skip(scene, skip)
         verdict = f"{100 * (ratio - 1):+.1f} % time with it, trajectory differs by {difference:.1e}"
     return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}
 

@@ -11,24 +11,22 @@ the largest deviation, and its floor is 0.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from itertools import chain
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from lammps_jump import Case
-from lammps_jump.analysis.profiles import read_profiles
-from lammps_jump.dump.find import read_forces
+from lammps_jump.dump import read_forces, read_netcdf
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
-from lammps_jump.studies import settings
+from lammps_jump.files import plain
 from lammps_jump.studies.runs import KERNELS, in_turn, middle
-from lammps_jump.studies.settings import Setting, listed
-from lammps_jump.sweeps import Made, Pool, Start, run_starts
-from lammps_jump.sweeps.store import Results, Say, Store
+from lammps_jump.studies.settings import AXES, QUICK, Axes, Setting, listed, make_settings, reference_setting
+from lammps_jump.sweeps import Made, Pool, Results, Say, Start, Store, run_starts
 
 EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""
@@ -103,7 +101,7 @@ def measure(run: Made) -> Measures:
         found["front position"] = np.interp(times, table["time"], table["quantile"]).tolist()
         found["column height"] = np.interp(times, table["time"], table["height"]).tolist()
     if jump := summary.get("jump"):
-        depth = read_profiles(folder / "profiles.nc")["mass_depth_mean"].values
+        depth = read_netcdf(folder / "profiles.nc")["mass_depth_mean"].values
         found["depth profile"] = np.nan_to_num(depth, posinf=0.0, neginf=0.0).tolist()
         found |= {"sequent depth": jump["y2"], "shock speed": jump["speed"]}
     for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():
@@ -125,63 +123,30 @@ def setting_errors(runs: Sequence[Measures], reference: Sequence[Measures]) -> d
     }
 
 
-def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Return the indices of the points (time, error) that no other beats in both, from fast to slow."""
-    errors = pd.DataFrame(points, columns=["time", "error"]).sort_values(["time", "error"]).error
-    return errors.index[errors < errors.cummin().shift(fill_value=inf)].tolist()
-
-
-def cheapest(rows: Sequence[Results], quantity: str, accuracy: float) -> Results | None:
-    """Return the quickest row whose error and floor in `quantity` are within `accuracy`; None where there is none.
-
-    Rows with another stiffness or disc size are other flows and are not chosen.
-    """
-    good = [
-        row for row in rows
-        if row["setting"].get("penetration") is None and row["setting"].get("diameter") is None
-        and row["errors"][quantity]["error"] <= accuracy and (row["errors"][quantity]["floor"] or 0.0) <= accuracy
-    ]  # fmt: skip
-    return min(good, key=lambda row: row["seconds"], default=None)
-
-
 TARGETS = (0.01, 0.05)
 """Errors for which the cheapest setting is named."""
 
 
-@dataclass(frozen=True)
-class Axes:
-    """What a benchmark varies; an empty tuple or None leaves the default values.
+def read_axes(quick: bool = False, members: int | None = None, **words: str | None) -> Axes:
+    """Return what the options of the command line vary.
 
-    Attributes
+    Parameters
     ----------
-    names : tuple of str
-        Of `settings.AXES`.
-    fractions, diameters : tuple of float
-        Time steps over 2/omega; disc diameters, m.
-    kernels : tuple of str
-    members : int or None
-        Starts of each setting; default 5 (2 if quick). The reference gets as many.
-    """
-
-    names: tuple[str, ...] = ()
-    fractions: tuple[float, ...] = ()
-    kernels: tuple[str, ...] = ()
-    diameters: tuple[float, ...] = ()
-    members: int | None = None
-
-
-def read_axes(
-    names: str | None, fractions: str | None, kernels: str | None, diameters: str | None, members: int | None
-) -> Axes:
-    """Return what the options of the command line vary; each is a list with commas between.
+    quick : bool
+        Begin with `QUICK`.
+    members : int, optional
+    words
+        ``axes``, ``kernels``, ``fractions`` and ``diameters``, each a list with commas between.
 
     Raises
     ------
     CaseError
         An axis or a kernel that does not exist; a value that is no number above 0.
     """
-    steps, sizes = _numbers("--fractions", fractions), _numbers("--diameters", diameters)
-    return Axes(listed("--axes", names, settings.AXES), steps, listed("--kernels", kernels, KERNELS), sizes, members)
+    given: dict[str, Any] = {"names": listed("--axes", words.get("axes"), AXES), "members": members}
+    given |= {"kernels": listed("--kernels", words.get("kernels"), KERNELS)}
+    given |= {name: _numbers(f"--{name}", words.get(name)) for name in ("fractions", "diameters")}
+    return (QUICK if quick else Axes())._replace(**{name: value for name, value in given.items() if value})
 
 
 def _numbers(option: str, text: str | None) -> tuple[float, ...]:
@@ -196,10 +161,10 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...]:
     return values
 
 
-def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh: bool, say: Say) -> Results:
+def measure_settings(
+    case: Case, store: Store, *, axes: Axes | None, quick: bool = False, fresh: bool = False, say: Say
+) -> Results:
     """Run every setting from several starts; returns rows, Pareto fronts and choices.
-
-    With `quick`: three steps, two starts, nothing but step, kernel and touch.
 
     Raises
     ------
@@ -208,18 +173,11 @@ def measure_settings(case: Case, store: Store, *, axes: Axes, quick: bool, fresh
     RunError
         No setting came to its end.
     """
-    fields = case.fields
-    names = axes.names or (("f", "touch", "kernel") if quick else settings.USUAL_AXES)
-    usable, notes = usable_kernels()
-    usable = [kernel for kernel in usable if kernel in axes.kernels] or usable
-    chosen = settings.make_settings(
-        names, restitution=fields.contact.restitution, kernels=usable, diameters=axes.diameters,
-        fractions=axes.fractions or (settings.QUICK_FRACTIONS if quick else settings.FRACTIONS),
-        penetrations=(5.0, 20.0) if quick else settings.PENETRATIONS,
-    )  # fmt: skip
-    reference = settings.reference_setting(0.02 if quick else min(settings.FRACTIONS), usable)
-    chosen = list(dict.fromkeys([reference, *chosen]))
-    rounds = axes.members or (2 if quick else 5)
+    axes, (usable, notes) = axes or read_axes(quick), usable_kernels()
+    axes = axes._replace(kernels=tuple(kernel for kernel in usable if kernel in axes.kernels) or tuple(usable))
+    fields, rounds = case.fields, axes.members
+    reference = reference_setting(axes.finest, axes.kernels)
+    chosen = list(dict.fromkeys([reference, *make_settings(axes, fields.contact.restitution)]))
     for note in notes:
         say(f"note: {note}")
     say(f"{case.name}: {len(chosen)} settings x {rounds} starts -> {store.path.parent}")
@@ -288,13 +246,21 @@ def make_row(
     }
 
 
-def summarise_quantity(rows: list[Results], name: str) -> Results:
-    """Return Pareto front (labels), the cheapest setting for each of `TARGETS`, and the median floor of the errors."""
-    usable = [row for row in rows if row["seconds"] and (row["errors"].get(name) or {}).get("error") is not None]
-    choices = {f"{target:g}": cheapest(usable, name, target) for target in TARGETS}
-    front = pareto([(row["seconds"], row["errors"][name]["error"]) for row in usable])
+def summarise_quantity(rows: Sequence[Results], name: str) -> Results:
+    """Return Pareto front (labels), the cheapest setting for each of `TARGETS`, and the median floor of the errors.
+
+    The front holds the settings that no other beats in time and error, from fast to slow. The cheapest is the quickest
+    whose error and floor are within the target. Settings with another stiffness or disc size are other flows and are
+    not chosen.
+    """
+    known = [row for row in rows if row["seconds"] and (row["errors"].get(name) or {}).get("error") is not None]
+    errors = pd.DataFrame([row["errors"][name] for row in known], columns=QuantityError._fields, dtype=float)
+    table = errors.assign(**{key: [row[key] for row in known] for key in ("label", "seconds")})
+    table["flow"] = [all(row["setting"].get(key) is None for key in ("penetration", "diameter")) for row in known]
+    table = table.sort_values(["seconds", "error"])
+    own = table[table.flow.astype(bool)].set_index("label")[["error", "floor"]].fillna(0.0)
     return {
-        "pareto": [usable[i]["label"] for i in front],
-        "cheapest": {target: row and row["label"] for target, row in choices.items()},
-        "floor": middle(row["errors"][name]["floor"] for row in usable),
+        "pareto": table.label[table.error < table.error.cummin().shift(fill_value=inf)].tolist(),
+        "cheapest": {f"{target:g}": next(iter(own.index[(own <= target).all(axis=1)]), None) for target in TARGETS},
+        "floor": plain(table.floor.median()),
     }

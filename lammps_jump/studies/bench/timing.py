@@ -35,13 +35,13 @@ from lammps_jump.engines.native import run_native
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.files import write_text
 from lammps_jump.runs.summary import SUMMARY_FILE
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.trajectories import CONTACT_STEPS
 from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
 from lammps_jump.studies.settings import SKINS
 from lammps_jump.studies.table import markdown
-from lammps_jump.sweeps.store import Results, Say, Store, all_versions
+from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
 """Cell sizes in diameters; the thesis used 2."""
@@ -113,7 +113,7 @@ def cell_page(data: Results, folder: Path) -> str:
     table = pd.DataFrame(data["rows"]).astype(float)
     cells, lists = table.dropna(subset="size"), table[table["size"].isna()]
     line, levels = Line("cells", cells["size"], cells.seconds, "measured"), {search_name(None): lists.seconds.min()}
-    panel = Panel("CPU time (s)", [line], levels=levels, marks={"thesis": 2.0}, y_limits=(0.0, None))
+    panel = Panel("CPU time (s)", [line], levels=levels, marks={"thesis": 2.0}, ylim=(0.0, None))
     title, x = "contact search of the native engine", "cell size over disc diameter"
     save(drawn(Chart(title, x, [panel], name=data["case"])), folder / "cells.png")
     columns = {

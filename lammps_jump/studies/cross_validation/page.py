@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import isfinite, nan
 from pathlib import Path
 
@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 from lammps_jump.analysis.draw.chart import PLACE, TIME, Chart, Line, Panel
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, drawing, drawn, save
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.studies.table import Column, cells
 
 from .quantities import Comparison, Curve, relative_size
-from .statistics import DECIDES
+from .statistics import DECIDES, Difference
 from .trajectories import AGREEMENT, CONTACT_STEPS, DeterministicCheck, Divergence, Growth
 
 SHOWN = {"lammps_stock": "LAMMPS (stock)", "lammps_compiled": "LAMMPS (compiled kernel)", "native": "native engine"}
@@ -71,7 +71,7 @@ def divergence(scene: Scene, checks: Sequence[DeterministicCheck], part: Diverge
     y, marks = "log10 of the largest distance\nof a disc's two places [d]", {t: scene.time(s) for t, s in steps.items()}
     limits = -17.0, 1.0 + max(0.0, *(np.nanmax(line.y, initial=0.0) for line in lines))
     agreed = {f"must agree to {AGREEMENT:g} d": np.log10(AGREEMENT)}
-    panel = Panel(y, lines, levels=agreed, marks=marks, y_limits=limits)
+    panel = Panel(y, lines, levels=agreed, marks=marks, ylim=limits)
     return Chart(DIVERGENCE, TIME, [panel])
 
 
@@ -84,32 +84,32 @@ def _label(name: str, curve: Curve) -> str:
     return f"{words}{' energy' if curve.unit == 'J/m' else ''} [{curve.unit}]".replace(" [1]", "").replace("m2/", "m²/")
 
 
-def _abscissa(found: Comparison, names: list[str]) -> str:
-    return TIME if found.bands[names[0]][0].axis == "t" else PLACE
+def band_chart(
+    title: str, found: Comparison, names: list[str], lines: Callable[[Curve, Difference], list[Line]]
+) -> Chart:
+    """Describe curves with `lines` of each and its difference."""
+    panels = [Panel(_label(name, found.bands[name][0]), lines(*found.bands[name])) for name in names]
+    return Chart(title, TIME if found.bands[names[0]][0].axis == "t" else PLACE, panels)
 
 
 def means(title: str, found: Comparison, names: list[str]) -> Chart:
     """Describe the mean of each ensemble with a band of one standard deviation: two of a half."""
-    panels = []
-    for name in names:
-        curve, band = found.bands[name]
-        sides = ((band.mean_1, band.deviation_1, "first"), (band.mean_2, band.deviation_2, "second"))
-        labels = (SHOWN.get(label, label) for label in found.ensembles)
-        lines = [
-            Line(label, curve.at, mean, look, 0.5 * s) for label, (mean, s, look) in zip(labels, sides, strict=True)
-        ]
-        panels.append(Panel(_label(name, curve), lines))
-    return Chart(f"{title}; band: ± 1 s.d. of the members", _abscissa(found, names), panels)
+    one, two = (SHOWN.get(label, label) for label in found.ensembles)
+
+    def lines(curve: Curve, band: Difference) -> list[Line]:
+        first = Line(one, curve.at, band.mean_1, "first", 0.5 * band.deviation_1)
+        return [first, Line(two, curve.at, band.mean_2, "second", 0.5 * band.deviation_2)]
+
+    return band_chart(f"{title}; band: ± 1 s.d. of the members", found, names, lines)
 
 
 def gaps(title: str, found: Comparison, names: list[str]) -> Chart:
     """Describe the difference of each curve with its interval, 95 % for all points at once."""
-    panels = []
-    for name in names:
-        curve, band = found.bands[name]
-        line = Line("", curve.at, band.difference, "sum", 0.5 * band.half_width)
-        panels.append(Panel(_label(name, curve), [line]))
-    return Chart(f"{title}: native minus LAMMPS, 95 % for all at once", _abscissa(found, names), panels)
+
+    def lines(curve: Curve, band: Difference) -> list[Line]:
+        return [Line("", curve.at, band.difference, "sum", 0.5 * band.half_width)]
+
+    return band_chart(f"{title}: native minus LAMMPS, 95 % for all at once", found, names, lines)
 
 
 def forest(comparisons: dict[str, Comparison]) -> Figure:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 from scipy import stats
 
 CONFIDENCE = 0.95
@@ -137,8 +138,8 @@ def holm(ps: dict[str, float]) -> dict[str, float]:
     return {name: float(adjusted.get(name, nan)) for name in ps}
 
 
-def block_means(values: np.ndarray, blocks: int) -> np.ndarray:
-    """Return means of `blocks` equal parts along the last axis (fewer where there are fewer values)."""
-    count = values.shape[-1]
-    cuts = np.linspace(0, count, min(blocks, count) + 1).astype(int)
-    return np.stack([values[..., a:b].mean(axis=-1) for a, b in pairwise(cuts)], axis=-1)
+def block_means(values: ArrayLike, blocks: int) -> np.ndarray:
+    """Return means of `blocks` equal parts of a series (fewer where there are fewer values)."""
+    values = np.asarray(values, float)
+    cuts = np.linspace(0, len(values), min(blocks, len(values)) + 1).astype(int)
+    return np.array([values[a:b].mean() for a, b in pairwise(cuts)])

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import product
 from math import isfinite, nan
 from pathlib import Path
@@ -21,17 +22,15 @@ from lammps_jump import Case
 from lammps_jump.engines import choose, usable_cores, usable_kernels
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.files import plain, write_json
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.studies.runs import kernel_changes
-from lammps_jump.sweeps import Pool, Start, run_starts
-from lammps_jump.sweeps.members import JITTER
-from lammps_jump.sweeps.store import Results, Say, all_versions
+from lammps_jump.sweeps import JITTER, Pool, Results, Say, Start, all_versions, run_starts
 
 from . import page, trajectories
 from .quantities import Comparison, Quantities, compare, measure
 from .scenes import friction_scene, micro_scenes
 from .statistics import CONFIDENCE, FAMILY_ERROR
-from .trajectories import CONTACT_STEPS, TWIN_JITTER, DeterministicCheck, Divergence, Growth, perturbed
+from .trajectories import CONTACT_STEPS, DeterministicCheck, Divergence, Growth
 
 LABELS = {"stock": "lammps_stock", "compiled": "lammps_compiled", "native": "native"}
 """Name of an ensemble in tables, by kernel."""
@@ -73,11 +72,6 @@ class Study:
     checks: list[DeterministicCheck] = field(default_factory=list)
     members: dict[str, list[Quantities]] = field(default_factory=dict)
     laws: dict[str, tuple[str, Comparison]] = field(default_factory=dict)
-
-    @property
-    def name(self) -> str:
-        """Name of the case."""
-        return self.case.name
 
     def run(self, case: Case, kernel: str, label: str = "") -> str:
         """Run and measure an ensemble of a case; returns its name.
@@ -198,7 +192,7 @@ def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: l
         for label, group in study.members.items()
     }
     return plain({
-        "name": study.name,
+        "name": study.case.name,
         "passed": passed and all(item["met"] is not False for item in criteria),
         "seconds": seconds,
         "versions": all_versions(),
@@ -260,8 +254,7 @@ def _disc_by_disc(study: Study, work: float) -> Divergence:
     for scene, kernel in [*scenes, *product(own, kernels)]:
         check = trajectories.check_scene(scene, kernel=kernel)
         if scene in own:
-            twin, last = perturbed(scene, 1, TWIN_JITTER), check.last_step
-            check = check.explain(lambda s=scene, t=twin, n=last: trajectories.twin_separation(s, t, n))
+            check = check.explain(partial(trajectories.twin_separation, scene, check.last_step))
         study.checks.append(check)
         word = "agrees" if check.agrees else ("differs as expected" if check.passed else "DIFFERS")
         apart = f"{check.worst:.1e} d over {CONTACT_STEPS} steps with contacts"

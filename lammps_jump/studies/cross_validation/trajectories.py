@@ -16,9 +16,9 @@ from scipy import stats
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import RunError
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Scene
 from lammps_jump.studies.runs import run_frames
-from lammps_jump.sweeps.store import Results
+from lammps_jump.sweeps import Results
 
 AGREEMENT = 1e-9
 """Positions that must agree do so to this many diameters."""
@@ -53,18 +53,14 @@ class Separation:
     ----------
     steps : ndarray of int, shape (frames,)
         Frames in which both hold the same discs, up to the first in which they do not.
-    largest, rms : ndarray, shape (frames,)
-        Largest and root-mean-square distance between the two places of a disc, in diameters.
-    worst : ndarray of int, shape (frames,)
-        Id of the disc with the largest distance.
+    largest : ndarray, shape (frames,)
+        Largest distance between the two places of a disc, in diameters.
     other_discs : int or None
         First step at which the engines hold different discs; None for never.
     """
 
     steps: np.ndarray
     largest: np.ndarray
-    rms: np.ndarray
-    worst: np.ndarray
     other_discs: int | None
 
     @property
@@ -122,19 +118,12 @@ def separation(one: Trajectory, other: Trajectory, diameter: float) -> Separatio
     """
     shared = sorted(set(one) & set(other))
     same = list(takewhile(lambda step: np.array_equal(one[step][0], other[step][0]), shared))
-    other_discs = next(iter(shared[len(same) :]), None)
-    rows = []
-    for step in same:
-        ids, places = one[step]
-        distance = np.hypot(*(places - other[step][1]).T) / diameter
-        k = int(np.argmax(distance)) if len(ids) else None
-        rows.append((step, 0.0, 0.0, 0) if k is None else (step, distance[k], np.sqrt(np.mean(distance**2)), ids[k]))
-    steps, largest, rms, worst = np.array(rows, float).reshape(-1, 4).T
-    return Separation(steps.astype(int), largest, rms, worst.astype(int), other_discs)
+    apart = [np.hypot(*(one[step][1] - other[step][1]).T).max(initial=0.0) / diameter for step in same]
+    return Separation(np.array(same, int), np.array(apart, float), next(iter(shared[len(same) :]), None))
 
 
-def perturbed(scene: Scene, seed: int, jitter: float) -> Scene:
-    """Return a copy of the scene with its start shifted by at most `jitter` diameters, row speeds by that share."""
+def perturbed(scene: Scene, seed: int = 1, jitter: float = TWIN_JITTER) -> Scene:
+    """Return a twin of the scene: its start is shifted by at most `jitter` diameters, row speeds by that share."""
     rng = np.random.default_rng(seed)
     positions = scene.positions + rng.uniform(-jitter, jitter, scene.positions.shape) * scene.diameter
     positions.setflags(write=False)
@@ -231,9 +220,9 @@ class DeterministicCheck:
         return replace(self, expected_difference=CHAOS.format(apart)) if apart >= CHAOS_SHARE * self.worst else self
 
 
-def twin_separation(scene: Scene, twin: Scene, steps: int) -> float:
-    """Return the largest separation (d) of two native runs of a scene and its twin; infinite where the discs differ."""
-    runs = [trajectory(plain_scene(one, steps, EVERY), "native") for one in (scene, twin)]
+def twin_separation(scene: Scene, steps: int) -> float:
+    """Return the largest separation (d) of native runs of a scene and its twin; infinite where the discs differ."""
+    runs = [trajectory(plain_scene(one, steps, EVERY), "native") for one in (scene, perturbed(scene))]
     return separation(*runs, scene.diameter).farthest
 
 
@@ -295,10 +284,10 @@ def check_scene(scene: Scene, *, kernel: str = "stock") -> DeterministicCheck:
         return DeterministicCheck(scene.name, kernel, len(scene.positions), None, 0, nan, False, note)
     last = -(-(touched + CONTACT_STEPS) // EVERY) * EVERY
     short = plain_scene(scene, last, EVERY)
-    part = separation(trajectory(short, "native"), trajectory(short, kernel), scene.diameter)
-    worst = float(part.largest.max(initial=0.0))
+    native = trajectory(short, "native")
+    part = separation(native, trajectory(short, kernel), scene.diameter)
+    worst, discs = float(part.largest.max(initial=0.0)), len(native[last][0])
     note = "" if part.other_discs is None else f"the engines hold different discs at step {part.other_discs}"
-    discs = max(int(part.worst.max(initial=0)), len(scene.positions))
     return DeterministicCheck(scene.name, kernel, discs, touched, last, worst, not note and worst <= AGREEMENT, note)
 
 
@@ -327,7 +316,7 @@ def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
     long = plain_scene(scene, max(interval, steps // interval * interval), interval)
     native = trajectory(long, "native")
     part = separation(native, trajectory(long, kernel), scene.diameter)
-    twin = separation(native, trajectory(perturbed(long, 1, TWIN_JITTER), "native"), scene.diameter)
+    twin = separation(native, trajectory(perturbed(long), "native"), scene.diameter)
     dt = scene.time_step
     return Divergence(part, twin, {
         "kernel": kernel,
@@ -343,7 +332,7 @@ def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
 
 def parting_step(scene: Scene, work: float) -> int:
     """Return a step soon after the native engine and its twin have parted by 1 d; at most `work` disc-steps."""
-    one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene, 1, TWIN_JITTER)))
+    one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene)))
     while one.step < scene.steps and one.disc_steps < work:
         chunk = min(200, scene.steps - one.step)
         one.run(chunk)

@@ -4,29 +4,24 @@
 A small compression keeps contacts closed, and a far smaller perturbation is given as velocities. While it stays small
 the motion is linear, and the step is stable exactly where the perturbation does not grow. Boxes are not periodic. Their
 walls are as stiff as the discs, and the effect of the ends falls with the square of the discs along a side (0.3 % at
-20). A hexagonal crystal with periodic boundaries is tried too, in a LAMMPS script of its own.
+20). A hexagonal crystal with periodic boundaries is tried too, in stock LAMMPS.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import inf, isfinite, sqrt
 
 import numpy as np
 
-from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.errors import SetupError
 from lammps_jump.physics import contact
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Box, Plane
-from lammps_jump.script import stock
-from lammps_jump.script.stock import number
+from lammps_jump.scene import Box, Plane, Scene, handmade_scene
+from lammps_jump.script import script_text
 from lammps_jump.studies.runs import run_frames
-from lammps_jump.sweeps.store import Results
+from lammps_jump.sweeps import Results
 
 DIAMETER, DENSITY, STIFFNESS = 0.2, 1000.0, 2.56e7
 MASS = contact.disc_mass(DENSITY, DIAMETER)
@@ -61,11 +56,10 @@ def _scene(positions, velocities, walls=(), **settings) -> Scene:
     """Return discs with closed contacts; restitution is not corrected, so the damping ratio is the nominal one."""
     positions = np.asarray(positions, float)
     low, high = positions.min(axis=0) - 5 * DIAMETER, positions.max(axis=0) + 5 * DIAMETER
-    settings = {"gravity": (0.0, 0.0), "diameter": DIAMETER, "density": DENSITY, **settings}
-    return handmade_scene(
-        positions, velocities, tuple(walls), name="stability", description="closed contacts, slightly perturbed",
-        domain=((low[0], high[0]), (low[1], high[1])), skin=0.3 * DIAMETER, overlap_limit=0.5 * DIAMETER, **settings,
-    )  # fmt: skip
+    usual = {"name": "stability", "description": "closed contacts, slightly perturbed", "gravity": (0.0, 0.0)}
+    usual |= {"diameter": DIAMETER, "density": DENSITY, "skin": 0.3 * DIAMETER, "overlap_limit": 0.5 * DIAMETER}
+    usual |= {"domain": tuple(zip(low, high, strict=True))}
+    return handmade_scene(positions, velocities, tuple(walls), **{**usual, **settings})
 
 
 def arrangement_scene(arrangement: str, fraction: float, restitution: float, integrator: str, *, side=16, **surface):
@@ -125,47 +119,44 @@ def _settled(arrangement: str, side: int) -> tuple[np.ndarray, list[Box], tuple[
 
     Both have come to rest.
     """
-    radius = 0.5 * DIAMETER
-    if arrangement == "hexagonal":
-        overlap, gravity, rows = 1e-3 * DIAMETER, (0.0, 0.0), side + 1 - side % 2
-        spacing = DIAMETER - overlap
-        wall_x, wall_y = 2 * overlap, sqrt(3.0) * overlap
-    else:
-        gravity, rows, side = (0.0, -9.81), 4 * side, 10
-        spacing, wall_x, wall_y = DIAMETER, 0.0, 0.0
-    positions = _hexagonal(side, rows, spacing, less=1)
+    column, radius = arrangement == "column", 0.5 * DIAMETER
+    overlap, gravity, steps = (0.0, (0.0, -9.81), 40_000) if column else (1e-3 * DIAMETER, (0.0, 0.0), 4_000)
+    wide, rows = (10, 4 * side) if column else (side, side + 1 - side % 2)
+    wall_x, wall_y = 2 * overlap, sqrt(3.0) * overlap
+    positions = _hexagonal(wide, rows, DIAMETER - overlap, less=1)
     right, top = positions.max(axis=0)
-    high = top + radius - wall_y if arrangement == "hexagonal" else top + 5 * DIAMETER
+    high = top + 5 * DIAMETER if column else top + radius - wall_y
     box = Box("box", (wall_x - radius, right + radius - wall_x), (wall_y - radius, high))
     scene = _scene(positions, np.zeros_like(positions), [box], time_step_fraction=0.1, gravity=gravity)
     simulation = NativeSimulation(scene, ledger=False)
-    simulation.run(4000 if arrangement == "hexagonal" else 40000)
+    simulation.run(steps)
     return simulation.positions, [box], gravity
 
 
-def growth(scene: Scene, engine: str, steps: int) -> float:
-    """Return the largest kinetic energy seen (at `LOOKS` times) over that at the start; infinite where the run fails.
+def growth(scene: Scene, engine: str, steps: int, looks: int = LOOKS, script: str | None = None) -> float:
+    """Return the largest kinetic energy seen, at equal times, over that at the start; infinite where the run fails.
 
-    The last value would not do: discs that have blown up fly apart, and their dashpots may calm them again.
+    The last value would not do: discs that have blown up fly apart, and their dashpots may calm them again. `script`
+    is as of `run_frames`.
     """
-    every = max(1, steps // LOOKS)
-    scene = replace(scene, steps=LOOKS * every, output_steps=every)
+    every = max(1, steps // looks)
+    scene = replace(scene, steps=looks * every, output_steps=every)
     with np.errstate(over="ignore", invalid="ignore"):
-        frames = run_frames(scene, ENGINES[engine], dump_format="binary")[1]
+        frames = run_frames(scene, ENGINES[engine], dump_format="binary", script=script)[1]
         start, *later = [float((frame.vx**2).sum() + (frame.vy**2).sum()) for frame in frames] or [1.0, inf]
     return max(later) / start if all(map(isfinite, later)) else inf
 
 
 def bisect(stable: Callable[[float], bool], low: float, high: float, tolerance: float) -> tuple[float, float]:
     """Return (largest stable, smallest unstable) fraction, `tolerance` of their middle apart; widens its bracket."""
-    for _ in range(12):
-        if stable(low):
+    stable = cache(stable)
+    for _ in range(24):
+        if not stable(low):
+            low, high = 0.8 * low, low
+        elif stable(high):
+            low, high = high, 1.25 * high
+        else:
             break
-        low, high = 0.8 * low, low
-    for _ in range(12):
-        if not stable(high):
-            break
-        low, high = high, 1.25 * high
     while (high - low) > tolerance * 0.5 * (high + low):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if stable(middle) else (low, middle)
@@ -212,8 +203,8 @@ def measure_limit(
     return {**asked, **found, "deviation": middle / predicted - 1.0}
 
 
-def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> float:
-    """Return the growth of a 2 % compressed hexagonal crystal with periodic boundaries, in a LAMMPS script of its own.
+def crystal_growth(restitution: float, fraction: float, steps: int = 20000, side: int = 20) -> Results:
+    """Return the growth of a 2 % compressed periodic hexagonal crystal, in stock LAMMPS; 1e300 stands for infinity.
 
     Raises
     ------
@@ -221,32 +212,14 @@ def periodic_hexagonal(restitution: float, fraction: float, steps: int = 20000, 
         Where LAMMPS cannot be loaded.
     """
     spacing = 0.98 * DIAMETER
-    width, height = number(side * spacing), number(side * (spacing * sqrt(3.0) / 2))
-    points = _hexagonal(side, side, spacing).tolist()
-    speeds = 1e-7 * DIAMETER * OMEGA * np.random.default_rng(7).standard_normal((len(points), 2))
-    scene = _scene(points, speeds, time_step_fraction=fraction, restitution=restitution)
-    engine = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
-    try:
-        text = [
-            "units si", "dimension 2", "atom_style sphere", "boundary p p p", "newton off", "comm_modify vel yes",
-            f"region all block 0 {width} 0 {height} -0.1 0.1", "create_box 1 all",
-            *[f"create_atoms 1 single {number(x + 1e-3)} {number(y + 1e-3)} 0" for x, y in points],
-            f"set group all diameter {number(DIAMETER)}", f"set group all mass {number(MASS)}",
-            *[f"set atom {i} vx {number(vx)} vy {number(vy)}" for i, (vx, vy) in enumerate(speeds, 1)],
-            *stock.contact_law(scene), f"neighbor {number(scene.skin)} bin", f"timestep {number(scene.time_step)}",
-            "fix motion all nve", "thermo_style custom step ke", "run 0",
-        ]  # fmt: skip
-        engine.commands_string("\n".join(text))
-        start = engine.get_thermo("ke")
-        engine.command(f"run {steps}")
-        end = engine.get_thermo("ke")
-    except Exception as error:  # the module raises bare Exception; a blow-up loses atoms
-        if "Lost atoms" in str(error) or "numeric" in str(error):
-            return inf
-        raise SetupError(f"the periodic crystal could not be run: {error}") from None
-    finally:
-        engine.close()
-    return end / start if isfinite(end) and start > 0 else inf
+    points = _hexagonal(side, side, spacing) + 1e-3
+    speeds = 1e-7 * DIAMETER * OMEGA * np.random.default_rng(7).standard_normal(points.shape)
+    domain = ((0.0, side * spacing), (0.0, side * spacing * (sqrt(3.0) / 2)))
+    options = {"time_step_fraction": fraction, "restitution": restitution, "steps": steps, "output_steps": steps}
+    scene = _scene(points, speeds, domain=domain, **options)
+    script = script_text(scene, kernel="stock", dump_format="binary").replace("f f p", "p p p", 1)
+    found = min(growth(scene, "stock", steps, looks=1, script=script), 1e300)
+    return {"restitution": restitution, "fraction": fraction, "growth": found, "stable": found < 1.0}
 
 
 def resting_bed(engine: str, steps: int) -> Results:

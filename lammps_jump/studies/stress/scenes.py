@@ -23,13 +23,10 @@ from lammps_jump import load_case
 from lammps_jump.analysis.energy import EnergyLedger
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.passes import feed
-from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.read import open_dump
-from lammps_jump.engines.result import RunResult
+from lammps_jump.dump import open_dump, read_dump
+from lammps_jump.engines import RunResult
 from lammps_jump.errors import DumpError, JumpError, SetupError
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Box
+from lammps_jump.scene import Box, Scene, handmade_scene
 from lammps_jump.studies.runs import execute, kernel_changes
 from lammps_jump.sweeps import pool
 
@@ -193,11 +190,10 @@ def judge_bypassed(positions: tuple[tuple[float, float], ...], engine: str) -> O
 
 def judge_scene(scene: Scene, engine: str) -> Outcome:
     """Run a scene and judge all that it wrote; the engines must find what the checks of a case would refuse."""
-    kernel = "native" if engine.startswith("native") else engine
     scene = replace(scene, probe_steps=max(1, scene.probe_steps))
     with tempfile.TemporaryDirectory() as folder, np.errstate(all="ignore"):
         try:
-            result = execute(scene, Path(folder), kernel)
+            result = execute(scene, Path(folder), engine.split()[0])
         except JumpError as error:
             return told(error, stopped(str(error)))
         message = result.message.replace(folder, "the run folder")

@@ -16,15 +16,12 @@ import pandas as pd
 
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.engines import usable_cores, usable_kernels
-from lammps_jump.files import plain
 from lammps_jump.physics import contact
-from lammps_jump.provenance import short_hash
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
 from lammps_jump.studies.table import filled, markdown
-from lammps_jump.sweeps import Pool
-from lammps_jump.sweeps.store import Results, Say, Store
+from lammps_jump.sweeps import Pool, Results, Say, Store
 
-from .limits import ARRANGEMENTS, ENGINES, integrator_of, measure_limit, periodic_hexagonal, resting_bed
+from .limits import ARRANGEMENTS, ENGINES, crystal_growth, integrator_of, measure_limit, resting_bed
 from .scenes import BYPASSED, ENGINE_CHANGES, GOOD, Outcome, ended, hard_scenes, judge, judge_bypassed, random_case
 
 PACKINGS = {"pair": ("-", "#33508f"), "square": ("--", "#7d7c78"), "hexagonal": ("-.", "#a08a3c")}
@@ -127,7 +124,7 @@ class Stress:
     @property
     def engines(self) -> list[str]:
         """Engines of `limits.ENGINES` that run here."""
-        return [engine for engine, kernel in ENGINES.items() if kernel == "native" or kernel in self.kernels]
+        return [engine for engine, kernel in ENGINES.items() if kernel in self.kernels]
 
     def limits(self) -> list[Results]:
         """Measure limits for arrangements, restitutions, friction and spin on each engine."""
@@ -147,7 +144,7 @@ class Stress:
     def growth_per_contact(self) -> list[Results]:
         """Measure the relative change of energy of one elastic collision below the limit, over entry phases."""
         fractions = (0.05, 0.2) if self.quick else (0.01, 0.05, 0.1, 0.2, 0.4)
-        return self._call([partial(gain, *point) for point in product(self.engines, fractions)])
+        return self.store.call([partial(gain, *point) for point in product(self.engines, fractions)], self.pool)
 
     def scenes(self) -> list[Results]:
         """Run every hard scene on every engine; a hang or a crash of its process is an outcome."""
@@ -186,21 +183,14 @@ class Stress:
 
     def _judged(self, asked: Mapping[Any, tuple[Callable[..., Outcome], object]]) -> list[tuple[Any, str, Results]]:
         """Return (name, engine, outcome) of scenes, by name what judges and what is judged, on all engines here."""
-        engines = [engine for engine in ENGINE_CHANGES if engine.startswith("native") or engine in self.kernels]
-        points = list(product(asked, engines))
+        points = list(product(asked, [engine for engine in ENGINE_CHANGES if engine.split()[0] in self.kernels]))
         calls = [partial(*asked[name], engine) for name, engine in points]
-        found = self._call(calls, patience=10 * TIMEOUT if self.long else TIMEOUT)
+        patience = 10 * TIMEOUT if self.long else TIMEOUT
+        found = self.store.call(calls, self.pool, otherwise=ended, patience=patience)
         return [(*point, result) for point, result in zip(points, found, strict=True)]
 
-    def _call(
-        self, calls: list[partial], tell: Callable[[Results], str] | None = None, patience: float | None = None
-    ) -> list[Results]:
-        """Make pieces in the pool; what a call with `patience` (s) does not return is an outcome too."""
-        said = (lambda key, piece: self.say("  " + tell(piece))) if tell else (lambda key, piece: None)
-        lost = {"otherwise": ended, "patience": patience} if patience else {}
-        keys = [f"{one.func.__name__} {short_hash({'arguments': plain([one.args, one.keywords])})}" for one in calls]
-        found = self.store.call(dict(zip(keys, calls, strict=True)), self.pool, said=said, **lost)
-        return [found[key] for key in keys]
+    def _call(self, calls: list[partial], tell: Callable[[Results], str]) -> list[Results]:
+        return self.store.call(calls, self.pool, said=lambda piece: self.say("  " + tell(piece)))
 
 
 def stress(
@@ -254,12 +244,6 @@ def stress(
     store.finish(report(results), **results)
     draw_map(results["limits"], folder / "stress_map.png")
     return bad
-
-
-def crystal_growth(restitution: float, fraction: float) -> Results:
-    """Return the growth in a periodic crystal; 1e300 stands for infinity."""
-    growth = min(periodic_hexagonal(restitution, fraction), 1e300)
-    return {"restitution": restitution, "fraction": fraction, "growth": growth, "stable": growth < 1.0}
 
 
 def gain(engine: str, fraction: float) -> Results:
