@@ -27,20 +27,18 @@ def test_store_goes_on_where_it_was(tmp_path):
 
 
 def test_calls_are_made_once_and_kept_as_they_come(tmp_path):
-    store, said = Store(tmp_path / "s.json"), []
-    calls = {"one": partial(int, "1"), "two": partial(int, "11", base=3)}
+    said, calls = [], [partial(pow, 2, 3), partial(int, "11", base=3)]
     with Pool(1) as pool:
-        assert store.call(calls, pool, said=lambda key, piece: said.append(key)) == {"one": 1, "two": 4}
+        assert Store(tmp_path / "s.json").call(calls, pool, said=said.append) == said == [8, 4]
         again = Store(tmp_path / "s.json")
-        assert again.call({"two": partial(os._exit, 1), "one": partial(os._exit, 1)}, pool) == {"two": 4, "one": 1}
-    assert said == ["one", "two"]
+        assert again.call([calls[1], partial(pow, 2, 4), calls[0]], pool, said=said.append) == [4, 16, 8]
+    assert said == [8, 4, 16]  # what was there is not made again
 
 
 def test_a_call_that_fails_is_an_error_or_an_outcome_and_the_others_are_kept(tmp_path):
-    store = Store(tmp_path / "s.json")
-    calls = {"bad": partial(os._exit, 3), "good": partial(int, "1")}
+    store, calls = Store(tmp_path / "s.json"), [partial(os._exit, 3), partial(int, "1")]
     with Pool(1) as pool:
         with pytest.raises(RunError, match="status 3"):
             store.call(calls, pool)
-        assert Store(tmp_path / "s.json").pieces == {"good": 1}
-        assert store.call(calls, pool, otherwise=lambda outcome: outcome.kind) == {"bad": "crash", "good": 1}
+        assert list(Store(tmp_path / "s.json").pieces.values()) == [1]
+        assert store.call(calls, pool, otherwise=lambda outcome: outcome.kind) == ["crash", 1]
