@@ -235,13 +235,9 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
     last, gravity = np.flatnonzero(good)[-1], flow.gravity
     free = free_length(flow, history)
     live = good & (history.time >= 0)
-    running = live & (history.bulk > base + 0.1 * (free - base if np.isfinite(free) else base))
-    hit = np.flatnonzero(live & (history.bulk >= free - 0.5 * flow.scene.diameter))
-    arrival = float(history.time[hit[0]]) if hit.size else nan
-    if hit.size:
-        running[hit[0] :] = False
     # once the front meets an obstacle, neither theory holds any more
-    end = arrival if hit.size else np.inf
+    end = min(history.time[live & (history.bulk >= free - 0.5 * flow.scene.diameter)].tolist(), default=inf)
+    running = live & (history.time < end) & (history.bulk > base + 0.1 * (free - base if isfinite(free) else base))
     compared = gravity > 0 and depth > 0 and flow.timed
     speed = np.polyfit(history.time[running], history.bulk[running], 1)[0] if running.sum() >= 3 else nan
     return Front(
@@ -254,7 +250,7 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
         highest_surface_speed=float(np.nanmax(history.top_speed)) if np.isfinite(history.top_speed).any() else nan,
         free_length=float(free),
         speed=float(speed) if flow.timed else nan,
-        arrival_time=arrival if flow.timed else nan,
+        arrival_time=end if flow.timed and isfinite(end) else nan,
         ritter=_ritter(history, base, depth, gravity, end) if compared else None,
         martin_moyce=_martin_moyce(history, gravity, end) if compared else None,
         history=history,

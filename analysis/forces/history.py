@@ -175,7 +175,6 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
     """The `table` of a `Force`."""
     lengths, gravity, moment = window_lengths(history.time), flow.gravity, history.moment
     samples = 1 if len(lengths) < 2 else round(LOW_PASS / max(float(np.median(lengths)), 1e-300))
-    samples = max(1, samples + (samples + 1) % 2)
     depth = hydrostatic = oncoming = np.full(len(history.time), nan)
     face = _face(wall) if gravity > 0 else None
     if face is not None:
