@@ -17,6 +17,7 @@ from numba import njit
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
+from lammps_jump.scene.schedule import MOST_BINS
 from lammps_jump.scene.walls import Interval
 
 from .cell_grid import sort_into_cells
@@ -35,7 +36,6 @@ VARIABLES = {
     "centroid_height": ("m", "height of the centre of mass above the bed"),
     "count": ("1", "number of discs, those astride an edge in parts"),
 }
-MOST_BINS = 100_000
 LINES_PER_DIAMETER = 8
 REACH = 2.0
 """Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""

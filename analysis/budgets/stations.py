@@ -27,14 +27,11 @@ FRAME_ERRORS = {"lost": "inflow"}
 def place(ledger: Mapping) -> str:
     """The stations in words."""
     numbers = {key: ledger[f"stations_{key}"] for key in ("left", "right", "begin", "end", "speed", "discharge")}
-    return (
-        (
-            "x = {left:.2f} and {right:.2f} m at t = {begin:.3g} s, which move at {speed:+.3f} m/s until {end:.3g} s; "
-            "{discharge:.2f} m²/s flow through them"
-        )
-        .format(**numbers)
-        .replace("-", "−")
+    text = (
+        "x = {left:.2f} and {right:.2f} m at t = {begin:.3g} s, which move at {speed:+.3f} m/s until {end:.3g} s; "
+        "{discharge:.2f} m²/s flow through them"
     )
+    return text.format(**numbers).replace("-", "−")
 
 
 def line(summary: Mapping) -> str:

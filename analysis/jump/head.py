@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import nan
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -26,9 +25,7 @@ from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import Estimates, estimate, number, shown
 
 from .frame import along_stream, growth_rate, integral, move_along
-
-if TYPE_CHECKING:
-    from .result import JumpResult
+from .result import JumpResult
 
 ROUNDS = 4
 """Rounds in which the velocity of the half step is rebuilt: dashpots then equal the engine's ledger within 1e-4."""

@@ -193,7 +193,7 @@ def track_jump(
     looks = [_look(edges[: n + 1], depth[k, :n], discharge[k, :n], gravity, diameter) for k, n in enumerate(bins)]
     why = tuple(look.why for look in looks)
     toe, end, *levels = np.array([look[1:] for look in looks]).T
-    found = np.array([not reason for reason in why], bool)
+    found = ~np.isnan(toe)
     position = np.full(len(looks), nan)
     chosen = found & in_window if (found & in_window).any() else found
     if chosen.any():

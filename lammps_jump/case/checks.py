@@ -14,7 +14,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene import Gate, InletRow, Interval, Scene, Sizes, Wall
-from lammps_jump.scene.schedule import MOST_FRAMES, told
+from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
 from .packing import deepest_overlap, disc_count
@@ -25,7 +25,6 @@ MOST_STEPS = 2_000_000_000
 MOST_DISCS = 20_000_000
 MOST_CELLS = 500_000_000
 """LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
-MOST_BINS = 100_000
 LEVEL_FRICTION = 0.02
 """Largest friction, less the slope of the bed, at which the tail water of a jump became nearly level (measured)."""
 

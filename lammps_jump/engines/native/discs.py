@@ -18,6 +18,8 @@ CELLS_A_DISC = 16
 class Discs:
     """Arrays of the discs, sorted in memory by cell; only the first `n` entries count.
 
+    They begin as the scene has them. The older velocity of the extrapolation is that of the start.
+
     Attributes
     ----------
     x, y, vx, vy, fx, fy : ndarray, shape (room,)
@@ -38,21 +40,29 @@ class Discs:
     CARRIED = ("x", "y", "vx", "vy", "ux", "uy", "omega", "uomega")  # what must survive a sort
     CARRIED_WITH_SIZES = ("radius", "fx", "fy")  # forces hold the weight when discs are sorted
 
-    def __init__(self, n: int, *, extrapolated: bool, spin: bool, ledger: bool, friction: bool, sizes: bool = False):
-        self.n = n
+    def __init__(self, scene: Scene, *, ledger: bool):
+        self.n = n = len(scene.positions)
         self.room = max(64, int(1.25 * n))
+        extrapolated = scene.integrator == "leapfrog_extrapolated"
         optional = {
             "ux uy": extrapolated,
-            "omega torque": spin,
-            "uomega": spin and extrapolated,
+            "omega torque": scene.rotation,
+            "uomega": scene.rotation and extrapolated,
             "dash_x dash_y": ledger,
-            "slide_x slide_y": ledger and friction,
-            "radius": sizes,
+            "slide_x slide_y": ledger and scene.coefficients.friction > 0,
+            "radius": scene.sizes is not None,
         }
         self.names = (*self.ALWAYS, *(name for names, kept in optional.items() if kept for name in names.split()))
         for name in (*self.ALWAYS, *" ".join(optional).split()):
             setattr(self, name, np.zeros(self.room) if name in self.names else None)
         self.ids = np.zeros(self.room, np.int64)
+        self.ids[:n] = np.arange(1, n + 1)
+        if self.radius is not None:
+            self.radius[:n] = 0.5 * scene.diameters(self.ids[:n])
+        self.x[:n], self.y[:n] = scene.positions.T
+        self.vx[:n], self.vy[:n] = scene.velocities.T
+        if extrapolated:
+            self.ux[:n], self.uy[:n] = scene.velocities.T
         self._make_work_arrays()
 
     def _make_work_arrays(self) -> None:
@@ -153,21 +163,3 @@ class Discs:
             array = getattr(self, name)
             array[:left] = array[: self.n][mask]
         self.n = left
-
-
-def discs_at_start(scene: Scene, *, ledger: bool) -> Discs:
-    """The discs that a scene begins with; the older velocity of the extrapolation is that of the start."""
-    n, extrapolated = len(scene.positions), scene.integrator == "leapfrog_extrapolated"
-    discs = Discs(
-        n, extrapolated=extrapolated, spin=scene.rotation, ledger=ledger, friction=scene.coefficients.friction > 0,
-        sizes=scene.sizes is not None,
-    )  # fmt: skip
-    discs.n = n
-    discs.ids[:n] = np.arange(1, n + 1)
-    if scene.sizes is not None:
-        discs.radius[:n] = 0.5 * scene.diameters(discs.ids[:n])
-    discs.x[:n], discs.y[:n] = scene.positions.T
-    discs.vx[:n], discs.vy[:n] = scene.velocities.T
-    if extrapolated:
-        discs.ux[:n], discs.uy[:n] = discs.vx[:n], discs.vy[:n]
-    return discs

@@ -85,18 +85,13 @@ def _pair_list_py(n, x, y, radius, reach, rows, cell_start, cell, start, neighbo
         last = cell_start[c + 2]
         if count + (last - i) + (high - low) > room:
             return -1
-        for j in range(i + 1, last):
-            dx = xi - x[j]
-            dy = yi - y[j]
-            apart = far if radius is None else far + radius[j]
-            neighbours[count] = j
-            count += dx * dx + dy * dy < apart * apart
-        for j in range(low, high):
-            dx = xi - x[j]
-            dy = yi - y[j]
-            apart = far if radius is None else far + radius[j]
-            neighbours[count] = j
-            count += dx * dx + dy * dy < apart * apart
+        for first, end in ((i + 1, last), (low, high)):
+            for j in range(first, end):
+                dx = xi - x[j]
+                dy = yi - y[j]
+                apart = far if radius is None else far + radius[j]
+                neighbours[count] = j
+                count += dx * dx + dy * dy < apart * apart
         start[i + 1] = count
     return count
 

@@ -321,7 +321,7 @@ def _wall_forces_py(
 
 def _advance_py(
     steps, pending, hold, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
-    start, neighbours, owner, grid, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
+    owner, start, neighbours, grid, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
     dash_x, dash_y, slide_x, slide_y, work, wall_sum,
 ):  # fmt: skip
     """Up to `steps` steps; returns (steps done, state): DONE, HELD or OLD.
@@ -437,8 +437,10 @@ def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
     return first[cells]
 
 
-def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_data, face_start, near, law, touch):
-    """Elastic energy (J per m of width), largest overlap (m) and its disc.
+def _elastic_py(
+    rows, owner, start, neighbours, x, y, radius, face_kind, face_data, face_start, near, law, touch, ids, known,
+):  # fmt: skip
+    """Elastic energy (J per m of width), largest overlap (m) and its disc; with `ids`, of discs with ids above `known`.
 
     Each contact stores stiffness times `lammps_jump.physics.law.stored_energy`.
     """
@@ -450,6 +452,8 @@ def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_da
         i = row if owner is None else owner[row]
         for p in range(start[row], start[row + 1]):
             j = neighbours[p]
+            if ids is not None and ids[i] <= known and ids[j] <= known:
+                continue
             reach = law.diameter if radius is None else radius[i] + radius[j]
             overlap = reach - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
             if overlap > 0.0:
@@ -459,6 +463,8 @@ def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_da
     for face in range(face_kind.size):
         for p in range(face_start[face], face_start[face + 1]):
             i = near[p]
+            if ids is not None and ids[i] <= known:
+                continue
             gap = _wall_gap(
                 face_kind[face], face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3],
                 x[i], y[i],
@@ -469,29 +475,6 @@ def _elastic_py(rows, owner, x, y, radius, start, neighbours, face_kind, face_da
                 if overlap > worst:
                     worst, where = overlap, i
     return pairs + walls, worst, where
-
-
-def _newcomers_py(known, n, ids, x, y, radius, face_kind, face_data, law, touch):
-    """Elastic energy (J per m of width) of the contacts of discs with ids above `known`, found without a list."""
-    energy = 0.0
-    half = 0.5 * law.diameter
-    for i in range(n):
-        if ids[i] <= known:
-            continue
-        for j in range(n):
-            if j == i or (j > i and ids[j] > known):
-                continue
-            reach = law.diameter if radius is None else radius[i] + radius[j]
-            r2 = (x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2
-            if r2 < reach * reach:
-                energy += law.stiffness * stored_energy(reach - sqrt(r2), touch)
-        for face in range(face_kind.size):
-            a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
-            gap = _wall_gap(face_kind[face], a, b, c, d, x[i], y[i])[0]
-            overlap = (half if radius is None else radius[i]) - gap
-            if overlap > 0.0:
-                energy += law.stiffness_wall * stored_energy(overlap, touch)
-    return energy
 
 
 def _give_sizes_py(
@@ -548,5 +531,4 @@ _cell_pairs = njit(cache=True)(_cell_pairs_py)
 advance = watching_law(njit(cache=True)(_advance_py))
 cell_pairs = _cell_pairs
 elastic = watching_law(njit(cache=True)(_elastic_py))
-newcomers = watching_law(njit(cache=True)(_newcomers_py))
 give_sizes = njit(cache=True)(_give_sizes_py)

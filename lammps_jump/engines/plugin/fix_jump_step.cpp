@@ -104,14 +104,6 @@ void FixJumpStep::init()
   sized = 0;
   friction = jump::friction_of(mu, gamma_t, pair->sign, pair->spin);
   law = jump::make_law(k, gamma, gamma_t, mu, pair->mass, 0.5 * pair->diameter, pair->width);
-  reset_dt();
-}
-
-void FixJumpStep::reset_dt()
-{
-  dtv = update->dt;
-  dtf = 0.5 * update->dt * force->ftm2v;
-  dt_spin = dtf / 0.5;    // inertia of a disc: 1/2 m R^2
 }
 
 void FixJumpStep::setup(int vflag)
@@ -125,6 +117,7 @@ template <bool SIZES> void FixJumpStep::drift()
   double *const __restrict v = atom->v[0];
   const double *const __restrict f = atom->f[0];
   const int n = atom->nlocal;
+  const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v;
   double dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
@@ -160,11 +153,11 @@ template <bool SIZES> void FixJumpStep::drift()
   }
 }
 
-/** Spin that a torque of 1 gives to a disc in half a step. */
+/** Spin that a torque of 1 gives to a disc, of inertia m R^2/2, in half a step. */
 double FixJumpStep::spin_rate(int i) const
 {
   const double radius = pair->radius_of(i);
-  return dt_spin / (radius * radius * (pair->sizes ? atom->rmass[i] : pair->mass));
+  return update->dt * force->ftm2v / (radius * radius * (pair->sizes ? atom->rmass[i] : pair->mass));
 }
 
 void FixJumpStep::initial_integrate(int)
@@ -183,7 +176,7 @@ void FixJumpStep::final_integrate()
   if (n == 0) return;
   double *const __restrict v = atom->v[0];
   const double *const __restrict f = atom->f[0];
-  const double dtfm = dtf / pair->mass;
+  const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v, dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
   if (pair->sizes)
@@ -218,12 +211,12 @@ void FixJumpStep::end_of_step()
     if (atom->tag[i] <= sized) continue;
     highest = std::max(highest, atom->tag[i]);
     const double d = diameter_of(atom->tag[i]), mass = density * d * d;
-    const double excess = 0.5 * dtv * (atom->rmass[i] / mass - 1.0);
+    const double excess = 0.5 * update->dt * (atom->rmass[i] / mass - 1.0);
     atom->v[i][0] += excess * gx;
     atom->v[i][1] += excess * gy;
     atom->radius[i] = 0.5 * d;
     atom->rmass[i] = mass;
-    pair->pack_sizes(i, i + 1);
+    pair->pack_size(i);
   }
   sized = highest;
 }
@@ -235,17 +228,8 @@ double FixJumpStep::compute_scalar()
   for (const auto &face : faces) {
     if (update->ntimestep >= walls[face.wall].until) continue;
     for (const int i : face.near) {
-      const auto &a = pair->disc[i];
-      double distance;
-      if (face.kind == BLOCK) {
-        const double dx = a.x - std::min(std::max(a.x, face.xlo), face.xhi);
-        const double dy = a.y - std::min(std::max(a.y, face.ylo), face.yhi);
-        distance = std::sqrt(dx * dx + dy * dy);
-        if (distance == 0.0) continue;
-      } else {
-        distance = face.sign * ((face.kind == PLANE_X ? a.x : a.y) - face.at);
-      }
-      here = std::max(here, pair->radius_of(i) - distance);
+      double dx, dy;
+      here = std::max(here, pair->radius_of(i) - face.distance(pair->disc[i].x, pair->disc[i].y, dx, dy));
     }
   }
   MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_MAX, world);

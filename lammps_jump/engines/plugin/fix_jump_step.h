@@ -42,7 +42,6 @@ class FixJumpStep : public Fix {
   void initial_integrate(int) override;
   void post_force(int) override;
   void final_integrate() override;
-  void reset_dt() override;
   double compute_scalar() override;
   double compute_vector(int) override;
 
@@ -66,6 +65,8 @@ class FixJumpStep : public Fix {
     double at, sign;              // plane
     double xlo, xhi, ylo, yhi;    // block
     std::vector<int> near;        // local discs that can reach it before they have moved by the margin
+
+    double distance(double, double, double &, double &) const;
   };
 
   class PairJumpDisc *pair = nullptr;
@@ -80,7 +81,6 @@ class FixJumpStep : public Fix {
   tagint sized = 0;           // discs up to this id have their own size
   bigint near_order = -1;
   double near_moved = 0.0;    // bound of a disc's displacement in x or y since the lists of near discs
-  double dtv = 0.0, dtf = 0.0, dt_spin = 0.0;
 
   int probe_every = 1;
   std::vector<int> probed;                    // wall of each probe

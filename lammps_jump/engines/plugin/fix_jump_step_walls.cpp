@@ -10,6 +10,7 @@
 #include "update.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <type_traits>
 
@@ -69,6 +70,20 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
   return a;
 }
 
+/** Distance of a place, m, and its vector from the face; below 0 behind a plane, infinite inside a block. */
+double FixJumpStep::Face::distance(double x, double y, double &dx, double &dy) const
+{
+  if (kind == BLOCK) {
+    dx = x - std::min(std::max(x, xlo), xhi);
+    dy = y - std::min(std::max(y, ylo), yhi);
+    const double away = std::sqrt(dx * dx + dy * dy);
+    return away > 0.0 ? away : HUGE_VAL;
+  }
+  dx = kind == PLANE_X ? x - at : 0.0;
+  dy = kind == PLANE_Y ? y - at : 0.0;
+  return sign * (dx + dy);
+}
+
 /** Discs that can reach a face before one of them has moved by the margin. */
 void FixJumpStep::find_near()
 {
@@ -121,30 +136,20 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
     const Wall &wall = walls[face.wall];
     if (update->ntimestep >= wall.until) continue;
     double on_wall[3] = {0.0, 0.0, 0.0};
-    if (face.kind == BLOCK) {
-      for (const int i : face.near) {
-        if (SIZES) reach = pair->radii[i];
-        const double dx = disc[i].x - std::min(std::max(disc[i].x, face.xlo), face.xhi);
-        const double dy = disc[i].y - std::min(std::max(disc[i].y, face.ylo), face.yhi);
-        const double rsq = dx * dx + dy * dy;
-        if (rsq < reach * reach && rsq > 0.0) touch<FRICTION, TOUCH>(face, i, dx, dy, own(), on_wall);
-      }
-    } else {
-      const bool along_x = face.kind == PLANE_X;
-      for (const int i : face.near) {
-        if (SIZES) reach = pair->radii[i];
-        const double off = (along_x ? disc[i].x : disc[i].y) - face.at;
-        const double distance = face.sign * off;
-        if (distance >= reach) continue;
-        if (distance > 0.0) {
-          touch<FRICTION, TOUCH>(face, i, along_x ? off : 0.0, along_x ? 0.0 : off, own(), on_wall);
-        } else {
-          // the centre is behind the plane: the push back goes on growing (contact of the same overlap in front)
-          auto behind = own();
-          behind.reach = 2.0 * reach - distance;
-          const double off_front = face.sign * reach;
-          touch<FRICTION, TOUCH>(face, i, along_x ? off_front : 0.0, along_x ? 0.0 : off_front, behind, on_wall);
-        }
+    for (const int i : face.near) {
+      if (SIZES) reach = pair->radii[i];
+      double dx, dy;
+      const double distance = face.distance(disc[i].x, disc[i].y, dx, dy);
+      if (distance >= reach) continue;
+      if (distance > 0.0) {
+        touch<FRICTION, TOUCH>(face, i, dx, dy, own(), on_wall);
+      } else {
+        // the centre is behind the plane: the push back goes on growing (contact of the same overlap in front)
+        auto behind = own();
+        behind.reach = 2.0 * reach - distance;
+        const double front = face.sign * reach;
+        touch<FRICTION, TOUCH>(face, i, face.kind == PLANE_X ? front : 0.0, face.kind == PLANE_Y ? front : 0.0, behind,
+                               on_wall);
       }
     }
     if (wall.probe >= 0)

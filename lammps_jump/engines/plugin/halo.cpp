@@ -13,7 +13,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 constexpr int LOOKS = 1000;    // before waiting in earnest, which lets others have the core and is slower to answer
-constexpr int COUNTS = 7401, DISCS = 7402;    // tags that LAMMPS does not use
+constexpr int DISCS = 7402;    // tag that LAMMPS does not use
 
 /** Numbers that stand for a disc in a message. */
 int words_of(const PairJumpDisc &pair)
@@ -33,32 +33,25 @@ double JumpHalo::cut_at(int index) const
 /** Choose whom to send what, and exchange it: discs closer than cut to the part of another rank. */
 void JumpHalo::rebuild(PairJumpDisc &pair, double cut)
 {
-  const int here = comm->myloc[0];
-  const int nlocal = atom->nlocal;
+  const int here = comm->myloc[0], ranks = comm->nprocs;
+  std::vector<int> outgoing(ranks, 0), incoming(ranks);
   partners.clear();
-  for (int there = 0; there < comm->procgrid[0]; there++) {
-    if (there == here) continue;
-    // both ranks reckon the gap from the same two numbers, so that both or neither wait for the other
+  for (int there = 0; there < ranks; there++) {
+    // both ranks reckon the gap from the same two numbers, so that both or neither know the other
     const double gap = cut_at(std::max(here, there)) - cut_at(std::min(here, there) + 1);
-    if (gap >= cut) continue;
+    if (there == here || gap >= cut) continue;
+    const double lo = cut_at(there) - cut, hi = cut_at(there + 1) + cut;
     Partner partner;
     partner.rank = comm->grid2proc[there][0][0];
-    const double lo = cut_at(there) - cut, hi = cut_at(there + 1) + cut;
-    for (int i = 0; i < nlocal; i++)
+    for (int i = 0; i < atom->nlocal; i++)
       if (pair.disc[i].x > lo && pair.disc[i].x < hi) partner.mine.push_back(i);
+    outgoing[partner.rank] = (int) partner.mine.size();
     partners.push_back(std::move(partner));
   }
-  requests.resize(2 * partners.size());
-  std::vector<int> sizes(partners.size());
-  for (size_t p = 0; p < partners.size(); p++) {
-    sizes[p] = (int) partners[p].mine.size();
-    MPI_Irecv(&partners[p].incoming, 1, MPI_INT, partners[p].rank, COUNTS, world, &requests[2 * p]);
-    MPI_Isend(&sizes[p], 1, MPI_INT, partners[p].rank, COUNTS, world, &requests[2 * p + 1]);
-  }
-  MPI_Waitall((int) requests.size(), requests.data(), MPI_STATUSES_IGNORE);
+  MPI_Alltoall(outgoing.data(), 1, MPI_INT, incoming.data(), 1, MPI_INT, world);
   number = 0;
-  for (auto &partner : partners) number += partner.incoming;
-  pair.reserve(nlocal + number);
+  for (auto &partner : partners) number += partner.incoming = incoming[partner.rank];
+  pair.reserve(atom->nlocal + number);
   start(pair);
   finish(pair);
 }

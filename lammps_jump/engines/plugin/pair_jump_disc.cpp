@@ -14,6 +14,7 @@
 #include "update.h"
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 
 using namespace LAMMPS_NS;
@@ -33,16 +34,6 @@ PairJumpDisc::~PairJumpDisc()
     memory->destroy(setflag);
     memory->destroy(cutsq);
   }
-}
-
-void PairJumpDisc::allocate()
-{
-  allocated = 1;
-  const int n = atom->ntypes + 1;
-  memory->create(setflag, n, n, "pair:setflag");
-  memory->create(cutsq, n, n, "pair:cutsq");
-  std::fill_n(setflag[0], n * n, 0);
-  std::fill_n(cutsq[0], n * n, 0.0);
 }
 
 void PairJumpDisc::settings(int narg, char **arg)
@@ -90,13 +81,16 @@ void PairJumpDisc::settings(int narg, char **arg)
 
 void PairJumpDisc::coeff(int narg, char **arg)
 {
-  if (narg != 2) error->all(FLERR, "pair_coeff of jump/disc takes types only: pair_coeff * *");
-  if (!allocated) allocate();
-  int ilo, ihi, jlo, jhi;
-  utils::bounds(FLERR, arg[0], 1, atom->ntypes, ilo, ihi, error);
-  utils::bounds(FLERR, arg[1], 1, atom->ntypes, jlo, jhi, error);
-  for (int i = ilo; i <= ihi; i++)
-    for (int j = MAX(jlo, i); j <= jhi; j++) setflag[i][j] = 1;
+  if (narg != 2 || strcmp(arg[0], "*") != 0 || strcmp(arg[1], "*") != 0)
+    error->all(FLERR, "pair_coeff of jump/disc takes all types and nothing else: pair_coeff * *");
+  const int n = atom->ntypes + 1;
+  if (!allocated) {
+    memory->create(setflag, n, n, "pair:setflag");
+    memory->create(cutsq, n, n, "pair:cutsq");
+  }
+  allocated = 1;
+  std::fill_n(setflag[0], n * n, 1);
+  std::fill_n(cutsq[0], n * n, 0.0);
 }
 
 void PairJumpDisc::init_style()
@@ -127,12 +121,6 @@ double PairJumpDisc::halo_cut() const
   return largest + neighbor->skin + 2.0 * steps * update->dt * speed;
 }
 
-double PairJumpDisc::init_one(int i, int j)
-{
-  if (setflag[i][j] == 0) error->all(FLERR, "pair_coeff of jump/disc is not set for types {} {}", i, j);
-  return 0.0;
-}
-
 /** Called only for a file that holds settings of the style, as earlier versions wrote them. */
 void PairJumpDisc::read_restart(FILE *)
 {
@@ -151,24 +139,22 @@ void PairJumpDisc::reserve(int n)
   }
 }
 
-void PairJumpDisc::pack(int from, int to)
+/** Take over the local discs as they are in LAMMPS. */
+void PairJumpDisc::pack()
 {
-  double *const *const x = atom->x;
-  double *const *const v = atom->v;
-  for (int i = from; i < to; i++) disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
-  if (sizes) pack_sizes(from, to);
-  if (spin) {
-    double *const *const omega = atom->omega;
-    for (int i = from; i < to; i++) rim[i] = radius_of(i) * omega[i][2];
+  double *const *const x = atom->x, *const *const v = atom->v;
+  reserve(atom->nlocal);
+  for (int i = 0; i < atom->nlocal; i++) {
+    disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
+    if (sizes) pack_size(i);
+    if (spin) rim[i] = radius_of(i) * atom->omega[i][2];
   }
 }
 
-void PairJumpDisc::pack_sizes(int from, int to)
+void PairJumpDisc::pack_size(int i)
 {
-  for (int i = from; i < to; i++) {
-    radii[i] = atom->radius[i];
-    inverse_masses[i] = 1.0 / atom->rmass[i];
-  }
+  radii[i] = atom->radius[i];
+  inverse_masses[i] = 1.0 / atom->rmass[i];
 }
 
 /** Refuse discs that the settings do not describe when some may have come in. */

@@ -40,7 +40,7 @@ class PairJumpDisc : public Pair {
   void settings(int, char **) override;
   void coeff(int, char **) override;
   void init_style() override;
-  double init_one(int, int) override;
+  double init_one(int, int) override { return 0.0; }
   void read_restart(FILE *) override;
 
   // shared with fix jump/step
@@ -59,7 +59,7 @@ class PairJumpDisc : public Pair {
   double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};    // least and largest velocity of the discs, this step
 
   void reserve(int);
-  void pack_sizes(int, int);
+  void pack_size(int);
   double largest_overlap() const;
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
   double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
@@ -76,8 +76,7 @@ class PairJumpDisc : public Pair {
   std::vector<double> sorted_x, sorted_y, sorted_radius;
   std::vector<int> first_across, second_across;    // pairs across a cut, while the list is built
 
-  void allocate();
-  void pack(int, int);
+  void pack();
   void check_discs(int, int);
   bool keeps_order() const;
   void build_list();

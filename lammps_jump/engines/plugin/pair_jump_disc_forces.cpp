@@ -131,14 +131,10 @@ void PairJumpDisc::compute(int eflag, int vflag)
     error->all(FLERR, "pair_style jump/disc gives no energy and no virial: leave out computes of them for each disc");
   eng_vdwl = NAN;    // LAMMPS asks for the sums at steps where nothing may read them: no error then
   std::fill_n(virial, 6, NAN);
-  const int nlocal = atom->nlocal;
   const bool ranks = comm->nprocs > 1;
   // fix jump/step has packed the local discs; a reneighbouring may have moved them to other indices since
   const bool fresh = neighbor->ago == 0 || moved_by_others();
-  if (fresh) {
-    reserve(nlocal);
-    pack(0, nlocal);
-  }
+  if (fresh) pack();
   if (ranks) fresh ? ring.rebuild(*this, halo_cut()) : ring.start(*this);
   if (sign) find_largest_speed();
   travel(moved_here);
