@@ -326,8 +326,8 @@ def section(found: Mapping) -> Section:
         rows.append((until, percent(ritter["rms"])))
     if moyce := found.get("martin_moyce"):
         rows += described(MartinMoyce, moyce, "aspect")
-        for key in ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ():
-            rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, key)]
+        keys = ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ()
+        rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, *keys)]
         rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
     sure = "One run has no errors for these numbers: repeat it from other starts. Theory and table are exact."
     return Section("Front", [Table(rows), Text(sure)])

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from lammps_jump.analysis.report.page import Section, Table, Text, with_error
-from lammps_jump.units import ABSENT
 
 ROWS = {
     "carried": "Carried by discs, in less out [m]",
@@ -64,7 +63,5 @@ def _metres(head: float) -> str:
 
 
 def _of_frames(found: Mapping, key: str) -> str:
-    if found.get(key) is None:
-        return ABSENT
     error = f"{FRAME_ERRORS.get(key, key)}_error"
-    return with_error({key: found[key], f"{key}_error": found.get(error)}, key)
+    return with_error({key: found.get(key), f"{key}_error": found.get(error)}, key)

@@ -109,11 +109,9 @@ class Jump(Estimates):
 
 def inflow_theory(flow: Flow) -> theory.Inflow | None:
     """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
-    depth, speed = flow.inflow_depth, flow.inflow_speed
-    gravity = flow.gravity
-    if not depth or not speed or gravity <= 0:
+    if not flow.inflow_depth or not flow.inflow_speed or flow.gravity <= 0:
         return None
-    return theory.inflow_theory(depth, speed, gravity)
+    return theory.inflow_theory(flow.inflow_depth, flow.inflow_speed, flow.gravity)
 
 
 def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = None) -> Jump:
