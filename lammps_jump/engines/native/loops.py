@@ -355,14 +355,14 @@ def _advance_py(
             seen_x, seen_y, turned = vx, vy, omega
         else:
             seen_x, seen_y, turned = ux, uy, uomega
-        slope = _slope(n, seen_x, seen_y, sign)
+        inverse_eps = slope(n, seen_x, seen_y, sign)
         _pair_forces(
-            rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction, slope,
-            touch, dash_x, dash_y, slide_x, slide_y,
+            rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction,
+            inverse_eps, touch, dash_x, dash_y, slide_x, slide_y,
         )  # fmt: skip
         _wall_forces(
             x, y, radius, seen_x, seen_y, turned, fx, fy, torque, face_kind, face_data, face_start, near, law,
-            friction, slope, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+            friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
         )  # fmt: skip
 
 
@@ -520,7 +520,7 @@ def _give_sizes_py(
 _pair_size = njit(cache=True, error_model="numpy")(_pair_size_py)
 _wall_gap = njit(cache=True)(_wall_gap_py)
 _fastest = njit(cache=True)(_fastest_py)
-_slope = njit(cache=True)(_slope_py)
+slope = njit(cache=True)(_slope_py)
 # a sum in any order runs on vector units: the ledger changes in its last digits, the trajectory does not
 _power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_py)
 _power_of_torque = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_of_torque_py)
