@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import chdir
 from pathlib import Path
 
 from lammps_jump.engines.checkpoint import cut_back, join_part, remove_checkpoint
@@ -73,22 +73,12 @@ def make_ready(job: Job) -> None:
         (folder / "forces.csv").unlink(missing_ok=True)
 
 
-@contextmanager
-def _inside(folder: Path) -> Iterator[None]:
-    before = Path.cwd()
-    os.chdir(folder)
-    try:
-        yield
-    finally:
-        os.chdir(before)
-
-
 def play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
     """Run the script to its end, in this thread; another one reports. Ranks but the first have no `report`."""
     outcome = Outcome()
     ranks = job.setting.ranks
     save_request.clear()
-    with _inside(job.folder):
+    with chdir(job.folder):
         engine = load_lammps().lammps(cmdargs=arguments(job))
         outcome.version = str(engine.version())
         saver = Saver(job, outcome) if report is not None else None

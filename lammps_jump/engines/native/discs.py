@@ -63,6 +63,9 @@ class Discs:
         self.vx[:n], self.vy[:n] = scene.velocities.T
         if extrapolated:
             self.ux[:n], self.uy[:n] = scene.velocities.T
+        self.start = np.zeros(self.room + 1, np.int64)
+        self.neighbours = np.empty(6 * self.room + 256, np.int32)
+        self.cell_start = np.zeros(16, np.int64)
         self._make_work_arrays()
 
     def _make_work_arrays(self) -> None:
@@ -70,23 +73,13 @@ class Discs:
         self.scratch_ids = np.empty(self.room, np.int64)
         self.order = np.empty(self.room, np.int64)
         self.cell = np.empty(self.room, np.int64)
-        start = np.zeros(self.room + 1, np.int64)
-        old = getattr(self, "start", None)
-        if old is None:
-            self.neighbours = np.empty(6 * self.room + 256, np.int32)
-            self.cell_start = np.zeros(16, np.int64)
-        else:
-            start[: old.size] = old
-        self.start = start
 
     def grow(self) -> None:
         """Half as much room again."""
-        self.room = self.room + self.room // 2
-        for name in (*self.names, "ids"):
-            old = getattr(self, name)
-            new = np.zeros(self.room, old.dtype)
-            new[: old.size] = old
-            setattr(self, name, new)
+        more = self.room // 2
+        self.room += more
+        for name in (*self.names, "ids", "start"):
+            setattr(self, name, np.pad(getattr(self, name), (0, more)))
         self._make_work_arrays()
 
     def sort_and_list(self, skin: float, diameter: float, domain) -> int:
@@ -151,9 +144,7 @@ class Discs:
         if self.radius is not None:
             self.radius[i], reach = 0.5 * diameter, skin
         while not neighbours.append_row(i, self.x, self.y, self.radius, reach, self.start, self.neighbours):
-            longer = np.empty(2 * self.neighbours.size, np.int32)
-            longer[: self.neighbours.size] = self.neighbours
-            self.neighbours = longer
+            self.neighbours = np.pad(self.neighbours, (0, self.neighbours.size))
         self.n = i + 1
 
     def keep(self, mask: np.ndarray) -> None:

@@ -12,6 +12,8 @@ from numba import njit
 from lammps_jump.physics.law import friction_force, normal_force, watching_law
 from lammps_jump.scene.scene import Scene
 
+from .loops import slope
+
 
 @dataclass(frozen=True)
 class Energy:
@@ -171,14 +173,11 @@ class StationLedger:
             return
         d, moved = discs, found.speed * (step - found.first_step) * self.scene.time_step
         ux, uy, turned = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
-        slope = None
-        if sign is not None:
-            slope = 1.0 / max(sign * sqrt(np.max(ux[: d.n] ** 2 + uy[: d.n] ** 2, initial=0.0)), 1e-300)
         _between(
             d.n, rows, owner, d.x, d.y, d.radius, d.vx, d.vy, ux, uy, d.omega, turned, d.fx, d.fy, d.torque, start,
-            neighbours, law, motion, friction, slope, touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
-            found.x[0] + moved, found.x[1] - found.x[0], found.speed, step > found.first_step, step < found.last_step,
-            self.sums,
+            neighbours, law, motion, friction, slope(d.n, ux, uy, sign), touch, d.dash_x, d.dash_y, d.slide_x,
+            d.slide_y, found.x[0] + moved, found.x[1] - found.x[0], found.speed, step > found.first_step,
+            step < found.last_step, self.sums,
         )  # fmt: skip
         if step == found.first_step:
             self.sums[BEGAN] = self.sums[HELD]
@@ -219,7 +218,7 @@ class StationLedger:
 
 def _between_py(
     n, rows, owner, x, y, radius, vx, vy, ux, uy, omega, turned, fx, fy, torque, start, neighbours, law, motion,
-    friction, slope, touch, dash_x, dash_y, slide_x, slide_y, left, width, speed, moved, pushed, sums,
+    friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, left, width, speed, moved, pushed, sums,
 ):  # fmt: skip
     """Add a step to the sums between the stations at `left` and `left + width` (m), which move at `speed` (m/s).
 
@@ -289,7 +288,7 @@ def _between_py(
                 slip = sy * nx - sx * ny
                 if omega is not None:
                     slip -= ra * turned[a] + rb * turned[b]
-                rub = friction_force(force, slip, friction, law.tangential * size, slope)
+                rub = friction_force(force, slip, friction, law.tangential * size, inverse_eps)
                 px -= rub * ny
                 py += rub * nx
                 if omega is not None:

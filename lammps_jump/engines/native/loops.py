@@ -72,8 +72,10 @@ class Grid(NamedTuple):
     used: np.ndarray
 
 
-def _fastest_py(n, ux, uy):
-    """Speed of the fastest disc (m/s): v_max of thesis (4.20)."""
+def _slope_py(n, ux, uy, sign):
+    """1 / eps of the thesis' friction, eps = 0.01 v_max (4.20) of this step; None where `sign` does not ask for it."""
+    if sign is None:
+        return None
     a = b = 0.0  # two chains, half the waiting
     for i in range(0, n - 1, 2):
         p = ux[i] * ux[i] + uy[i] * uy[i]
@@ -83,14 +85,7 @@ def _fastest_py(n, ux, uy):
     if n % 2:
         p = ux[n - 1] * ux[n - 1] + uy[n - 1] * uy[n - 1]
         a = p if p > a else a
-    return sqrt(max(a, b))
-
-
-def _slope_py(n, ux, uy, sign):
-    """1 / eps of the thesis' friction, eps = 0.01 v_max (4.20) of this step; None where `sign` does not ask for it."""
-    if sign is None:
-        return None
-    eps = sign * _fastest(n, ux, uy)
+    eps = sign * sqrt(max(a, b))
     return 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
 
 
@@ -355,14 +350,14 @@ def _advance_py(
             seen_x, seen_y, turned = vx, vy, omega
         else:
             seen_x, seen_y, turned = ux, uy, uomega
-        slope = _slope(n, seen_x, seen_y, sign)
+        inverse_eps = slope(n, seen_x, seen_y, sign)
         _pair_forces(
-            rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction, slope,
-            touch, dash_x, dash_y, slide_x, slide_y,
+            rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction,
+            inverse_eps, touch, dash_x, dash_y, slide_x, slide_y,
         )  # fmt: skip
         _wall_forces(
             x, y, radius, seen_x, seen_y, turned, fx, fy, torque, face_kind, face_data, face_start, near, law,
-            friction, slope, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+            friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
         )  # fmt: skip
 
 
@@ -519,8 +514,7 @@ def _give_sizes_py(
 # a division by zero, which cannot be, gives inf rather than an exception: else loops do not run on vector units
 _pair_size = njit(cache=True, error_model="numpy")(_pair_size_py)
 _wall_gap = njit(cache=True)(_wall_gap_py)
-_fastest = njit(cache=True)(_fastest_py)
-_slope = njit(cache=True)(_slope_py)
+slope = njit(cache=True)(_slope_py)
 # a sum in any order runs on vector units: the ledger changes in its last digits, the trajectory does not
 _power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_py)
 _power_of_torque = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_of_torque_py)

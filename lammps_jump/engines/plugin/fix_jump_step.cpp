@@ -138,19 +138,6 @@ template <bool SIZES> void FixJumpStep::drift()
     pair->range_hi[axis] = hi[axis];
   }
   near_moved += dtv * std::max(std::max(-lo[0], hi[0]), std::max(-lo[1], hi[1]));
-  if (pair->spin) {
-    double *const __restrict omega = atom->omega[0];
-    const double *const __restrict torque = atom->torque[0];
-    double radius = 0.5 * pair->diameter, rate = SIZES ? 0.0 : spin_rate(0);
-    for (int i = 0; i < n; i++) {
-      if (SIZES) {
-        radius = pair->radii[i];
-        rate = spin_rate(i);
-      }
-      omega[3 * i + 2] += rate * torque[3 * i + 2];
-      pair->rim[i] = radius * omega[3 * i + 2];
-    }
-  }
 }
 
 /** Spin that a torque of 1 gives to a disc, of inertia m R^2/2, in half a step. */
@@ -158,6 +145,18 @@ double FixJumpStep::spin_rate(int i) const
 {
   const double radius = pair->radius_of(i);
   return update->dt * force->ftm2v / (radius * radius * (pair->sizes ? atom->rmass[i] : pair->mass));
+}
+
+/** Spin over half a step, and the speeds of the rims. */
+void FixJumpStep::turn_discs()
+{
+  double *const __restrict omega = atom->omega[0];
+  const double *const __restrict torque = atom->torque[0];
+  const double rate = spin_rate(0);
+  for (int i = 0; i < atom->nlocal; i++) {
+    omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[3 * i + 2];
+    pair->rim[i] = pair->radius_of(i) * omega[3 * i + 2];
+  }
 }
 
 void FixJumpStep::initial_integrate(int)
@@ -168,6 +167,7 @@ void FixJumpStep::initial_integrate(int)
     return;
   }
   pair->sizes ? drift<true>() : drift<false>();
+  if (pair->spin) turn_discs();
 }
 
 void FixJumpStep::final_integrate()
@@ -183,12 +183,7 @@ void FixJumpStep::final_integrate()
     for (int i = 0; i < n; i++) at(v, i) += dtf * inverse_mass[i] * at(f, i) + kick;
   else
     for (int i = 0; i < n; i++) at(v, i) += dtfm * at(f, i) + kick;
-  if (pair->spin) {
-    double *const __restrict omega = atom->omega[0];
-    const double *const __restrict torque = atom->torque[0];
-    const double rate = spin_rate(0);
-    for (int i = 0; i < n; i++) omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[3 * i + 2];
-  }
+  if (pair->spin) turn_discs();
 }
 
 /** Diameter of a disc; the same operations as in lammps_jump/scene/sizes.py, so that both take the same piece. */

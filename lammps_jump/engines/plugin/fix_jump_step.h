@@ -93,6 +93,7 @@ class FixJumpStep : public Fix {
   double spin_rate(int) const;
   void find_near();
   template <bool SIZES> void drift();
+  void turn_discs();
   template <jump::Friction, jump::Touch, bool SIZES> void push();
   template <jump::Friction, jump::Touch, class Own>
   void touch(const Face &, int, double, double, const Own &, double *);

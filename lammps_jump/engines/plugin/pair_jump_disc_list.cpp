@@ -121,28 +121,18 @@ template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
     const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
     make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]));
     for (const auto &run : runs) {
-      if (ghosts) {
-        for (int t = run[0]; t < run[1]; t++) {
-          const double dx = x - sorted_x[t], dy = y - sorted_y[t];
-          if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
-          const int j = sorted[t];
-          if (dx * dx + dy * dy >= cut_sq || (i >= nlocal && j >= nlocal)) continue;
-          if (i < nlocal && j < nlocal) {
-            first[found] = i;
-            second[found] = j;
-            found++;
-          } else {
-            first_across.push_back(i < j ? i : j);    // a local disc comes first
-            second_across.push_back(i < j ? j : i);
-          }
-        }
-      } else {
-        for (int t = run[0]; t < run[1]; t++) {
-          const double dx = x - sorted_x[t], dy = y - sorted_y[t];
-          if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
-          first[found] = i;
-          second[found] = sorted[t];
-          found += dx * dx + dy * dy < cut_sq;
+      for (int t = run[0]; t < run[1]; t++) {
+        const double dx = x - sorted_x[t], dy = y - sorted_y[t];
+        if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
+        const int j = sorted[t];
+        const bool close = dx * dx + dy * dy < cut_sq;
+        first[found] = i;
+        second[found] = j;
+        if (!ghosts || (i < nlocal && j < nlocal)) {
+          found += close;
+        } else if (close && (i < nlocal || j < nlocal)) {
+          first_across.push_back(i < j ? i : j);    // a local disc comes first
+          second_across.push_back(i < j ? j : i);
         }
       }
     }
