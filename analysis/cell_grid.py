@@ -51,7 +51,7 @@ def _sort_into_cells_py(x, y, side):
 
 def _list_pairs_py(x, y, reach, first, second):
     """Fill `first` and `second` with the pairs of `close_pairs`; their number, of which what fits is written."""
-    _, start, order, columns, rows = _sort_into_cells(x, y, reach)
+    _, start, order, columns, rows = sort_into_cells(x, y, reach)
     square = reach * reach
     count = 0
     for cx in range(columns):
@@ -103,6 +103,5 @@ def close_pairs(x: np.ndarray, y: np.ndarray, reach: float) -> tuple[np.ndarray,
 
 # numba caches the machine code of `profiles._connected` together with that of `sort_into_cells`: after a change of the
 # sort, profiles.py must be touched too.
-_sort_into_cells = njit(cache=True)(_sort_into_cells_py)
+sort_into_cells = njit(cache=True)(_sort_into_cells_py)
 _list_pairs = njit(cache=True)(_list_pairs_py)
-sort_into_cells = _sort_into_cells

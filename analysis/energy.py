@@ -30,8 +30,8 @@ class EnergyHistory:
     time : ndarray, shape (frames,), s
     kinetic, rotational, potential : ndarray, shape (frames,)
         Potential energy is -m (gx x + gy y): zero at the origin.
-    elastic : ndarray or None, shape (frames,)
-        Pairs and walls; None where the stiffness is not known.
+    elastic : ndarray, shape (frames,)
+        Pairs and walls; NaN where the stiffness is not known.
     discs : ndarray of int, shape (frames,)
     same_discs : bool
         Every frame holds the same ids.
@@ -41,14 +41,14 @@ class EnergyHistory:
     kinetic: np.ndarray
     rotational: np.ndarray
     potential: np.ndarray
-    elastic: np.ndarray | None
+    elastic: np.ndarray
     discs: np.ndarray
     same_discs: bool
 
     @property
     def total(self) -> np.ndarray:
         """Sum of all parts, J/m (without elastic energy where that is not known)."""
-        return self.kinetic + self.rotational + self.potential + (0.0 if self.elastic is None else self.elastic)
+        return self.kinetic + self.rotational + self.potential + np.nan_to_num(self.elastic)
 
 
 class EnergyLedger:
@@ -78,18 +78,15 @@ class EnergyLedger:
             self._own.add(frame, time)
         source = self.contacts or self._own
         elastic = source.latest if source else nan
-        ids = np.sort(frame.ids)
-        if self._ids is None:
-            self._ids = ids
-        elif self._same:
-            self._same = np.array_equal(ids, self._ids)
+        ids, before = np.sort(frame.ids), self._ids
+        self._same = self._same and (before is None or np.array_equal(ids, before))
+        self._ids = ids
         self._rows.append((time, kinetic, rotational, potential, elastic, frame.n))
 
     def result(self) -> EnergyHistory:
         """The history of all frames added."""
         rows = np.array(self._rows, float).reshape(-1, 6)
-        elastic = rows[:, 4] if len(rows) and self.flow.knows_contacts else None
-        return EnergyHistory(*rows[:, :4].T, elastic, rows[:, 5].astype(int), self._same)
+        return EnergyHistory(*rows[:, :5].T, rows[:, 5].astype(int), self._same)
 
 
 @dataclass(frozen=True)
@@ -127,7 +124,7 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
     """Energy at the ends of a record, its deviations and its drift."""
     if not len(history.time):
         return Energy(reason="the dump holds no frame")
-    total = history.total
+    total, c = history.total, flow.scene.coefficients
     start = float(total[0])
     relative = (total - start) / abs(start) if start else np.full(len(total), nan)
     return Energy(
@@ -137,12 +134,9 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
         lowest_deviation=float(relative.min()),
         highest_deviation=float(relative.max()),
         drift=drift(history.time, total),
-        kinetic=float(history.kinetic[-1]),
-        rotational=float(history.rotational[-1]),
-        potential=float(history.potential[-1]),
-        elastic=nan if history.elastic is None else float(history.elastic[-1]),
-        closed=bool(history.same_discs),
-        conservative=bool(flow.conservative and history.same_discs),
+        **{part: float(getattr(history, part)[-1]) for part in ("kinetic", "rotational", "potential", "elastic")},
+        closed=history.same_discs,
+        conservative=c.restitution == 1.0 and not c.friction and history.same_discs,
         history=history,
     )
 
@@ -155,8 +149,9 @@ def analyse(gathered: Gathered) -> Energy:
 def tables(energy: Energy) -> Tables:
     """Energy against time, J/m."""
     history = energy.history
-    names = ("time", "kinetic", "rotational", "potential", "elastic", "total", "discs")
-    return {"energy.csv": {name: getattr(history, name) for name in names if getattr(history, name) is not None}}
+    parts = ("kinetic", "rotational", "potential", "elastic", "total", "discs")
+    columns = {name: getattr(history, name) for name in ("time", *parts)}
+    return {"energy.csv": {name: column for name, column in columns.items() if np.isfinite(column).any()}}
 
 
 def figures(energy: Energy, gathered: Gathered) -> Drawings:
@@ -191,7 +186,7 @@ def energy_chart(energy: Energy) -> Chart | None:
         ("elastic", history.elastic, "third"),
     )
     always = ("total", "kinetic", "elastic")
-    kept = [one for one in parts if one[1] is not None and (one[0] in always or np.any(one[1]))]
+    kept = [one for one in parts if np.isfinite(one[1]).any() and (one[0] in always or np.any(one[1]))]
     panels = [Panel(f"Energy [{unit}]", [Line(label, time, part / scale, look) for label, part, look in kept])]
     if energy.conservative and total[0] != 0:
         off = Line("deviation from the start", time, 100 * (total / total[0] - 1))

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
-from math import ceil, floor, sqrt
+from math import ceil, floor
 from pathlib import Path
 
 import numpy as np
@@ -285,39 +285,24 @@ def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, sums)
     reach gives nothing.
     """
     rows, columns = cell_weight.shape
-    quantities = sums.shape[0]
     area = spacing * spacing
     for i in range(len(points)):
         px, py = points[i, 0], points[i, 1]
         c0 = max(ceil((px - reach - low_x) / spacing - 0.5), 0)
-        c1 = min(floor((px + reach - low_x) / spacing - 0.5), columns - 1)
+        c1 = max(min(floor((px + reach - low_x) / spacing - 0.5) + 1, columns), c0)
         r0 = max(ceil((py - reach - low_y) / spacing - 0.5), 0)
-        r1 = min(floor((py + reach - low_y) / spacing - 0.5), rows - 1)
-        total = 0.0
-        for pass_ in range(2):
-            for r in range(r0, r1 + 1):
-                dy = low_y + (r + 0.5) * spacing - py
-                for c in range(c0, c1 + 1):
-                    if cell_weight[r, c] == 0.0:
-                        continue
-                    dx = low_x + (c + 0.5) * spacing - px
-                    q = sqrt(dx * dx + dy * dy) / reach
-                    if q >= 1.0:
-                        continue
-                    w = (1.0 + 3.0 * q) * (1.0 - q) ** 3 * cell_weight[r, c]
-                    if pass_ == 0:
-                        total += w
-                    else:
-                        share = w / total / area
-                        for k in range(quantities):
-                            sums[k, r, c] += share * weights[i, k]
-            if total <= 0.0:
-                break
-        if total <= 0.0:
-            c, r = floor((px - low_x) / spacing), floor((py - low_y) / spacing)
-            if 0 <= c < columns and 0 <= r < rows:
-                for k in range(quantities):
-                    sums[k, r, c] += weights[i, k] / area
+        r1 = max(min(floor((py + reach - low_y) / spacing - 0.5) + 1, rows), r0)
+        dx = low_x + (np.arange(c0, c1) + 0.5) * spacing - px
+        dy = (low_y + (np.arange(r0, r1) + 0.5) * spacing - py).reshape(-1, 1)
+        q = np.minimum(np.sqrt(dx * dx + dy * dy) / reach, 1.0)
+        w = (1.0 + 3.0 * q) * (1.0 - q) ** 3 * cell_weight[r0:r1, c0:c1]
+        total = w.sum()
+        c, r = floor((px - low_x) / spacing), floor((py - low_y) / spacing)
+        for k in range(len(sums)):
+            if total > 0.0:
+                sums[k, r0:r1, c0:c1] += w / total / area * weights[i, k]
+            elif 0 <= c < columns and 0 <= r < rows:
+                sums[k, r, c] += weights[i, k] / area
 
 
 spread = njit(cache=True)(_spread_py)

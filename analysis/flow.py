@@ -58,10 +58,8 @@ class Flow:
 
     def radii(self, frame: Frame) -> np.ndarray:
         """Radius of each disc, m, shape (n,), read-only; one number seen n times where discs are equal."""
-        radii = frame.radii if self.sized else self.scene.radius
-        if self.diameters:
-            radii = radii_of_types(frame, self.diameters)
-        elif radii is None:
+        radii = radii_of(frame, self.diameters) if self.sized else self.scene.radius
+        if radii is None:
             radii = 0.5 * self.scene.diameters(frame.ids)
         return np.broadcast_to(radii, frame.n)
 
@@ -96,11 +94,6 @@ class Flow:
     def knows_contacts(self) -> bool:
         """Whether the stiffness is known: without it there is no elastic energy and no contact force."""
         return isfinite(self.scene.coefficients.stiffness)
-
-    @property
-    def conservative(self) -> bool:
-        """Whether no contact dissipates energy."""
-        return self.scene.coefficients.restitution == 1.0 and not self.scene.coefficients.friction
 
     @property
     def time_step(self) -> float:
@@ -194,8 +187,13 @@ class Flow:
         return total / np.bincount(index, width, len(edges) - 1)
 
 
-def radii_of_types(frame: Frame, diameters: Mapping[int, float]) -> np.ndarray:
-    """Radius of each disc, m, shape (n,), from the diameter of its type (m); DumpError for a type without one."""
+def radii_of(frame: Frame, diameters: Mapping[int, float]) -> np.ndarray | None:
+    """Radius of each disc, m, shape (n,), from the file or, where they are given, from the diameters of the types (m).
+
+    None where neither tells; DumpError for a type without a diameter.
+    """
+    if not diameters:
+        return frame.radii
     types = frame.column("type")
     radii = np.full(frame.n, np.nan)
     for kind, diameter in diameters.items():

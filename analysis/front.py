@@ -188,7 +188,7 @@ def rms(off: np.ndarray) -> float:
     return float(np.sqrt(np.mean(off**2))) if len(off) else nan
 
 
-def off_curve(x: np.ndarray, y: np.ndarray, curve_x, curve_y, *, beyond: float = -inf) -> np.ndarray:
+def off_curve(x: np.ndarray, y: np.ndarray, curve_x, curve_y, beyond: float = -inf) -> np.ndarray:
     """Relative difference of y(x), linear in between, at the points x > `beyond` of a curve that x covers."""
     good = np.isfinite(x) & np.isfinite(y)
     if not good.any():
@@ -273,15 +273,15 @@ def _martin_moyce(history: FrontHistory, gravity: float, end: float) -> MartinMo
     live = (history.time >= 0) & (history.time <= end)
     variables = {name: values[live] for name, values in dimensionless(history, gravity).items()}
     front, tall = measured.MARTIN_MOYCE_FRONT, measured.MARTIN_MOYCE_HEIGHT
-    bulk = off_curve(variables["T"], variables["Z"], front.x, front.y, beyond=0.8)
-    most = off_curve(variables["T"], variables["Z99"], front.x, front.y, beyond=0.8)
-    column = off_curve(variables["tau"], variables["h"], tall.x, tall.y)
+    curves = ("T", "Z", front, 0.8), ("T", "Z99", front, 0.8), ("tau", "h", tall, -inf)
     straight = (variables["T"] >= 1.43) & (variables["T"] <= 3.33) & np.isfinite(variables["Z"])
     slope = np.polyfit(variables["T"][straight], variables["Z"][straight], 1)[0] if straight.sum() >= 3 else nan
     aspect = history.column[1] / history.column[0]
     own = next((shape for shape in measured.MARTIN_MOYCE_FRONT_SLOPE if abs(aspect - shape) < 0.1), nan)
-    if own != ASPECT:
-        bulk = most = column = np.empty(0)
+    bulk, most, column = (
+        off_curve(variables[x], variables[y], table.x, table.y, beyond) if own == ASPECT else np.empty(0)
+        for x, y, table, beyond in curves
+    )
     return MartinMoyce(
         aspect=aspect,
         comparable=own == ASPECT,
@@ -326,8 +326,8 @@ def section(found: Mapping) -> Section:
         rows.append((until, percent(ritter["rms"])))
     if moyce := found.get("martin_moyce"):
         rows += described(MartinMoyce, moyce, "aspect")
-        for key in ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ():
-            rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, key)]
+        keys = ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ()
+        rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, *keys)]
         rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
     sure = "One run has no errors for these numbers: repeat it from other starts. Theory and table are exact."
     return Section("Front", [Table(rows), Text(sure)])

@@ -17,7 +17,7 @@ from lammps_jump.quoting import visible
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Plane
 
-from .flow import Flow, radii_of_types
+from .flow import Flow, radii_of
 
 
 def from_dump(
@@ -70,7 +70,7 @@ def from_dump(
         notes.append("Density taken as 1000 kg/m3.")
     mass = _mass(frame, density * nominal**2, sized, notes)
     notes.append("Gravity taken as 9.81 m/s2.")
-    occupied = [(f, _radii(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
+    occupied = [(f, radii_of(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
     low, floor = (float(min((getattr(f, axis) - radius).min() for f, radius in occupied)) for axis in "xy")
     high = float(max((f.x + radius).max() for f, radius in occupied))
     notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
@@ -144,17 +144,12 @@ def _mass(frame: Frame, by_density: float, sized: bool, notes: list[str]) -> flo
     return by_density
 
 
-def _radii(frame: Frame, types: Mapping[int, float]) -> np.ndarray | None:
-    """Radius of each disc, m, by its type or from the file; None where neither tells."""
-    return radii_of_types(frame, types) if types else frame.radii
-
-
 def _diameter(frame: Frame, diameter: float | Mapping[int, float] | None, notes: list[str]) -> tuple[float, bool]:
     """Nominal diameter, m, and whether discs differ in size."""
     types = diameter if isinstance(diameter, Mapping) else {}
     if diameter is not None and not types:
         return float(diameter), False
-    radii = _radii(frame, types)
+    radii = radii_of(frame, types)
     if radii is None:
         return _guess_diameter(frame, notes), False
     if not types:

@@ -11,12 +11,12 @@ from collections.abc import Iterable
 from math import asin, ceil, floor, pi, sqrt
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from numba import njit
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
+from lammps_jump.scene.schedule import MOST_BINS
 from lammps_jump.scene.walls import Interval
 
 from .cell_grid import sort_into_cells
@@ -35,7 +35,6 @@ VARIABLES = {
     "centroid_height": ("m", "height of the centre of mass above the bed"),
     "count": ("1", "number of discs, those astride an edge in parts"),
 }
-MOST_BINS = 100_000
 LINES_PER_DIAMETER = 8
 REACH = 2.0
 """Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""
@@ -155,12 +154,11 @@ def _dataset(values, times, steps, discs, masses, edges, bed, flow) -> xr.Datase
         "mass_left": described(left, "kg m-1", "mass left of the first bin"),
         "mass_right": described(right, "kg m-1", "mass right of the last bin"),
     }
-    centres = pd.Index(0.5 * (edges[1:] + edges[:-1]))  # for an array xarray would import pint, 0.1 s
     return xr.Dataset(
         variables,
         coords={
-            "time": described(pd.Index(times.astype(float)), *when),
-            "x": described(centres, "m", "distance along the channel", ("x",)),
+            "time": described(times.astype(float), *when),
+            "x": described(0.5 * (edges[1:] + edges[:-1]), "m", "distance along the channel", ("x",)),
         },
         attrs={
             "title": f"depth profiles of {flow.scene.name}",

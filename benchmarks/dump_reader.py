@@ -16,6 +16,7 @@ from statistics import median
 
 import numpy as np
 
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 
@@ -35,10 +36,9 @@ def make_files(folder: Path, discs: int, frames: int, seed: int = 1) -> dict[str
     ids = np.arange(1, discs + 1)
     for step in range(frames):
         x, y, vx, vy = rng.uniform(0, 60, discs), rng.uniform(0, 7, discs), *rng.normal(size=(2, discs))
+        columns = dict(zip(COLUMNS, (ids, x, y, vx, vy), strict=True))
         for writer in writers.values():
-            writer.write(
-                100 * step, 0.1 * step, [[-1, 95], [-15, 40]], dict(zip(COLUMNS, (ids, x, y, vx, vy), strict=True))
-            )
+            writer.write_frame(make_frame(100 * step, 0.1 * step, [[-1, 95], [-15, 40]], columns))
     for writer in writers.values():
         writer.close()
     return {name: path for name, (path, _, _) in files.items()}
@@ -52,7 +52,7 @@ def make_plain(path: Path, discs: int, frames: int, seed: int = 1) -> Path:
         for step in range(frames):
             x, y, vx, vy = rng.uniform(0, 60, discs), rng.uniform(0, 7, discs), *rng.normal(size=(2, discs))
             columns = {"id": np.arange(1, discs + 1), "type": one, "x": x, "y": y, "z": 0 * one, "vx": vx, "vy": vy}
-            writer.write(step, None, [[-1, 95], [-15, 40]], columns)
+            writer.write_frame(make_frame(step, None, [[-1, 95], [-15, 40]], columns))
     return path
 
 

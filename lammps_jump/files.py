@@ -68,6 +68,12 @@ RUN_FILES = (
     "stop.request",
 )
 """What the engines read and write in a run folder (names and patterns)."""
+EXPORTS = {
+    "csv": ("profiles.csv", "profiles_mean.csv"),
+    "vtk": ("discs[0-9].vtp", "discs.pvd", "fields.vti"),
+    "pictures": ("picture[0-9].dat",),
+}
+"""Names of the files that an export of each kind writes."""
 RESULT_FILES = (
     "profiles.nc",
     "summary.json",
@@ -77,8 +83,6 @@ RESULT_FILES = (
     "animation.gif",
     "report.html",
     "live.png",
-    "profiles.csv",
-    "profiles_mean.csv",
     "energy.csv",
     "front.csv",
     "jump_track.csv",
@@ -86,10 +90,7 @@ RESULT_FILES = (
     "jump_stream.csv",
     "reflected_wave.csv",
     "fields.nc",
-    "fields.vti",
-    "discs[0-9].vtp",
-    "discs.pvd",
-    "picture[0-9].dat",
+    *(name for names in EXPORTS.values() for name in names),
     *(f"figures/{name}" for name in FIGURES),
 )
 """What is made of them; ``force_<structure>.csv`` of each probe besides."""

@@ -210,24 +210,15 @@ def _expected(unit: str) -> str:
     return f"a number in {unit}, or a string such as '{_EXAMPLES.get(unit, '1 ' + unit)}'" if unit else "a plain number"
 
 
-_EXAMPLES = {
-    "m": "20 cm",
-    "m/s": "16 m/s",
-    "m^2/s": "16 m^2/s",
-    "s": "100 ms",
-    "kg/m^3": "1000 kg/m^3",
-    "N/m": "2.56e7 N/m",
-    "degree": "2 degree",
-    "1/s": "100 1/s",
-}
-
-
+_EXAMPLES: dict[str, str] = {}
+"""Text of a number in a unit, of the types below."""
 NUMBER_OR_TEXT = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 """In the schema of cases, for editors."""
 
 
-def si_field(unit: str) -> Any:
-    """Annotated float type that accepts a number in `unit` or a string with a unit."""
+def si_field(unit: str, example: str = "") -> Any:
+    """Annotated float type that accepts a number in `unit` or a string with a unit, such as the example."""
+    _EXAMPLES[unit] = example or f"1 {unit}"
     return Annotated[
         float,
         BeforeValidator(lambda value: to_si(value, unit)),
@@ -235,15 +226,15 @@ def si_field(unit: str) -> Any:
     ]
 
 
-Metre = si_field("m")
-MetrePerSecond = si_field("m/s")
+Metre = si_field("m", "20 cm")
+MetrePerSecond = si_field("m/s", "16 m/s")
 MetrePerSecond2 = si_field("m/s^2")
-MetrePerSecondMetre = si_field("m^2/s")
-Second = si_field("s")
-Density = si_field("kg/m^3")
-Stiffness = si_field("N/m")
-Degree = si_field("degree")
-PerSecond = si_field("1/s")
+MetrePerSecondMetre = si_field("m^2/s", "16 m^2/s")
+Second = si_field("s", "100 ms")
+Density = si_field("kg/m^3", "1000 kg/m^3")
+Stiffness = si_field("N/m", "2.56e7 N/m")
+Degree = si_field("degree", "2 degree")
+PerSecond = si_field("1/s", "100 1/s")
 Plain = si_field("")
 
 

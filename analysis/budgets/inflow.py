@@ -85,15 +85,10 @@ class InflowCounter:
 
     def _turns(self, step: int) -> tuple[np.ndarray, np.ndarray]:
         """Step and row of each turn after the frame before, in order; shape (turns,) each."""
-        steps, rows = [], []
-        for k, row in enumerate(self.rows):
-            first, last = (max(0, (s - row.first_step) // row.every_steps + 1) for s in (self._step, step))
-            if row.limit is not None:
-                last = min(last, row.limit)
-            steps.append(row.first_step + np.arange(first, last) * row.every_steps)
-            rows.append(np.full(len(steps[-1]), k))
-        order = np.argsort(np.concatenate(steps), kind="stable")
-        return np.concatenate(steps)[order], np.concatenate(rows)[order]
+        steps = self._step, step
+        until = [[range(row.first_step, s + 1, row.every_steps)[: row.limit] for s in steps] for row in self.rows]
+        turns = sorted((turn, k) for k, (before, now) in enumerate(until) for turn in now[len(before) :])
+        return tuple(np.array(turns, int).reshape(-1, 2).T)
 
     def _taken(self, new: np.ndarray, turns: np.ndarray, frame: Frame) -> np.ndarray | None:
         """Turn at which each new disc entered, shape (discs,); None where that would be guessing."""
@@ -223,7 +218,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         RowDelivery(row.y, row.vx, float(t), float(q), float(got), int(n), int(no) if told else None)
         for row, t, q, got, n, no in zip(rows, intervals, planned, delivered, turns, refused, strict=True)
     ]
-    ends = sorted(rows[0].x + np.sign(rows[0].vx) * share * y1 for share in STATION)
+    low, high = sorted(float(rows[0].x + np.sign(rows[0].vx) * share * y1) for share in STATION)
     return Delivery(
         asked=asked,
         planned=float(planned.sum()),
@@ -235,7 +230,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         speed_asked=va,
         momentum_planned=float(planned @ np.abs(speeds)),
         **as_fields(depth=depth, speed=speed, momentum=momentum, **_sequent(depth, speed, across)),
-        station=(float(ends[0]), float(ends[1])),
+        station=(low, high),
         rows=tuple(found),
         notes=_notes(total, asked, lost, tried, _blocked(arrivals)),
     )

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from lammps_jump.analysis.report.page import Section, Table, Text, with_error
-from lammps_jump.units import ABSENT
 
 ROWS = {
     "carried": "Carried by discs, in less out [m]",
@@ -27,14 +26,11 @@ FRAME_ERRORS = {"lost": "inflow"}
 def place(ledger: Mapping) -> str:
     """The stations in words."""
     numbers = {key: ledger[f"stations_{key}"] for key in ("left", "right", "begin", "end", "speed", "discharge")}
-    return (
-        (
-            "x = {left:.2f} and {right:.2f} m at t = {begin:.3g} s, which move at {speed:+.3f} m/s until {end:.3g} s; "
-            "{discharge:.2f} m²/s flow through them"
-        )
-        .format(**numbers)
-        .replace("-", "−")
+    text = (
+        "x = {left:.2f} and {right:.2f} m at t = {begin:.3g} s, which move at {speed:+.3f} m/s until {end:.3g} s; "
+        "{discharge:.2f} m²/s flow through them"
     )
+    return text.format(**numbers).replace("-", "−")
 
 
 def line(summary: Mapping) -> str:
@@ -67,7 +63,5 @@ def _metres(head: float) -> str:
 
 
 def _of_frames(found: Mapping, key: str) -> str:
-    if found.get(key) is None:
-        return ABSENT
     error = f"{FRAME_ERRORS.get(key, key)}_error"
-    return with_error({key: found[key], f"{key}_error": found.get(error)}, key)
+    return with_error({key: found.get(key), f"{key}_error": found.get(error)}, key)

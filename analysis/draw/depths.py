@@ -85,7 +85,6 @@ def xt_map(
         Places (m) and times (s) of a tracked front, drawn on top.
     """
     values = profiles[variable].values
-    signed = variable in ("velocity", "surface_velocity", "discharge") and np.nanmin(values, initial=0.0) < 0
     return Map(
         title or f"{variable.replace('_', ' ')} over distance and time",
         axis_label(profiles[variable]),
@@ -93,6 +92,6 @@ def xt_map(
         profiles.time.values,
         values,
         TIME if profiles.time.attrs.get("units") != "1" else "Step",
-        bool(signed),
+        bool(np.nanmin(values, initial=0.0) < 0),
         () if toe is None else (Line("front", *toe, "theory"),),
     )

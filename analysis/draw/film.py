@@ -7,8 +7,8 @@ its discs in software straight into it and goes to ffmpeg (mp4) or into Pillow (
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -89,18 +89,25 @@ def animate(
             if progress:
                 progress(done, count)
 
-    part = out.with_name(f".{out.name}.new")
-    try:
+    with _whole(out, "animation") as part:
         if out.suffix.lower() == ".mp4":
             _mp4(pictures(), part, fps, painter.picture.shape)
         else:
             _gif(pictures(), part, fps)
+    return out
+
+
+@contextmanager
+def _whole(out: Path, what: str) -> Iterator[Path]:
+    """A place for a file, which takes its name where the block ends well; DumpError where it cannot be written."""
+    part = out.with_name(f".{out.name}.new")
+    try:
+        yield part
         part.replace(out)
     except OSError as error:
-        raise DumpError(f"{out}: the animation cannot be written ({error.strerror or error}).") from error
+        raise DumpError(f"{out}: the {what} cannot be written ({error.strerror or error}).") from error
     finally:
         part.unlink(missing_ok=True)
-    return out
 
 
 def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280) -> Path:
@@ -110,14 +117,9 @@ def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280) -> Pa
     """
     from PIL import Image
 
-    out = Path(out)
-    part = out.with_name(out.name + ".part")
-    try:
+    with _whole(Path(out), "picture") as part:
         Image.fromarray(_Painter([frame], flow, width, {}).paint(frame)).save(part, format="PNG")
-        part.replace(out)
-    except OSError as error:
-        raise DumpError(f"{out}: the picture cannot be written ({error.strerror or error}).") from error
-    return out
+    return Path(out)
 
 
 class _Painter:

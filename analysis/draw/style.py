@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -62,9 +61,7 @@ def style() -> AbstractContextManager[None]:
 
 
 @contextmanager
-def drawing(
-    width: float = 7.2, height: float = 3.6, rows: int = 1, columns: int = 1, **subplots
-) -> Iterator[tuple[Figure, Any]]:
+def drawing(width: float = 7.2, height: float = 3.6, rows: int = 1, columns: int = 1, **subplots) -> Iterator[tuple]:
     """A figure with its Agg canvas, and its axes, in this package's `style` for the time of a ``with`` block.
 
     Parameters

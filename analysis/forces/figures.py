@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Map, Panel
@@ -19,9 +19,6 @@ from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
 from .impulse import with_inflow
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 LOOKS = ("first", "second", "sum", "third", "fit")
 """Of the structures, in turn."""
@@ -49,17 +46,15 @@ def figures(result: Forces, gathered: Gathered) -> Drawings:
 def section(found: Mapping) -> Section:
     """Forces on the probed structures, the impulse identity, the reflected wave; `found` as in ``summary.json``."""
     numbers, keys = numbers_of(Force), ("peak", "peak_time", "impulse", "peak_moment", "hydrostatic", "stagnation")
-    scales = [1.0 if key == "peak_time" else 1e3 for key in keys]
+    scales = {key: 1.0 if key == "peak_time" else 1e3 for key in keys}
     rows = []
     for name, values in found.items():
         if isinstance(values, dict) and "peak" in values:
-            known = [values.get(key) for key in keys]
-            row = [None if v is None else v / scale for v, scale in zip(known, scales, strict=True)]
+            row = [None if values.get(key) is None else values[key] / scale for key, scale in scales.items()]
             if values.get("peak_error") is not None:
                 row[0] = with_error(values, "peak", 1e3)
             rows.append((name, *row))
-    units = [numbers[key].unit if key == "peak_time" else f"k{numbers[key].unit}" for key in keys]
-    heads = [f"{numbers[key].label} [{unit}]" for key, unit in zip(keys, units, strict=True)]
+    heads = [f"{numbers[key].label} [{'k' * (scale > 1)}{numbers[key].unit}]" for key, scale in scales.items()]
     sure = Text(
         "Means and sums over every step. ± is within this run; one run has no error for a number without: repeat it "
         "from other starts."

@@ -60,8 +60,6 @@ class MomentumLedger:
         self.flow = flow
         self._rows: list[tuple] = []
         self._before: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
-        self._forces: list[dict[str, tuple]] = []
-        self._unprobed: list[dict[str, tuple]] = []
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
@@ -73,20 +71,19 @@ class MomentumLedger:
             carried = before[1][gone] @ before[2][gone]
             held = float(before[1][~gone].sum()) * (time - self._rows[-1][0])
             # a disc that was poured may have got its own size since
-            same = not gone.any() and len(ids) == len(before[0]) and abs(discs - self._rows[-1][3]) < 1e-7 * discs
-        momentum = flow.scene.mass * (mass @ speeds)
-        self._before = now
-        self._rows.append((time, *momentum, discs, same, *(flow.scene.mass * carried), held))
-        self._forces.append({})
-        self._unprobed.append({})
+            same = not gone.any() and len(ids) == len(before[0]) and abs(discs - self._rows[-1][2]) < 1e-7 * discs
+        forces, unprobed = {}, {}
         # the last frame before a gate opens counts as with the gate, the first one after as without
         for wall in flow.walls_at(time) if flow.knows_contacts else ():
             sums = wall_sums(frame, wall, flow)
             if wall.name in flow.scene.probes:
-                self._forces[-1][wall.name] = sums.force
+                forces[wall.name] = sums.force
             elif sums.index.size:
                 pushes_x = sums.sideways or bool(flow.scene.coefficients.friction)
-                self._unprobed[-1][wall.name] = (pushes_x, bool(np.any(sums.fy != 0)))
+                unprobed[wall.name] = (pushes_x, bool(np.any(sums.fy != 0)))
+        momentum, carried = flow.scene.mass * (mass @ speeds), flow.scene.mass * carried
+        self._before = now
+        self._rows.append((time, momentum, discs, same, np.zeros(2), carried, held, forces, unprobed))
 
     def _discs(self, frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Ids, relative masses and velocities (m/s) of the discs, by id.
@@ -101,13 +98,8 @@ class MomentumLedger:
 
     def result(self) -> MomentumHistory:
         """The history of all frames added."""
-        time, px, py, discs, same, *carried, held = np.array(self._rows, float).reshape(-1, 8).T
-        brought = np.zeros((len(time), 2))
-        forces, unprobed = _by_wall(self._forces, float), _by_wall(self._unprobed, bool)
-        return MomentumHistory(
-            time, np.column_stack([px, py]), discs, same.astype(bool), brought, np.transpose(carried), held, forces,
-            unprobed,
-        )  # fmt: skip
+        *columns, forces, unprobed = zip(*self._rows, strict=True)
+        return MomentumHistory(*map(np.array, columns), _by_wall(forces, float), _by_wall(unprobed, bool))
 
 
 def with_inflow(history: MomentumHistory, arrivals: Arrivals, scene: Scene) -> MomentumHistory:
@@ -117,7 +109,7 @@ def with_inflow(history: MomentumHistory, arrivals: Arrivals, scene: Scene) -> M
     return replace(history, brought=brought, held=held, same=np.append(False, np.isfinite(arrivals.age[1:])))
 
 
-def _by_wall(frames: list[dict[str, tuple]], kind: type) -> dict[str, np.ndarray]:
+def _by_wall(frames: tuple[dict[str, tuple], ...], kind: type) -> dict[str, np.ndarray]:
     """Pairs of each wall, shape (frames, 2); zeros in frames without the wall."""
     names = dict.fromkeys(name for frame in frames for name in frame)
     return {name: np.array([frame.get(name, (0, 0)) for frame in frames], kind) for name in names}
@@ -180,16 +172,12 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
         return Identity(axis, reason="no two frames hold the same discs and fall on ends of the force windows")
     a, b = span
     start, end = momentum.time[a], momentum.time[b]
-    reasons = []
-    for name, pushed in momentum.unprobed.items():
-        if pushed[a : b + 1, column].any():
-            reasons.append(f"wall '{name}' pushes along {axis} and is not probed")
+    pushing = [name for name, pushed in momentum.unprobed.items() if pushed[a : b + 1, column].any()]
+    reasons = [f"wall '{name}' pushes along {axis} and is not probed" for name in pushing]
     if not flow.knows_contacts:
         reasons.append("without stiffnesses nothing tells whether other walls push")
-    reasons += [
-        f"wall '{wall.name}' has no force record" for wall in flow.scene.walls
-        if wall.name in flow.scene.probes and wall.name not in forces
-    ]  # fmt: skip
+    silent = [wall.name for wall in flow.scene.walls if wall.name in flow.scene.probes and wall.name not in forces]
+    reasons += [f"wall '{name}' has no force record" for name in silent]
     slack = 0.25 * flow.time_step or 1e-9
     walls = scale = 0.0
     for name, history in forces.items():

@@ -5,18 +5,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import nan
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.jump.track import straight_motion
 from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, estimate, number
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 HALF = 0.5
 """The front stands where the velocity has fallen to this share of the highest velocity of the oncoming stream."""
@@ -84,12 +81,10 @@ def track_reflection(profiles: xr.Dataset, structure: Wall, flow: Flow) -> Refle
         if not u[top] > 0.2 * first_speed or first_speed <= 0:
             break
         level = HALF * u[top]
-        below = np.flatnonzero(u[top:] < level)
-        if not below.size:
+        below = top + np.flatnonzero(u[top:] < level)
+        if not below.size or below[0] < 2:
             continue
-        j = top + int(below[0])
-        if j < 2 or j == top:
-            continue
+        j = int(below[0])
         position[k] = x[j - 1] + (u[j - 1] - level) / (u[j - 1] - u[j]) * width
         before = max(0, j - 3)
         streams.append((depth[k, before:j].mean(), np.nanmean(u[before:j])))

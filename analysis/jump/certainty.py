@@ -50,9 +50,8 @@ class Members:
 
 def errors(jump: object, pieces: Sequence[Mapping]) -> dict[str, float]:
     """Standard error within this run of each number of a `Jump` that has one, by its key ``<number>_error``."""
-    names = [field.name for field in fields(jump)]
-    pairs = [(name, name.removesuffix("_error")) for name in names if name.endswith("_error")]
-    return {name: piece_error(_values(pieces, key)) for name, key in pairs}
+    names = [field.name for field in fields(jump) if field.name.endswith("_error")]
+    return {name: piece_error(_values(pieces, name.removesuffix("_error"))) for name in names}
 
 
 def drift(pieces: Sequence[Mapping]) -> Drift:

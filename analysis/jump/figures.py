@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Line, Panel, stairs
 from lammps_jump.physics import jump as theory
@@ -16,9 +16,6 @@ from lammps_jump.units import numbers_of
 from .frame import mean_profile
 from .stream import running_median
 from .summary import Jump
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def track_chart(jump: Jump) -> Chart | None:

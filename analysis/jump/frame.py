@@ -74,10 +74,10 @@ def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) 
 
 
 def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) -> float:
-    """Where values rise through a level, linear in between, nearest to `around`; NaN where they do not."""
+    """Where values rise through a level, linear in between, nearest to `around`; `around` where they do not."""
     up = np.flatnonzero((values[:-1] < level) & (values[1:] >= level))
     if not up.size:
-        return nan
+        return around
     share = (level - values[up]) / (values[up + 1] - values[up])
     places = xi[up] + share * (xi[up + 1] - xi[up])
     return float(places[np.argmin(np.abs(places - around))])
@@ -256,9 +256,7 @@ def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance
         return part(one) - part(two)
 
     def between(values: xr.DataArray) -> float:
-        amount = integral(values, one.middle, two.middle)
-        good = amount[np.isfinite(amount)]
-        return float(good.mean()) if good.size else nan
+        return mean_of(integral(values, one.middle, two.middle)).value
 
     upstream, downstream = (state.uniform_flux + state.still(state.mass_depth) for state in (one, two))
     momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one.middle, two.middle)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import nan
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -26,9 +25,7 @@ from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import Estimates, estimate, number, shown
 
 from .frame import along_stream, growth_rate, integral, move_along
-
-if TYPE_CHECKING:
-    from .result import JumpResult
+from .result import JumpResult
 
 ROUNDS = 4
 """Rounds in which the velocity of the half step is rebuilt: dashpots then equal the engine's ledger within 1e-4."""
@@ -282,7 +279,6 @@ def sentence(found: Mapping) -> str:
     """Budget in words; `found` as in ``summary.json``."""
     if not found:
         return ""
-    numbers = {key: f"{found[key]:.2f}" for key in ("carried", "contacts", "storage")}
     lost, taken, rest = (
         shown(found[key], "m", found[f"{error}_error"])
         for key, error in (("lost", "inflow"), ("dashpots", "dashpots"), ("residual", "residual"))
@@ -290,8 +286,8 @@ def sentence(found: Mapping) -> str:
     return (
         f"Energy between stations {found['start']:+.1f} m and {found['stop']:+.1f} m from the toe, which move at "
         f"{found['speed']:+.2f} m/s, as heads over the discharge of {found['discharge']:.2f} m²/s through them: discs "
-        f"carry in {numbers['carried']} m more than out, contacts hand on {numbers['contacts']} m, "
-        f"{numbers['storage']} m is stored. Lost: {lost}. The dashpots take {taken}; the difference is {rest} "
+        f"carry in {found['carried']:.2f} m more than out, contacts hand on {found['contacts']:.2f} m, "
+        f"{found['storage']:.2f} m is stored. Lost: {lost}. The dashpots take {taken}; the difference is {rest} "
         f"(± within this run, {found['frames']} frames; the single parts have no errors). In a case for the "
         "native engine, which counts every step: "
         "probes.stations = "

@@ -10,39 +10,20 @@ import itertools
 from collections import Counter
 from dataclasses import dataclass, replace
 from math import isfinite, nan, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from lammps_jump.analysis.contacts import ContactSeries
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.statistics import piece_bounds
 from lammps_jump.units import number, shown
 
-from .frame import (
-    END_SHARE,
-    TOE_SHARE,
-    Balance,
-    Mass,
-    Roller,
-    State,
-    along_stream,
-    balance,
-    crossing,
-    mass_balance,
-    mean_profile,
-    measure_state,
-    move_along,
-    roller,
-    zones,
-)
+from . import frame
 from .stream import Stream, compression_front, measure_stream
 from .tail import Tail, measure_tail
 from .track import AlongStream, JumpTrack, Motion, piece_speeds, straight_motion, track_jump
-
-if TYPE_CHECKING:
-    from lammps_jump.analysis.contacts import ContactSeries
 
 Stretches = tuple[tuple[float, float], tuple[float, float]]
 
@@ -95,12 +76,12 @@ class JumpResult(AlongStream):
     toe, end : float
         In the moving frame, from the mean mass depth, m along the stream from the front; `surface_toe`, `surface_end`
         from the surface.
-    upstream, downstream : State or None
-    developed : bool
+    upstream, downstream : frame.State or None
+    developed : bool or None
         A level stretch behind the end was there to be measured.
-    balance : Balance or None
-    mass : Mass or None
-    roller : Roller or None
+    balance : frame.Balance or None
+    mass : frame.Mass or None
+    roller : frame.Roller or None
     heap : Heap or None
     tail : Tail or None
     """
@@ -121,12 +102,12 @@ class JumpResult(AlongStream):
     end: float = nan
     surface_toe: float = nan
     surface_end: float = nan
-    upstream: State | None = None
-    downstream: State | None = None
-    developed: bool = False
-    balance: Balance | None = None
-    mass: Mass | None = None
-    roller: Roller | None = None
+    upstream: frame.State | None = None
+    downstream: frame.State | None = None
+    developed: bool | None = None
+    balance: frame.Balance | None = None
+    mass: frame.Mass | None = None
+    roller: frame.Roller | None = None
     heap: Heap | None = None
     tail: Tail | None = None
     stream: Stream | None = None
@@ -138,14 +119,12 @@ class JumpResult(AlongStream):
         return self.track.found & self.in_window
 
 
-def level_reach(bed: np.ndarray, diameter: float) -> slice:
+def level_reach(bed: np.ndarray, diameter: float) -> np.ndarray:
     """Bins, in the stream's order, of the longest stretch of level bed (heights in m): up to a sill or a fall."""
     with np.errstate(invalid="ignore"):
         breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * diameter)) + 1
-    ends = np.concatenate([[0], breaks, [len(bed)]])
-    runs = [(stop - start, -start) for start, stop in itertools.pairwise(ends) if np.isfinite(bed[start])]
-    length, start = max(runs, default=(0, 0))
-    return slice(int(-start), int(-start + length))
+    stretches = [bins for bins in np.split(np.arange(len(bed)), breaks) if np.isfinite(bed[bins[0]])]
+    return max(stretches, key=len, default=np.arange(0))
 
 
 def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> JumpResult:
@@ -171,14 +150,14 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
     reach = level_reach(profiles["bed"].values[::direction], flow.scene.diameter)
-    if reach.stop - reach.start < 8:
+    if len(reach) < 8:
         return replace(nothing, reason="fewer than eight bins of level bed to look at")
     fields = profiles[FIELDS]
     if contacts is not None:
         scale, dims = 1.0 / flow.scene.density, ("time", "x")
         bed = scale / profiles.attrs["bin_width"] * contacts.wall_fx
         fields = fields.assign(thrust=(dims, scale * contacts.thrust), bed=(dims, bed))
-    found = _follow(nothing, along_stream(fields, direction, ODD).isel(x=reach), profiles.attrs["bin_width"])
+    found = _follow(nothing, frame.along_stream(fields, direction, ODD).isel(x=reach), profiles.attrs["bin_width"])
     return replace(found.turned(direction), pieces=tuple(piece.turned(direction) for piece in found.pieces))
 
 
@@ -213,10 +192,8 @@ def _follow(nothing: JumpResult, stream: xr.Dataset, width: float) -> JumpResult
     verdict, reason = _judge(result, used, gravity, to_inlet, drowned)
     if verdict == "jump" and share < SURE:
         others = _why_none(track, in_window, stream, result.heap, gravity, None)[1]
-        verdict, reason = (
-            "marginal jump",
-            f"{100 * share:.0f} % of the frames have a jump, others not: {others}. {reason}",
-        )
+        verdict = "marginal jump"
+        reason = f"{100 * share:.0f} % of the frames have a jump, others not: {others}. {reason}"
     return replace(result, verdict=verdict, reason=reason)
 
 
@@ -225,27 +202,27 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
     track, speed = result.track, result.motion.speed
     # the frame moves with the fitted straight motion: a control volume at a steady speed has an exact balance
     front = result.motion.start + speed * track.time[used]
-    moving = move_along(stream.isel(time=used), front, track.reach_end[used])
+    moving = frame.move_along(stream.isel(time=used), front, track.reach_end[used])
     toe = float(np.median(track.toe[used] - front))
     end = float(np.median(track.end[used] - front))
     levels = float(np.median(track.mass_depth_1[used])), float(np.median(track.mass_depth_2[used]))
     # twice: the states need the ends, the ends need the levels
     for _ in range(2):
-        before, behind, enough = zones(moving, toe, end, *levels)
+        before, behind, enough = frame.zones(moving, toe, end, *levels)
         result = _within(result, moving, (before, behind), (toe, end))
         toe, end = result.toe, result.end
     depth = result.downstream.mass_depth
     tail = measure_tail(stream.isel(time=used), front, depth)
     before = measure_stream(stream, track, used, speed, depth, result.flow.gravity)
-    found = roller(moving, speed, toe, end)
+    found = frame.roller(moving, speed, toe, end)
     result = replace(result, stream=before, developed=enough, roller=found, tail=tail)
     return replace(result, pieces=_pieces(result))
 
 
 def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around: tuple[float, float]) -> JumpResult:
     """States, ends and balances from frames of the moving frame, in the zones of the states."""
-    one, two = (measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
-    mean = mean_profile(moving[["mass_depth", "surface_depth"]])
+    one, two = (frame.measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
+    mean = frame.mean_profile(moving[["mass_depth", "surface_depth"]])
     toe, end = _ends(mean["mass_depth"], one.mass_depth, two.mass_depth, *around)
     ends = _ends(mean["surface_depth"], one.surface_depth, two.surface_depth, toe, end)
     return replace(
@@ -257,8 +234,8 @@ def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around
         surface_end=ends[1],
         upstream=one,
         downstream=two,
-        balance=balance(moving, one, two, result.direction * result.flow.scene.gravity[0]),
-        mass=mass_balance(moving, one, two),
+        balance=frame.balance(moving, one, two, result.direction * result.flow.scene.gravity[0]),
+        mass=frame.mass_balance(moving, one, two),
     )
 
 
@@ -284,10 +261,9 @@ def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
 def _ends(profile: xr.DataArray, level_1, level_2, toe, end) -> tuple[float, float]:
     """Where a mean profile has made 5 % and 95 % of its rise; the given places where it does not cross."""
     rise = level_2 - level_1
-    new_toe = crossing(profile.xi.values, profile.values, level_1 + TOE_SHARE * rise, toe)
-    new_end = crossing(profile.xi.values, profile.values, level_1 + END_SHARE * rise, end)
-    new_toe = new_toe if isfinite(new_toe) else toe
-    return new_toe, max(new_end if isfinite(new_end) else end, new_toe)
+    toe = frame.crossing(profile.xi.values, profile.values, level_1 + frame.TOE_SHARE * rise, toe)
+    end = frame.crossing(profile.xi.values, profile.values, level_1 + frame.END_SHARE * rise, end)
+    return toe, max(end, toe)
 
 
 def _heap(stream: xr.Dataset, start: float, gravity: float) -> Heap:

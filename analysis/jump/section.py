@@ -264,10 +264,7 @@ def _stream(stream: Mapping | None) -> list[Text | Table]:
     rows = [
         (
             f"{stream['start'][i]:.4g} … {stream['stop'][i]:.4g}".replace("-", "−"),
-            stream["mass_depth"][i],
-            stream["velocity"][i],
-            stream["momentum_flux"][i],
-            stream["thrust"][i],
+            *(stream[key][i] for key in ("mass_depth", "velocity", "momentum_flux", "thrust")),
             shown(stream["total"][i], error=stream["total_error"][i]),
             stream["froude"][i],
             stream["belanger_y2"][i],

@@ -119,11 +119,15 @@ def measure_stream(
     typical = float(np.median(window["mass_depth"].values[:, before])) if before.size else nan
     before = before[x[before] - 0.5 * width >= x[0] - 0.5 * width + typical - 1e-9] if before.size else before
     bins = max(1, min(round(STRETCH * typical / width), len(before) // 4)) if isfinite(typical) else 1
-    groups = [before[i : i + bins] for i in range(0, len(before) - bins + 1, bins)]
-    if not groups:
+    groups = before[: len(before) // bins * bins].reshape(-1, bins)
+    if not len(groups):
         return None
-    s, q, m = (_stretches(window, name, groups) for name in ("mass_depth", "discharge", "momentum_flux"))
-    push = _stretches(window, "thrust", groups) if "thrust" in window else np.full_like(s, nan)
+
+    def means(name: str) -> np.ndarray:
+        return window[name].values[:, groups].mean(axis=2)
+
+    s, q, m = map(means, ("mass_depth", "discharge", "momentum_flux"))
+    push = means("thrust") if "thrust" in window else np.full_like(s, nan)
     total = [mean_of(values) for values in (m + push).T]
     mean_depth, mean_discharge = s.mean(axis=0), q.mean(axis=0)
     velocity = mean_discharge / mean_depth
@@ -133,8 +137,8 @@ def measure_stream(
     place = median_place(track.compression[used]) if track.compression is not None else nan
     clear = place - (x[0] - 0.5 * width)
     return Stream(
-        start=np.array([x[group[0]] - 0.5 * width for group in groups]),
-        stop=np.array([x[group[-1]] + 0.5 * width for group in groups]),
+        start=x[groups[:, 0]] - 0.5 * width,
+        stop=x[groups[:, -1]] + 0.5 * width,
         mass_depth=mean_depth,
         velocity=velocity,
         discharge=mean_discharge,
@@ -150,12 +154,6 @@ def measure_stream(
         undisturbed=clear,
         at_inlet=bool(clear < NEAR_INLET * mean_depth[0]),
     )
-
-
-def _stretches(window: xr.Dataset, name: str, groups: list[np.ndarray]) -> np.ndarray:
-    """Means over the bins of each stretch, frame by frame, shape (frames, stretches)."""
-    values = window[name].values
-    return np.array([values[:, group].mean(axis=1) for group in groups]).T
 
 
 def median_place(places: np.ndarray) -> float:

@@ -25,6 +25,9 @@ from .tail import Tail, against_inflow
 DEVELOPED_SHARE = 0.7
 """A front whose depth ratio stays below this share of Bélanger's is still on its way to be a jump."""
 
+SHARED = ("verdict", "reason", "window", "heap", "developed", "roller", "tail", "stream", "mass")
+"""Fields of a `JumpResult` that stand in a `Jump` too."""
+
 
 @dataclass(frozen=True)
 class Jump(Estimates):
@@ -106,11 +109,9 @@ class Jump(Estimates):
 
 def inflow_theory(flow: Flow) -> theory.Inflow | None:
     """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
-    depth, speed = flow.inflow_depth, flow.inflow_speed
-    gravity = flow.gravity
-    if not depth or not speed or gravity <= 0:
+    if not flow.inflow_depth or not flow.inflow_speed or flow.gravity <= 0:
         return None
-    return theory.inflow_theory(depth, speed, gravity)
+    return theory.inflow_theory(flow.inflow_depth, flow.inflow_speed, flow.gravity)
 
 
 def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = None) -> Jump:
@@ -123,8 +124,8 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
         Depth (m) and mean velocity (m/s) behind the inlet, which the tail water is held against; by default those that
         were asked for.
     """
-    jump = Jump(result.verdict, result.reason, inflow=inflow_theory(result.flow), window=result.window,
-                heap=result.heap, measured=result)  # fmt: skip
+    shared = {name: getattr(result, name) for name in SHARED}
+    jump = Jump(inflow=inflow_theory(result.flow), momentum_terms=result.balance, measured=result, **shared)
     if result.track is None:
         return jump
     found, frames = int(result.used.sum()), int(result.in_window.sum())
@@ -132,18 +133,7 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
     if result.upstream is None:
         return jump
     pieces = [_numbers(piece) for piece in result.pieces]
-    jump = replace(
-        jump,
-        **_numbers(result),
-        **errors(jump, pieces),
-        developed=result.developed,
-        roller=result.roller,
-        tail=result.tail,
-        stream=result.stream,
-        momentum_terms=result.balance,
-        mass=result.mass,
-        drift=drift(pieces),
-    )
+    jump = replace(jump, **_numbers(result), **errors(jump, pieces), drift=drift(pieces))
     jump = replace(jump, members=members(jump))
     if jump.inflow is not None:
         stream = delivered or (Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0))

@@ -5,18 +5,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import nan
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import Estimates, estimate, number
 
 from .certainty import TAIL_BOUNDS
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 BEHIND_FRONT = 1.2
 """Distance from the front at which a jump of discs has ended, in depths of the tail water (measured)."""

@@ -156,18 +156,6 @@ def _crest_reach(depth: np.ndarray) -> int:
     return crest + int(below[0]) if below.size else len(depth)
 
 
-class Look(NamedTuple):
-    """What one frame tells of the jump, as in `JumpTrack`; `why` is empty where it was found."""
-
-    why: str
-    toe: float = nan
-    end: float = nan
-    depth_1: float = nan
-    depth_2: float = nan
-    velocity_1: float = nan
-    velocity_2: float = nan
-
-
 def track_jump(
     stream: xr.Dataset, edges: np.ndarray, gravity: float, diameter: float, in_window: np.ndarray
 ) -> JumpTrack:
@@ -191,9 +179,9 @@ def track_jump(
     depth, discharge = stream["mass_depth"].values, stream["discharge"].values
     bins = [_crest_reach(row) for row in depth]
     looks = [_look(edges[: n + 1], depth[k, :n], discharge[k, :n], gravity, diameter) for k, n in enumerate(bins)]
-    why = tuple(look.why for look in looks)
-    toe, end, *levels = np.array([look[1:] for look in looks]).T
-    found = np.array([not reason for reason in why], bool)
+    why = tuple(look if isinstance(look, str) else "" for look in looks)
+    toe, end, *levels = np.array([(nan,) * 6 if isinstance(look, str) else look for look in looks]).T
+    found = ~np.isnan(toe)
     position = np.full(len(looks), nan)
     chosen = found & in_window if (found & in_window).any() else found
     if chosen.any():
@@ -203,28 +191,29 @@ def track_jump(
     return JumpTrack(stream.time.values, toe, end, position, *levels, edges[bins], why)
 
 
-def _look(edges, depth, discharge, gravity, diameter) -> Look:
+def _look(edges, depth, discharge, gravity, diameter) -> str | tuple[float, ...]:
+    """Toe, end, depths and velocities of the jump of one frame, or the reason why it has none."""
     if depth.max(initial=0.0) < 0.5 * diameter:
-        return Look("the channel is dry")
+        return "the channel is dry"
     ramp = fit_ramp(edges, depth)
     if ramp is None or ramp.depth_2 < LEAST_RATIO * max(ramp.depth_1, 0.0):
-        return Look(f"the depth nowhere rises by a factor of {LEAST_RATIO}")
+        return f"the depth nowhere rises by a factor of {LEAST_RATIO}"
     middle = 0.5 * (edges[1:] + edges[:-1])
     before, behind = middle < ramp.toe, middle > ramp.end
     if not before.any() or not behind.any():
-        return Look("the rise has no level stretch on both sides")
+        return "the rise has no level stretch on both sides"
     depth_1, depth_2 = depth[before].mean(), depth[behind].mean()
     if depth_1 < 0.5 * diameter:
-        return Look("no stream in front of the rise: a wave runs on a dry bed")
+        return "no stream in front of the rise: a wave runs on a dry bed"
     if ramp.share < LEAST_SHARE:
-        return Look(f"no ramp between two levels fits (it explains {100 * ramp.share:.0f} % of the variance)")
+        return f"no ramp between two levels fits (it explains {100 * ramp.share:.0f} % of the variance)"
     velocity_1, velocity_2 = (discharge[side].sum() / depth[side].sum() for side in (before, behind))
     froude_1, froude_2 = velocity_1 / sqrt(gravity * depth_1), velocity_2 / sqrt(gravity * depth_2)
     if froude_1 <= 1:
-        return Look(f"the stream in front of the rise is subcritical (Fr = {froude_1:.2f})")
+        return f"the stream in front of the rise is subcritical (Fr = {froude_1:.2f})"
     if froude_2 >= 1:
-        return Look(f"the stream behind the rise is still supercritical (Fr = {froude_2:.2f})")
-    return Look("", ramp.toe, ramp.end, depth_1, depth_2, velocity_1, velocity_2)
+        return f"the stream behind the rise is still supercritical (Fr = {froude_2:.2f})"
+    return ramp.toe, ramp.end, depth_1, depth_2, velocity_1, velocity_2
 
 
 def equivalent_position(

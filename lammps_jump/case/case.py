@@ -182,7 +182,7 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
     names = [wall.name for wall in fields.walls]
     for index, name in enumerate(names):
         if name in names[:index]:
-            raise source.error(("walls", index, "name"), f"two walls are called '{name}'; give each its own name")
+            raise source.error(f"walls.{index}.name: two walls are called '{name}'; give each its own name")
     if not fields.initial and fields.inflow is None:
-        raise source.error((), "there are no discs: give initial (a column, lattice or list) or inflow")
+        raise CaseError(f"{source.place(())}: there are no discs: give initial (a column, lattice or list) or inflow")
     return fields

@@ -14,7 +14,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene import Gate, InletRow, Interval, Scene, Sizes, Wall
-from lammps_jump.scene.schedule import MOST_FRAMES, told
+from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
 from .packing import deepest_overlap, disc_count
@@ -25,7 +25,6 @@ MOST_STEPS = 2_000_000_000
 MOST_DISCS = 20_000_000
 MOST_CELLS = 500_000_000
 """LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
-MOST_BINS = 100_000
 LEVEL_FRICTION = 0.02
 """Largest friction, less the slope of the bed, at which the tail water of a jump became nearly level (measured)."""
 
@@ -35,32 +34,25 @@ def check_size(
 ) -> None:
     """Refuse more steps, frames or discs than a run can hold, before arrays are made."""
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
-        index, settle = max(
-            ((i, item.settle) for i, item in enumerate(case.initial) if isinstance(item, Column) and item.gate),
-            key=lambda pair: pair[1],
-        )
+        settle, index = case.settling
         raise source.error(
-            ("initial", index, "settle"),
-            f"{settle:g} s behind the gate are {settle_steps:.3g} steps, with those of run.duration "
-            f"{settle_steps + steps:.3g}; allowed are {MOST_STEPS:.0e}: shorten it",
+            f"initial.{index}.settle: {settle:g} s behind the gate are {settle_steps:.3g} steps, with those of "
+            f"run.duration {settle_steps + steps:.3g}; allowed are {MOST_STEPS:.0e}: shorten it"
         )
     if steps > MOST_STEPS:
         raise source.error(
-            "run.duration",
-            f"{case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, raise "
-            "run.time_step_fraction or lower the stiffness",
+            f"run.duration: {case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, "
+            "raise run.time_step_fraction or lower the stiffness"
         )
     frames = (settle_steps + steps) // output_steps + 1  # the first is that of the start
     if frames > MOST_FRAMES:
         raise source.error(
-            "run.output_interval",
-            f"{case.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
+            f"run.output_interval: {case.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write "
+            "fewer"
         )
     discs = sum(disc_count(item, case.discs.diameter, sizes) for item in case.initial)
     if discs > MOST_DISCS:
-        raise source.error(
-            "initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer"
-        )
+        raise source.error(f"initial: {discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer")
 
 
 def check_domain(case: CaseFields, source: CaseSource, domain: tuple[Interval, Interval]) -> None:
@@ -69,21 +61,21 @@ def check_domain(case: CaseFields, source: CaseSource, domain: tuple[Interval, I
     cells = (xhi - xlo) * (yhi - ylo) / case.discs.diameter**2
     if cells > MOST_CELLS:
         raise source.error(
-            "domain",
-            f"x [{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] has room for {cells:.3g} discs of {case.discs.diameter:g} m; "
-            f"allowed is room for {MOST_CELLS:.0e}: give a smaller domain or take larger discs",
+            f"domain: x [{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] has room for {cells:.3g} discs of "
+            f"{case.discs.diameter:g} m; allowed is room for {MOST_CELLS:.0e}: give a smaller domain or take larger "
+            "discs"
         )
     width = case.analysis.bin_width
     length = xhi - xlo
     if width is not None and length / width > MOST_BINS:
         raise source.error(
-            "analysis.bin_width",
-            f"{width:g} m would make {length / width:.0f} bins over {length:g} m; allowed are {MOST_BINS}: widen it",
+            f"analysis.bin_width: {width:g} m would make {length / width:.0f} bins over {length:g} m; allowed are "
+            f"{MOST_BINS}: widen it"
         )
     if width is not None and width > length:
         raise source.error(
-            "analysis.bin_width",
-            f"{width:g} m is wider than the domain; allowed is up to its {length:g} m: make the bins narrower",
+            f"analysis.bin_width: {width:g} m is wider than the domain; allowed is up to its {length:g} m: make the "
+            "bins narrower"
         )
 
 
@@ -97,7 +89,7 @@ def check_names(case: CaseFields, source: CaseSource, walls: tuple[Wall, ...], g
     for index, item in enumerate(case.walls):
         if item.name in own:
             raise source.error(
-                ("walls", index, "name"), f"'{item.name}' is the name {own[item.name]}; give this wall another one"
+                f"walls.{index}.name: '{item.name}' is the name {own[item.name]}; give this wall another one"
             )
 
 
@@ -107,30 +99,28 @@ def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Int
     if not isinstance(pour, PourInflow):
         return
     if case.gravity == 0:
-        raise source.error("gravity", "is 0, so that poured discs do not fall; allowed is > 0 with inflow kind: pour")
+        raise source.error("gravity: is 0, so that poured discs do not fall; allowed is > 0 with inflow kind: pour")
     if case.slope != 0:
         raise source.error(
-            "slope", f"is {case.slope:g} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
+            f"slope: is {case.slope:g} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
         )
     d = largest
     for axis, (low, high), limits in zip("xy", (pour.x, pour.y), domain, strict=True):
         if high - low < d * (1 - 1e-9):
             raise source.error(
-                ("inflow", axis),
-                f"[{low:g}, {high:g}] is {high - low:g} m wide; allowed is a disc's {d:g} m or more: widen it",
+                f"inflow.{axis}: [{low:g}, {high:g}] is {high - low:g} m wide; allowed is a disc's {d:g} m or more: "
+                "widen it"
             )
         if low < limits[0] or high > limits[1]:
             raise source.error(
-                ("inflow", axis),
-                f"[{low:g}, {high:g}] reaches out of the domain; allowed is within [{limits[0]:g}, {limits[1]:g}]: "
-                f"move the pour or widen domain.{axis}",
+                f"inflow.{axis}: [{low:g}, {high:g}] reaches out of the domain; allowed is within [{limits[0]:g}, "
+                f"{limits[1]:g}]: move the pour or widen domain.{axis}"
             )
     held = pour.volume_fraction * (pour.x[1] - pour.x[0]) * (pour.y[1] - pour.y[0]) / (pi * d * d / 4)
     if held < 1:
         raise source.error(
-            "inflow.volume_fraction",
-            f"{pour.volume_fraction:g} of the region is {held:.3g} discs; allowed is one disc or more: raise it or "
-            "widen inflow.x or inflow.y",
+            f"inflow.volume_fraction: {pour.volume_fraction:g} of the region is {held:.3g} discs; allowed is one disc "
+            "or more: raise it or widen inflow.x or inflow.y"
         )
 
 
@@ -139,20 +129,19 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
     engine, kernel = case.engine.name, case.engine.kernel
     if engine == "lammps" and case.probes.stations:
         raise source.error(
-            "probes.stations", "the energy between stations is kept by the native engine alone; use engine.name: native"
+            "probes.stations: the energy between stations is kept by the native engine alone; use engine.name: native"
         )
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
-        raise source.error("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
+        raise source.error("run.integrator: leapfrog_extrapolated is the native engine's; use engine.name: native")
     if engine == "lammps" and kernel == "stock":
         if case.contact.friction_law == "sign" and case.contact.friction > 0:
             raise source.error(
-                "contact.friction_law",
-                "'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, engine.kernel: "
-                "compiled or engine.name: native",
+                "contact.friction_law: 'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, "
+                "engine.kernel: compiled or engine.name: native"
             )
         if case.contact.touch == "smooth":
             raise source.error(
-                "contact.touch", "'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
+                "contact.touch: 'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
             )
 
 
@@ -161,9 +150,8 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
     friction = case.contact.friction
     if sizes and friction and case.contact.restitution == 1:
         raise source.error(
-            "contact.friction",
-            f"is {friction:g} with restitution 1; with discs.sizes the tangential dashpot is a multiple of the normal "
-            "one, which is 0 then: allowed is friction 0, restitution below 1, or equal discs",
+            f"contact.friction: is {friction:g} with restitution 1; with discs.sizes the tangential dashpot is a "
+            "multiple of the normal one, which is 0 then: allowed is friction 0, restitution below 1, or equal discs"
         )
     notes = []
     if isinstance(case.inflow, RowsInflow) and case.inflow.spacing < REFUSAL_GAP:
@@ -191,9 +179,9 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
     return notes
 
 
-def adapted(case: CaseFields, scene: Scene, settle: float) -> tuple[str, ...]:
-    """Sentences on asked values that whole steps have changed; `settle` is the time asked for, s."""
-    dt = scene.time_step
+def adapted(case: CaseFields, scene: Scene) -> tuple[str, ...]:
+    """Sentences on asked values that whole steps have changed."""
+    dt, settle = scene.time_step, case.settling[0]
     asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
     if case.run.output_interval is not None:
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
@@ -209,7 +197,7 @@ def check_stop(case: CaseFields, source: CaseSource) -> list[str]:
     """Refuse `stop_when_steady` with a dump that it cannot read; return a warning if it has no effect."""
     if case.run.stop_when_steady and case.run.dump_format != "text":
         raise source.error(
-            "run.stop_when_steady", f"needs text dumps, but run.dump_format is {case.run.dump_format}: use text"
+            f"run.stop_when_steady: needs text dumps, but run.dump_format is {case.run.dump_format}: use text"
         )
     if case.run.stop_when_steady and not isinstance(case.inflow, RowsInflow):
         return ["stop_when_steady has no effect: without inflow rows a flow does not become steady"]
@@ -225,10 +213,9 @@ def check_stability(
         # the correction lowers the damping as f grows: the limit without it is safe for every f
         limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
         raise source.error(
-            "run.time_step_fraction",
-            f"{fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of 2/omega for {integrator} at "
-            f"restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' value) or set "
-            "run.allow_unstable: true",
+            f"run.time_step_fraction: {fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of "
+            f"2/omega for {integrator} at restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' "
+            "value) or set run.allow_unstable: true"
         )
     given = case.contact
     smallest = sizes.smallest / case.discs.diameter if sizes else 1.0
@@ -256,13 +243,12 @@ def check_places(case: CaseFields, source: CaseSource, scene: Scene, walls: tupl
     if found is not None and found[0] > allowed * (1 + 1e-9):
         overlap, i, j = found
         raise source.error(
-            "initial",
-            f"discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
-            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; "
-            f"allowed is d/n = {allowed:.3g} m; move them apart",
+            f"initial: discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
+            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; allowed is d/n = "
+            f"{allowed:.3g} m; move them apart"
         )
     for index, wall in enumerate(walls):
-        _check_discs_free_of(wall, ("walls", index), source, positions, diameters, allowed)
+        _check_discs_free_of(wall, f"walls.{index}", source, positions, diameters, allowed)
         _check_inlets_free_of(wall, source, scene.inlets, scene.largest)
     for gate in scene.gates:
         _check_discs_free_of(gate.wall, "initial", source, positions, diameters, allowed)
@@ -275,30 +261,27 @@ def _check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, do
         if outside.size:
             value = positions[outside[0], axis]
             raise source.error(
-                "domain" if case.domain else "initial",
-                f"disc {outside[0] + 1} starts at {label} = {value:g} m, outside the domain [{low:g}, "
-                f"{high:g}]; widen domain.{label}",
+                f"{'domain' if case.domain else 'initial'}: disc {outside[0] + 1} starts at {label} = {value:g} m, "
+                f"outside the domain [{low:g}, {high:g}]; widen domain.{label}"
             )
         for row in inlets:
             if not low < (row.x, row.y)[axis] < high:
                 raise source.error(
-                    "inflow",
-                    f"the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} [{low:g}, {high:g}]",
+                    f"inflow: the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} "
+                    f"[{low:g}, {high:g}]"
                 )
 
 
-def _check_discs_free_of(
-    wall: Wall, field: str | tuple[str, int], source: CaseSource, positions, diameters, allowed: float
-) -> None:
+def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, diameters, allowed: float) -> None:
     if not len(positions):
         return
     depth = diameters / 2 - wall.distance(positions[:, 0], positions[:, 1])
     worst = int(np.argmax(depth))
     if depth[worst] > allowed * (1 + 1e-9):
         raise source.error(
-            field,
-            f"disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts {depth[worst]:.3g} m deep "
-            f"in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the discs",
+            f"{field}: disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
+            f"{depth[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the "
+            "discs"
         )
 
 
@@ -307,7 +290,6 @@ def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow
         distance = float(wall.distance(np.array([row.x]), np.array([row.y]))[0])
         if distance < largest / 2 * (1 - 1e-6):
             raise source.error(
-                "inflow",
-                f"row {number + 1} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in wall "
-                f"'{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall",
+                f"inflow: row {number + 1} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
+                f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"
             )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from math import sqrt
+from operator import itemgetter
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
@@ -386,6 +387,12 @@ class CaseFields(Strict):
         if asked is not None or not self.gravity:
             return asked or STILL_INTERVAL
         return max(FILM_INTERVAL * sqrt(self.discs.diameter / self.gravity), self.run.duration / MOST_FILMED)
+
+    @property
+    def settling(self) -> tuple[float, int]:
+        """Longest time that a column settles behind its gate, s, and the place of the column in `initial`."""
+        columns = ((item.settle, i) for i, item in enumerate(self.initial) if isinstance(item, Column) and item.gate)
+        return max(columns, key=itemgetter(0), default=(0.0, 0))
 
     @field_validator("gravity")
     @classmethod

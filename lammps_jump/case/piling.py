@@ -49,7 +49,7 @@ class _Pile:
         self.x, self.y, self.largest = x, y, largest
         self.discs: list[tuple[float, float, float]] = []
         self.cells: dict[tuple[int, int], list[int]] = {}
-        self.after, self.before = {LEFT: RIGHT}, {RIGHT: LEFT}
+        self.after = {LEFT: RIGHT}
         self.notches = [(0.0, LEFT, RIGHT)]
 
     def add(self, radius: float) -> bool:
@@ -140,12 +140,11 @@ class _Pile:
         if at != b:
             return False
         for gone in leave:
-            del self.after[gone], self.before[gone]
+            del self.after[gone]
         new = len(self.discs)
         self.discs.append((*place, radius))
         self.cells.setdefault(self._cell(place), []).append(new)
-        self.after[a], self.before[new] = new, a
-        self.after[new], self.before[b] = b, new
+        self.after[a], self.after[new] = new, b
         for pair in ((a, new), (new, b)):
             found = self._between(*pair, 0.5 * self.largest)
             if found is not None:

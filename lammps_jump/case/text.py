@@ -76,13 +76,10 @@ class CaseSource:
                 return f"{self.file}:{self.lines[path[:length]]}: {dotted}".rstrip(": ")
         return f"{self.file}: {dotted}"
 
-    def error(self, path: str | PathKey, message: str) -> CaseError:
-        """A `CaseError` that names the place of `path` (dotted text or key tuple)."""
-        key = (
-            tuple(int(part) if _is_number(part) else part for part in path.split("."))
-            if isinstance(path, str)
-            else path
-        )
+    def error(self, text: str) -> CaseError:
+        """A `CaseError` of ``path: message``, which names the place of the path; parts of a path stand between dots."""
+        path, _, message = text.partition(": ")
+        key = tuple(int(part) if _is_number(part) else part for part in path.split("."))
         return CaseError(f"{self.place(key)}: {message}")
 
 

@@ -102,7 +102,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         scene,
         skipped=skipped(case, walls, scene.walls, scene.probes, scene.sizes),
         warnings=(*scene.warnings, *checks.check_stop(case, source), *doubts(case, _stiffness(case)[1], scene.inlets)),
-        adapted=checks.adapted(case, scene, _settle(case)),
+        adapted=checks.adapted(case, scene),
     )
 
 
@@ -199,14 +199,9 @@ def _stiffness(case: CaseFields) -> tuple[float, float, float]:
 def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:
     """Steps of the run, and steps behind the gate before it: whole frames."""
     steps = plan_steps(*_times(case), dt)
-    settle = math.ceil(math.ceil(_settle(case) / dt - 1e-9) / steps.output) * steps.output
+    settle = math.ceil(math.ceil(case.settling[0] / dt - 1e-9) / steps.output) * steps.output
     checks.check_size(case, source, settle, steps.run, steps.output, sizes)
     return steps, settle
-
-
-def _settle(case: CaseFields) -> float:
-    """Time behind the gate, s."""
-    return max((item.settle for item in case.initial if isinstance(item, Column) and item.gate), default=0.0)
 
 
 INLET_WALL = "inlet_back"
@@ -247,7 +242,7 @@ def _discs(
         try:
             place, speed = arrange(item, case.discs, case.gravity, coefficients, random, sizes, first)
         except ValueError as error:
-            raise source.error(("initial", index), str(error)) from None
+            raise source.error(f"initial.{index}: {error}") from None
         first += len(place)
         positions.append(place)
         velocities.append(speed)
@@ -262,25 +257,24 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
     largest, mean_square = scene.largest, scene.mean_square
     if inflow.depth < d * (1 - 1e-9):
         raise source.error(
-            "inflow.depth", f"{inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
+            f"inflow.depth: {inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
         )
     count = row_count(inflow.depth, mean_square, largest, inflow.spacing)
     if count > MOST_ROWS:
         raise source.error(
-            "inflow.depth",
-            f"{inflow.depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger discs",
+            f"inflow.depth: {inflow.depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take "
+            "larger discs"
         )
     slowest = count * mean_square / (inflow.depth * inflow.velocity * dt)
     if slowest > checks.MOST_STEPS:
         raise source.error(
-            "inflow.mean_speed" if inflow.discharge is None else "inflow.discharge",
-            f"{inflow.velocity:g} m/s lets a disc in every {slowest:.3g} steps; allowed are "
-            f"{checks.MOST_STEPS:.0e}: raise it or lower the stiffness",
+            f"inflow.{'mean_speed' if inflow.discharge is None else 'discharge'}: {inflow.velocity:g} m/s lets a disc "
+            f"in every {slowest:.3g} steps; allowed are {checks.MOST_STEPS:.0e}: raise it or lower the stiffness"
         )
     if inflow.schedule == "thesis":
         if scene.sizes:
             raise source.error(
-                "inflow.schedule", "'thesis' is for equal discs; allowed is exact where discs.sizes is given"
+                "inflow.schedule: 'thesis' is for equal discs; allowed is exact where discs.sizes is given"
             )
         plan = thesis_rows(inflow.depth, d, inflow.velocity, dt, profile=inflow.profile)
     else:
@@ -336,9 +330,8 @@ def _outlets(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -
         room = high - at if side == "above" else at - low
         if room <= scene.largest:
             raise source.error(
-                ("outflow", index, field),
-                f"{at:g} m leaves no room before the edge of the domain ([{low:g}, {high:g}]); discs need a few metres "
-                "to be taken out in: widen domain or move the outlet",
+                f"outflow.{index}.{field}: {at:g} m leaves no room before the edge of the domain ([{low:g}, "
+                f"{high:g}]); discs need a few metres to be taken out in: widen domain or move the outlet"
             )
         every = max(1, min(scene.output_steps, int(room / (MAX_SPEED_MARGIN * speed * scene.time_step))))
         outlets.append(Outlet(axis, at, side, every))
@@ -350,8 +343,8 @@ def _probes(case: CaseFields, source: CaseSource, walls) -> tuple[str, ...]:
     for index, name in enumerate(case.probes.forces):
         if name not in names:
             raise source.error(
-                ("probes", "forces", index),
-                f"there is no wall '{name}'; {nearest(name, names) if names else 'this case has no walls'}",
+                f"probes.forces.{index}: there is no wall '{name}'; "
+                f"{nearest(name, names) if names else 'this case has no walls'}"
             )
     return tuple(dict.fromkeys(case.probes.forces))
 
@@ -364,4 +357,4 @@ def _stations(case: CaseFields, source: CaseSource, scene: Scene) -> Stations | 
     try:
         return plan_stations(asked.x, asked.speed, asked.window, scene)
     except ValueError as error:
-        raise source.error("probes.stations", str(error)) from None
+        raise source.error(f"probes.stations: {error}") from None

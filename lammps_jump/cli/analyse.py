@@ -11,8 +11,7 @@ from typing import Annotated, Any
 import typer
 
 import lammps_jump as lj
-import lammps_jump.dump as dump
-import lammps_jump.runs as runs
+from lammps_jump import dump, runs
 from lammps_jump.errors import CaseError
 
 from .options import Quiet, Sets, diameters, place, quantity, told

@@ -10,11 +10,7 @@ from typing import Annotated, Any
 import typer
 
 import lammps_jump as lj
-import lammps_jump.analysis as analysis
-import lammps_jump.cli as cli
-import lammps_jump.runs as runs
-import lammps_jump.script as script
-import lammps_jump.sweeps as sweeps
+from lammps_jump import analysis, cli, runs, script, sweeps
 from lammps_jump.errors import CaseError, RunError
 
 from . import options

@@ -9,9 +9,7 @@ from typing import Annotated, Any
 import typer
 
 import lammps_jump as lj
-import lammps_jump.script as script
-import lammps_jump.studies as studies
-import lammps_jump.sweeps as sweeps
+from lammps_jump import script, studies, sweeps
 from lammps_jump.errors import CaseError
 
 from . import options

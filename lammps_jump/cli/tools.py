@@ -10,8 +10,7 @@ from typing import Annotated
 import typer
 
 import lammps_jump.case as cases
-import lammps_jump.cli as cli
-import lammps_jump.engines as engines
+from lammps_jump import cli, engines
 
 from .options import Accuracy, CaseFile, EngineName, Kernel, Sets, assignments
 

@@ -12,7 +12,7 @@ import pandas as pd  # xarray needs it and brings it
 import xarray as xr
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import write_bytes, writes
+from lammps_jump.files import EXPORTS, write_bytes, writes
 from lammps_jump.folders import require_replaceable, standing
 from lammps_jump.quoting import csv_cell
 
@@ -20,12 +20,6 @@ from .find import read_dump
 from .frame import Frame, ten_indices
 from .read import Dump
 
-EXPORTS = {
-    "csv": ("profiles.csv", "profiles_mean.csv"),
-    "vtk": ("discs[0-9].vtp", "discs.pvd", "fields.vti"),
-    "pictures": ("picture[0-9].dat",),
-}
-"""Names of the files of each kind."""
 BINARY = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
 """How VTK files with arrays say what is in them."""
 

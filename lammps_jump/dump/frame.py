@@ -9,7 +9,6 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from lammps_jump.errors import DumpError
 
@@ -174,14 +173,6 @@ def read_only(columns: dict[str, np.ndarray]) -> Mapping[str, np.ndarray]:
     return MappingProxyType(columns)
 
 
-def bounds_of(box: ArrayLike) -> np.ndarray:
-    """Bounds of x, y, z, shape (3, 2), m, of a box with or without those of z, which default to (-0.1, 0.1)."""
-    bounds = np.array([[0.0, 0.0], [0.0, 0.0], [-0.1, 0.1]])
-    given = np.asarray(box, float)
-    bounds[: len(given)] = given
-    return bounds
-
-
 def make_frame(step: int, time: float | None, box, columns: Mapping[str, np.ndarray]) -> Frame:
     """A frame from plain arrays (copied to float64): for made-up dumps and converters.
 
@@ -196,7 +187,9 @@ def make_frame(step: int, time: float | None, box, columns: Mapping[str, np.ndar
     if len({len(values) for values in arrays.values()}) > 1:
         lengths = ", ".join(f"{name} {len(values)}" for name, values in arrays.items())
         raise DumpError(f"the columns of step {step} differ in length: {lengths}.")
-    return Frame(int(step), None if time is None else float(time), bounds_of(box), read_only(arrays))
+    bounds = np.array([[0.0, 0.0], [0.0, 0.0], [-0.1, 0.1]])
+    bounds[: len(box)] = box
+    return Frame(int(step), None if time is None else float(time), bounds, read_only(arrays))
 
 
 def require_finite(frame: Frame, source: object) -> Frame:

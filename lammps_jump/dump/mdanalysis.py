@@ -189,7 +189,7 @@ class JumpDumpReader(ReaderBase):
             present=here,
             box_low=frame.box[:, 0].copy(),
             step=frame.step,
-            time=float(frame.step) if frame.time is None else frame.time,
+            time=self._time(frame),
         )
         return ts
 

@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 from numba import njit
 
-ROWS_DONE, NEED_MORE, NOT_PLAIN, TOO_FEW, TOO_MANY, NEW_ITEM = range(6)
+ROWS_DONE, NEED_MORE, NOT_PLAIN, NEW_ITEM = range(4)
 LARGEST_EXPONENT = 290
 
 
@@ -62,9 +62,7 @@ def _parse_rows_py(data, position, end, out, row, rows, is_text, high, low):
                 i += 1
             if i >= end:
                 return row, position, NEED_MORE
-            if data[i] == 10 or data[i] == 13:
-                return row, position, TOO_FEW
-            if is_text[column]:
+            if is_text[column] and data[i] > 32:
                 while i < end and data[i] > 32:
                     i += 1
                 out[column, row] = np.nan
@@ -128,7 +126,7 @@ def _parse_rows_py(data, position, end, out, row, rows, is_text, high, low):
         if i >= end:
             return row, position, NEED_MORE
         if data[i] != 10:
-            return row, position, TOO_MANY
+            return row, position, NOT_PLAIN
         position = i + 1
         row += 1
     return row, position, ROWS_DONE

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import gzip
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.errors import DumpError
+from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import DUMP_NAMES, writes
 from lammps_jump.scene.scene import Scene
 
-from .frame import Frame, bounds_of
+from .frame import Frame
 
 INTEGER_COLUMNS = frozenset({"id", "mol", "type", "proc", "procp1", "ix", "iy", "iz"})
 """Columns that LAMMPS writes as integers in text."""
@@ -80,63 +80,36 @@ class DumpWriter:
         self._file.close()
 
     def write_frame(self, frame: Frame) -> None:
-        """Write a frame and hand it to the system, so that a reader sees it."""
-        self.write(frame.step, frame.time, frame.box, frame.columns)
+        """Write a frame, which has at least the columns of this writer, and hand it to the system for readers."""
+        missing = [name for name in self.columns if name not in frame.columns]
+        if missing:
+            has = " ".join(frame.columns)
+            raise DumpError(f"{self.path}: step {frame.step} lacks column {missing[0]!r}; it has {has}.")
+        values = np.column_stack([frame.columns[name] for name in self.columns])
+        encoded = self._binary if self.fmt == "binary" else self._text
+        self._file.write(encoded(frame, values, self.units or "" if self._first else ""))
+        self._first = False
         self._file.flush()
 
-    def write(self, step: int, time: float | None, box, columns: Mapping[str, np.ndarray]) -> None:
-        """Write one frame.
-
-        Parameters
-        ----------
-        step : int
-        time : float or None
-            s; None leaves ``ITEM: TIME`` out.
-        box : array_like, shape (3, 2) or (2, 2)
-            Bounds, m; z defaults to (-0.1, 0.1).
-        columns : mapping of str to array_like, shape (n,)
-            At least the columns of this writer.
-        """
-        bounds = bounds_of(box)
-        missing = [name for name in self.columns if name not in columns]
-        if missing:
-            raise DumpError(f"{self.path}: step {step} lacks column {missing[0]!r}; it has {' '.join(columns)}.")
-        values = np.column_stack([np.asarray(columns[name], float).reshape(-1) for name in self.columns])
-        if self.fmt == "binary":
-            self._file.write(self._binary(int(step), time, bounds, values))
-        else:
-            self._file.write(self._text(int(step), time, bounds, values).encode())
-        self._first = False
-
-    def _text(self, step: int, time: float | None, bounds: np.ndarray, values: np.ndarray) -> str:
-        head = f"ITEM: UNITS\n{self.units}\n" if self.units and self._first else ""
-        if time is not None:
-            head += f"ITEM: TIME\n{time:.16g}\n"
-        head += f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{len(values)}\n"
+    def _text(self, frame: Frame, values: np.ndarray, units: str) -> bytes:
+        head = f"ITEM: UNITS\n{units}\n" if units else ""
+        if frame.time is not None:
+            head += f"ITEM: TIME\n{frame.time:.16g}\n"
+        head += f"ITEM: TIMESTEP\n{frame.step}\nITEM: NUMBER OF ATOMS\n{len(values)}\n"
         head += f"ITEM: BOX BOUNDS {BOUNDARY}\n"
-        head += "".join(f"{low:.16e} {high:.16e}\n" for low, high in bounds)
+        head += "".join(f"{low:.16e} {high:.16e}\n" for low, high in frame.box)
         head += f"ITEM: ATOMS {' '.join(self.columns)}\n"
-        return head + (self._row * len(values)) % tuple(values.ravel().tolist())
+        return (head + (self._row * len(values)) % tuple(values.ravel().tolist())).encode()
 
-    def _binary(self, step: int, time: float | None, bounds: np.ndarray, values: np.ndarray) -> bytes:
-        signature, units = b"DUMPCUSTOM", (self.units or "" if self._first else "").encode()
-        names = " ".join(self.columns).encode()
-        codes = ["pf".index(letter) for letter in BOUNDARY.replace(" ", "")]
-        parts = [
-            struct.pack("<q", -len(signature)),
-            signature,
-            struct.pack("<iiqqi", 1, 2, step, len(values), 0),
-            struct.pack("<6i", *codes),
-            struct.pack("<6d", *bounds.ravel()),
-            struct.pack("<ii", len(self.columns), len(units)),
-            units,
-            b"\0" if time is None else struct.pack("<bd", 1, time),
-            struct.pack("<i", len(names)),
-            names,
-            struct.pack("<ii", 1, values.size),
-            values.astype("<f8").tobytes(),
-        ]
-        return b"".join(parts)
+    def _binary(self, frame: Frame, values: np.ndarray, units: str) -> bytes:
+        count, width = values.shape
+        names, codes = " ".join(self.columns).encode(), ("pf".index(letter) for letter in BOUNDARY.replace(" ", ""))
+        # length of the signature, signature, byte order, revision, step, discs, tilt, boundaries, box, columns, units
+        head = struct.pack("<q10siiqqi", -10, b"DUMPCUSTOM", 1, 2, frame.step, count, 0)
+        head += struct.pack("<6i6dii", *codes, *frame.box.ravel(), width, len(units)) + units.encode()
+        clock = b"\0" if frame.time is None else struct.pack("<bd", 1, frame.time)
+        tail = struct.pack("<i", len(names)) + names + struct.pack("<ii", 1, values.size)
+        return head + clock + tail + values.astype("<f8").tobytes()
 
 
 def run_writer(folder: Path, scene: Scene, dump_format: str = "text", *, append: bool = False) -> DumpWriter:
@@ -151,5 +124,12 @@ def run_writer(folder: Path, scene: Scene, dump_format: str = "text", *, append:
         Of `files.DUMP_NAMES`; text has 10 digits, binary is LAMMPS' revision 2.
     append : bool
         Write behind the frames that are there.
+
+    Raises
+    ------
+    CaseError
+        A format that is not known.
     """
+    if dump_format not in DUMP_NAMES:
+        raise CaseError(f"dump format {dump_format!r} is not known: use one of {', '.join(DUMP_NAMES)}")
     return DumpWriter(folder / DUMP_NAMES[dump_format], scene.dump_columns, dump_format, append=append)

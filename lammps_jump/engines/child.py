@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from lammps_jump import errors
@@ -147,10 +147,8 @@ class Child:
             self._tell()
 
     def _tell(self) -> None:
-        try:
+        with suppress(OSError):  # it has ended
             os.write(self.process.stdin.fileno(), f"stop {self.jobs}\n".encode())
-        except OSError:
-            return  # it has ended
 
     def ask(self) -> None:
         """Ask the process to end its job in order."""
@@ -171,14 +169,10 @@ class Child:
         """Kill the process; mpiexec, which ends its ranks, gets ten seconds for that."""
         if self.ranks > 1 and self.process.poll() is None:
             self.process.terminate()
-            try:
+            with suppress(subprocess.TimeoutExpired):
                 self.process.wait(10)
-            except subprocess.TimeoutExpired:
-                pass
-        try:
+        with suppress(ProcessLookupError):
             os.killpg(self.process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            return
 
     def close(self) -> None:
         """Kill and reap the process, which has no job."""

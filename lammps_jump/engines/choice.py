@@ -50,9 +50,6 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             raise SetupError(f"kernel stock: {missing} is not in stock LAMMPS; use the compiled kernel")
         return Setting(ranks=number), notes
     try:
-        status = availability()
-        if not status.available:
-            raise SetupError(status.reason)
         return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes
     except SetupError as error:
         if kernel == "compiled" or lacking(scene):

@@ -17,15 +17,13 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.script import write_continuation, write_script
 
 from .checkpoint import Checkpoint, last_saved
-from .child import Child, child_for, prepare_worker
+from .child import Child, child_for
 from .interrupts import handled_by
 from .lammps.drive import make_ready
 from .lammps.finish import Outcome, conclude
 from .lammps.log import read_log
 from .result import Progress, ProgressCallback, RunResult, interruption
 from .setting import Job, Setting
-
-__all__ = ["Setting", "prepare_worker", "run", "write_inputs"]
 
 
 def run(
@@ -104,33 +102,27 @@ def write_inputs(job: Job) -> None:
 
 
 def _without_result(job: Job, child: Child) -> RunResult:
-    """The result of a run whose process was killed, or ended by itself."""
+    """The result of a run whose process was killed, or ended by itself; it may go on from a checkpoint."""
     blamed = [line for line in child.output if "ERROR" in line]
     raised = [line for line in child.output[-1:] if "Error" in line]  # of Python; mpiexec tells it two lines before
     said, log = blamed or raised or child.output[-3:], read_log(job.folder / "log.lammps").error
     status = child.process.returncode
     error = " ".join(said[:1]) or log or (f"the engine's process ended with status {status}" if status else "")
-    again = last_saved(job.folder)
+    again, outside = last_saved(job.folder), True
     if job.setting.engine == "lammps":
         found = conclude(job, Outcome(error="" if child.asked else error, interrupted=child.asked > 0))
-        return found if found.status != "failed" or blamed or log else _from_outside(found, job, again)
-    scene, last = job.scene, child.last or Progress(0, job.scene.steps, 0.0, len(job.scene.positions))
-    found = RunResult(
-        engine="native", kernel="numba", status="failed", steps=last.step, disc_steps=0.0, inserted=last.discs,
-        present=last.discs, removed=0, lost=0, seconds=0.0,
-        message=f"the engine's process ended at t = {last.time:.4g} s: {error}. What it wrote is kept in {job.folder}.",
-    )  # fmt: skip
-    if not child.asked:
-        return _from_outside(found, job, again)
-    reason = "it was ended by force, so its state was not saved"
-    return replace(
-        found, status="interrupted", message=interruption(scene, last.step, job.folder, again=again, reason=reason)
-    )
-
-
-def _from_outside(found: RunResult, job: Job, again: float | None) -> RunResult:
-    """The result of a run whose process was killed, with how to go on where it has left a checkpoint."""
-    if again is None:
+        outside = not (blamed or log)
+    else:
+        scene, last = job.scene, child.last or Progress(0, job.scene.steps, 0.0, len(job.scene.positions))
+        ended = f"the engine's process ended at t = {last.time:.4g} s: {error}. What it wrote is kept in {job.folder}."
+        if child.asked:
+            reason = "it was ended by force, so its state was not saved"
+            ended = interruption(scene, last.step, job.folder, again=again, reason=reason)
+        found = RunResult(
+            engine="native", kernel="numba", status="interrupted" if child.asked else "failed", message=ended,
+            steps=last.step, disc_steps=0.0, inserted=last.discs, present=last.discs, removed=0, lost=0, seconds=0.0,
+        )  # fmt: skip
+    if found.status != "failed" or not outside or again is None:
         return found
     how = f" `lammps-jump run {job.folder} --resume` goes on from t = {again:.4g} s."
     return replace(found, message=found.message + how, outside=True)

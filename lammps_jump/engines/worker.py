@@ -43,12 +43,9 @@ def say(**message: object) -> None:
     """Send a message to the parent; without a parent, go on."""
     if _orphaned.is_set():
         return
-    try:
-        with _LOCK:
-            sys.stdout.write(MARK + json.dumps(message) + "\n")
-            sys.stdout.flush()
-    except OSError:
-        return
+    with suppress(OSError), _LOCK:
+        sys.stdout.write(MARK + json.dumps(message) + "\n")
+        sys.stdout.flush()
 
 
 def report(now: Progress | None) -> None:

@@ -11,7 +11,7 @@ import logging
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -58,13 +58,11 @@ class Conclusion:
     before: Mapping[str, float]
     notes: tuple[str, ...]
     progress: ProgressCallback | None = None
-    outputs: Mapping[str, Mapping[str, int | str]] = field(init=False)
-    begin: float = field(init=False)
 
     def __post_init__(self) -> None:
         self.begin = time.perf_counter() - (self.before.get("analysis") or 0.0)
         self.ended = self.result.status in ("complete", "unchecked")  # the engine came to its end
-        self.outputs = {}
+        self.outputs: Mapping[str, Mapping[str, int | str]] = {}
         self.phases: dict[str, float] = {}
         self.now = ("", time.perf_counter())
         self.steps = self.result.steps if self.steady else self.case.scene().steps

@@ -24,7 +24,7 @@ def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
     case, chosen = with_accuracy(case)
     engine = case.fields.engine
     if engine.name == "native" and engine.ranks not in (1, "auto"):
-        raise case.source.error("engine.ranks", f"{engine.ranks} ranks; the native engine runs on one core")
+        raise case.source.error(f"engine.ranks: {engine.ranks} ranks; the native engine runs on one core")
     setting, notes = choose(engine.name, engine.kernel, engine.ranks, case.scene())
     asked = case.fields.run
     setting = replace(setting, dump_format=asked.dump_format, checkpoint_interval=asked.checkpoint_interval)

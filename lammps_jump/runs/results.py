@@ -24,7 +24,6 @@ from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
 from lammps_jump.case.case import ReadCase, load_case
-from lammps_jump.case.checks import MOST_BINS
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
@@ -32,6 +31,7 @@ from lammps_jump.errors import CaseError, DumpError, SetupError
 from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, write_json, write_text, writes
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import visible
+from lammps_jump.scene.schedule import MOST_BINS
 
 from .folder import require_case
 from .summary import write_summary

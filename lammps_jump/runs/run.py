@@ -14,8 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-import lammps_jump.dump as dump
-import lammps_jump.runs as runs
+from lammps_jump import dump, runs
 from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.case import load_case as read_case
 from lammps_jump.dump import Frame, read_dump

@@ -11,8 +11,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import lammps_jump.engines as engines
-import lammps_jump.runs as runs
+from lammps_jump import engines, runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError

@@ -34,10 +34,6 @@ class InletRow:
     clearance: float
     limit: int | None = None
 
-    def discharge(self, mean_square: float, time_step: float) -> float:
-        """Discharge of the row without refused turns, m^2/s: the mean squared diameter (m^2) over the interval."""
-        return mean_square / (self.every_steps * time_step)
-
 
 @dataclass(frozen=True, slots=True)
 class Pour:
@@ -188,8 +184,8 @@ class Scene:
 
     @property
     def discharges(self) -> tuple[float, ...]:
-        """Discharge of each inlet row in whole steps, m^2/s."""
-        return tuple(row.discharge(self.mean_square, self.time_step) for row in self.inlets)
+        """Discharge of each inlet row in whole steps, without refused turns, m^2/s: mean squared diameter by time."""
+        return tuple(self.mean_square / (row.every_steps * self.time_step) for row in self.inlets)
 
     def diameters(self, ids: ArrayLike) -> np.ndarray:
         """Diameter of each id, m; shape of `ids`."""

@@ -19,6 +19,8 @@ WINDOW_WEIGHT = 0.1
 """Weight of a change of the window against one of the frame interval: forces are averaged over 0.05 s anyway."""
 MOST_TRIED = 401
 """Frame intervals that are tried."""
+MOST_BINS = 100_000
+"""Bins of the profiles along a channel, at most."""
 MOST_FRAMES = 1_000_000
 """Frames of a run, and of a dump that is read."""
 MOST_FINER = 0.02

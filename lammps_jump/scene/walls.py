@@ -194,7 +194,26 @@ class Plane(Wall):
 
 
 @dataclass(frozen=True)
-class Block(Wall):
+class _Rectangle(Wall):
+    """What solid and hollow rectangles have in common."""
+
+    kind: str = field(kw_only=True, repr=False)
+    name: WallName
+    x: Extent
+    y: Extent
+
+    @property
+    def extent(self) -> tuple[Interval, Interval]:
+        """The rectangle's x and y, m; of the hole if `hollow`."""
+        return self.x, self.y
+
+    def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
+        """The rectangle."""
+        return (rectangle(self.x, self.y),)
+
+
+@dataclass(frozen=True)
+class Block(_Rectangle):
     """A solid axis-parallel rectangle; discs outside it.
 
     Parameters
@@ -211,9 +230,6 @@ class Block(Wall):
     """
 
     kind: Literal["block"] = field(default="block", kw_only=True, repr=False)
-    name: WallName
-    x: Extent
-    y: Extent
 
     @property
     def parts(self) -> tuple[str, ...]:  # type: ignore[override]  # depends on its extent
@@ -239,11 +255,6 @@ class Block(Wall):
         safe = np.where(outside > 0, outside, 1.0)
         return Contact(np.where(outside > 0, outside, np.maximum(inner_x, inner_y)), dx / safe, dy / safe)
 
-    @property
-    def extent(self) -> tuple[Interval, Interval]:
-        """The rectangle's x and y, m."""
-        return self.x, self.y
-
     def room(self, axis: str) -> Interval:
         """No bound: discs may be on every side."""
         return -inf, inf
@@ -252,13 +263,9 @@ class Block(Wall):
         """The top of the rectangle."""
         return (Floor(self.x, *self.y),)
 
-    def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
-        """The rectangle."""
-        return (rectangle(self.x, self.y),)
-
 
 @dataclass(frozen=True)
-class Box(Wall):
+class Box(_Rectangle):
     """A hollow axis-parallel rectangle with discs inside it: four planes, each pushing on its own.
 
     Parameters
@@ -269,9 +276,6 @@ class Box(Wall):
     """
 
     kind: Literal["box"] = field(default="box", kw_only=True, repr=False)
-    name: WallName
-    x: Extent
-    y: Extent
     hollow = True
     parts = ("x", "y", "left", "right", "bottom", "top")
 
@@ -284,18 +288,9 @@ class Box(Wall):
             Plane(f"{self.name}_top", "y", self.y[1], "below"),
         )
 
-    @property
-    def extent(self) -> tuple[Interval, Interval]:
-        """The box's inner x and y, m."""
-        return self.x, self.y
-
     def floors(self) -> tuple[Floor, ...]:
         """The bottom, within the box."""
         return (Floor(self.x, -inf, self.y[0]),)
-
-    def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
-        """The inner rectangle."""
-        return (rectangle(self.x, self.y),)
 
 
 KINDS = Plane | Block | Box

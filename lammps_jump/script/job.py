@@ -11,6 +11,7 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, StringConstraints, ValidationError
 
 from lammps_jump.case.text import nearest, read_source
+from lammps_jump.errors import CaseError
 from lammps_jump.files import JOB_FILE, write_text
 from lammps_jump.quoting import one_line, shell_word
 from lammps_jump.scene.scene import Scene
@@ -85,7 +86,7 @@ def read_site(path: Path) -> Site:
             said = f"unknown field; {nearest(str(first['loc'][-1]), list(Site.model_fields))}"
         elif first["type"] == "string_pattern_mismatch":
             said = f"{first['input']!r} is not allowed; one word of letters, digits and .,:/+@=- is: correct it"
-        raise source.error(first["loc"], said) from None
+        raise CaseError(f"{source.place(first['loc'])}: {said}") from None
 
 
 def job_text(scene: Scene, ranks: int, site: Site | None = None) -> str:

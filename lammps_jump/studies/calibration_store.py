@@ -14,7 +14,6 @@ from pathlib import Path
 
 from lammps_jump.engines.accuracy import KINDS, STORE, Calibrated
 
-from .runs import set_texts
 from .settings import Setting
 
 KEPT = ("case", "restitution", "friction", "members", "reference", "versions", "machine")
@@ -44,8 +43,9 @@ def _calibrated(row: dict, quantity: str) -> Calibrated | None:
     changes = setting.changes(1.0)
     del changes["engine.ranks"]
     error, floor = round(errors["error"], 6), round(errors["floor"] or 0.0, 6)
+    texts = [f"{path}={value if isinstance(value, str) else json.dumps(value)}" for path, value in changes.items()]
     seconds = round(row["seconds"], 4)
-    return Calibrated(row["label"], setting.kernel, setting.fraction, set_texts(changes), seconds, error, floor)
+    return Calibrated(row["label"], setting.kernel, setting.fraction, texts, seconds, error, floor)
 
 
 def main(files: list[str]) -> None:

@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
@@ -14,25 +13,17 @@ from typing import TypeVar
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import RunResult, Setting, plugin, run
 from lammps_jump.engines.native import run_native
-from lammps_jump.errors import RunInterrupted
+from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.scene import Scene
 
-KERNELS = ("stock", "compiled", "native")
+KERNELS = {
+    **{kernel: {"engine.name": "lammps", "engine.kernel": kernel} for kernel in ("stock", "compiled")},
+    "native": {"engine.name": "native", "engine.kernel": "auto"},
+}
+"""Values of a case that select a kernel, by its name."""
 
 Item = TypeVar("Item")
 Found = TypeVar("Found")
-
-
-def set_texts(changes: Mapping[str, object]) -> list[str]:
-    """Return changed values as ``--set`` texts."""
-    return [f"{path}={value if isinstance(value, str) else json.dumps(value)}" for path, value in changes.items()]
-
-
-def kernel_changes(kernel: str) -> dict[str, str]:
-    """Return the values of a case that select a kernel of `KERNELS`."""
-    if kernel == "native":
-        return {"engine.name": "native", "engine.kernel": "auto"}
-    return {"engine.name": "lammps", "engine.kernel": kernel}
 
 
 def execute(
@@ -72,11 +63,19 @@ def execute(
 
 
 def run_frames(
-    scene: Scene, kernel: str, *, dump_format: str = "text", script: str | None = None
+    scene: Scene, kernel: str, *, dump_format: str = "text", script: str | None = None, check: bool = True
 ) -> tuple[RunResult, list[Frame]]:
-    """Run a scene in a temporary folder, as `execute`; returns the frames too, discs by id, none of a failed run."""
+    """Run a scene in a temporary folder, as `execute`; returns the frames too, discs by id.
+
+    Raises
+    ------
+    RunError
+        A run that is not complete; without `check` it has no frames.
+    """
     with tempfile.TemporaryDirectory() as folder:
         result = execute(scene, Path(folder), kernel, dump_format=dump_format, script=script)
+        if check and result.status != "complete":
+            raise RunError(f"{kernel}, {scene.name}: {result.message}")
         frames = read_dump(Path(folder)) if result.status == "complete" else []
         return result, [frame.sorted() for frame in frames]
 

@@ -38,7 +38,7 @@ class Study:
 
     Attributes
     ----------
-    name, label : str
+    label : str
     values, quick : tuple of float
     changes : callable
         Parameter's value to changed values of the case.
@@ -46,15 +46,17 @@ class Study:
         Value of the base case.
     costly : float
         From this value on a run takes minutes, and two starts are made at most.
+    logarithmic : bool
+        Axis of its figure.
     """
 
-    name: str
     label: str
     values: tuple[float, ...]
     quick: tuple[float, ...]
     changes: Callable[[float], dict[str, object]]
     base: float
     costly: float = float("inf")
+    logarithmic: bool = False
 
 
 Row = dict[str, float | dict[str, int] | None]
@@ -91,20 +93,17 @@ def _froude(froude: float) -> dict[str, object]:
 _HOLDING = theory.sill_holding_height(10.0, DEPTH, GRAVITY)
 
 STUDIES = {
-    study.name: study
-    for study in (
-        Study("diameter", "inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,),
-              lambda rows: {"discs.diameter": DEPTH / rows}, 4.0, costly=20.0),
-        Study("restitution", "restitution coefficient", (0.05, 0.2, 0.4, 0.6, 0.8, 0.95), (0.2,),
-              lambda e: {"contact.restitution": e}, 0.2),
-        Study("friction", "friction coefficient ks", (0.0, 0.01, 0.02, 0.05, 0.1, 0.2), (0.1,),
-              lambda ks: {"contact.friction": ks}, 0.0),
-        Study("stiffness", "penetration fraction n", (5.0, 10.0, 20.0, 40.0), (5.0,),
-              lambda n: {"contact.penetration_fraction": n}, 10.0),
-        Study("froude", "inflow Froude number", (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), (3.0,), _froude, BASE_FROUDE,
-              costly=7.0),
-        Study("sill", "sill height (m)", (0.6, 0.8, 1.0, 1.2, 1.4), (1.0,), lambda s: {"walls.sill.y": [-5, s]}, 1.0),
-    )
+    "diameter": Study("inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,),
+        lambda rows: {"discs.diameter": DEPTH / rows}, 4.0, costly=20.0, logarithmic=True),
+    "restitution": Study("restitution coefficient", (0.05, 0.2, 0.4, 0.6, 0.8, 0.95), (0.2,),
+        lambda e: {"contact.restitution": e}, 0.2),
+    "friction": Study("friction coefficient ks", (0.0, 0.01, 0.02, 0.05, 0.1, 0.2), (0.1,),
+        lambda ks: {"contact.friction": ks}, 0.0),
+    "stiffness": Study("penetration fraction n", (5.0, 10.0, 20.0, 40.0), (5.0,),
+        lambda n: {"contact.penetration_fraction": n}, 10.0, logarithmic=True),
+    "froude": Study("inflow Froude number", (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), (3.0,), _froude, BASE_FROUDE,
+        costly=7.0),
+    "sill": Study("sill height (m)", (0.6, 0.8, 1.0, 1.2, 1.4), (1.0,), lambda s: {"walls.sill.y": [-5, s]}, 1.0),
 }  # fmt: skip
 QUICK_CHANGES = {"discs.diameter": 0.2}
 
@@ -218,7 +217,7 @@ def draw_study(study: Study, rows: list[Row], path: Path) -> None:
                 found = found.dropna(subset=theory_name)
                 panel.plot(found.value, found[theory_name], "s--", color=GREY, markerfacecolor="white", label=label)
             panel.set(title=title, xlabel=study.label)
-            if study.name in ("diameter", "stiffness"):
+            if study.logarithmic:
                 panel.set_xscale("log")
                 panel.set_xticks(table.value, [f"{value:g}" for value in table.value])
                 panel.minorticks_off()

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from lammps_jump.case.to_scene import INTEGRATORS
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 
-from .runs import KERNELS, kernel_changes
+from .runs import KERNELS
 
 AXES = ("f", "n", "touch", "kernel", "correction", "skin", "diameter", "ranks")
 BASE = 0.05
@@ -45,7 +45,7 @@ class Axes(NamedTuple):
 
     names: tuple[str, ...] = ("f", "touch", "kernel", "correction", "n", "skin")
     fractions: tuple[float, ...] = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
-    kernels: tuple[str, ...] = KERNELS
+    kernels: tuple[str, ...] = tuple(KERNELS)
     diameters: tuple[float, ...] = ()
     members: int = 5
     penetrations: tuple[float, ...] = (5.0, 10.0, 20.0, 40.0)
@@ -110,11 +110,11 @@ class Setting:
         """Return the values of a case that this setting changes; `diameter` (m) is that of the case."""
         fields = {path: getattr(self, name) for name, path in FIELDS.items()}
         skin = None if self.skin is None else self.skin * (self.diameter or diameter)
-        changed = {**kernel_changes(self.kernel), **fields, "engine.skin": skin}
+        changed = {**KERNELS[self.kernel], **fields, "engine.skin": skin}
         return {path: value for path, value in changed.items() if value is not None}
 
 
-def listed(option: str, text: str | None, allowed: Sequence[str]) -> tuple[str, ...]:
+def listed(option: str, text: str | None, allowed: Collection[str]) -> tuple[str, ...]:
     """Return the words of an option, ``f,n,touch``, each once; none where it was not given.
 
     Raises
@@ -131,7 +131,7 @@ def listed(option: str, text: str | None, allowed: Sequence[str]) -> tuple[str, 
 
 def stable(setting: Setting, restitution: float) -> bool:
     """Return whether the step is below the limit of a dense packing (`contact.stable_fraction`)."""
-    integrator = INTEGRATORS[kernel_changes(setting.kernel)["engine.name"]]
+    integrator = INTEGRATORS[KERNELS[setting.kernel]["engine.name"]]
     return setting.fraction <= contact.stable_fraction(contact.damping_ratio(restitution), integrator)
 
 

@@ -229,7 +229,7 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
         seeds = tuple(range(1, (case.fields.run.members or 1) + 1))
         fields = fields.model_copy(update={"members": seeds})
     if (runs := prod(len(next(iter(c.values()))) for c in fields.axes.values()) * len(fields.members)) > MOST_RUNS:
-        raise file.error("axes", f"{runs} runs; allowed are {MOST_RUNS}")
+        raise file.error(f"axes: {runs} runs; allowed are {MOST_RUNS}")
     paths = (*fields.collect, *fields.until) or tuple(_usual(case))
     collect = tuple(collected(file, path, case) for path in dict.fromkeys(paths))
     return Study(fields, case, collect)
@@ -258,15 +258,15 @@ def collected(file: CaseSource, path: str, case: Case) -> Collected:
         return Collected(path, "", path)
     if name not in QUANTITIES:
         hint = nearest(name, [*QUANTITIES, *OTHERS])
-        raise file.error(("collect",), f"{path}: there is no '{name}' in summary.json; {hint}")
+        raise file.error(f"collect: {path}: there is no '{name}' in summary.json; {hint}")
     if name == "force":
         probe, _, key = key.partition(".")
         if probe not in case.fields.probes.forces:
             known = ", ".join(case.fields.probes.forces) or "none: name the wall in probes.forces of the case"
-            raise file.error(("collect",), f"{path}: '{probe}' is no probe of the case; probes there: {known}")
+            raise file.error(f"collect: {path}: '{probe}' is no probe of the case; probes there: {known}")
     numbers = numbers_of(QUANTITIES[name].result)
     if key not in numbers and "." not in key:
-        raise file.error(("collect",), f"{path}: {name} has no number '{key}'; {nearest(key, list(numbers))}")
+        raise file.error(f"collect: {path}: {name} has no number '{key}'; {nearest(key, list(numbers))}")
     number = numbers.get(key)
     return Collected(path, number.unit if number else "", number.meaning if number else path)
 

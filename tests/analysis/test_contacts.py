@@ -46,7 +46,7 @@ def test_pairs_are_those_of_trying_all(seed, count, width):
 def test_plain_loops_find_the_same(monkeypatch):
     x, y = np.random.default_rng(5).uniform(0, 2, (2, 60))
     compiled = close_pairs(x, y, D)
-    monkeypatch.setattr(cell_grid, "_sort_into_cells", cell_grid._sort_into_cells_py)
+    monkeypatch.setattr(cell_grid, "sort_into_cells", cell_grid._sort_into_cells_py)
     monkeypatch.setattr(cell_grid, "_list_pairs", cell_grid._list_pairs_py)
     np.testing.assert_array_equal(close_pairs(x, y, D), compiled)
 

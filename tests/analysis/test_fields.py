@@ -210,7 +210,7 @@ def test_the_kernel_gives_the_same_without_compilation():
         weight = np.where(open_, np.sqrt(weight / total), 0.0)
     np.testing.assert_allclose(module.balance(open_, table, 3), weight, rtol=1e-12)
     open_ = module.balance(open_, table, 3)
-    where, weights = rng.uniform(0, 1.5, (20, 2)), rng.normal(size=(20, 2))
+    where, weights = rng.uniform(-1, 2.5, (60, 2)), rng.normal(size=(60, 2))  # some off the grid
     compiled, plain = np.zeros((2, 12, 15)), np.zeros((2, 12, 15))
     module.spread(where, weights, open_, 0.0, 0.0, 0.1, 0.25, compiled)
     module._spread_py(where, weights, open_, 0.0, 0.0, 0.1, 0.25, plain)

@@ -34,7 +34,7 @@ def dump(tmp_path):
             n = 40 + step
             x, y = 0.3 + 0.1 * np.arange(n), 0.1 + 0.2 * (np.arange(n) % 9)
             columns = {"id": np.arange(n), "x": x, "y": y, "vx": 0 * x + step, "vy": 0 * x}
-            writer.write(step, 0.1 * step, [[0, 8], [0, 4]], columns)
+            writer.write_frame(make_frame(step, 0.1 * step, [[0, 8], [0, 4]], columns))
     return open_dump(path)
 
 

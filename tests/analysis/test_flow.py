@@ -101,7 +101,7 @@ def test_a_sluice_gate_is_no_floor_but_a_stack_is():
 def write(path, x, y, **more):
     columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x, "vy": 0 * x, **more}
     with DumpWriter(path, tuple(columns)) as writer:
-        writer.write(0, None, [[0, 10], [0, 5]], columns)
+        writer.write_frame(make_frame(0, None, [[0, 10], [0, 5]], columns))
     return open_dump(path)
 
 

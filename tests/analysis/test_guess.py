@@ -12,6 +12,7 @@ from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.headline import headline
 from lammps_jump.dump.exports import read_netcdf
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
@@ -28,7 +29,7 @@ def bore(folder, columns=COLUMNS, *, timed=False, name="flow_7.lammpstrj", frame
             front = 25 - 0.1 * k
             x, y = columns_of_discs(lambda at, front=front: np.where(at < front, 5, 30), 0.0, 40.0, d=D)
             values = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": np.where(x < front, 12.0, 1.5), "vy": 0 * x}
-            writer.write(500 * k, 500 * k * STEP if timed else None, [[-5, 45], [-5, 20]], values)
+            writer.write_frame(make_frame(500 * k, 500 * k * STEP if timed else None, [[-5, 45], [-5, 20]], values))
     return folder / name
 
 
@@ -92,7 +93,7 @@ def types(folder, kinds, name="dump"):
     with DumpWriter(folder / name, ("id", "type", "x", "y", "vx", "vy")) as writer:
         x = 0.5 + np.arange(len(kinds))
         columns = {"id": x, "type": kinds, "x": x, "y": 0 * x + 1, "vx": 0 * x, "vy": 0 * x}
-        writer.write(0, 0.0, [[0, 10], [0, 5]], columns)
+        writer.write_frame(make_frame(0, 0.0, [[0, 10], [0, 5]], columns))
     return open_dump(folder / name)
 
 
@@ -116,7 +117,7 @@ def test_the_command_takes_files_of_a_frame_units_and_types(monkeypatch, capsys,
         with DumpWriter(tmp_path / f"flow.{step}.lammps", ("id", "type", "x", "y")) as writer:
             x, y = columns_of_discs(lambda at, step=step: np.where(at < 25 - step / 1000, 5, 30), 0.0, 40.0, d=D)
             values = {"id": np.arange(len(x)) + 1, "type": 1 + np.arange(len(x)) % 2, "x": x, "y": y}
-            writer.write(step, None, [[-5, 45], [-5, 20]], values)
+            writer.write_frame(make_frame(step, None, [[-5, 45], [-5, 20]], values))
     monkeypatch.chdir(tmp_path)
     options = ["--diameter", "1=20 cm,2=0.21", "--time-step", "0.2 ms", "--bin-width", "50 cm"]
     for files in (["flow.*.lammps"], sorted(path.name for path in tmp_path.glob("flow.*"))):

@@ -276,8 +276,9 @@ def test_reach_is_the_longest_level_stretch():
     walls = (Block("floor", (-10, 50.5), (-10, 0)), Block("sill", (50, 51), (-10, 2)))
     there = context(walls=walls)
     bed = compute_profiles([flow(lambda x: 0 * x + 5, lambda x: 0 * x + 1)], there)["bed"].values
-    assert level_reach(bed, D) == slice(0, 50)
-    assert level_reach(bed[::-1], D) == slice(10, 60)
+    assert level_reach(bed, D).tolist() == list(range(50))
+    assert level_reach(bed[::-1], D).tolist() == list(range(10, 60))
+    assert not level_reach(np.full(9, np.nan), D).size
 
 
 @settings(max_examples=60)

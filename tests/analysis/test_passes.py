@@ -16,6 +16,7 @@ from lammps_jump.analysis.passes import with_velocities
 from lammps_jump.analysis.quantities import analyse, main_numbers
 from lammps_jump.cli.analyse import analyze
 from lammps_jump.dump.exports import export, read_netcdf
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
@@ -43,7 +44,7 @@ def dump_of(path, frames, columns=("id", "x", "y", "vx", "vy")):
         for k, (x, y, u) in enumerate(frames):
             x, y, u = (np.atleast_1d(np.asarray(part, float)) for part in (x, y, u))
             values = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": u + 0 * x, "vy": 0 * x}
-            writer.write(100 * k, 0.1 * k, [[-5, 45], [-5, 20]], values)
+            writer.write_frame(make_frame(100 * k, 0.1 * k, [[-5, 45], [-5, 20]], values))
     return path
 
 

@@ -101,7 +101,7 @@ def dump(tmp_path, frames):
     with DumpWriter(path, ("id", "x", "y", "vx", "vy")) as writer:
         for step in range(frames):
             f = frame(step)
-            writer.write(step, f.time, f.box, f.columns)
+            writer.write_frame(make_frame(step, f.time, f.box, f.columns))
     return open_dump(path)
 
 
@@ -164,6 +164,6 @@ def test_discs_of_several_sizes(tmp_path):
     assert (diameters == 0.2).all()
     path = tmp_path / "graded.lammpstrj"
     with DumpWriter(path, tuple(columns)) as writer:
-        writer.write(0, 0.0, graded.box, graded.columns)
+        writer.write_frame(make_frame(0, 0.0, graded.box, graded.columns))
     (picture,) = write_pictures(open_dump(path), tmp_path)
     assert picture.read_text() == "1 1 0.5 0.125\n2 0 0.5 0.1\n"

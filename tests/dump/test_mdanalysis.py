@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 
@@ -28,7 +29,7 @@ def write(path, sizes, seed=4, fmt="binary"):
             ids = rng.permutation(np.arange(first, last))
             x, y = rng.uniform(0, 18, len(ids)), rng.uniform(-4, 14, len(ids))
             columns = {"id": ids, "x": x, "y": y, "vx": x / 3, "vy": -y}
-            writer.write(100 * step, 0.25 * step, BOX, columns)
+            writer.write_frame(make_frame(100 * step, 0.25 * step, BOX, columns))
     return path
 
 
@@ -143,7 +144,7 @@ def test_the_example_of_the_page_runs(tmp_path, capsys):
     with DumpWriter(path, ("id", "x", "y", "vx", "vy")) as writer:
         for k in range(2):
             columns = {"id": [1, 2 + k], "x": [1.0, 2.0], "y": [0.1, 0.1], "vx": [3.0, 3.0], "vy": [4.0, 4.0]}
-            writer.write(k, 0.5 * k, [[0, 20], [0, 5]], columns)
+            writer.write_frame(make_frame(k, 0.5 * k, [[0, 20], [0, 5]], columns))
     exec(compile(example.replace("runs/quick_jump/dump.lammpstrj", str(path)), "docs/mdanalysis.md", "exec"), {})
     assert capsys.readouterr().out == "t = 0.00 s: 2 discs, 5.00 m/s\nt = 0.50 s: 2 discs, 5.00 m/s\n"
 
@@ -155,7 +156,7 @@ def test_radii_are_those_of_the_dump(tmp_path):
     with DumpWriter(path, ("id", "x", "y", "radius"), "binary") as writer:
         for step, (ids, radii) in enumerate(frames):
             columns = {"id": np.array(ids), "x": np.arange(len(ids)), "y": np.ones(len(ids)), "radius": np.array(radii)}
-            writer.write(step, 0.1 * step, BOX, columns)
+            writer.write_frame(make_frame(step, 0.1 * step, BOX, columns))
     u = mda_reader.universe(path, diameter=0.2, mass=40.0)
     np.testing.assert_allclose(u.atoms.radii, [0.1, 0.08, 0.11], rtol=1e-6)
     np.testing.assert_allclose(u.atoms.masses, 1000 * (2 * np.array([0.1, 0.08, 0.11])) ** 2)

@@ -63,7 +63,7 @@ def test_the_writer_gives_the_bytes_of_lammps(tmp_path, source, fmt):
     dump = open_dump(DATA / source)
     with DumpWriter(tmp_path / "copy", dump.columns, fmt, units=dump.units) as writer:
         for frame in dump:
-            writer.write(frame.step, frame.time, frame.box, frame.columns)
+            writer.write_frame(frame)
     assert (tmp_path / "copy").read_bytes() == (DATA / source).read_bytes()
 
 
@@ -81,7 +81,7 @@ def test_what_was_written_is_read_back_bit_by_bit(tmp_path_factory, frames, fmt,
     with DumpWriter(path, ("id", "x", "y"), fmt, precision="%.17g") as writer:
         for step, points in enumerate(frames):
             x, y = np.array(points, float).reshape(-1, 2).T
-            writer.write(step, time, [[0, 1], [0, 1]], {"id": np.arange(len(x)) + 1, "x": x, "y": y})
+            writer.write_frame(make_frame(step, time, [[0, 1], [0, 1]], {"id": np.arange(len(x)) + 1, "x": x, "y": y}))
     dump = open_dump(path)
     for _ in range(2):  # iterable again
         read = list(dump)
@@ -206,7 +206,7 @@ def test_a_cut_off_gzip_stream_keeps_its_whole_frames(tmp_path):
     with DumpWriter(path, ("id", "x", "y"), "gz") as writer:
         for step in range(20):
             x, y = rng.random((2, 500))
-            writer.write(step, None, [[0, 1], [0, 1]], {"id": np.arange(500), "x": x, "y": y})
+            writer.write_frame(make_frame(step, None, [[0, 1], [0, 1]], {"id": np.arange(500), "x": x, "y": y}))
     whole = path.read_bytes()
     assert gzip.decompress(whole).startswith(b"ITEM: UNITS")
     dump = open_dump(write(tmp_path, whole[: len(whole) // 2], "half.gz"))
@@ -248,7 +248,7 @@ def test_a_frame_larger_than_the_buffer(tmp_path):
     path = tmp_path / "dump"
     with DumpWriter(path, ("id", "x", "y"), precision="%.17g") as writer:
         for step in range(2):
-            writer.write(step, 0.1 * step, [[0, 1], [0, 1]], {"id": np.arange(n), "x": x, "y": -x})
+            writer.write_frame(make_frame(step, 0.1 * step, [[0, 1], [0, 1]], {"id": np.arange(n), "x": x, "y": -x}))
     frames = list(open_dump(path))
     assert [f.n for f in frames] == [n, n]
     np.testing.assert_array_equal(frames[1].y, -x)
@@ -266,7 +266,7 @@ def test_the_writer_says_what_is_wrong(tmp_path):
     with pytest.raises(DumpError, match="cannot be written"):
         DumpWriter(tmp_path / "no" / "a", ("id",))
     with DumpWriter(tmp_path / "b", ("id", "x")) as writer, pytest.raises(DumpError, match="lacks column 'x'"):
-        writer.write(0, None, [[0, 1], [0, 1]], {"id": [1]})
+        writer.write_frame(make_frame(0, None, [[0, 1], [0, 1]], {"id": [1]}))
 
 
 def series(folder, steps=(0, 500, 1000), name="dump.{}.lammps"):

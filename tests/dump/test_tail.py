@@ -6,6 +6,7 @@ from hashlib import sha256
 import numpy as np
 import pytest
 
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.tail import GrowingDump
 from lammps_jump.dump.write import DumpWriter
@@ -37,7 +38,7 @@ def whole(request, tmp_path):
         for step in range(5):
             values = random.uniform(0, 9, (4, 3 + step))
             columns = dict(zip(COLUMNS, (np.arange(3 + step) + 1, *values), strict=True))
-            writer.write(step, 0.1 * step, [[0, 9], [0, 9]], columns)
+            writer.write_frame(make_frame(step, 0.1 * step, [[0, 9], [0, 9]], columns))
     return open_dump(path)
 
 

@@ -37,7 +37,7 @@ def test_ratios_are_those_within_a_round():
 @pytest.mark.parametrize(("status", "rate"), [("complete", 4.0), ("failed", None)])
 def test_a_run_that_fails_has_no_speed(monkeypatch, status, rate):
     ended = SimpleNamespace(status=status, disc_steps=12.0, cpu_seconds=3.0)
-    monkeypatch.setattr(timing, "run_frames", lambda *_: (ended, []))
+    monkeypatch.setattr(timing, "run_frames", lambda *_, check: (ended, []))
     assert timing.run_rate(None, "stock") == (rate, 3.0)
 
 

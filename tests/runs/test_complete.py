@@ -17,6 +17,7 @@ from made_up import INPUTS, call, files, without_analysis
 
 import lammps_jump as lj
 from lammps_jump import engines
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.write import run_writer
 from lammps_jump.folders import STAGING
 from lammps_jump.runs import start
@@ -50,7 +51,7 @@ def frames_changed(change: Callable[[list], list]) -> Callable[[Path, lj.Scene],
         ]
         with run_writer(folder, scene) as writer:
             for frame in change(frames):
-                writer.write(*frame)
+                writer.write_frame(make_frame(*frame))
 
     return damage
 

@@ -16,11 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump import Case
-from lammps_jump.dump import Frame
-from lammps_jump.errors import RunError
 from lammps_jump.scene import Scene
 from lammps_jump.script import script_text
-from lammps_jump.studies.runs import in_turn, kernel_changes, middle, run_frames
+from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames
 from lammps_jump.studies.table import markdown
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
@@ -101,20 +99,6 @@ def both_scripts(scene: Scene, skip: Skip) -> tuple[str, str]:
     return plain, skip.edit(plain, scene)
 
 
-def run_script(scene: Scene, text: str) -> tuple[Frame, float]:
-    """Return the last frame and the processor seconds of a script for a scene.
-
-    Raises
-    ------
-    RunError
-        Where it does not come to its end.
-    """
-    result, frames = run_frames(scene, "stock", script=text)
-    if not frames:
-        raise RunError(result.message)
-    return frames[-1], result.cpu_seconds
-
-
 def compare_skip(scene: Scene, skip: Skip) -> float | None:
     """Return the largest change of the last frame with the thing in the script; None where the scene needs it.
 
@@ -126,16 +110,21 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
     plain, edited = both_scripts(scene, skip)
     if edited == plain:
         return None
-    one, two = (run_script(scene, text)[0] for text in (plain, edited))
+    one, two = (run_frames(scene, "stock", script=text)[1][-1] for text in (plain, edited))
     if not np.array_equal(one.ids, two.ids):
         return inf
     return max(float(np.abs(one.columns[c] - two.columns[c]).max(initial=0.0)) for c in ("x", "y", "vx", "vy"))
 
 
+def stock_time(scene: Scene, **options: str) -> float:
+    """Return the processor seconds of a stock run; keywords as of `run_frames`."""
+    return run_frames(scene, "stock", **options)[0].cpu_seconds
+
+
 def dump_formats(scene: Scene, rounds: int) -> dict[str, float | None]:
     """Return the processor seconds of a stock run by dump format."""
     formats = ["text", "gz", "binary"]
-    times = in_turn(formats, rounds, lambda name, _: run_frames(scene, "stock", dump_format=name)[0].cpu_seconds)
+    times = in_turn(formats, rounds, lambda name, _: stock_time(scene, dump_format=name))
     return {name: middle(values) for name, values in times.items()}
 
 
@@ -145,7 +134,7 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
     A row holds the time with the thing over the time without it, and the largest change of the trajectory (m or m/s);
     None where the scene needs the thing.
     """
-    case = case.replace(kernel_changes("stock"))
+    case = case.replace(KERNELS["stock"])
     scene, rounds = case.scene(), 1 if quick else 5
     identity = f"{case.hash} {all_versions()} {rounds}"
     rows = []
@@ -159,7 +148,7 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
 def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
     ratio, difference, verdict = None, compare_skip(scene, skip), "the scene needs it"
     if difference is not None:
-        taken = in_turn(both_scripts(scene, skip), rounds, lambda text, _: run_script(scene, text)[1])
+        taken = in_turn(both_scripts(scene, skip), rounds, lambda text, _: stock_time(scene, script=text))
         ratio = middle(with_it / without for without, with_it in zip(*taken.values(), strict=True))
         verdict = f"{100 * (ratio - 1):+.1f} % time with it, trajectory differs by {difference:.1e}"
     return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}

@@ -14,10 +14,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from itertools import chain
 from math import inf
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from pydantic import Field, TypeAdapter, ValidationError
 
 from lammps_jump import Case
 from lammps_jump.dump import read_forces, read_netcdf
@@ -123,6 +124,7 @@ def setting_errors(runs: Sequence[Measures], reference: Sequence[Measures]) -> d
     }
 
 
+NUMBERS = TypeAdapter(tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...])
 TARGETS = (0.01, 0.05)
 """Errors for which the cheapest setting is named."""
 
@@ -150,15 +152,10 @@ def read_axes(quick: bool = False, members: int | None = None, **words: str | No
 
 
 def _numbers(option: str, text: str | None) -> tuple[float, ...]:
-    if not text:
-        return ()
     try:
-        values = tuple(float(word) for word in text.split(","))
-    except ValueError:
-        raise CaseError(f"{option} {text!r}: expected numbers with commas between, such as 0.1,0.2") from None
-    if not all(0 < value < float("inf") for value in values):
-        raise CaseError(f"{option} {text!r}: every value must be above 0")
-    return values
+        return NUMBERS.validate_python(text.split(",") if text else ())
+    except ValidationError:
+        raise CaseError(f"{option} {text!r}: expected numbers above 0 with commas between, such as 0.1,0.2") from None
 
 
 def measure_settings(

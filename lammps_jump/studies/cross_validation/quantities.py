@@ -14,9 +14,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from lammps_jump.analysis import Jump
 from lammps_jump.dump import ForceHistory, read_forces, read_netcdf
 from lammps_jump.scene import Scene
 from lammps_jump.sweeps import Results
+from lammps_jump.units import numbers_of
 
 from .statistics import DECIDES, Difference, block_means, compare_curves, holm, welch
 
@@ -37,15 +39,12 @@ class Curve(NamedTuple):
     at: Sequence[float] = ()
 
 
-JUMP_NUMBERS = (
-    ("speed", "shock speed", "m/s"),
-    ("y1", "depth before the jump", "m"),
-    ("y2", "sequent depth", "m"),
-    ("sequent_ratio", "sequent depth ratio", "1"),
-    ("froude", "Froude number in the shock's frame", "1"),
-    ("toe", "jump toe at the end", "m"),
-    ("length", "jump length", "m"),
-)
+JUMP_NUMBERS = {
+    "speed": "shock speed", "y1": "depth before the jump", "y2": "sequent depth",
+    "sequent_ratio": "sequent depth ratio", "froude": "Froude number in the shock's frame",
+    "toe": "jump toe at the end", "length": "jump length",
+}  # fmt: skip
+"""What is compared of a `Jump`, and its name here."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,8 @@ def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantitie
         found |= _front(pd.read_csv(folder / "front.csv"))
     for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():
         found |= _force(name, force)
-    found |= {label: Curve(unit, [jump.get(key)]) for key, label, unit in JUMP_NUMBERS if jump}
+    units = {key: number.unit or "1" for key, number in numbers_of(Jump).items()}
+    found |= {label: Curve(units[key], [jump.get(key)]) for key, label in JUMP_NUMBERS.items() if jump}
     if jump and (folder / "jump_track.csv").is_file():
         track = pd.read_csv(folder / "jump_track.csv")
         if track["found"].sum() >= TIME_BLOCKS:

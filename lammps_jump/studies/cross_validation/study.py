@@ -21,9 +21,9 @@ from pathlib import Path
 from lammps_jump import Case
 from lammps_jump.engines import choose, usable_cores, usable_kernels
 from lammps_jump.errors import RunError, SetupError
-from lammps_jump.files import plain, write_json
+from lammps_jump.files import plain, write_json, writes
 from lammps_jump.scene import Scene
-from lammps_jump.studies.runs import kernel_changes
+from lammps_jump.studies.runs import KERNELS
 from lammps_jump.sweeps import JITTER, Pool, Results, Say, Start, all_versions, run_starts
 
 from . import page, trajectories
@@ -82,7 +82,7 @@ class Study:
             A member that did not complete.
         """
         name = label or LABELS[kernel]
-        case = case.replace({**kernel_changes(kernel), "analysis.energy": True, "run.dump_format": "binary"})
+        case = case.replace({**KERNELS[kernel], "analysis.energy": True, "run.dump_format": "binary"})
         new: list[Start] = []
         starts = [Start(0, {}, seed) for seed in self.seeds]
         made = run_starts(case, starts, self.folder, self.pool, said=lambda one: new.append(one.start))
@@ -233,10 +233,8 @@ def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, poo
         )
     setting, notes = choose("lammps", kernel, 1, scene)
     folder = out or default_folder(case.name)
-    try:
+    with writes(folder, SetupError, "name another with --out"):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SetupError(f"{folder}: cannot be made ({error.strerror or error}); name another with --out") from None
     seeds, said = tuple(range(1, count + 1)), [*scene.warnings, *notes]
     study = Study(case, scene, setting.kernel, folder, pool, seeds, said, say)
     for note in study.notes:

@@ -15,7 +15,6 @@ import numpy as np
 from scipy import stats
 
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.errors import RunError
 from lammps_jump.scene import Scene
 from lammps_jump.studies.runs import run_frames
 from lammps_jump.sweeps import Results
@@ -101,9 +100,7 @@ def trajectory(scene: Scene, kernel: str) -> Trajectory:
     RunError
         Where the run is not complete.
     """
-    result, frames = run_frames(scene, kernel, dump_format="binary")
-    if not frames:
-        raise RunError(f"{kernel}, {scene.name}: {result.message}")
+    _, frames = run_frames(scene, kernel, dump_format="binary")
     return {frame.step: (frame.ids, np.column_stack([frame.x, frame.y])) for frame in frames}
 
 

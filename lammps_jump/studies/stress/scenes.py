@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import nan
@@ -26,8 +25,9 @@ from lammps_jump.analysis.passes import feed
 from lammps_jump.dump import open_dump, read_dump
 from lammps_jump.engines import RunResult
 from lammps_jump.errors import DumpError, JumpError, SetupError
+from lammps_jump.files import plain
 from lammps_jump.scene import Box, Scene, handmade_scene
-from lammps_jump.studies.runs import execute, kernel_changes
+from lammps_jump.studies.runs import KERNELS, execute
 from lammps_jump.sweeps import pool
 
 HARD = yaml.safe_load(Path(__file__).with_name("scenes.yaml").read_text())
@@ -41,8 +41,8 @@ REASONS = re.compile(r"overlap|number|lost|left the domain|left the plane|balanc
 ENGINE_CHANGES = {
     "native": {"engine.name": "native", "run.integrator": "leapfrog_extrapolated"},
     "native verlet": {"engine.name": "native", "run.integrator": "velocity_verlet"},
-    "stock": kernel_changes("stock"),
-    "compiled": kernel_changes("compiled"),
+    "stock": KERNELS["stock"],
+    "compiled": KERNELS["compiled"],
 }
 BYPASSED = {
     "past the checks: discs overlapping by half": ((0.5, 2.0), (0.6, 2.0)),
@@ -108,55 +108,50 @@ def hard_scenes(long: bool = False) -> dict[str, tuple[dict, tuple[str, ...]]]:
 def random_case(seed: int) -> dict:
     """Return a small scene drawn from a seed: contact, walls, discs, inflow, step; many of them are unreasonable."""
     random = np.random.default_rng([20261121, seed])
-
-    def one_of(*values: float, p: Sequence[float] | None = None) -> float:
-        return float(random.choice(values, p=p))
-
-    def between(low: float, high: float) -> float:
-        return float(random.uniform(low, high))
-
-    d, speed = one_of(0.05, 0.2, 1.0), one_of(1.0, 5.0, 20.0)
+    d, speed = random.choice((0.05, 0.2, 1.0)), random.choice((1.0, 5.0, 20.0))
     contact = {
-        "restitution": min(max(between(-0.1, 1.2), 0.01), 1.0),
-        "friction": one_of(0.0, 0.1, 0.6, 2.0),
-        "penetration_fraction": one_of(5, 10, 20, 40),
+        "restitution": min(max(random.uniform(-0.1, 1.2), 0.01), 1.0),
+        "friction": random.choice((0.0, 0.1, 0.6, 2.0)),
+        "penetration_fraction": random.choice((5.0, 10.0, 20.0, 40.0)),
         "impact_speed": speed,
-        "rotation": bool(random.random() < 0.4),
+        "rotation": random.random() < 0.4,
     }
-    width = d * between(6, 25)
+    width = d * random.uniform(6, 25)
     kind = random.choice(["box", "planes", "channel"])
     walls = [{"name": "box", "kind": "box", "x": [0, width], "y": [0, width]}]
     if kind != "box":
         planes = [("floor", "y"), ("left", "x")] if kind == "planes" else [("floor", "y")]
         walls = [{"name": name, "kind": "plane", "axis": axis, "at": 0, "side": "above"} for name, axis in planes]
-        step = [width * between(0.5, 0.8), width * between(0.85, 1.0)]
-        walls += [{"name": "step", "kind": "block", "x": step, "y": [-d, d * between(0.5, 6)]}]
+        step = [width * random.uniform(0.5, 0.8), width * random.uniform(0.85, 1.0)]
+        walls += [{"name": "step", "kind": "block", "x": step, "y": [-d, d * random.uniform(0.5, 6)]}]
     initial = []
     if kind != "channel" or random.random() < 0.5:
-        nx, ny = (int(n) for n in random.integers(1, 7, 2))
-        spacing = d * one_of(0.9, 1.0, 1.05, 1.5, p=[0.1, 0.3, 0.3, 0.3])
-        fast = {i: random.normal(0, speed * random.choice([0.5, 3]), 2).tolist() for i in (1, 2)}
+        nx, ny = random.integers(1, 7, 2)
+        spacing = d * random.choice((0.9, 1.0, 1.05, 1.5), p=[0.1, 0.3, 0.3, 0.3])
+        fast = {i: random.normal(0, speed * random.choice([0.5, 3]), 2) for i in (1, 2)}
         lattice = {"kind": "lattice", "nx": nx, "ny": ny, "spacing": spacing, "origin": [0.6 * d, 0.6 * d]}
-        initial = [{**lattice, "jitter": one_of(0, 0.02), "velocities": {i: fast[i] for i in fast if i <= nx * ny}}]
+        initial = [
+            {**lattice, "jitter": random.choice((0, 0.02)), "velocities": {i: fast[i] for i in fast if i <= nx * ny}}
+        ]
     case: dict = {
         "name": f"random_{seed}",
-        "gravity": one_of(0.0, 9.81, 50.0),
-        "discs": {"diameter": d, "density": one_of(1.0, 1000.0)},
+        "gravity": random.choice((0.0, 9.81, 50.0)),
+        "discs": {"diameter": d, "density": random.choice((1.0, 1000.0))},
         "contact": contact,
         "domain": {"x": [-4 * d, width + 40 * d], "y": [-8 * d, width + 30 * d]},
         "walls": walls,
         "initial": initial,
     }
     if kind == "channel":
-        depth, mean = d * between(0.8, 4.5), speed * between(0.2, 1.5)
+        depth, mean = d * random.uniform(0.8, 4.5), speed * random.uniform(0.2, 1.5)
         case["inflow"] = {"kind": "rows", "x": 0, "y": 0, "depth": depth, "mean_speed": mean}
         case["outflow"] = [{"x_beyond": width + 20 * d}]
-    fraction = one_of(0.02, 0.05, 0.1, 0.2, 0.4, p=[0.1, 0.4, 0.3, 0.1, 0.1])
+    fraction = random.choice((0.02, 0.05, 0.1, 0.2, 0.4), p=[0.1, 0.4, 0.3, 0.1, 0.1])
     omega = 2.0**0.5 * contact["penetration_fraction"] * speed / d
-    duration = float(random.integers(300, 1500)) * fraction * 2 / omega
+    duration = random.integers(300, 1500) * fraction * 2 / omega
     case["run"] = {"duration": duration, "output_interval": duration / 5, "time_step_fraction": fraction,
-                   "seed": int(random.integers(1, 10**6)), "allow_unstable": bool(random.random() < 0.1)}  # fmt: skip
-    return case
+                   "seed": random.integers(1, 10**6), "allow_unstable": random.random() < 0.1}  # fmt: skip
+    return plain(case)
 
 
 def judge(case: dict, engine: str) -> Outcome:
@@ -221,8 +216,7 @@ def energy_gain(folder: Path, scene: Scene) -> float:
     for _ in feed(read_dump(folder), flow, [ledger]):
         pass
     energy = ledger.result()
-    elastic = 0.0 if energy.elastic is None else energy.elastic[0]
-    moved = energy.kinetic[0] + elastic + float(np.ptp(energy.potential))
+    moved = energy.kinetic[0] + energy.elastic[0] + float(np.ptp(energy.potential))
     return float((energy.total - energy.total[0]).max() / moved) if moved > 0 else 0.0
 
 

@@ -154,10 +154,8 @@ class Stress:
             for name, (case, good) in hard_scenes(self.long).items()
             if not (self.quick and name.startswith("ks") and name not in few)
         } | {name: (judge_bypassed, start, ("stopped",)) for name, start in BYPASSED.items()}
-        rows = [
-            {"scene": name, "engine": engine, **found, "right": found["outcome"] in asked[name][2]}
-            for name, engine, found in self._judged({name: one[:2] for name, one in asked.items()})
-        ]
+        found = self._judged("scene", {name: one[:2] for name, one in asked.items()})
+        rows = [{**row, "right": row["outcome"] in asked[row["scene"]][2]} for row in found]
         for name in dict.fromkeys(row["scene"] for row in rows):
             outcomes = sorted({row["outcome"] for row in rows if row["scene"] == name})
             self.say(f"  {name}: {', '.join(outcomes)}")
@@ -166,14 +164,12 @@ class Stress:
     def random_scenes(self, count: int, seed: int) -> Results:
         """Run `count` random scenes on every engine; only tallies and what ended badly are kept."""
         cases = {number: random_case(number) for number in range(seed, seed + count)}
-        found = self._judged({number: (judge, case) for number, case in cases.items()})
-        tally = {engine: dict(Counter(r["outcome"] for _, one, r in found if one == engine)) for _, engine, _ in found}
-        bad = [
-            {"seed": number, "engine": engine, **result}
-            for number, engine, result in found
-            if result["outcome"] not in (*GOOD, *(["heated"] if may_heat(cases[number]) else []))
-        ]
-        self.say(f"  {count} random scenes: " + "; ".join(f"{engine} {counts}" for engine, counts in tally.items()))
+        rows = self._judged("seed", {number: (judge, case) for number, case in cases.items()})
+        tally = {one["engine"]: Counter(r["outcome"] for r in rows if r["engine"] == one["engine"]) for one in rows}
+        good = {number: (*GOOD, "heated") if may_heat(case) else GOOD for number, case in cases.items()}
+        bad = [row for row in rows if row["outcome"] not in good[row["seed"]]]
+        told = "; ".join(f"{engine} {dict(counts)}" for engine, counts in tally.items())
+        self.say(f"  {count} random scenes: {told}")
         return {"count": count, "first_seed": seed, "tally": tally, "bad": bad}
 
     def beds(self, steps: int) -> list[Results]:
@@ -181,13 +177,13 @@ class Stress:
         calls = [partial(resting_bed, engine, steps) for engine in self.engines]
         return self._call(calls, "resting bed, {engine}, {steps} steps: {message}".format_map)
 
-    def _judged(self, asked: Mapping[Any, tuple[Callable[..., Outcome], object]]) -> list[tuple[Any, str, Results]]:
-        """Return (name, engine, outcome) of scenes, by name what judges and what is judged, on all engines here."""
+    def _judged(self, kind: str, asked: Mapping[Any, tuple[Callable[..., Outcome], object]]) -> list[Results]:
+        """Return rows of scenes, by name what judges and what is judged, on all engines here; `kind` holds the name."""
         points = list(product(asked, [engine for engine in ENGINE_CHANGES if engine.split()[0] in self.kernels]))
         calls = [partial(*asked[name], engine) for name, engine in points]
         patience = 10 * TIMEOUT if self.long else TIMEOUT
         found = self.store.call(calls, self.pool, otherwise=ended, patience=patience)
-        return [(*point, result) for point, result in zip(points, found, strict=True)]
+        return [{kind: name, "engine": e, **row} for (name, e), row in zip(points, found, strict=True)]
 
     def _call(self, calls: list[partial], tell: Callable[[Results], str]) -> list[Results]:
         return self.store.call(calls, self.pool, said=lambda piece: self.say("  " + tell(piece)))
