@@ -71,8 +71,9 @@ class CellSimulation(NativeSimulation):
     def _exchange(self, old: bool) -> None:
         super()._exchange(True)
 
-    def _list_newcomers(self) -> None:
+    def _list_newcomers(self, before: int) -> int:
         self._rebuild()
+        return 0
 
     def _list_walls(self) -> None:
         faces, n = self._face_kind.size, self.discs.n

@@ -433,17 +433,18 @@ def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
 
 
 def _elastic_py(
-    rows, owner, start, neighbours, x, y, radius, face_kind, face_data, face_start, near, law, touch, ids, known,
+    begin, rows, owner, start, neighbours, x, y, radius, face_kind, face_data, face_start, near, law, touch, ids, known,
 ):  # fmt: skip
     """Elastic energy (J per m of width), largest overlap (m) and its disc; with `ids`, of discs with ids above `known`.
 
-    Each contact stores stiffness times `lammps_jump.physics.law.stored_energy`.
+    Rows of the list before `begin` are left out. Each contact stores stiffness times
+    `lammps_jump.physics.law.stored_energy`.
     """
     pairs = walls = 0.0
     worst = 0.0
     where = -1
     half = 0.5 * law.diameter
-    for row in range(rows):
+    for row in range(begin, rows):
         i = row if owner is None else owner[row]
         for p in range(start[row], start[row + 1]):
             j = neighbours[p]

@@ -212,23 +212,22 @@ class NativeSimulation:
             self._remove(leaving, old)
         elif old:
             self._rebuild()
-        known = self.boundaries.inserted
+        known, before = self.boundaries.inserted, discs.n
         skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for identity, x, y, vx, vy in self.boundaries.arrivals(self.step, discs):
             discs.append(identity, x, y, vx, vy, self._weight, skin, self.scene.largest)
             self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, self._share)
         if self.boundaries.inserted > known:
-            self._list_newcomers()
-            self._exchanged["brought_in"] += self._elastic_of_newcomers(known)
+            self._exchanged["brought_in"] += self._elastic_of_newcomers(known, self._list_newcomers(before))
         if any(gate.release_step == self.step for gate in self.scene.gates):
             elastic = self._elastic()
             self._load_walls()
             self._list_walls()
             self._exchanged["released_by_gates"] += elastic - self._elastic()
 
-    def _elastic_of_newcomers(self, known: int) -> float:
-        """Elastic energy of the contacts of discs with ids above `known`; 0 without a ledger."""
-        return self._elastic_and_worst(known)[0] if self._ledger_on else 0.0
+    def _elastic_of_newcomers(self, known: int, begin: int = 0) -> float:
+        """Elastic energy of the contacts of discs with ids above `known`, from row `begin` on; 0 without a ledger."""
+        return self._elastic_and_worst(known, begin)[0] if self._ledger_on else 0.0
 
     def _give_sizes(self) -> None:
         """Discs that still have the largest diameter get their own; the books take the difference as brought in."""
@@ -282,16 +281,17 @@ class NativeSimulation:
             self._face_data, self._face_start, self._near,
         )  # fmt: skip
 
-    def _list_newcomers(self) -> None:
-        """Complete the lists for discs that have rows of their own already."""
+    def _list_newcomers(self, before: int) -> int:
+        """Complete the lists for discs that have rows of their own, from row `before` on; their first row."""
         self._list_walls()
+        return before
 
-    def _elastic_and_worst(self, known: int | None = None) -> tuple[float, float, int]:
+    def _elastic_and_worst(self, known: int | None = None, begin: int = 0) -> tuple[float, float, int]:
         """What `loops.elastic` finds: of all contacts, or of those of discs with ids above `known`."""
         d = self.discs
         ids = (None, 0) if known is None else (d.ids, known)
         return kernels.elastic(
-            *self._list(), d.x, d.y, d.radius, self._face_kind, self._face_data, self._face_start, self._near,
+            begin, *self._list(), d.x, d.y, d.radius, self._face_kind, self._face_data, self._face_start, self._near,
             self._law, self._touch, *ids,
         )  # fmt: skip
 

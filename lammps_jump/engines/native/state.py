@@ -20,6 +20,8 @@ from .ledger import Energy
 from .simulation import NativeSimulation
 
 COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds", "_window_start")
+ARRAYS = {"near_start": "_face_start", "wall_sum": "_wall_sum", "work": "_work", "start_work": "_start_work"}
+"""Name in the file -> attribute of the simulation."""
 
 
 def save_state(simulation: NativeSimulation, path: Path) -> None:
@@ -54,10 +56,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
             list_start=d.start[: d.n + 1],
             list_discs=d.neighbours[: d.start[d.n]],
             near=near,
-            near_start=simulation._face_start,
-            wall_sum=simulation._wall_sum,
-            work=simulation._work,
-            start_work=simulation._start_work,
+            **{name: getattr(simulation, attribute) for name, attribute in ARRAYS.items()},
             stations=simulation.stations.sums,
             **arrays,
         )
@@ -72,12 +71,10 @@ def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimula
             setattr(simulation, name, plain[name])
         _load_discs(simulation.discs, plain["n"], stored)
         simulation._load_walls()  # those of this step: gates may have gone
-        simulation._face_start[:] = stored["near_start"]
+        for name, attribute in ARRAYS.items():
+            getattr(simulation, attribute)[:] = stored[name]
         simulation._near = np.empty(simulation._face_kind.size * simulation.discs.room, np.int32)
         simulation._near[: simulation._face_start[-1]] = stored["near"]
-        simulation._wall_sum[:] = stored["wall_sum"]
-        simulation._work[:] = stored["work"]
-        simulation._start_work = stored["start_work"]
         simulation.stations.sums[:] = stored["stations"]
     simulation._carried = {name: np.array(row) for name, row in plain["carried"].items()}
     simulation._exchanged = plain["books"]
