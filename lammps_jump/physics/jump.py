@@ -8,7 +8,7 @@ Depths are measured normal to a horizontal bed, quantities are per metre of widt
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import nan, sqrt
+from math import acos, cos, nan, pi, sqrt
 
 from lammps_jump.units import number
 
@@ -63,25 +63,20 @@ def sequent_ratio(
         raise ValueError(
             f"sequent_ratio: Froude number {froude_1:g} must be at least 1, density ratio {density_ratio:g} above 0"
         )
-    from scipy.optimize import brentq  # 0.23 s
-
     # multiplied by S: a falling cubic with one maximum at positive S; the jump is the root beyond the maximum
     linear = 2.0 * froude_1**2 * beta_1 + 1.0 - resistance
     constant = 2.0 * froude_1**2 * beta_2
-
-    def balance(s: float) -> float:
-        return -(s**3) / density_ratio - resistance * s**2 + linear * s - constant
-
-    discriminant = resistance**2 + 3.0 * linear / density_ratio
-    low = (sqrt(discriminant) - resistance) * density_ratio / 3.0 if discriminant > 0 else 0.0
-    if low <= 0 or balance(low) < -1e-12 * constant:
+    discriminant, shift = resistance**2 + 3.0 * linear / density_ratio, -density_ratio * resistance / 3.0
+    half = sqrt(max(discriminant, 0.0)) * density_ratio / 3.0
+    top = half + shift
+    if top <= 0 or ((linear - (top / density_ratio + resistance) * top) * top < (1.0 - 1e-12) * constant):
         raise ValueError(
             f"sequent_ratio: no jump at Froude number {froude_1:g}, density ratio {density_ratio:g}, resistance "
             f"{resistance:g}; the inflow needs more momentum (a larger Froude number)"
         )
-    # beyond Cauchy's bound of all roots the cubic is negative
-    high = 1.0 + density_ratio * max(abs(resistance), abs(linear), constant)
-    return brentq(balance, low, high, xtol=1e-300, rtol=1e-15)
+    # Viète: the largest of three real roots, by the cosine of a third of an angle
+    cosine = 0.5 * density_ratio * (constant - shift * (linear + 2.0 * shift**2 / density_ratio)) / half**3
+    return shift - 2.0 * half * cos((acos(min(cosine, 1.0)) + 2.0 * pi) / 3.0)
 
 
 def downstream_froude(froude_1: float) -> float:
