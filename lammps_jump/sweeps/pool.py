@@ -48,15 +48,20 @@ class Outcome(NamedTuple):
 class Worker:
     """One worker process.
 
+    Parameters
+    ----------
+    modules : str
+        Names of modules that it loads before the first call.
+
     Attributes
     ----------
     number : int
         Of the last call.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *modules: str) -> None:
         self.pipe, theirs = multiprocessing.Pipe()
-        command = [sys.executable, "-P", "-m", "lammps_jump.sweeps.worker", str(theirs.fileno())]
+        command = [sys.executable, "-P", "-m", "lammps_jump.sweeps.worker", str(theirs.fileno()), *modules]
         self.process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, pass_fds=(theirs.fileno(),), start_new_session=True,
             env={**os.environ, "OMP_NUM_THREADS": "1"},  # more would take the cores of the other workers
@@ -91,7 +96,7 @@ _ready: list[Worker] = []
 
 def prepare_workers(count: int) -> None:
     """Start workers before there is work for them: they load the analysis meanwhile, a second."""
-    _ready.extend(Worker() for _ in range(count))
+    _ready.extend(Worker("lammps_jump.runs.results") for _ in range(count))
 
 
 @atexit.register

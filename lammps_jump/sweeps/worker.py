@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A process that works through the calls of its parent: ``python -m lammps_jump.sweeps.worker DESCRIPTOR``.
+"""A process that works through the calls of its parent: ``python -m lammps_jump.sweeps.worker DESCRIPTOR [MODULE …]``.
 
-The descriptor is one end of a pipe. A call is a function at the top level of a module, with its arguments. The end of
-the pipe means that the parent is gone: the call at work is asked to stop, and the process ends.
+The modules are loaded first. The descriptor is one end of a pipe. A call is a function at the top level of a module,
+with its arguments. The end of the pipe means that the parent is gone: the call at work is asked to stop, and the
+process ends.
 """
 
 from __future__ import annotations
@@ -71,7 +72,8 @@ def main() -> None:
     gc.set_threshold(50_000, 20, 50)
     place = int(sys.argv[1])
     threading.Thread(target=_end_with_parent, args=(place,), daemon=True).start()
-    importlib.import_module("lammps_jump.runs.results")  # while the parent reads the study
+    for module in sys.argv[2:]:
+        importlib.import_module(module)
     serve(Connection(place))
 
 
