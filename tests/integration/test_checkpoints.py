@@ -17,11 +17,12 @@ from lammps_jump.engines.checkpoint import read_checkpoint
 
 pytestmark = pytest.mark.lammps
 SETS = (
-    "run.duration=1",
+    "run.duration=0.75",
     "run.output_interval=0.05",
     "probes.interval=0.01",
     "analysis.jump=false",
     "analysis.window=null",
+    "analysis.figures=none",
     "run.checkpoint_interval=1e5",
 )
 ENGINES = {
