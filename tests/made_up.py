@@ -146,7 +146,7 @@ def choose_to_stop_at(step: int):
 def without_analysis(monkeypatch) -> None:
     """No figures and no tables, which take seconds; the frames are checked all the same."""
 
-    def analyse(case, folder, out, watch=(), gathered=None, told=None):
+    def analyse(case, flow, folder, out, watch=(), gathered=None, told=None):
         (out / "profiles.nc").write_text(f"of {case.name}")
         for frame in read_dump(folder) if gathered is None else ():
             for collector in watch:

@@ -182,7 +182,7 @@ class Conclusion:
                         check, packer = ahead.check, ahead.packer
                     seen = runs.results.has_player(self.case)
                     watch = [*([packer] if seen else []), *([check] if self.ended else [])]
-                    parts = runs.results.analyse(self.case, folder, stage, watch, gathered, self._phase)
+                    parts = runs.results.analyse(self.case, flow, folder, stage, watch, gathered, self._phase)
             except DumpError as error:
                 if ahead is None:
                     raise

@@ -65,7 +65,10 @@ class Found:
 
 
 def flow_of(case: ReadCase) -> Flow:
-    """The flow of a case, with the bins and the window that it asks for."""
+    """The flow of a case, with the bins and the window that it asks for.
+
+    The contacts of a frame are found once for all who have the same flow.
+    """
     asked, inflow = case.fields.analysis, case.fields.inflow
     rows = inflow if inflow is not None and inflow.kind == "rows" else None
     return from_scene(
@@ -91,15 +94,13 @@ def _wanted(case: ReadCase) -> list[str]:
 
 
 def collect(case: ReadCase, flow: Flow, folder: Path, dump: Dump, *watch: Collector) -> Gathered:
-    """What one pass over the dump of a run folder gives to the analyses that its case asks for.
-
-    The contacts of a frame are found once for all that have the same `flow`.
-    """
+    """What one pass over the dump of a run folder gives to the analyses that its case asks for."""
     return quantities.collect(flow, dump, [folder], _wanted(case), watch)
 
 
 def analyse(
     case: ReadCase,
+    flow: Flow,
     folder: Path,
     out: Path,
     watch: Sequence[Collector] = (),
@@ -113,7 +114,7 @@ def analyse(
     """
     asked = case.fields.analysis
     return quantities.analyse(
-        flow_of(case),
+        flow,
         find_dump(folder),
         out,
         _wanted(case),

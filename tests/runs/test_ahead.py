@@ -36,11 +36,13 @@ def test_frames_are_read_once_with_the_same_results(tmp_path, passes, kind, expe
 
 
 def test_the_pairs_of_a_frame_are_looked_for_once(tmp_path, passes, monkeypatch):
-    """By the momentum of the jump and by the pressure of the player alike."""
+    """By the momentum of the jump and by the pressure of the player alike, also where the run is analysed again."""
     found, close_pairs = [], contacts.close_pairs
     monkeypatch.setattr(contacts, "close_pairs", lambda *more: found.append(more) or close_pairs(*more))
     run = lj.load_case(INPUTS / "quick_jump.yaml", SHORT).run(tmp_path / "run")
     assert len(found) == run.summary["profiles"]["frames"] == 31
+    lj.runs.start.reanalyse(run.folder)
+    assert len(found) == 2 * 31
 
 
 def test_progress_and_seconds_tell_the_parts_of_the_analysis(tmp_path):
