@@ -145,9 +145,8 @@ def _draw_panel(axes, panel: Panel) -> None:
     aside = {"textcoords": "offset points", "fontsize": 8}
     for label, value in panel.levels.items():
         axes.axhline(value, color=RED, lw=1, ls=(0, (6, 2)), zorder=1)
-        under = any(
-            value < other < 1.2 * value for other in panel.levels.values()
-        )  # apart from the label of a near one
+        # apart from the label of a near one
+        under = any(value < other < 1.2 * value for other in panel.levels.values())
         place = {"xycoords": ("axes fraction", "data"), "color": RED, **aside}
         axes.annotate(label, (0, value), (3, -9 if under else 2), **place)
     for label, value in panel.marks.items():

@@ -10,8 +10,10 @@ from lammps_jump import engines, sweeps
 from lammps_jump.files import read_file
 
 COMMANDS = ("build-and-run", "run", "sweep")
-MEMBERS = ("--members", "--until")
-OTHERS = {"--help", "--slurm", "--status", "--table", "--member", "--jobs"}
+MEMBERS = {"--members", "--until"}
+"""Options of a command that runs several members of a case."""
+NOTHING = {"--help", "--slurm", "--status", "--table", "--member", "--jobs"}
+"""Options of a command that runs nothing in workers, or in as many as it says."""
 
 
 def start_early(words: list[str]) -> None:
@@ -22,9 +24,10 @@ def start_early(words: list[str]) -> None:
     words : list of str
         Of the command line, the program's name left out.
     """
-    if len(words) < 2 or words[0] not in COMMANDS or OTHERS & set(words):
+    options = {word.partition("=")[0] for word in words}
+    if len(words) < 2 or words[0] not in COMMANDS or NOTHING & options:
         return
-    if words[0] == "sweep" or any(word.startswith(MEMBERS) for word in words):
+    if words[0] == "sweep" or MEMBERS & options:
         sweeps.pool.prepare_workers(engines.usable_cores())
         return
     path = Path(words[1]) / "case.yaml" if words[0] == "run" else Path(words[1])

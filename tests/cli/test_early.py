@@ -20,6 +20,8 @@ CASE = str(INPUTS / "quick_jump.yaml")
         (["build-and-run", CASE, "--until=jump.y2 ± 1%"], ["workers"]),
         (["sweep", CASE, "--axis", "run.seed=1,2"], ["workers"]),
         (["build-and-run", CASE, "--members", "4", "--jobs", "1"], []),
+        (["build-and-run", CASE, "--members=4", "--jobs=1"], []),
+        (["sweep", "runs/study", "--member=3"], []),
         (["sweep", "study.yaml", "--slurm"], []),
         (["sweep", "runs/study", "--table"], []),
         (["build-and-run", "--help"], []),
