@@ -10,6 +10,7 @@ import platform
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,6 +24,7 @@ NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted")
 """Fields of a scene that change no trajectory."""
 
 
+@cache
 def package_version(package: str) -> str | None:
     """Version of an installed package, None where it is not installed."""
     try:

@@ -127,6 +127,8 @@ class Pool:
         for worker in self._busy:
             worker.end(kill=True)
         for worker in self._idle:
+            worker.pipe.close()  # they end side by side
+        for worker in self._idle:
             worker.end()
 
     def run(

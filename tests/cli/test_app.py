@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+
+import pytest
 
 
 def test_commands_are_known_without_scene_and_engine():
@@ -16,3 +19,14 @@ def test_commands_are_known_without_scene_and_engine():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("given", [{}, {"OPENBLAS_NUM_THREADS": "3"}])
+def test_numpy_is_loaded_with_one_thread_of_its_own_unless_the_user_asks_for_more(given):
+    code = (
+        "import os, sys, lammps_jump.cli; assert 'numpy' not in sys.modules, 'too late'; "
+        "print(os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    environment = {name: text for name, text in os.environ.items() if name != "OPENBLAS_NUM_THREADS"} | given
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout.strip() == given.get("OPENBLAS_NUM_THREADS", "1")
