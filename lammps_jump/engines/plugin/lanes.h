@@ -7,6 +7,7 @@
 #ifndef JUMP_LANES_H
 #define JUMP_LANES_H
 
+#include <array>
 #include <cmath>
 #ifdef __SSE2__
 #include <immintrin.h>
@@ -56,9 +57,48 @@ template <class Number> inline Number magnitude(const Number &x) { return x < 0.
 #endif
 #endif
 #ifndef JUMP_PICK    // GCC before 12
-typedef long long Places __attribute__((vector_size(LANES * sizeof(long long))));
-#define JUMP_PICK(a, b, ...) __builtin_shuffle(a, b, (Places){__VA_ARGS__})
+#define JUMP_PICK(a, b, ...) __builtin_shuffle(a, b, (decltype((a) < (b))){__VA_ARGS__})
 #endif
+
+/** Four numbers, truths and indices at a time, to list those of many candidates that are close: as few would waste eight. */
+typedef double Four __attribute__((vector_size(32), may_alias));
+typedef double FourAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
+typedef int FourInts __attribute__((vector_size(16), aligned(4), may_alias));
+
+#ifdef __AVX__
+constexpr bool HAS_FOUR = true;    // else they are taken apart, and one after the other is quicker
+#else
+constexpr bool HAS_FOUR = false;
+#endif
+
+/** Truths as the bits of a number, the first as the lowest. */
+inline int bits(decltype(Four{} < Four{}) four)
+{
+#ifdef __AVX__
+  return _mm256_movemask_pd((__m256d) four);
+#else
+  return (int) ((four[0] & 1) | (four[1] & 2) | (four[2] & 4) | (four[3] & 8));
+#endif
+}
+
+/** The numbers at four places. */
+inline FourInts pick(const FourInts &of, const FourInts &places)
+{
+#ifdef __AVX__
+  return (FourInts) _mm_permutevar_ps((__m128) of, (__m128i) places);
+#else
+  return FourInts{of[places[0]], of[places[1]], of[places[2]], of[places[3]]};
+#endif
+}
+
+/** Places of the bits of a number below 16, in their order. */
+inline const std::array<FourInts, 16> FIRST_OF = [] {
+  std::array<FourInts, 16> found{};
+  for (int mask = 0; mask < 16; mask++)
+    for (int bit = 0, n = 0; bit < 4; bit++)
+      if (mask >> bit & 1) found[mask][n++] = bit;
+  return found;
+}();
 
 /** Rows of four numbers, one for each lane, as four vectors: column[c][row] = rows[row][c].
 

@@ -15,10 +15,10 @@ using namespace LAMMPS_NS;
 using jump::Friction;
 using jump::Lanes;
 using jump::LANES;
+using jump::Four;
 using jump::Touch;
 
 namespace {
-typedef double Vec4 __attribute__((vector_size(32), may_alias));
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
 constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
 }    // namespace
@@ -48,7 +48,6 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
   const Disc *const __restrict at = disc.data();
   const int *const __restrict one = first.data();
   const int *const __restrict two = second.data();
-  double reach_sq = law.reach * law.reach;
   const double *const __restrict own_radius = radii.data();
   const jump::Law rule = law;
   const int nlocal = atom->nlocal;
@@ -60,24 +59,34 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
   alignas(64) double between[BATCH][4];
   alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
   alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[SIZES ? BATCH : 1];
-  int touching[BATCH + 1];
+  int touching[BATCH + 4];
   for (size_t begin = from; begin < to; begin += BATCH) {
     const size_t end = begin + BATCH < to ? begin + BATCH : to;
     int n = 0;
-    for (size_t p = begin; p < end; p++) {
-      // written whether it touches or not, and counted only if it does: a branch here would be guessed wrong often
-      const double dx = at[one[p]].x - at[two[p]].x, dy = at[one[p]].y - at[two[p]].y;
-      if (SIZES) {
-        const double reach = own_radius[one[p]] + own_radius[two[p]];
-        reach_sq = reach * reach;
-      }
+    const auto apart = [&](size_t p) {
+      return *reinterpret_cast<const Four *>(&at[one[p]]) - *reinterpret_cast<const Four *>(&at[two[p]]);
+    };
+    const auto reach = [&](size_t p) { return SIZES ? own_radius[one[p]] + own_radius[two[p]] : rule.reach; };
+    // four at a time, without a branch, which would be guessed wrong often
+    size_t p = begin;
+    for (; jump::HAS_FOUR && p + 4 <= end; p += 4) {
+      Four a = apart(p), b = apart(p + 1), c = apart(p + 2), d = apart(p + 3);
+      a *= a, b *= b, c *= c, d *= d;
+      const Four ab = JUMP_PICK(a, b, 0, 4, 2, 6) + JUMP_PICK(a, b, 1, 5, 3, 7);
+      const Four cd = JUMP_PICK(c, d, 0, 4, 2, 6) + JUMP_PICK(c, d, 1, 5, 3, 7);
+      const Four most = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
+      const int mask = jump::bits(JUMP_PICK(ab, cd, 0, 1, 4, 5) < most * most);
+      *reinterpret_cast<jump::FourInts *>(touching + n) = (int) p + jump::FIRST_OF[mask];
+      n += __builtin_popcount(mask);
+    }
+    for (; p < end; p++) {
+      const Four a = apart(p);
       touching[n] = (int) p;
-      n += dx * dx + dy * dy < reach_sq;
+      n += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
     }
     for (int c = 0; c < n; c++) {
       const int i = one[touching[c]], j = two[touching[c]];
-      *reinterpret_cast<Vec4 *>(between[c]) =
-          *reinterpret_cast<const Vec4 *>(&at[i]) - *reinterpret_cast<const Vec4 *>(&at[j]);
+      *reinterpret_cast<Four *>(between[c]) = apart(touching[c]);
       if (jump::has_spin(FRICTION)) rims[c] = rim[i] + rim[j];
       if (SIZES) {
         radius_one[c] = own_radius[i];

@@ -15,6 +15,13 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using jump::Four;
+using jump::FourInts;
+
+static Four four(const std::vector<double> &of, int at)
+{
+  return *reinterpret_cast<const jump::FourAnywhere *>(&of[at]);
+}
 
 /** Whether the local discs that the list knows still have the same indices (more may have come after them). */
 bool PairJumpDisc::keeps_order() const
@@ -78,7 +85,7 @@ void PairJumpDisc::build_list()
 
   cell_of.resize(n);
   cell_start.assign(cells + 1, 0);
-  sorted.resize(n);
+  sorted.resize(n + 8);    // four are read at a time
   sorted_x.resize(n + 8);
   sorted_y.resize(n + 8);
   if (sizes) sorted_radius.resize(n + 8);
@@ -109,9 +116,6 @@ void PairJumpDisc::build_list()
     Returns the number of pairs of local discs. */
 template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
 {
-  const int nlocal = atom->nlocal;
-  const bool ghosts = n > nlocal;
-  double cut_sq = (largest + skin) * (largest + skin);
   size_t found = 0;
   for (int s = 0; s < n; s++) {
     const int i = sorted[s];
@@ -119,25 +123,33 @@ template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
     const double x = sorted_x[s], y = sorted_y[s], rim = SIZES ? sorted_radius[s] + skin : 0.0;
     const int above = c + nx - 1;
     const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
-    make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]));
+    make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]) + 4);
     for (const auto &run : runs) {
-      for (int t = run[0]; t < run[1]; t++) {
-        const double dx = x - sorted_x[t], dy = y - sorted_y[t];
-        if (SIZES) cut_sq = (rim + sorted_radius[t]) * (rim + sorted_radius[t]);
-        const int j = sorted[t];
-        const bool close = dx * dx + dy * dy < cut_sq;
-        first[found] = i;
-        second[found] = j;
-        if (!ghosts || (i < nlocal && j < nlocal)) {
-          found += close;
-        } else if (close && (i < nlocal || j < nlocal)) {
-          first_across.push_back(i < j ? i : j);    // a local disc comes first
-          second_across.push_back(i < j ? j : i);
-        }
+      for (int t = run[0]; t < run[1]; t += 4) {
+        const Four dx = x - four(sorted_x, t), dy = y - four(sorted_y, t);
+        const Four cut = SIZES ? rim + four(sorted_radius, t) : largest + skin - Four{};
+        const int mask = jump::bits(dx * dx + dy * dy < cut * cut) & (run[1] - t < 4 ? (1 << (run[1] - t)) - 1 : 15);
+        *reinterpret_cast<FourInts *>(&first[found]) = i - FourInts{};
+        *reinterpret_cast<FourInts *>(&second[found]) =
+            jump::pick(*reinterpret_cast<const FourInts *>(&sorted[t]), jump::FIRST_OF[mask]);
+        found += __builtin_popcount(mask);
       }
     }
   }
-  return found;
+  const int nlocal = atom->nlocal;
+  if (n == nlocal) return found;
+  size_t local = 0;
+  for (size_t p = 0; p < found; p++) {
+    const int i = std::min(first[p], second[p]), j = std::max(first[p], second[p]);
+    if (j < nlocal) {
+      first[local] = first[p];
+      second[local++] = second[p];
+    } else if (i < nlocal) {    // a local disc comes first
+      first_across.push_back(i);
+      second_across.push_back(j);
+    }
+  }
+  return local;
 }
 
 /** New discs at the end, the others as they were: add the pairs of the new ones. */
