@@ -10,7 +10,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.result import Progress
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, JumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.folders import holder, require_unlocked
@@ -88,10 +90,12 @@ def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) ->
         A point that cannot be run: nothing is run then.
     """
     cases = [started(case.replace({**analysis, **start.changes}), start.seed) for start in starts]
+    settings: dict[int, Setting] = {}  # of each point: to place the discs of every start takes 0.03 s
     keys = []
-    for one in cases:
-        resolved, setting, _ = choose_setting(one)
-        keys.append(full_key(resolved, setting))
+    for start, one in zip(starts, cases, strict=True):
+        if start.point not in settings:
+            settings[start.point] = choose_setting(one)[1]
+        keys.append(full_key(with_accuracy(one)[0], settings[start.point]))
     asked = {(key, short_hash(one.rest)) for key, one in zip(keys, cases, strict=True)}
     shared = Counter(key for key, _ in asked)  # points that differ in their analysis alone need folders of their own
     keys = [

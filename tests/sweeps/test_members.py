@@ -5,7 +5,7 @@ import pytest
 from made_up import BOX
 
 import lammps_jump as lj
-from lammps_jump.sweeps import Pool, Start, run_starts
+from lammps_jump.sweeps import Pool, Start, members, run_starts
 
 
 @pytest.fixture(scope="module")
@@ -35,3 +35,14 @@ def test_what_is_there_is_run_again_only_where_that_is_asked_for(tmp_path, pool)
     assert run_starts(case, starts, tmp_path, pool, said=said.append) == first and len(said) == 2
     again = run_starts(case, starts, tmp_path, pool, fresh=True, said=said.append)
     assert len(said) == 4 and [one.message for one in again] == [one.message for one in first]
+
+
+def test_the_setting_of_a_point_is_chosen_once(monkeypatch):
+    chosen = []
+    real = members.choose_setting
+    monkeypatch.setattr(members, "choose_setting", lambda case: chosen.append(case.fields.run.seed) or real(case))
+    starts = [Start(point, {"contact.friction": 0.1 * point}, seed) for point in range(2) for seed in (3, 4, 5)]
+    found = members.plan(lj.load_case(BOX), starts, {})
+    assert chosen == [3, 3] and len({member.key for member in found}) == len(starts)
+    alone = [members.plan(lj.load_case(BOX), [start], {})[0].key for start in starts]
+    assert [member.key for member in found] == alone
