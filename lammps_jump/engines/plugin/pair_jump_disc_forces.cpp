@@ -16,6 +16,7 @@ using jump::Friction;
 using jump::Lanes;
 using jump::LANES;
 using jump::Four;
+using jump::FourInts;
 using jump::Touch;
 
 namespace {
@@ -59,34 +60,38 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
   alignas(64) double between[BATCH][4];
   alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
   alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[SIZES ? BATCH : 1];
-  int touching[BATCH + 4];
+  int i_of[BATCH + 4], j_of[BATCH + 4];    // discs of the pairs that touch
   for (size_t begin = from; begin < to; begin += BATCH) {
     const size_t end = begin + BATCH < to ? begin + BATCH : to;
     int n = 0;
-    const auto apart = [&](size_t p) {
-      return *reinterpret_cast<const Four *>(&at[one[p]]) - *reinterpret_cast<const Four *>(&at[two[p]]);
+    const auto apart = [&](int i, int j) {
+      return *reinterpret_cast<const Four *>(&at[i]) - *reinterpret_cast<const Four *>(&at[j]);
     };
     const auto reach = [&](size_t p) { return SIZES ? own_radius[one[p]] + own_radius[two[p]] : rule.reach; };
+    const auto four = [](const int *from) { return *reinterpret_cast<const FourInts *>(from); };
     // four at a time, without a branch, which would be guessed wrong often
     size_t p = begin;
     for (; jump::HAS_FOUR && p + 4 <= end; p += 4) {
-      Four a = apart(p), b = apart(p + 1), c = apart(p + 2), d = apart(p + 3);
+      Four a = apart(one[p], two[p]), b = apart(one[p + 1], two[p + 1]), c = apart(one[p + 2], two[p + 2]),
+           d = apart(one[p + 3], two[p + 3]);
       a *= a, b *= b, c *= c, d *= d;
       const Four ab = JUMP_PICK(a, b, 0, 4, 2, 6) + JUMP_PICK(a, b, 1, 5, 3, 7);
       const Four cd = JUMP_PICK(c, d, 0, 4, 2, 6) + JUMP_PICK(c, d, 1, 5, 3, 7);
       const Four most = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
       const int mask = jump::bits(JUMP_PICK(ab, cd, 0, 1, 4, 5) < most * most);
-      *reinterpret_cast<jump::FourInts *>(touching + n) = (int) p + jump::FIRST_OF[mask];
+      *reinterpret_cast<FourInts *>(i_of + n) = jump::pick(four(one + p), jump::FIRST_OF[mask]);
+      *reinterpret_cast<FourInts *>(j_of + n) = jump::pick(four(two + p), jump::FIRST_OF[mask]);
       n += __builtin_popcount(mask);
     }
     for (; p < end; p++) {
-      const Four a = apart(p);
-      touching[n] = (int) p;
+      const Four a = apart(one[p], two[p]);
+      i_of[n] = one[p];
+      j_of[n] = two[p];
       n += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
     }
     for (int c = 0; c < n; c++) {
-      const int i = one[touching[c]], j = two[touching[c]];
-      *reinterpret_cast<Four *>(between[c]) = apart(touching[c]);
+      const int i = i_of[c], j = j_of[c];
+      *reinterpret_cast<Four *>(between[c]) = apart(i, j);
       if (jump::has_spin(FRICTION)) rims[c] = rim[i] + rim[j];
       if (SIZES) {
         radius_one[c] = own_radius[i];
@@ -121,7 +126,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       }
     }
     for (int c = 0; c < n; c++) {
-      const int i = one[touching[c]], j = two[touching[c]];
+      const int i = i_of[c], j = j_of[c];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
       *reinterpret_cast<Vec2 *>(f + 3 * i) += push;
       if (jump::has_spin(FRICTION)) torque[3 * i + 2] -= twist[c];
