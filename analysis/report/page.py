@@ -269,7 +269,7 @@ def picture(path: Path, caption: str) -> Picture:
 
         small, buffer = Image.open(io.BytesIO(data)).convert("RGB"), io.BytesIO()
         small.thumbnail((960, 4000))  # as wide as the page
-        small.save(buffer, "WEBP", quality=20, method=4)
+        small.save(buffer, "WEBP", quality=20, method=2)
         if len(buffer.getvalue()) < 0.7 * len(data):
             data, kind = buffer.getvalue(), "image/webp"
     return Picture(caption, f"data:{kind};base64,{base64.b64encode(data).decode()}")

@@ -19,7 +19,7 @@ from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
 from lammps_jump.analysis.profiles import bin_frame
-from lammps_jump.analysis.report import compare
+from lammps_jump.analysis.report import compare, page
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
@@ -81,9 +81,10 @@ def flow_of(case: ReadCase) -> Flow:
 
 
 def prepare(case: ReadCase) -> None:
-    """Load what loads on first use: the loops that read dumps and sum over discs, 0.2 s, and matplotlib, 0.2 s."""
+    """Load what loads on first use: loops that read dumps and sum over discs, 0.2 s; matplotlib, 0.2 s; the page."""
     if has_page(case):
         assert drawing.snapshots and drawing.style
+        page.render("", ())
     nothing = np.zeros(0)
     skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
     bin_frame(nothing, nothing, nothing, nothing, nothing, nothing, 0.0, 1.0, np.zeros((6, 1)), np.zeros(2))
