@@ -3,15 +3,19 @@
 
 from __future__ import annotations
 
+import platform
+import shlex
 import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from lammps_jump.engines.child import close_idle
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps, program
 from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.plugin.build import find_compiler, plugin_path
 from lammps_jump.errors import SetupError
 from lammps_jump.physics import contact, law
 from lammps_jump.physics.slip import SIGN_RAMP
@@ -20,6 +24,7 @@ from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Box, Plane
 from lammps_jump.script.assemble import write_script
+from lammps_jump.studies.runs import run_frames
 
 pytestmark = pytest.mark.lammps
 
@@ -157,6 +162,22 @@ def test_a_jet_with_inflow_and_outflow_equals_the_stock_styles(run, rubbing):
     # the bits of the functions in Python decide which piece a disc belongs to
     assert np.array_equal(2 * found["radius"][settled], case.diameters(ids[settled]))
     assert found["rmass"][settled] == pytest.approx(case.masses(case.diameters(ids[settled])), rel=1e-15)
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="AVX is of x86-64")
+@pytest.mark.parametrize("more", [{"friction": 0.2, "rotation": True}, {"sizes": None}], ids=["sizes, spin", "equal"])
+def test_the_width_of_vectors_changes_no_bit(plugin, monkeypatch, more):
+    """Without AVX there are two numbers in a vector, and pairs are checked one at a time."""
+    case = jet(output_steps=250, **more)
+    ours = run_frames(case, "compiled", dump_format="binary")[1]
+    monkeypatch.setenv("CXX", f"{shlex.join(find_compiler())} -mno-avx")
+    assert plugin_path() != plugin
+    close_idle()  # a process keeps the styles that it has loaded
+    narrow = run_frames(case, "compiled", dump_format="binary")[1]
+    close_idle()
+    assert len(ours) == len(narrow) == 5
+    for one, two in zip(ours, narrow, strict=True):
+        assert np.array_equal([*one.columns.values()], [*two.columns.values()])
 
 
 @pytest.mark.parametrize("rubbing", [{}, {"friction": 0.2, "rotation": True}])
