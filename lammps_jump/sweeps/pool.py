@@ -126,10 +126,14 @@ class Pool:
     def __exit__(self, *_: object) -> None:
         for worker in self._busy:
             worker.end(kill=True)
-        for worker in self._idle:
-            worker.pipe.close()  # they end side by side
+        self.close()
         for worker in self._idle:
             worker.end()
+
+    def close(self) -> None:
+        """Let the idle workers end, side by side; there is no work left."""
+        for worker in self._idle:
+            worker.pipe.close()
 
     def run(
         self,

@@ -306,10 +306,10 @@ def sweep(
     ranks = read.case.fields.engine.ranks
     most = jobs or max(1, usable_cores() // (ranks if isinstance(ranks, int) else 1))
     members = found.members  # what cannot be run is refused before the folder is made
-    with study_folder(place):
-        with Pool(min(most, len(members))) as pool:
-            Thread(target=_load_page).start()
-            found = _complete(found, pool, retry, progress)
+    with study_folder(place), Pool(min(most, len(members))) as pool:
+        Thread(target=_load_page).start()
+        found = _complete(found, pool, retry, progress)
+        pool.close()
         found.write()
     return found
 

@@ -123,7 +123,7 @@ def _processor() -> str:
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     told = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
-    return json.dumps([platform.system(), platform.machine(), platform.processor(), *sorted(told)])
+    return json.dumps([platform.system(), platform.machine(), *(sorted(told) or [platform.processor()])])
 
 
 def _recipe() -> _Recipe:

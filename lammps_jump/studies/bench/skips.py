@@ -49,7 +49,7 @@ class Skip:
     weightless: bool = False
 
     def edit(self, text: str, scene: Scene) -> str:
-        """Return the script with the thing in it; the same text where the scene needs it anyway."""
+        """Return the script with the thing in it; the same text where it does not apply to the scene."""
         if self.weightless and any(scene.gravity):
             return text
         for pattern, replacement in self.edits:
@@ -100,7 +100,7 @@ def both_scripts(scene: Scene, skip: Skip) -> tuple[str, str]:
 
 
 def compare_skip(scene: Scene, skip: Skip) -> float | None:
-    """Return the largest change of the last frame with the thing in the script; None where the scene needs it.
+    """Return the largest change of the last frame with the thing in the script; None where that changes no line.
 
     It is of positions (m) or velocities (m/s), and infinite where the discs differ.
     """
@@ -132,7 +132,7 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
     """Measure what each skip saves and that it changes nothing.
 
     A row holds the time with the thing over the time without it, and the largest change of the trajectory (m or m/s);
-    None where the scene needs the thing.
+    None where it does not apply to the scene.
     """
     case = case.replace(KERNELS["stock"])
     scene, rounds = case.scene(), 1 if quick else 5
@@ -146,7 +146,7 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
 
 
 def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
-    ratio, difference, verdict = None, compare_skip(scene, skip), "the scene needs it"
+    ratio, difference, verdict = None, compare_skip(scene, skip), "does not apply"
     if difference is not None:
         taken = in_turn(both_scripts(scene, skip), rounds, lambda text, _: stock_time(scene, script=text))
         ratio = middle(with_it / without for without, with_it in zip(*taken.values(), strict=True))
