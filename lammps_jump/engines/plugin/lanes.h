@@ -7,7 +7,6 @@
 #ifndef JUMP_LANES_H
 #define JUMP_LANES_H
 
-#include <array>
 #include <cmath>
 #ifdef __SSE2__
 #include <immintrin.h>
@@ -81,24 +80,20 @@ inline int bits(decltype(Four{} < Four{}) four)
 #endif
 }
 
-/** The numbers at four places. */
-inline FourInts pick(const FourInts &of, const FourInts &places)
+/** Places of the bits of a number below 16, in their order. */
+alignas(16) inline constexpr int PLACES[16][4] = {{}, {0}, {1}, {0, 1}, {2}, {0, 2}, {1, 2}, {0, 1, 2}, {3}, {0, 3},
+                                                  {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+
+/** Those of four numbers whose bit is set come first. */
+inline FourInts first_of(const FourInts &four, int mask)
 {
+  const int *const at = PLACES[mask];
 #ifdef __AVX__
-  return (FourInts) _mm_permutevar_ps((__m128) of, (__m128i) places);
+  return (FourInts) _mm_permutevar_ps((__m128) four, *reinterpret_cast<const __m128i *>(at));
 #else
-  return FourInts{of[places[0]], of[places[1]], of[places[2]], of[places[3]]};
+  return FourInts{four[at[0]], four[at[1]], four[at[2]], four[at[3]]};
 #endif
 }
-
-/** Places of the bits of a number below 16, in their order. */
-inline const std::array<FourInts, 16> FIRST_OF = [] {
-  std::array<FourInts, 16> found{};
-  for (int mask = 0; mask < 16; mask++)
-    for (int bit = 0, n = 0; bit < 4; bit++)
-      if (mask >> bit & 1) found[mask][n++] = bit;
-  return found;
-}();
 
 /** Rows of four numbers, one for each lane, as four vectors: column[c][row] = rows[row][c].
 

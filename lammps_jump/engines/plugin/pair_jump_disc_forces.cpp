@@ -79,8 +79,8 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       const Four cd = JUMP_PICK(c, d, 0, 4, 2, 6) + JUMP_PICK(c, d, 1, 5, 3, 7);
       const Four most = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
       const int mask = jump::bits(JUMP_PICK(ab, cd, 0, 1, 4, 5) < most * most);
-      *reinterpret_cast<FourInts *>(i_of + n) = jump::pick(four(one + p), jump::FIRST_OF[mask]);
-      *reinterpret_cast<FourInts *>(j_of + n) = jump::pick(four(two + p), jump::FIRST_OF[mask]);
+      *reinterpret_cast<FourInts *>(i_of + n) = jump::first_of(four(one + p), mask);
+      *reinterpret_cast<FourInts *>(j_of + n) = jump::first_of(four(two + p), mask);
       n += __builtin_popcount(mask);
     }
     for (; p < end; p++) {

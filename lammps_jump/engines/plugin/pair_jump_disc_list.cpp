@@ -131,7 +131,7 @@ template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
         const int mask = jump::bits(dx * dx + dy * dy < cut * cut) & (run[1] - t < 4 ? (1 << (run[1] - t)) - 1 : 15);
         *reinterpret_cast<FourInts *>(&first[found]) = i - FourInts{};
         *reinterpret_cast<FourInts *>(&second[found]) =
-            jump::pick(*reinterpret_cast<const FourInts *>(&sorted[t]), jump::FIRST_OF[mask]);
+            jump::first_of(*reinterpret_cast<const FourInts *>(&sorted[t]), mask);
         found += __builtin_popcount(mask);
       }
     }
