@@ -59,7 +59,7 @@ template <class Number> inline Number magnitude(const Number &x) { return x < 0.
 #define JUMP_PICK(a, b, ...) __builtin_shuffle(a, b, (decltype((a) < (b))){__VA_ARGS__})
 #endif
 
-/** Four numbers, truths and indices at a time, to list those of many candidates that are close: as few would waste eight. */
+/** Four numbers or indices at a time, to find pairs that are close: the runs of candidates are too short for eight. */
 typedef double Four __attribute__((vector_size(32), may_alias));
 typedef double FourAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
 typedef int FourInts __attribute__((vector_size(16), aligned(4), may_alias));
