@@ -90,7 +90,7 @@ def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) ->
         A point that cannot be run: nothing is run then.
     """
     cases = [started(case.replace({**analysis, **start.changes}), start.seed) for start in starts]
-    settings: dict[int, Setting] = {}  # of each point: to place the discs of every start takes 0.03 s
+    settings: dict[int, Setting] = {}  # one for each point: it is chosen from placed discs, which take 0.03 s
     keys = []
     for start, one in zip(starts, cases, strict=True):
         if start.point not in settings:

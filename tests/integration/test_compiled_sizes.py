@@ -166,15 +166,15 @@ def test_a_jet_with_inflow_and_outflow_equals_the_stock_styles(run, rubbing):
 
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="AVX is of x86-64")
 @pytest.mark.parametrize("more", [{"friction": 0.2, "rotation": True}, {"sizes": None}], ids=["sizes, spin", "equal"])
-def test_the_width_of_vectors_changes_no_bit(plugin, monkeypatch, more):
+def test_the_width_of_vectors_changes_no_bit(plugin, monkeypatch, request, more):
     """Without AVX there are two numbers in a vector, and pairs are checked one at a time."""
     case = jet(output_steps=250, **more)
     ours = run_frames(case, "compiled", dump_format="binary")[1]
     monkeypatch.setenv("CXX", f"{shlex.join(find_compiler())} -mno-avx")
     assert plugin_path() != plugin
     close_idle()  # a process keeps the styles that it has loaded
+    request.addfinalizer(close_idle)
     narrow = run_frames(case, "compiled", dump_format="binary")[1]
-    close_idle()
     assert len(ours) == len(narrow) == 5
     for one, two in zip(ours, narrow, strict=True):
         assert np.array_equal([*one.columns.values()], [*two.columns.values()])

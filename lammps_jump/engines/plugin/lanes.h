@@ -61,11 +61,20 @@ template <class Number> inline Number magnitude(const Number &x) { return x < 0.
 
 /** Four numbers or indices at a time, to find pairs that are close: the runs of candidates are too short for eight. */
 typedef double Four __attribute__((vector_size(32), may_alias));
-typedef double FourAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
 typedef int FourInts __attribute__((vector_size(16), aligned(4), may_alias));
 
+/** Four that follow each other, from any place. */
+inline Four four(const double *from)
+{
+  typedef double Anywhere __attribute__((vector_size(32), aligned(8), may_alias));
+  return *reinterpret_cast<const Anywhere *>(from);
+}
+
+inline FourInts four(const int *from) { return *reinterpret_cast<const FourInts *>(from); }
+
+/** Whether a vector of four is one of the machine's. */
 #ifdef __AVX__
-constexpr bool HAS_FOUR = true;    // else they are taken apart, and one after the other is quicker
+constexpr bool HAS_FOUR = true;
 #else
 constexpr bool HAS_FOUR = false;
 #endif

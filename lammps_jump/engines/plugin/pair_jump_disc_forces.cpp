@@ -12,11 +12,12 @@
 #include <algorithm>
 
 using namespace LAMMPS_NS;
+using jump::Four;
+using jump::four;
+using jump::FourInts;
 using jump::Friction;
 using jump::Lanes;
 using jump::LANES;
-using jump::Four;
-using jump::FourInts;
 using jump::Touch;
 
 namespace {
@@ -68,8 +69,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       return *reinterpret_cast<const Four *>(&at[i]) - *reinterpret_cast<const Four *>(&at[j]);
     };
     const auto reach = [&](size_t p) { return SIZES ? own_radius[one[p]] + own_radius[two[p]] : rule.reach; };
-    const auto four = [](const int *from) { return *reinterpret_cast<const FourInts *>(from); };
-    // four at a time, without a branch, which would be guessed wrong often
+    // without a branch, which would be guessed wrong often; the last ones, and all of them without AVX, one at a time
     size_t p = begin;
     for (; jump::HAS_FOUR && p + 4 <= end; p += 4) {
       Four a = apart(one[p], two[p]), b = apart(one[p + 1], two[p + 1]), c = apart(one[p + 2], two[p + 2]),
@@ -77,8 +77,8 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       a *= a, b *= b, c *= c, d *= d;
       const Four ab = JUMP_PICK(a, b, 0, 4, 2, 6) + JUMP_PICK(a, b, 1, 5, 3, 7);
       const Four cd = JUMP_PICK(c, d, 0, 4, 2, 6) + JUMP_PICK(c, d, 1, 5, 3, 7);
-      const Four most = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
-      const int mask = jump::bits(JUMP_PICK(ab, cd, 0, 1, 4, 5) < most * most);
+      const Four reaches = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
+      const int mask = jump::bits(JUMP_PICK(ab, cd, 0, 1, 4, 5) < reaches * reaches);
       *reinterpret_cast<FourInts *>(i_of + n) = jump::first_of(four(one + p), mask);
       *reinterpret_cast<FourInts *>(j_of + n) = jump::first_of(four(two + p), mask);
       n += __builtin_popcount(mask);

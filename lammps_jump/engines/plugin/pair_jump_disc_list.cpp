@@ -16,12 +16,8 @@
 
 using namespace LAMMPS_NS;
 using jump::Four;
+using jump::four;
 using jump::FourInts;
-
-static Four four(const std::vector<double> &of, int at)
-{
-  return *reinterpret_cast<const jump::FourAnywhere *>(&of[at]);
-}
 
 /** Whether the local discs that the list knows still have the same indices (more may have come after them). */
 bool PairJumpDisc::keeps_order() const
@@ -126,12 +122,11 @@ template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
     make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]) + 4);
     for (const auto &run : runs) {
       for (int t = run[0]; t < run[1]; t += 4) {
-        const Four dx = x - four(sorted_x, t), dy = y - four(sorted_y, t);
-        const Four cut = SIZES ? rim + four(sorted_radius, t) : largest + skin - Four{};
+        const Four dx = x - four(&sorted_x[t]), dy = y - four(&sorted_y[t]);
+        const Four cut = SIZES ? rim + four(&sorted_radius[t]) : largest + skin - Four{};
         const int mask = jump::bits(dx * dx + dy * dy < cut * cut) & (run[1] - t < 4 ? (1 << (run[1] - t)) - 1 : 15);
         *reinterpret_cast<FourInts *>(&first[found]) = i - FourInts{};
-        *reinterpret_cast<FourInts *>(&second[found]) =
-            jump::first_of(*reinterpret_cast<const FourInts *>(&sorted[t]), mask);
+        *reinterpret_cast<FourInts *>(&second[found]) = jump::first_of(four(&sorted[t]), mask);
         found += __builtin_popcount(mask);
       }
     }
