@@ -57,15 +57,15 @@ class Flow:
     velocities: bool = True
 
     def radii(self, frame: Frame) -> np.ndarray:
-        """Radius of each disc, m, shape (n,), read-only; one number seen n times where discs are equal."""
+        """Radius of each disc, m, shape (n,); one number seen n times where discs are equal. Not to be changed."""
         radii = radii_of(frame, self.diameters) if self.sized else self.scene.radius
         if radii is None:
             radii = 0.5 * self.scene.diameters(frame.ids)
-        return np.broadcast_to(radii, frame.n)
+        return radii if np.ndim(radii) else np.broadcast_to(radii, frame.n)
 
     def relative_masses(self, frame: Frame) -> np.ndarray:
-        """Mass of each disc over the nominal mass, shape (n,), read-only; 1 seen n times where discs are equal."""
-        return np.broadcast_to((self.radii(frame) / self.scene.radius) ** 2 if self.sized else 1.0, frame.n)
+        """Mass of each disc over the nominal mass, shape (n,); 1 seen n times where discs are equal, as radii."""
+        return (self.radii(frame) / self.scene.radius) ** 2 if self.sized else np.broadcast_to(1.0, frame.n)
 
     def by_mass(self, values: np.ndarray, frame: Frame) -> np.ndarray:
         """Values of the discs times their relative masses; the values themselves where discs are equal."""

@@ -105,6 +105,13 @@ def piece_error(values: np.ndarray) -> float:
     return float(np.sqrt(max(np.var(values, ddof=1) / n, slow)))
 
 
+def known_mean(values: np.ndarray, axis: int = 0) -> np.ndarray:
+    """Mean along an axis of the values that are not NaN; NaN where there are none."""
+    known = ~np.isnan(values)
+    with np.errstate(invalid="ignore"):
+        return np.where(known, values, 0.0).sum(axis=axis) / known.sum(axis=axis)
+
+
 def mean_of(series: np.ndarray) -> Mean:
     """Mean of one series, shape (samples,), without the samples that are NaN; NaN where nothing is left."""
     good = series[np.isfinite(series)]

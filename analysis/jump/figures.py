@@ -13,7 +13,6 @@ from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Line, Panel, sta
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import numbers_of
 
-from .frame import mean_profile
 from .stream import running_median
 from .summary import Jump
 
@@ -65,12 +64,12 @@ def frame_chart(jump: Jump) -> Chart | None:
     result = jump.measured
     if result.moving is None:
         return None
-    mean = mean_profile(result.moving)
-    xi, depth = mean.xi.values, mean["mass_depth"].values
+    xi, mean = result.moving.xi, result.moving.mean
+    depth = mean("mass_depth")
     covered = xi[np.isfinite(depth)]
     limits = max(result.upstream.zone[0] - 2, covered[0]), min(result.downstream.zone[1] + 2, covered[-1])
     lines = [
-        Line("free surface h", xi, mean["surface_depth"].values),
+        Line("free surface h", xi, mean("surface_depth")),
         Line("mass depth s", xi, depth, "second"),
     ]
     for state, name in ((result.upstream, "s₁"), (result.downstream, "s₂")):
@@ -85,8 +84,8 @@ def frame_chart(jump: Jump) -> Chart | None:
     top = 1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2))
     with np.errstate(invalid="ignore", divide="ignore"):
         speeds = [
-            Line("mean velocity u", xi, mean["discharge"].values / depth),
-            Line("at the surface", xi, mean["surface_velocity"].values, "second"),
+            Line("mean velocity u", xi, mean("discharge") / depth),
+            Line("at the surface", xi, mean("surface_velocity"), "second"),
         ]
     panels = (
         Panel("Depth [m]", lines, "", levels, marks, (), limits, (0.0, top), 1.8),

@@ -8,14 +8,15 @@ Forces and momentum fluxes are divided by the density: m^3/s^2.
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import nan, sqrt
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
+from lammps_jump.analysis.statistics import Mean, as_fields, known_mean, mean_of
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import waves
 from lammps_jump.units import number
@@ -28,9 +29,44 @@ COVERED = 0.9
 """Share of the frames that must reach a place behind the jump for it to count."""
 
 
-def mean_profile(moving: xr.Dataset, share: float = 0.5) -> xr.Dataset:
-    """Means over the frames, NaN where fewer than this share of them has a value, dims (xi)."""
-    return moving.where(moving.notnull().mean("time") >= share).mean("time")
+class Moving(NamedTuple):
+    """Profiles in the frame of the front, NaN outside the reach; arrays, because they are cut and averaged so often.
+
+    Attributes
+    ----------
+    time : ndarray, shape (frames,), s
+    xi : ndarray, shape (bins,), m
+        Distance from the front, equally spaced.
+    fields : dict of str to ndarray, shape (frames, bins)
+    """
+
+    time: np.ndarray
+    xi: np.ndarray
+    fields: Mapping[str, np.ndarray]
+
+    def cut(self, frames: slice) -> Moving:
+        """The same of some frames."""
+        return Moving(self.time[frames], self.xi, {name: values[frames] for name, values in self.fields.items()})
+
+    def mean(self, name: str, share: float = 0.5) -> np.ndarray:
+        """Mean profile of a field, NaN where fewer than this share of the frames has a value, shape (bins,)."""
+        known = np.isfinite(self.fields[name])
+        return np.where(known.mean(axis=0) >= share, known_mean(self.fields[name]), nan)
+
+    def integral(self, values: np.ndarray, start: float, stop: float) -> np.ndarray:
+        """Integral of values between two places, m, frame by frame, shape (frames,); NaN where not covered."""
+        half = 0.5 * (self.xi[1] - self.xi[0])
+        share = np.clip(np.minimum(self.xi + half, stop) - np.maximum(self.xi - half, start), 0.0, None)
+        return (values[:, share > 0] * share[share > 0]).sum(axis=1)
+
+    def at(self, place: float, values: np.ndarray) -> np.ndarray:
+        """Values at a place, m, linear between bins, frame by frame, shape (frames,); NaN where not covered."""
+        xi = self.xi
+        if not xi[0] <= place <= xi[-1]:
+            return np.full(len(values), nan)
+        k = max(1, int(np.searchsorted(xi, place)))
+        low, high = values[:, k - 1], values[:, k]
+        return low + (high - low) / (xi[k] - xi[k - 1]) * (place - xi[k - 1])
 
 
 def along_stream(fields: xr.Dataset, direction: int, odd: Sequence[str]) -> xr.Dataset:
@@ -40,7 +76,7 @@ def along_stream(fields: xr.Dataset, direction: int, odd: Sequence[str]) -> xr.D
     return turned.assign(direction * turned[[name for name in odd if name in fields]])
 
 
-def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) -> xr.Dataset:
+def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) -> Moving:
     """Shift profiles so that the front stands at 0, linear between bins.
 
     Parameters
@@ -52,8 +88,7 @@ def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) 
 
     Returns
     -------
-    xarray.Dataset
-        The shifted profiles, dims (time, xi): s, m from the front; NaN outside the reach.
+    Moving
     """
     x = stream.x.values
     width = x[1] - x[0]
@@ -69,8 +104,7 @@ def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) 
                 row[:] = np.interp(xi + front, x[good], known[good], left=np.nan, right=np.nan)
         return rows
 
-    fields = {name: (("time", "xi"), shifted(values.values)) for name, values in stream.items()}
-    return xr.Dataset(fields, {"time": stream.time.values, "xi": xi})
+    return Moving(stream.time.values, xi, {name: shifted(values.values) for name, values in stream.items()})
 
 
 def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) -> float:
@@ -166,26 +200,29 @@ def share(part: float, whole: float) -> float:
     return part / whole if whole else nan
 
 
-def measure_state(moving: xr.Dataset, zone: tuple[float, float], speed: float, gravity: float) -> State:
+def measure_state(moving: Moving, zone: tuple[float, float], speed: float, gravity: float) -> State:
     """Averages over a stretch of the moving frame; the velocity is discharge over mass depth."""
+    first, stop = np.searchsorted(moving.xi, (zone[0] - 1e-9, zone[1] + 1e-9))
+
+    def inside(name: str) -> np.ndarray:
+        return known_mean(moving.fields[name][:, first:stop], axis=1)
+
     names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing")
-    read = moving[[name for name in (*names, "thrust") if name in moving]]
-    inside = read.sel(xi=slice(zone[0] - 1e-9, zone[1] + 1e-9)).mean("xi")
-    means = {name: mean_of(inside[name].values).value for name in names}
-    thrust = mean_of(inside["thrust"].values) if "thrust" in inside else Mean(nan, nan)
+    means = {name: float(known_mean(inside(name))) for name in names}
+    thrust = mean_of(inside("thrust")) if "thrust" in moving.fields else Mean(nan, nan)
     velocity = means["discharge"] / means["mass_depth"]
     return State(zone, speed, gravity, velocity, **means, **as_fields(thrust=thrust))
 
 
 def zones(
-    moving: xr.Dataset, toe: float, end: float, depth_1: float, depth_2: float
+    moving: Moving, toe: float, end: float, depth_1: float, depth_2: float
 ) -> tuple[tuple[float, float], tuple[float, float], bool]:
     """Stretches before the toe and behind the end, and whether the second one is long enough (two bins).
 
     A bin is left free on both sides; where the profile ends too soon behind the jump its last two bins must do.
     """
-    xi = moving.xi.values
-    covered = xi[np.isfinite(mean_profile(moving[["mass_depth"]], COVERED)["mass_depth"].values)]
+    xi = moving.xi
+    covered = xi[np.isfinite(moving.mean("mass_depth", COVERED))]
     width = xi[1] - xi[0]
     first, last = covered[0], covered[-1]
     before_end = max(toe - width, first)
@@ -239,12 +276,12 @@ class Balance:
     pressure_error: float = number("", "standard error of the pressure's part")
 
 
-def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance:
+def balance(moving: Moving, one: State, two: State, along: float) -> Balance:
     """Momentum balance between the middles of the two states' zones.
 
     Parameters
     ----------
-    moving : xarray.Dataset
+    moving : Moving
         With ``mass_depth``, ``discharge`` and, where contacts are known, ``thrust`` and ``bed`` (force of the walls on
         the discs over the bin width and density, m^2/s^2).
     one, two : State
@@ -255,31 +292,24 @@ def balance(moving: xr.Dataset, one: State, two: State, along: float) -> Balance
     def change(part: Callable[[State], float]) -> float:
         return part(one) - part(two)
 
-    def between(values: xr.DataArray) -> float:
-        return mean_of(integral(values, one.middle, two.middle)).value
+    def between(values: np.ndarray) -> np.ndarray:
+        return moving.integral(values, one.middle, two.middle)
 
+    fields, depth = moving.fields, moving.fields["mass_depth"]
     upstream, downstream = (state.uniform_flux + state.still(state.mass_depth) for state in (one, two))
-    momentum = integral(moving["discharge"] - one.speed * moving["mass_depth"], one.middle, two.middle)
+    momentum = between(fields["discharge"] - one.speed * depth)
     terms = {
         "classical": upstream - downstream,
         "profile": change(lambda state: state.relative_flux - state.uniform_flux),
         "packing": change(lambda state: state.still(state.surface_depth) - state.still(state.mass_depth)),
         "pressure": change(lambda state: state.thrust - state.still(state.surface_depth)),
-        "bed": between(moving["bed"]) if "bed" in moving else 0.0,
-        "slope": along * between(moving["mass_depth"]),
-        "unsteady": -growth_rate(moving.time.values, momentum),
+        "bed": float(known_mean(between(fields["bed"]))) if "bed" in fields else 0.0,
+        "slope": along * float(known_mean(between(depth))),
+        "unsteady": -growth_rate(moving.time, momentum),
     }
     terms["unexplained"] = float(np.nansum(list(terms.values())))
     terms["pressure_error"] = float(np.hypot(one.thrust_error, two.thrust_error))
     return Balance(upstream, downstream, **{name: value / downstream for name, value in terms.items()})
-
-
-def integral(field: xr.DataArray, start: float, stop: float) -> np.ndarray:
-    """Integral between two places, m from the front, frame by frame, shape (frames,); NaN where not covered."""
-    xi = field.xi.values
-    half = 0.5 * (xi[1] - xi[0])
-    share = np.clip(np.minimum(xi + half, stop) - np.maximum(xi - half, start), 0.0, None)
-    return (field.values[:, share > 0] * share[share > 0]).sum(axis=1)
 
 
 def growth_rate(time: np.ndarray, amount: np.ndarray) -> float:
@@ -302,10 +332,10 @@ class Mass:
     speed_from_mass: float = number("m/s", "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁)")
 
 
-def mass_balance(moving: xr.Dataset, one: State, two: State) -> Mass:
+def mass_balance(moving: Moving, one: State, two: State) -> Mass:
     """Mass fluxes through the moving front, their relative difference, storage in between."""
     flux_1, flux_2 = one.mass_flux, two.mass_flux
-    growth = growth_rate(moving.time.values, integral(moving["mass_depth"], one.middle, two.middle))
+    growth = growth_rate(moving.time, moving.integral(moving.fields["mass_depth"], one.middle, two.middle))
     speed_from_mass = waves.shock_speed_from_mass(one.mass_depth, one.velocity, two.mass_depth, two.velocity)
     return Mass(
         flux_1, flux_2, growth, (flux_2 - flux_1) / flux_1, (flux_2 + growth - flux_1) / flux_1, speed_from_mass
@@ -323,13 +353,12 @@ class Roller:
     reversed_share: float = number("", "share of frames and bins with a reversed surface", default=nan)
 
 
-def roller(moving: xr.Dataset, speed: float, toe: float, end: float) -> Roller:
+def roller(moving: Moving, speed: float, toe: float, end: float) -> Roller:
     """Extent of the reversed surface.
 
     The longest run of such bins from a jump's length before the toe to two behind the end.
     """
-    xi, velocity = moving.xi.values, moving["surface_velocity"]
-    surface = mean_profile(velocity).values
+    xi, surface = moving.xi, moving.mean("surface_velocity")
     width = xi[1] - xi[0]
     length = max(end - toe, width)
     near = (xi > toe - length) & (xi < end + 2 * length)
@@ -338,7 +367,7 @@ def roller(moving: xr.Dataset, speed: float, toe: float, end: float) -> Roller:
         run = _longest_run(near & (surface < level))
         if len(run):
             found |= {f"length{name}": float(width * len(run)), f"start{name}": float(xi[run[0]] - width / 2 - toe)}
-    known = velocity.values[:, near]
+    known = moving.fields["surface_velocity"][:, near]
     known = known[np.isfinite(known)]
     return Roller(**found, reversed_share=float((known < 0).mean()) if known.size else nan)
 

@@ -24,7 +24,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import Estimates, estimate, number, shown
 
-from .frame import along_stream, growth_rate, integral, move_along
+from .frame import along_stream, growth_rate, move_along
 from .result import JumpResult
 
 ROUNDS = 4
@@ -82,7 +82,7 @@ class EnergyFluxes:
         distance = np.sqrt(dx * dx + dy * dy)
         parts = [(i, j, dx / distance, dy / distance, apart - distance, dashpot, np.full(len(i), c.stiffness))]
         for wall in flow.walls_at(time):
-            for face in wall_contacts(frame, wall, flow, damping=False):
+            for face in wall_contacts(frame, wall, flow, damping=True):  # their force is not used: as others ask
                 rubber = flow.dashpots[1] * np.sqrt(flow.relative_masses(frame)[face.index])
                 still, stiffness = np.full(len(rubber), frame.n), np.full(len(rubber), c.stiffness_wall)
                 parts.append((still, face.index, face.nx, face.ny, face.overlap, rubber, stiffness))
@@ -223,19 +223,20 @@ def budget_between(
     stream = along_stream(fields.isel(time=result.used if used is None else used), sign, ODD)
     time = stream.time.values
     fronts = begin + c * time
-    a = move_along(stream, fronts, np.full(len(time), np.inf))
+    moving = move_along(stream, fronts, np.full(len(time), np.inf))
+    a = moving.fields
     energy = a["energy"] - c * a["discharge"] + 0.5 * c * c * a["mass"]
     carried = a["flux"] - c * a["momentum"] + 0.5 * c * c * a["discharge"] - c * energy
     carried = carried + a["elastic_flux"] - c * a["elastic"]
     power = a["power"] - c * a["thrust"]
     through = a["discharge"] - c * a["mass"]
-    scale = result.flow.gravity * float(np.nanmean(values_at(through, stations[0])))
+    scale = result.flow.gravity * float(np.nanmean(moving.at(stations[0], through)))
     discs, contacts = (
-        (values_at(field, stations[0]) - values_at(field, stations[1])) / scale for field in (carried, power)
+        (moving.at(stations[0], values) - moving.at(stations[1], values)) / scale for values in (carried, power)
     )
-    loss = integral(a["dashpots"], *stations) / scale
+    loss = moving.integral(a["dashpots"], *stations) / scale
     net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
-    storage = growth_rate(time, integral(energy + a["elastic"], *stations) / scale)
+    storage = growth_rate(time, moving.integral(energy + a["elastic"], *stations) / scale)
     if not np.isfinite([net.value, taken.value]).all():
         return None
     return Budget(
@@ -252,19 +253,6 @@ def budget_between(
         **as_fields(inflow=net, dashpots=taken, residual=Mean(net.value - storage - taken.value, scatter)),
         frames=int(np.isfinite(discs).sum()),
     )
-
-
-def values_at(field: xr.DataArray, place: float) -> np.ndarray:
-    """Values of a field at a place of its axis ``xi``, linear in between, frame by frame; NaN where not covered.
-
-    As ``field.interp``, which loads scipy.interpolate, 0.2 s.
-    """
-    xi = field.xi.values
-    if not xi[0] <= place <= xi[-1]:
-        return np.full(len(field), np.nan)
-    k = max(1, int(np.searchsorted(xi, place)))
-    low, high = field.values[:, k - 1], field.values[:, k]
-    return low + (high - low) / (xi[k] - xi[k - 1]) * (place - xi[k - 1])
 
 
 def no_budget(flow: Flow) -> str:

@@ -72,7 +72,7 @@ class JumpResult(AlongStream):
         Of the toe and the end, along x, m/s.
     motion : Motion or None
         Of the front of equal mass.
-    moving : xarray.Dataset or None
+    moving : frame.Moving or None
     toe, end : float
         In the moving frame, from the mean mass depth, m along the stream from the front; `surface_toe`, `surface_end`
         from the surface.
@@ -97,7 +97,7 @@ class JumpResult(AlongStream):
     toe_speed: float = nan
     end_speed: float = nan
     motion: Motion | None = None
-    moving: xr.Dataset | None = None
+    moving: frame.Moving | None = None
     toe: float = nan
     end: float = nan
     surface_toe: float = nan
@@ -219,12 +219,11 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
     return replace(result, pieces=_pieces(result))
 
 
-def _within(result: JumpResult, moving: xr.Dataset, stretches: Stretches, around: tuple[float, float]) -> JumpResult:
+def _within(result: JumpResult, moving: frame.Moving, stretches: Stretches, around: tuple[float, float]) -> JumpResult:
     """States, ends and balances from frames of the moving frame, in the zones of the states."""
     one, two = (frame.measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
-    mean = frame.mean_profile(moving[["mass_depth", "surface_depth"]])
-    toe, end = _ends(mean["mass_depth"], one.mass_depth, two.mass_depth, *around)
-    ends = _ends(mean["surface_depth"], one.surface_depth, two.surface_depth, toe, end)
+    toe, end = _ends(moving, "mass_depth", one, two, *around)
+    ends = _ends(moving, "surface_depth", one, two, toe, end)
     return replace(
         result,
         moving=moving,
@@ -252,17 +251,18 @@ def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
         motion = Motion(float(front), nan, nan, 2)
         moved = replace(whole, in_window=inside, toe_speed=float(toe), end_speed=float(end), motion=motion)
         zones_kept = whole.upstream.zone, whole.downstream.zone
-        moving = whole.moving.isel(time=slice(first, stop))
+        moving = whole.moving.cut(slice(first, stop))
         result.append(_within(moved, moving, zones_kept, (whole.toe, whole.end)))
     known = all(isfinite(piece.upstream.mass_depth + piece.downstream.mass_depth) for piece in result)
     return tuple(result) if known else ()
 
 
-def _ends(profile: xr.DataArray, level_1, level_2, toe, end) -> tuple[float, float]:
-    """Where a mean profile has made 5 % and 95 % of its rise; the given places where it does not cross."""
-    rise = level_2 - level_1
-    toe = frame.crossing(profile.xi.values, profile.values, level_1 + frame.TOE_SHARE * rise, toe)
-    end = frame.crossing(profile.xi.values, profile.values, level_1 + frame.END_SHARE * rise, end)
+def _ends(moving: frame.Moving, name: str, one: frame.State, two: frame.State, toe, end) -> tuple[float, float]:
+    """Where the mean profile of a depth has made 5 % and 95 % of its rise; the given places where it does not cross."""
+    profile, level = moving.mean(name), getattr(one, name)
+    rise = getattr(two, name) - level
+    toe = frame.crossing(moving.xi, profile, level + frame.TOE_SHARE * rise, toe)
+    end = frame.crossing(moving.xi, profile, level + frame.END_SHARE * rise, end)
     return toe, max(end, toe)
 
 

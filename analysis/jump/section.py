@@ -21,7 +21,7 @@ from lammps_jump.analysis.statistics import STUDENT, Mean, propagated
 from lammps_jump.units import ABSENT, AT_LEAST, is_bound, numbers_of, shown
 
 from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
-from .frame import Balance, mean_profile
+from .frame import Balance
 from .head import energy_budget, no_budget, sentence
 from .result import analyse_jump
 from .summary import Jump, summarise_jump
@@ -89,8 +89,8 @@ def tables(jump: Jump) -> Tables:
         columns = {name: values for name, values in _arrays(result.track).items() if name != "reach_end"}
         found["jump_track.csv"] = {**columns, "found": result.track.found.astype(int)}
     if result.moving is not None:
-        means = {name: values.values for name, values in mean_profile(result.moving).items()}
-        found["jump_frame.csv"] = {"distance": result.moving.xi.values, **means}
+        means = {name: result.moving.mean(name) for name in result.moving.fields}
+        found["jump_frame.csv"] = {"distance": result.moving.xi, **means}
     return found | ({"jump_stream.csv": _arrays(result.stream)} if result.stream else {})
 
 

@@ -36,26 +36,37 @@ class Ramp(NamedTuple):
     share: float
 
 
-def _shapes(bins: int, toe: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Mean over each bin of unit ramps (a step where toe and end, in bins, coincide), shape (ramps, bins)."""
-    edges, toe, end = np.arange(bins + 1.0), toe[:, None], end[:, None]
-    length = np.maximum(end - toe, 1e-12)
-    integral = 0.5 * np.clip(edges - toe, 0.0, length) ** 2 / length + np.maximum(edges - end, 0.0)
-    return np.diff(integral, axis=1)
+class _Ramps(NamedTuple):
+    """Unit ramps: toe and end in bins, mean over each bin (ramps, bins), and mean and variance of these means."""
+
+    toe: np.ndarray
+    end: np.ndarray
+    shapes: np.ndarray
+    mean: np.ndarray
+    spread: np.ndarray
+
+
+def _ramps(bins: int, toe: np.ndarray, end: np.ndarray) -> _Ramps:
+    """Unit ramps, a step where toe and end coincide."""
+    edges, start, stop = np.arange(bins + 1.0), toe[:, None], end[:, None]
+    length = np.maximum(stop - start, 1e-12)
+    integral = 0.5 * np.clip(edges - start, 0.0, length) ** 2 / length + np.maximum(edges - stop, 0.0)
+    shapes = np.diff(integral, axis=1)
+    mean = shapes.mean(axis=1)
+    return _Ramps(toe, end, shapes, mean, (shapes**2).mean(axis=1) - mean**2)
 
 
 @lru_cache(maxsize=64)
-def _coarse(bins: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Toe and end (in bins) of all ramps between a coarse set of edges, and their shapes."""
+def _coarse(bins: int) -> _Ramps:
+    """All ramps between a coarse set of edges."""
     places = np.unique(np.round(np.linspace(0, bins, min(bins, COARSE) + 1)).astype(int))[1:-1].astype(float)
     i, j = np.triu_indices(len(places))
-    return places[i], places[j], _shapes(bins, places[i], places[j])
+    return _ramps(bins, places[i], places[j])
 
 
-def _best(depth: np.ndarray, toe: np.ndarray, end: np.ndarray, shapes: np.ndarray) -> Ramp | None:
-    """The ramp among `shapes` that leaves the least squares, rising ones only."""
-    mean = shapes.mean(axis=1)
-    spread = (shapes**2).mean(axis=1) - mean**2
+def _best(depth: np.ndarray, ramps: _Ramps) -> Ramp | None:
+    """The ramp that leaves the least squares, rising ones only."""
+    toe, end, shapes, mean, spread = ramps
     covariance = shapes @ depth / len(depth) - mean * depth.mean()
     rise = np.where(spread > 1e-12, covariance / np.maximum(spread, 1e-12), 0.0)
     gain = np.where(rise > 0, rise * covariance, -1.0)
@@ -78,7 +89,7 @@ def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
     bins, width = len(depth), edges[1] - edges[0]
     if bins < 4 or not np.isfinite(depth).all() or np.ptp(depth) <= 1e-9 * np.abs(depth).max():
         return None
-    ramp = _best(depth, *_coarse(bins))
+    ramp = _best(depth, _coarse(bins))
     if ramp is None:
         return None
     reach = max(1.0, bins / COARSE)
@@ -86,7 +97,7 @@ def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
     i, j = np.meshgrid(ramp.toe + offsets, ramp.end + offsets, indexing="ij")
     # the coarse edges themselves are among the candidates, so the second fit is never worse
     keep = (i <= j) & (i > 0) & (j < bins)
-    ramp = _best(depth, i[keep], j[keep], _shapes(bins, i[keep], j[keep]))
+    ramp = _best(depth, _ramps(bins, i[keep], j[keep]))
     return ramp._replace(toe=edges[0] + ramp.toe * width, end=edges[0] + ramp.end * width)
 
 

@@ -11,13 +11,13 @@ from made_up import INPUTS, numbers
 
 from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.jump.frame import Moving
 from lammps_jump.analysis.jump.head import (
     EnergyFluxes,
     budget_between,
     energy_budget,
     no_budget,
     sentence,
-    values_at,
 )
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.section import section
@@ -183,5 +183,6 @@ def test_values_between_bins_are_those_of_xarray():
     values = np.random.default_rng(1).normal(size=(7, 11))
     values[2, 3] = values[4, 9] = np.nan
     field = xr.DataArray(values, dims=("time", "xi"), coords={"xi": 0.5 * np.arange(-5, 6)})
+    moving = Moving(np.arange(len(values)), field.xi.values, {})
     for place in (-2.5, -2.51, 2.5, 2.51, -1.0, 0.13, 1.77):
-        assert np.array_equal(values_at(field, place), field.interp(xi=place).values, equal_nan=True)
+        assert np.array_equal(moving.at(place, values), field.interp(xi=place).values, equal_nan=True)
