@@ -95,21 +95,31 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True)
     return tuple(found)
 
 
+class Pairs(NamedTuple):
+    """Discs that touch: indices, unit vector from the first to the second, overlap (m), dashpot (N s/m)."""
+
+    first: np.ndarray
+    second: np.ndarray
+    nx: np.ndarray
+    ny: np.ndarray
+    overlap: np.ndarray
+    dashpot: np.ndarray
+
+
 @once_a_frame
-def touching_pairs(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Indices of both discs of each pair in contact, the sum of their radii (m) and their dashpot (N s/m)."""
+def touching_pairs(frame: Frame, flow: Flow) -> Pairs:
+    """Pairs of discs in contact."""
     x, y = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y))
-    first, second = close_pairs(x, y, 2 * flow.largest_radius(frame))
-    if not flow.sized:
-        diameter, dashpot = (np.broadcast_to(value, len(first)) for value in (flow.scene.diameter, flow.dashpots[0]))
-        return first, second, diameter, dashpot
-    radii, mass = flow.radii(frame), flow.relative_masses(frame)
-    dx, dy = x[second] - x[first], y[second] - y[first]
-    touch = np.sqrt(dx * dx + dy * dy) < radii[first] + radii[second]
-    first, second = first[touch], second[touch]
-    # a nominal pair has the effective mass 1/2
-    ratio = 2.0 * mass[first] * mass[second] / (mass[first] + mass[second])
-    return first, second, radii[first] + radii[second], flow.dashpots[0] * np.sqrt(ratio)
+    i, j = close_pairs(x, y, 2 * flow.largest_radius(frame))
+    dx, dy, reach = x[j] - x[i], y[j] - y[i], flow.scene.diameter
+    distance, dashpot = np.sqrt(dx * dx + dy * dy), np.full(len(i), flow.dashpots[0])
+    if flow.sized:
+        radii, mass = flow.radii(frame), flow.relative_masses(frame)
+        reach = radii[i] + radii[j]
+        # a nominal pair has the effective mass 1/2
+        dashpot *= np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
+    touch = distance < reach
+    return Pairs(*(part[touch] for part in (i, j, dx / distance, dy / distance, reach - distance, dashpot)))
 
 
 def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts:
@@ -135,17 +145,12 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
         raise DumpError("contact forces need the stiffness of the discs: analyse the dump with its case (--case).")
     points = np.column_stack([frame.x, frame.y])
     damping = damping and "vx" in frame.columns and "vy" in frame.columns
-    i, j, apart, dashpot = touching_pairs(frame, flow)
-    branch = points[i] - points[j]
-    distance = np.hypot(*branch.T)
-    normal = branch / distance[:, None]
-    overlap = apart - distance
+    i, j, nx, ny, overlap, dashpot = touching_pairs(frame, flow)
     opening = np.zeros_like(overlap)
     if damping:
-        velocity = np.column_stack([frame.vx, frame.vy])
-        opening = np.einsum("ij,ij->i", velocity[i] - velocity[j], normal)
+        opening = (frame.vx[j] - frame.vx[i]) * nx + (frame.vy[j] - frame.vy[i]) * ny
     force = normal_forces(overlap, opening, flow.scene.coefficients.stiffness, dashpot, flow.touch_width)
-    parts = [(points[i], points[j], normal, overlap, force, np.zeros(len(force), bool))]
+    parts = [(points[i], points[j], -np.column_stack([nx, ny]), overlap, force, np.zeros(len(force), bool))]
     for wall in flow.walls_at(flow.time(frame)):
         for face in wall_contacts(frame, wall, flow, damping=damping):
             here, normal = points[face.index], np.column_stack([face.nx, face.ny])
@@ -178,8 +183,8 @@ def _stored_energies_py(overlap, touch):
     return energy
 
 
-def _pair_sums_py(x, y, vx, vy, first, second, apart, dashpot, stiffness, touch, low, bin_width, pressure):
-    """Elastic energy of overlapping pairs, of `touching_pairs`; their thrust along x is added to `pressure`.
+def _pair_sums_py(x, vx, vy, first, second, nx, ny, overlap, dashpot, stiffness, touch, low, bin_width, pressure):
+    """Elastic energy of pairs, of `touching_pairs`; their thrust along x is added to `pressure`.
 
     pressure[b] gains the mean over the planes x = const of bin b of the force that the discs left of the plane exert on
     those right of it: each contact acts along the line of centres, so it counts with the share of its x-extent that
@@ -189,15 +194,11 @@ def _pair_sums_py(x, y, vx, vy, first, second, apart, dashpot, stiffness, touch,
     bins = pressure.size
     for p in range(first.size):
         i, j = first[p], second[p]
-        dx, dy = x[j] - x[i], y[j] - y[i]
-        distance = np.sqrt(dx * dx + dy * dy)
-        overlap = apart[p] - distance
-        energy += stiffness * stored_energy(overlap, touch)
+        energy += stiffness * stored_energy(overlap[p], touch)
         if bins == 0:
             continue
-        opening = ((vx[j] - vx[i]) * dx + (vy[j] - vy[i]) * dy) / distance
-        force = normal_force(overlap, opening, stiffness, dashpot[p], touch)[0]
-        push = force * abs(dx) / distance
+        opening = (vx[j] - vx[i]) * nx[p] + (vy[j] - vy[i]) * ny[p]
+        push = normal_force(overlap[p], opening, stiffness, dashpot[p], touch)[0] * abs(nx[p])
         left = min(x[i], x[j])
         right = max(x[i], x[j])
         b = max(int(np.floor((left - low) / bin_width)), 0)
@@ -244,13 +245,13 @@ def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> Pair
     -------
     PairSums
     """
-    x, y = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y))
     thrust = np.zeros(0 if edges is None else len(edges) - 1)
-    vx, vy = (x, y) if edges is None else (np.ascontiguousarray(v, float) for v in (frame.vx, frame.vy))
+    x = np.ascontiguousarray(frame.x, float)
+    vx, vy = (x, x) if edges is None else (np.ascontiguousarray(v, float) for v in (frame.vx, frame.vy))
     low, step = (0.0, 1.0) if edges is None else (float(edges[0]), float(edges[-1] - edges[0]) / len(thrust))
     pairs, stiffness = touching_pairs(frame, flow), flow.scene.coefficients.stiffness
-    energy = _pair_sums(x, y, vx, vy, *pairs, stiffness, flow.touch_width, low, step, thrust)
-    return PairSums(float(energy), len(pairs[0]), thrust)
+    energy = _pair_sums(x, vx, vy, *pairs, stiffness, flow.touch_width, low, step, thrust)
+    return PairSums(float(energy), len(pairs.first), thrust)
 
 
 @dataclass(frozen=True)

@@ -69,18 +69,16 @@ class EnergyFluxes:
         # behind the discs stands one that never moves: the walls
         u, v, kick = (np.append(values, 0.0) for values in (u, v, 0.5 * flow.time_step / mass))
         weight = np.append(-flow.gravity * mass, 0.0)
-        contacts = self._contacts(frame, x, y, time)
+        contacts = self._contacts(frame, time)
         _contact_fields(x, u, v, kick, weight, *contacts, flow.touch_width, self.rounds, low, width, fields)
         self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))
 
-    def _contacts(self, frame: Frame, x: np.ndarray, y: np.ndarray, time: float) -> list[np.ndarray]:
+    def _contacts(self, frame: Frame, time: float) -> list[np.ndarray]:
         """Both discs of each contact, the push on the second, overlap, dashpot and stiffness; ``frame.n`` is a wall."""
         flow, c = self.flow, self.flow.scene.coefficients
-        i, j, apart, dashpot = touching_pairs(frame, flow)
-        dx, dy = x[j] - x[i], y[j] - y[i]
-        distance = np.sqrt(dx * dx + dy * dy)
-        parts = [(i, j, dx / distance, dy / distance, apart - distance, dashpot, np.full(len(i), c.stiffness))]
+        pairs = touching_pairs(frame, flow)
+        parts = [(*pairs, np.full(len(pairs.first), c.stiffness))]
         for wall in flow.walls_at(time):
             for face in wall_contacts(frame, wall, flow, damping=True):  # their force is not used: as others ask
                 rubber = flow.dashpots[1] * np.sqrt(flow.relative_masses(frame)[face.index])
