@@ -81,6 +81,7 @@ MASKED_TEXT = {
     ("*", r"[\d.]+ s of computing"): "clock: a stored result tells how long it took; so does the page of a study",
     ("*", r"^.*\d s left$"): "clock: a line of progress appears after some seconds, on the screen",
     ("*.html", r"^ *(Wall time|Disc-steps per second).*$"): "clock: rows of the report",
+    ("*.html", r"^ *SHA-256 of log\.lammps.*$"): "clock: the log of LAMMPS tells how long it took",
     ("cross-validate/*", r"(?<=, member \d: )[\d.]+ s"): "clock: how long a member took",
     ("sensitivity/*", r"[\d.]+ \|$"): "clock: the table's last column is processor time",
     ("*.html", r"^ *Version of .*$|versions: [^;]*"): "versions of the program and its libraries; no result",
