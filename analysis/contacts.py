@@ -67,18 +67,23 @@ class Contacts:
     is_wall: np.ndarray
 
 
-class WallContacts(NamedTuple):
-    """Discs that touch one face of a wall: indices, overlaps (m), unit normals of the push and its force (N/m)."""
+class Touching(NamedTuple):
+    """What touches in a frame: indices of both discs; of a contact with a wall, `first` is the number of discs.
 
-    index: np.ndarray
-    overlap: np.ndarray
+    Unit vector from the first to the second, overlap (m), dashpot (N s/m) and stiffness (N/m).
+    """
+
+    first: np.ndarray
+    second: np.ndarray
     nx: np.ndarray
     ny: np.ndarray
-    force: np.ndarray
+    overlap: np.ndarray
+    dashpot: np.ndarray
+    stiffness: np.ndarray
 
 
 @once_a_frame
-def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True) -> tuple[WallContacts, ...]:
+def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> tuple[Touching, ...]:
     """Contacts of a frame's discs with each face of a wall; faces that no disc touches are left out.
 
     As in the engines a disc behind a plane is pushed back, and one with its centre inside a block feels nothing.
@@ -87,27 +92,15 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow, *, damping: bool = True)
     for distance, nx, ny in wall.contacts(frame.x, frame.y):
         index = np.flatnonzero((distance < radius) & ((nx != 0) | (ny != 0)))
         if index.size:
-            overlap, nx, ny = radius[index] - distance[index], nx[index], ny[index]
-            leaving = frame.vx[index] * nx + frame.vy[index] * ny if damping else np.zeros_like(overlap)
-            dashpot = flow.dashpots[1] * np.sqrt(relative_mass[index])
-            force = normal_forces(overlap, leaving, flow.scene.coefficients.stiffness_wall, dashpot, flow.touch_width)
-            found.append(WallContacts(index, overlap, nx, ny, force))
+            overlap, dashpot = radius[index] - distance[index], flow.dashpots[1] * np.sqrt(relative_mass[index])
+            stiffness = np.full(len(index), flow.scene.coefficients.stiffness_wall)
+            wall_itself = np.full(len(index), frame.n)
+            found.append(Touching(wall_itself, index, nx[index], ny[index], overlap, dashpot, stiffness))
     return tuple(found)
 
 
-class Pairs(NamedTuple):
-    """Discs that touch: indices, unit vector from the first to the second, overlap (m), dashpot (N s/m)."""
-
-    first: np.ndarray
-    second: np.ndarray
-    nx: np.ndarray
-    ny: np.ndarray
-    overlap: np.ndarray
-    dashpot: np.ndarray
-
-
 @once_a_frame
-def touching_pairs(frame: Frame, flow: Flow) -> Pairs:
+def touching_pairs(frame: Frame, flow: Flow) -> Touching:
     """Pairs of discs in contact."""
     x, y = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y))
     i, j = close_pairs(x, y, 2 * flow.largest_radius(frame))
@@ -118,8 +111,17 @@ def touching_pairs(frame: Frame, flow: Flow) -> Pairs:
         reach = radii[i] + radii[j]
         # a nominal pair has the effective mass 1/2
         dashpot *= np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
-    touch = distance < reach
-    return Pairs(*(part[touch] for part in (i, j, dx / distance, dy / distance, reach - distance, dashpot)))
+    stiffness, touch = np.full(len(i), flow.scene.coefficients.stiffness), distance < reach
+    found = (i, j, dx / distance, dy / distance, reach - distance, dashpot, stiffness)
+    return Touching(*(part[touch] for part in found))
+
+
+@once_a_frame
+def touching(frame: Frame, flow: Flow) -> Touching:
+    """Pairs of discs in contact, then discs in contact with walls."""
+    walls = flow.walls_at(flow.time(frame))
+    parts = [touching_pairs(frame, flow), *(face for wall in walls for face in wall_contacts(frame, wall, flow))]
+    return Touching(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts:
@@ -143,27 +145,23 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     """
     if not flow.knows_contacts:
         raise DumpError("contact forces need the stiffness of the discs: analyse the dump with its case (--case).")
-    points = np.column_stack([frame.x, frame.y])
-    damping = damping and "vx" in frame.columns and "vy" in frame.columns
-    i, j, nx, ny, overlap, dashpot = touching_pairs(frame, flow)
+    first, second, nx, ny, overlap, dashpot, stiffness = touching(frame, flow)
+    points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)
-    if damping:
-        opening = (frame.vx[j] - frame.vx[i]) * nx + (frame.vy[j] - frame.vy[i]) * ny
-    force = normal_forces(overlap, opening, flow.scene.coefficients.stiffness, dashpot, flow.touch_width)
-    parts = [(points[i], points[j], -np.column_stack([nx, ny]), overlap, force, np.zeros(len(force), bool))]
-    for wall in flow.walls_at(flow.time(frame)):
-        for face in wall_contacts(frame, wall, flow, damping=damping):
-            here, normal = points[face.index], np.column_stack([face.nx, face.ny])
-            end = here - (flow.radii(frame)[face.index] - face.overlap)[:, None] * normal
-            parts.append((here, end, normal, face.overlap, face.force, np.ones(len(face.force), bool)))
-    return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    if damping and {"vx", "vy"} <= set(frame.columns):
+        u, v = (np.append(speed, 0.0) for speed in (frame.vx, frame.vy))
+        opening = (u[second] - u[first]) * nx + (v[second] - v[first]) * ny
+    force = normal_forces(overlap, opening, stiffness, dashpot, flow.touch_width)
+    start, end = points[second], points[np.where(is_wall, 0, first)]
+    to_wall = (flow.radii(frame)[second] - overlap)[:, None] * normal
+    return Contacts(start, np.where(is_wall[:, None], start - to_wall, end), normal, overlap, force, is_wall)
 
 
 def _normal_forces_py(overlap, opening, stiffness, damping, touch):
-    """Normal force of each contact, N/m; parameters of `law.normal_force`, overlap, opening, damping of shape (n,)."""
+    """Normal force of each contact, N/m; parameters of `law.normal_force`, all but `touch` of shape (n,)."""
     force = np.empty_like(overlap)
     for k in range(overlap.size):
-        force[k] = normal_force(overlap[k], opening[k], stiffness, damping[k], touch)[0]
+        force[k] = normal_force(overlap[k], opening[k], stiffness[k], damping[k], touch)[0]
     return force
 
 
@@ -194,11 +192,11 @@ def _pair_sums_py(x, vx, vy, first, second, nx, ny, overlap, dashpot, stiffness,
     bins = pressure.size
     for p in range(first.size):
         i, j = first[p], second[p]
-        energy += stiffness * stored_energy(overlap[p], touch)
+        energy += stiffness[p] * stored_energy(overlap[p], touch)
         if bins == 0:
             continue
         opening = (vx[j] - vx[i]) * nx[p] + (vy[j] - vy[i]) * ny[p]
-        push = normal_force(overlap[p], opening, stiffness, dashpot[p], touch)[0] * abs(nx[p])
+        push = normal_force(overlap[p], opening, stiffness[p], dashpot[p], touch)[0] * abs(nx[p])
         left = min(x[i], x[j])
         right = max(x[i], x[j])
         b = max(int(np.floor((left - low) / bin_width)), 0)
@@ -249,8 +247,8 @@ def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> Pair
     x = np.ascontiguousarray(frame.x, float)
     vx, vy = (x, x) if edges is None else (np.ascontiguousarray(v, float) for v in (frame.vx, frame.vy))
     low, step = (0.0, 1.0) if edges is None else (float(edges[0]), float(edges[-1] - edges[0]) / len(thrust))
-    pairs, stiffness = touching_pairs(frame, flow), flow.scene.coefficients.stiffness
-    energy = _pair_sums(x, vx, vy, *pairs, stiffness, flow.touch_width, low, step, thrust)
+    pairs = touching_pairs(frame, flow)
+    energy = _pair_sums(x, vx, vy, *pairs, flow.touch_width, low, step, thrust)
     return PairSums(float(energy), len(pairs.first), thrust)
 
 
@@ -288,35 +286,36 @@ def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) ->
     (4.18-4.21) of the `sign` law.
     """
     c, energy = flow.scene.coefficients, 0.0
-    faces = wall_contacts(frame, wall, flow, damping=velocity)
+    faces = wall_contacts(frame, wall, flow)
     if not faces:
         empty = np.zeros(0)
         return WallSums(0.0, (0.0, 0.0), np.zeros(0, int), empty, empty, False)
     fxs, fys = [], []
-    for face in faces:
-        overlap, nx, ny = face.overlap, face.nx, face.ny
+    for _, index, nx, ny, overlap, dashpot, stiffness in faces:
+        leaving = frame.vx[index] * nx + frame.vy[index] * ny if velocity else np.zeros_like(overlap)
+        force = normal_forces(overlap, leaving, stiffness, dashpot, flow.touch_width)
         energy += c.stiffness_wall * float(np.sum(stored_energies(overlap, flow.touch_width)))
-        rubbing = _wall_friction(frame, flow, face) if velocity and c.friction else np.zeros_like(overlap)
-        fxs.append(face.force * nx - rubbing * ny)
-        fys.append(face.force * ny + rubbing * nx)
+        rubbing = _wall_friction(frame, flow, index, nx, ny, force) if velocity and c.friction else 0.0
+        fxs.append(force * nx - rubbing * ny)
+        fys.append(force * ny + rubbing * nx)
     fx, fy = np.concatenate(fxs), np.concatenate(fys)
     sideways = any(bool(np.any(np.abs(face.nx) > 1e-9)) for face in faces)
-    index = np.concatenate([face.index for face in faces])
+    index = np.concatenate([face.second for face in faces])
     return WallSums(energy, (float(fx.sum()), float(fy.sum())), index, fx, fy, sideways)
 
 
-def _wall_friction(frame: Frame, flow: Flow, face: WallContacts) -> np.ndarray:
-    """Friction of each contact along the tangent (-ny, nx), N/m."""
+def _wall_friction(frame: Frame, flow: Flow, index, nx, ny, force) -> np.ndarray:
+    """Friction of each contact of a face along the tangent (-ny, nx), N/m."""
     scene, c = flow.scene, flow.scene.coefficients
-    slip = -frame.vx[face.index] * face.ny + frame.vy[face.index] * face.nx
+    slip = -frame.vx[index] * ny + frame.vy[index] * nx
     if scene.rotation and "omegaz" in frame.columns:
-        slip = slip - frame.column("omegaz")[face.index] * flow.radii(frame)[face.index]
+        slip = slip - frame.column("omegaz")[index] * flow.radii(frame)[index]
     slope = None
     if scene.friction_law == "sign":
         top_speed = float(np.sqrt(np.max(frame.vx**2 + frame.vy**2)))
         slope = 1.0 / max(SIGN_RAMP * top_speed, 1e-300)
-    damping = c.mass * c.gamma_tangential_wall * np.sqrt(flow.relative_masses(frame)[face.index])
-    return friction_forces(face.force, slip, c.friction, damping, slope)
+    damping = c.mass * c.gamma_tangential_wall * np.sqrt(flow.relative_masses(frame)[index])
+    return friction_forces(force, slip, c.friction, damping, slope)
 
 
 @dataclass(frozen=True)

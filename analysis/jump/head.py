@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numba import njit
 
-from lammps_jump.analysis.contacts import touching_pairs, wall_contacts
+from lammps_jump.analysis.contacts import touching
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
@@ -69,22 +69,10 @@ class EnergyFluxes:
         # behind the discs stands one that never moves: the walls
         u, v, kick = (np.append(values, 0.0) for values in (u, v, 0.5 * flow.time_step / mass))
         weight = np.append(-flow.gravity * mass, 0.0)
-        contacts = self._contacts(frame, time)
+        contacts = touching(frame, flow)
         _contact_fields(x, u, v, kick, weight, *contacts, flow.touch_width, self.rounds, low, width, fields)
         self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))
-
-    def _contacts(self, frame: Frame, time: float) -> list[np.ndarray]:
-        """Both discs of each contact, the push on the second, overlap, dashpot and stiffness; ``frame.n`` is a wall."""
-        flow, c = self.flow, self.flow.scene.coefficients
-        pairs = touching_pairs(frame, flow)
-        parts = [(*pairs, np.full(len(pairs.first), c.stiffness))]
-        for wall in flow.walls_at(time):
-            for face in wall_contacts(frame, wall, flow, damping=True):  # their force is not used: as others ask
-                rubber = flow.dashpots[1] * np.sqrt(flow.relative_masses(frame)[face.index])
-                still, stiffness = np.full(len(rubber), frame.n), np.full(len(rubber), c.stiffness_wall)
-                parts.append((still, face.index, face.nx, face.ny, face.overlap, rubber, stiffness))
-        return [np.concatenate(column) for column in zip(*parts, strict=True)]
 
     def result(self) -> xr.Dataset | None:
         """The fields of all frames; None where contacts are not known, or rub, which is not counted."""

@@ -133,7 +133,7 @@ def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_it_is_not():
     frame = disc_frame([0.5, 3.0], [-0.01, -0.01], box=BOX)
     flow = flow_context(domain=((0, 4), (0, 4)), x_range=(0, 4), stiffness=K)
     (behind,) = wall_contacts(frame, FLOOR, flow)
-    assert behind.index.tolist() == [0, 1] and behind.ny.tolist() == [1, 1]
+    assert behind.second.tolist() == [0, 1] and behind.ny.tolist() == [1, 1]
     assert behind.overlap == pytest.approx(0.11)
     assert not list(wall_contacts(frame, Block("bed", (0, 4), (-1, 0)), flow))
 
