@@ -291,11 +291,12 @@ def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) ->
         empty = np.zeros(0)
         return WallSums(0.0, (0.0, 0.0), np.zeros(0, int), empty, empty, False)
     fxs, fys = [], []
-    for _, index, nx, ny, overlap, dashpot, stiffness in faces:
+    for face in faces:
+        _, index, nx, ny, overlap, dashpot, stiffness = face
         leaving = frame.vx[index] * nx + frame.vy[index] * ny if velocity else np.zeros_like(overlap)
         force = normal_forces(overlap, leaving, stiffness, dashpot, flow.touch_width)
         energy += c.stiffness_wall * float(np.sum(stored_energies(overlap, flow.touch_width)))
-        rubbing = _wall_friction(frame, flow, index, nx, ny, force) if velocity and c.friction else 0.0
+        rubbing = _wall_friction(frame, flow, face, force) if velocity and c.friction else 0.0
         fxs.append(force * nx - rubbing * ny)
         fys.append(force * ny + rubbing * nx)
     fx, fy = np.concatenate(fxs), np.concatenate(fys)
@@ -304,17 +305,17 @@ def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) ->
     return WallSums(energy, (float(fx.sum()), float(fy.sum())), index, fx, fy, sideways)
 
 
-def _wall_friction(frame: Frame, flow: Flow, index, nx, ny, force) -> np.ndarray:
-    """Friction of each contact of a face along the tangent (-ny, nx), N/m."""
+def _wall_friction(frame: Frame, flow: Flow, face: Touching, force: np.ndarray) -> np.ndarray:
+    """Friction of each contact of a face along the tangent (-ny, nx), N/m; `force` is the normal one."""
     scene, c = flow.scene, flow.scene.coefficients
-    slip = -frame.vx[index] * ny + frame.vy[index] * nx
+    slip = -frame.vx[face.second] * face.ny + frame.vy[face.second] * face.nx
     if scene.rotation and "omegaz" in frame.columns:
-        slip = slip - frame.column("omegaz")[index] * flow.radii(frame)[index]
+        slip = slip - frame.column("omegaz")[face.second] * flow.radii(frame)[face.second]
     slope = None
     if scene.friction_law == "sign":
         top_speed = float(np.sqrt(np.max(frame.vx**2 + frame.vy**2)))
         slope = 1.0 / max(SIGN_RAMP * top_speed, 1e-300)
-    damping = c.mass * c.gamma_tangential_wall * np.sqrt(flow.relative_masses(frame)[index])
+    damping = c.mass * c.gamma_tangential_wall * np.sqrt(flow.relative_masses(frame)[face.second])
     return friction_forces(force, slip, c.friction, damping, slope)
 
 

@@ -64,7 +64,7 @@ class Flow:
         return radii if np.ndim(radii) else np.broadcast_to(radii, frame.n)
 
     def relative_masses(self, frame: Frame) -> np.ndarray:
-        """Mass of each disc over the nominal mass, shape (n,); 1 seen n times where discs are equal, as radii."""
+        """Mass of each disc over the nominal mass, shape (n,); 1 seen n times where discs are equal."""
         return (self.radii(frame) / self.scene.radius) ** 2 if self.sized else np.broadcast_to(1.0, frame.n)
 
     def by_mass(self, values: np.ndarray, frame: Frame) -> np.ndarray:

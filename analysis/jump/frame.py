@@ -30,7 +30,9 @@ COVERED = 0.9
 
 
 class Moving(NamedTuple):
-    """Profiles in the frame of the front, NaN outside the reach; arrays, because they are cut and averaged so often.
+    """Profiles in the frame of the front, NaN outside the reach.
+
+    They are cut and averaged many times, and xarray takes longer for that than the sums do.
 
     Attributes
     ----------
