@@ -108,6 +108,8 @@ OWN_FILES = (*RUN_FILES, *RESULT_FILES)
 
 MOST_JSON = 100_000_000
 """Bytes of a JSON file that is read."""
+MOST_TEXT = 2_000_000_000
+"""Bytes of a table or log that is read."""
 
 
 def make_own(path: Path) -> None:
@@ -131,7 +133,7 @@ def writes(place: object, kind: type[JumpError] = DumpError, remedy: str = "name
 
 def checksum(path: Path) -> dict[str, int | str]:
     """Size of a file in bytes, and its SHA-256."""
-    with path.open("rb") as file:
+    with open(path, "rb", opener=_open_regular) as file:
         return {"size": os.fstat(file.fileno()).st_size, "sha256": hashlib.file_digest(file, "sha256").hexdigest()}
 
 
@@ -158,19 +160,31 @@ def write_text(path: Path, text: str) -> Path:
 
 
 def write_bytes(path: Path, data: bytes | memoryview) -> Path:
-    """Write a file whole or not at all: a second file, in the same folder, takes its place in one move."""
+    """Write a file whole or not at all; see `whole`."""
+    with (
+        whole(path) as new,
+        open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file,
+    ):
+        file.write(data)
+    return path
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """A place in the folder of a file, which takes the file's place in one move where the block ends well.
+
+    A link that stands at the place of the file is replaced, and nothing is written through it.
+    """
     new = path.with_name(f".{path.name}.new")
     new.unlink(missing_ok=True)  # of a process that was killed
     try:
-        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file:
-            file.write(data)
+        yield new
         flush(new)
         os.replace(new, path)
-    except OSError:
+    except BaseException:
         new.unlink(missing_ok=True)
         raise
     flush(path.parent)
-    return path
 
 
 def flush(path: Path) -> None:
@@ -212,7 +226,15 @@ def read_file(path: Path, most: int) -> bytes:
 def read_start(path: Path, most: int) -> bytes:
     """At most so many bytes from the start of a regular file; OSError for another kind."""
     with open(path, "rb", opener=_open_regular) as file:
-        return file.read(most)
+        return file.read(min(most, os.fstat(file.fileno()).st_size))  # room is made for all that is asked for
+
+
+def text_of(path: Path, errors: str = "strict") -> str:
+    """The text of a regular file in UTF-8; DumpError where it cannot be read."""
+    try:
+        return read_file(path, MOST_TEXT).decode(errors=errors)
+    except (OSError, UnicodeDecodeError) as error:
+        raise DumpError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
 
 
 def _open_regular(path: str, flags: int) -> int:

@@ -144,25 +144,39 @@ def staging(folder: Path) -> Iterator[Path]:
 
 
 def publish(stage: Path, folder: Path) -> list[str]:
-    """Move the files of a `staging` folder into their places, each in one move; their names. Links stay."""
+    """Move the files of a `staging` folder into their places, each in one move; their names. Links stay.
+
+    SetupError, before anything is moved, where a place is behind a link.
+    """
     files = sorted(path for path in stage.rglob("*") if path.is_file() and not path.is_symlink())
     names = [str(path.relative_to(stage)) for path in files]
     for name in names:
+        _require_inside(folder, name)
+    for name in names:
         target = folder / name
         target.parent.mkdir(exist_ok=True)
-        if target.parent.is_symlink():
-            raise SetupError(f"{target.parent}: is a link to another place, where nothing is written; delete the link")
         flush(stage / name)
         os.replace(stage / name, target)
     return names
 
 
-def require_replaceable(path: Path) -> None:
-    """SetupError where a file stands at a path that this program has not made."""
-    marker = read_marker(path.parent)
-    ours = marker is not None and any(path.match(pattern) for pattern in marker.files)
-    if os.path.lexists(path) and not ours:
-        raise SetupError(f"{path}: stands there already and is not overwritten; delete it, or name another with --out")
+def _require_inside(folder: Path, name: str) -> None:
+    """SetupError where the folder of a file, in a folder that is ours, is a link."""
+    place = (folder / name).parent
+    if place != folder and place.is_symlink():
+        raise SetupError(f"{place}: is a link to another place, where nothing is written; delete the link")
+
+
+def require_replaceable(folder: Path, name: str) -> None:
+    """SetupError where a file cannot be put: it stands there and is not of this program, or its folder is a link."""
+    _require_inside(folder, name)
+    path = folder / name
+    if os.path.lexists(path):
+        marker = read_marker(folder)
+        if marker is None or not any(path.match(pattern) for pattern in marker.files):
+            raise SetupError(
+                f"{path}: stands there already and is not overwritten; delete it, or name another with --out"
+            )
 
 
 @contextmanager

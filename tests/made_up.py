@@ -154,7 +154,7 @@ def without_analysis(monkeypatch) -> None:
         return {}
 
     monkeypatch.setattr(results, "analyse", analyse)
-    monkeypatch.setattr(results, "write_report", lambda folder, *_: (folder / "report.html").write_text(""))
+    monkeypatch.setattr(results, "write_report", lambda folder, *_, **__: (folder / "report.html").write_text(""))
 
 
 def native_frames(scene):

@@ -7,8 +7,8 @@ its discs in software straight into it and goes to ffmpeg (mp4) or into Pillow (
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
+from lammps_jump.files import whole, writes
 from lammps_jump.scene.walls import Interval, Wall
 
 from .painter import View, paint_arrow, paint_frame, paint_walls
@@ -89,25 +90,12 @@ def animate(
             if progress:
                 progress(done, count)
 
-    with _whole(out, "animation") as part:
+    with writes(f"{out}: the animation"), whole(out) as part:
         if out.suffix.lower() == ".mp4":
             _mp4(pictures(), part, fps, painter.picture.shape)
         else:
             _gif(pictures(), part, fps)
     return out
-
-
-@contextmanager
-def _whole(out: Path, what: str) -> Iterator[Path]:
-    """A place for a file, which takes its name where the block ends well; DumpError where it cannot be written."""
-    part = out.with_name(f".{out.name}.new")
-    try:
-        yield part
-        part.replace(out)
-    except OSError as error:
-        raise DumpError(f"{out}: the {what} cannot be written ({error.strerror or error}).") from error
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280) -> Path:
@@ -117,7 +105,7 @@ def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280) -> Pa
     """
     from PIL import Image
 
-    with _whole(Path(out), "picture") as part:
+    with writes(f"{out}: the picture"), whole(Path(out)) as part:
         Image.fromarray(_Painter([frame], flow, width, {}).paint(frame)).save(part, format="PNG")
     return Path(out)
 

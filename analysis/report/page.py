@@ -13,6 +13,7 @@ import hashlib
 import io
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -21,12 +22,14 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from lammps_jump.files import plain
+from lammps_jump.files import plain, read_file, read_start
 from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
 from .coder import encode
 
-KINDS = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
+PNG = "image/png"
+MOST_PICTURE = 1_000_000_000
+"""Bytes of a picture or film that is looked at."""
 LONG = 20
 """Numbers of a list that are packed; fewer stand in the data."""
 UNKNOWN = -(1 << 30)
@@ -261,15 +264,28 @@ def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> 
     return shown(value / scale, unit, error, bound=is_bound(found, key)).replace("-", "−")
 
 
+def picture_kind(path: Path) -> str:
+    """What a file is by its first bytes, as a page names it: PNG, GIF or MP4; empty for all else, and for a link."""
+    try:
+        head = b"" if path.is_symlink() else read_start(path, 12)
+    except OSError:  # no regular file, or gone
+        return ""
+    if head.startswith(b"\x89PNG\r\n\x1a\n"):
+        return PNG
+    return "image/gif" if head.startswith((b"GIF87a", b"GIF89a")) else "video/mp4" if head[4:8] == b"ftyp" else ""
+
+
 def picture(path: Path, caption: str) -> Picture:
-    """A PNG, GIF or MP4 file for the page; large pictures of discs, which PNG stores badly, become WebP."""
-    data, kind = path.read_bytes(), KINDS[path.suffix]
-    if path.suffix == ".png" and len(data) >= 150_000:
+    """A file of a `picture_kind` for the page; large pictures of discs, which PNG stores badly, become WebP."""
+    data, kind = read_file(path, MOST_PICTURE), picture_kind(path)
+    if kind == PNG and len(data) >= 150_000:
         from PIL import Image
 
-        small, buffer = Image.open(io.BytesIO(data)).convert("RGB"), io.BytesIO()
-        small.thumbnail((960, 4000))  # as wide as the page
-        small.save(buffer, "WEBP", quality=20, method=2)
-        if len(buffer.getvalue()) < 0.7 * len(data):
+        buffer = io.BytesIO()
+        with suppress(OSError, ValueError, SyntaxError, Image.DecompressionBombError):  # damaged: it stays as it is
+            small = Image.open(io.BytesIO(data)).convert("RGB")
+            small.thumbnail((960, 4000))  # as wide as the page
+            small.save(buffer, "WEBP", quality=20, method=2)
+        if 0 < len(buffer.getvalue()) < 0.7 * len(data):
             data, kind = buffer.getvalue(), "image/webp"
     return Picture(caption, f"data:{kind};base64,{base64.b64encode(data).decode()}")

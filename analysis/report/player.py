@@ -11,11 +11,13 @@ import numpy as np
 from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.errors import DumpError
+from lammps_jump.files import text_of
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.walls import Interval, Wall
 
 from .frames import FramePacker
-from .page import Player, picture
+from .page import Player, picture, picture_kind
 
 STILL = "snapshots.png"
 """Stands in for the player where there is no script."""
@@ -71,7 +73,8 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
         "sequent": _sequent(flow, folder, packed.header["times"]),
     }
     still = folder / "figures" / STILL
-    shown = picture(still, "Ten equal times, discs coloured by speed") if still.is_file() else None
+    there = picture_kind(still) and not still.parent.is_symlink()
+    shown = picture(still, "Ten equal times, discs coloured by speed") if there else None
     return Player(header, packed.text, shown)
 
 
@@ -95,9 +98,9 @@ def _sequent(flow: Flow, folder: Path, times: np.ndarray) -> list[list[float] | 
     to where the bed rises or the channel ends.
     """
     try:
-        track = np.genfromtxt(folder / TRACK, delimiter=",", names=True, ndmin=1)
+        track = np.genfromtxt(text_of(folder / TRACK).splitlines(), delimiter=",", names=True, ndmin=1)
         when, places, found, depths, speeds = (track[name] for name in COLUMNS)
-    except (OSError, ValueError):  # no jump was looked for; or damaged: the page is whole without
+    except (DumpError, ValueError):  # no jump was looked for; or damaged: the page is whole without
         return [None] * len(times)
     lines: list[list[float] | None] = []
     for k in (int(np.argmin(np.abs(when - time))) for time in times):

@@ -18,12 +18,27 @@ from lammps_jump.units import ABSENT, numbers_of
 from .definitions import DEFINITIONS
 from .headline import headline, verdict
 from .key_numbers import key_numbers
-from .page import Boxes, Code, Curve, Items, Picture, Player, Section, Table, Text, heading, picture, render
+from .page import (
+    Boxes,
+    Code,
+    Curve,
+    Items,
+    Picture,
+    Player,
+    Section,
+    Table,
+    Text,
+    heading,
+    picture,
+    picture_kind,
+    render,
+)
 from .player import STILL
 
 LARGEST = 5_000_000
 """Bytes of a report without its player; figures come first, the film only where it still fits."""
 
+FILMS = ("animation.mp4", "animation.gif")
 LINKED = ("jump_track.png", "front.png", "forces.png", "energy.png")
 """Curves over time that stand below the player and show its time."""
 
@@ -42,6 +57,7 @@ def write_report(
     *,
     name: str = "report.html",
     player: Player | None = None,
+    beside: Path | None = None,
 ) -> Path:
     """Write the report of a run folder from its summary, its figures and its film.
 
@@ -57,6 +73,8 @@ def write_report(
         File name.
     player : Player, optional
         Of `player.make_player`.
+    beside : Path, optional
+        Another folder, whose film and pictures that no analysis makes are shown too.
 
     Raises
     ------
@@ -84,10 +102,10 @@ def write_report(
         _how(summary),
     ]
     room = LARGEST - len(render(title, [*before, *after, *last], **about).encode(errors="replace"))
-    path, drawn = Path(folder) / name, curves(Path(folder))
+    path, drawn, found = Path(folder) / name, curves(Path(folder)), _pictures(Path(folder), beside)
     if player:
         before.append(Section("", [player, *(drawn.pop(name) for name in LINKED if name in drawn)]))
-    page = render(title, [*before, *after, _figures(Path(folder), room, player, drawn), *last], **about)
+    page = render(title, [*before, *after, _figures(found, room, player, drawn), *last], **about)
     try:
         write_text(path, page)
     except OSError as error:
@@ -117,18 +135,27 @@ def curves(folder: Path) -> dict[str, Curve]:
         return {}  # of a version before, or damaged: the page is whole without
 
 
-def _figures(folder: Path, room: int, player: Player | None, drawn: Mapping[str, Curve]) -> Section:
+def _pictures(folder: Path, beside: Path | None) -> dict[str, Path]:
+    """Films and pictures of a folder, by name, and those of the one beside it; links and other files are left out."""
+    found = {}
+    for place in filter(None, (beside, folder)):
+        figures = () if (place / "figures").is_symlink() else (place / "figures").glob("*.png")
+        for path in (*sorted(figures), *(place / film for film in FILMS)):
+            if picture_kind(path) and (place == folder or path.name not in FIGURES):
+                found[path.name] = path
+    return found
+
+
+def _figures(given: Mapping[str, Path], room: int, player: Player | None, drawn: Mapping[str, Curve]) -> Section:
     """The film, curves and pictures in a fixed order, as long as there is room; the film gives way to the pictures."""
-    known = {*drawn, *(LINKED if player else ())}
-    found = {path.name: path for path in sorted((folder / "figures").glob("*.png")) if path.name not in known}
-    if player and player.still:
-        del found[STILL]
+    left = {*drawn, *(LINKED if player else ()), *([STILL] if player and player.still else ())}
+    films = [given[name] for name in FILMS if name in given]
+    found = {name: given[name] for name in sorted(given) if name not in (*FILMS, *left)}
     order = [name for name in FIGURES if name in found] + [name for name in found if name not in FIGURES]
     files = [(found[name], FIGURES.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
-    films = [folder / f"animation.{kind}" for kind in ("mp4", "gif")]
     shown: list[Picture] = []
     left_out = []
-    for path, caption in [*files, *((film, "The flow") for film in films if film.is_file())]:
+    for path, caption in [*files, *((film, "The flow") for film in films)]:
         block = picture(path, caption) if path.stat().st_size < LARGEST else None
         if block is None or len(block.source) + 500 > room:
             left_out.append(path.name if path in films else f"figures/{path.name}")

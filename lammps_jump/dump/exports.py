@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 import pandas as pd  # xarray needs it and brings it
 import xarray as xr
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import EXPORTS, write_bytes, writes
+from lammps_jump.files import EXPORTS, read_start, whole, write_bytes, writes
 from lammps_jump.folders import require_replaceable, standing
 from lammps_jump.quoting import csv_cell
 
@@ -81,7 +83,7 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
     place = Path(place)
     out = place if out is None else Path(out)
     for name in (name for kind in kinds for pattern in EXPORTS[kind] for name in standing(out, pattern)):
-        require_replaceable(out / name)
+        require_replaceable(out, name)
     with writes(out):
         out.mkdir(parents=True, exist_ok=True)
     written = write_profiles_csv(read_netcdf(place / "profiles.nc"), out) if "csv" in kinds else []
@@ -119,6 +121,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
         No such file, or another kind.
     """
     try:
+        read_start(path, 1)  # no pipe, which would be waited for
         with xr.open_dataset(path, engine="scipy") as dataset:
             return dataset.load()
     except (OSError, ValueError, TypeError, LookupError) as error:  # what scipy raises for a damaged file
@@ -229,6 +232,8 @@ def _data_array(name: str, values: np.ndarray, kind: str = "Float64") -> str:
     return f"{head}\n{raw}\n</DataArray>\n"
 
 
-def _writing(path: str | Path):
-    with writes(path):
-        return open(path, "w", encoding="utf-8", newline="")
+@contextmanager
+def _writing(path: str | Path) -> Iterator[TextIO]:
+    """A text file, whole or not at all."""
+    with writes(path), whole(Path(path)) as new, open(new, "x", encoding="utf-8", newline="") as file:
+        yield file

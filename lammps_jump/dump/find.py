@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, write_text
+from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, text_of, write_text
 from lammps_jump.scene.scene import Scene
 
 from .read import Dump, by_numbers, files_of, open_dump
@@ -112,10 +112,7 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
     """
     path = Path(path)
     rows: dict[str, list[tuple[float, ...]]] = {}
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DumpError(f"{path}: the forces cannot be read ({error}).") from error
+    text = text_of(path)
     lines = text.splitlines()
     header = tuple(name.strip() for name in lines[0].split(",")) if lines else ()
     missing = [name for name in FORCE_COLUMNS[:4] if name not in header]

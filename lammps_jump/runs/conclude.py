@@ -22,7 +22,7 @@ from lammps_jump.engines import Progress, ProgressCallback, RunResult, Setting
 from lammps_jump.engines.checkpoint import remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.errors import DumpError, RunError, RunInterrupted
-from lammps_jump.files import FIGURES, checksum, write_text
+from lammps_jump.files import checksum, write_text
 from lammps_jump.folders import clear, publish, staging
 
 from .ahead import Ahead
@@ -196,8 +196,8 @@ class Conclusion:
             self._phase("report")
             summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
             if runs.results.has_page(self.case):
-                self._link_the_rest(stage)
-                runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer)
+                shown = summary | {"outputs": self.outputs}
+                runs.results.write_report(stage, shown, self.case, packer, beside=folder)
             elif runs.results.has_player(self.case):
                 runs.results.write_player(stage, packer)
             self._phase("")
@@ -232,14 +232,6 @@ class Conclusion:
         if result.status == "complete":
             raise DumpError(message)
         self.result = replace(result, status="failed", message=message)
-
-    def _link_the_rest(self, stage: Path) -> None:
-        """Show the report a film that was made before, and pictures of the user."""
-        for made in (*self.folder.glob("animation.*"), *self.folder.glob("figures/*.png")):
-            other = stage / made.relative_to(self.folder)
-            if not other.exists() and made.name not in FIGURES:
-                other.parent.mkdir(exist_ok=True)
-                other.symlink_to(made.absolute())
 
 
 @contextmanager

@@ -241,7 +241,7 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or path.parent / "animation.mp4"
     written = destination if drawing.film.has_ffmpeg() else destination.with_suffix(".gif")
-    folders.require_replaceable(written)
+    folders.require_replaceable(written.parent, written.name)
     with folders.locked(path.parent) if out is None and folders.read_marker(path.parent) else nullcontext():
         drawing.film.animate(open_dump(path), _flow(path, case), written, fps=fps, forces=forces)
     if written != destination:
@@ -271,7 +271,11 @@ def draw_all(found: Found, folder: Path) -> list[Path]:
     """Draw every figure of a run folder into its ``figures``; the paths."""
     shown = quantities.drawings(found.gathered, found.results)
     names = [*shown, quantities.DISCS]
-    quantities.draw_figures(names, shown, folder / "figures", find_dump(folder), found.gathered.flow)
+    for name in names:
+        folders.require_replaceable(folder, f"figures/{name}.png")
+    with folders.staging(folder) as stage:
+        quantities.draw_figures(names, shown, stage / "figures", find_dump(folder), found.gathered.flow)
+        folders.publish(stage, folder)
     return [folder / "figures" / f"{name}.png" for name in names]
 
 
@@ -327,9 +331,14 @@ def write_player(folder: Path, packer: FramePacker) -> None:
 
 
 def write_report(
-    folder: Path, summary: Mapping[str, Any], case: ReadCase, packer: FramePacker, path: str | Path | None = None
+    folder: Path,
+    summary: Mapping[str, Any],
+    case: ReadCase,
+    packer: FramePacker,
+    path: str | Path | None = None,
+    beside: Path | None = None,
 ) -> Path:
-    """Write the report of a run folder, by default as its ``report.html``."""
+    """Write the report of a run folder, by default as its ``report.html``; `beside` as of `report.write_report`."""
     name = "report.html" if path is None else str(Path(path).absolute())
     player = make_player(packer, folder)
-    return report.write_report(folder, dict(summary), case.to_yaml(), name=name, player=player)
+    return report.write_report(folder, dict(summary), case.to_yaml(), name=name, player=player, beside=beside)

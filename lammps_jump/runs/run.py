@@ -277,14 +277,20 @@ class Run:
         return runs.results.draw(self._found, self.folder, name)
 
     def figures(self) -> list[Path]:
-        """Draw every figure of the run as a PNG file into ``figures`` of its folder; the paths."""
+        """Draw every figure of the run as a PNG file into ``figures`` of its folder; the paths.
+
+        Raises
+        ------
+        SetupError
+            ``figures`` is a link, or holds a file of this name that is not of this program.
+        """
         with locked(self.folder):
             return runs.results.draw_all(self._found, self.folder)
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the report page; into the run folder where no `path` is given. Figures are those of the folder."""
         if path is None:
-            require_replaceable(self.folder / "report.html")
+            require_replaceable(self.folder, "report.html")
         with nullcontext() if path else locked(self.folder):
             packer = runs.results.packed(self.case, self.folder)
             return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
@@ -299,7 +305,7 @@ class Run:
         DumpError
             The page cannot be written.
         """
-        require_replaceable(Path(path))
+        require_replaceable(Path(path).parent, Path(path).name)
         names = _apart(self.folder, other.folder)
         pair = [(name, run.folder, run.summary, run.case) for name, run in zip(names, (self, other), strict=True)]
         return runs.results.write_comparison(pair, Path(path))

@@ -72,7 +72,7 @@ def test_empty_summary(tmp_path):
 def test_everything_inside_one_file(tmp_path):
     picture(tmp_path / "figures" / "depth_profile.png")
     picture(tmp_path / "figures" / "of_my_own.png")
-    (tmp_path / "animation.mp4").write_bytes(b"not really a film")
+    (tmp_path / "animation.mp4").write_bytes(b"\0\0\0\x20ftypisom, not really a film")
     summary = {
         "name": "quick_jump",
         "status": "complete",
@@ -171,7 +171,7 @@ def test_text_is_made_safe(tmp_path):
 def test_large_pictures_become_small_and_the_page_stays_below_its_limit(tmp_path):
     for k in range(6):
         picture(tmp_path / "figures" / f"noise{k}.png", 900)
-    (tmp_path / "animation.mp4").write_bytes(bytes(4_000_000))
+    (tmp_path / "animation.mp4").write_bytes(b"\0\0\0\x20ftypisom" + bytes(4_000_000))
     path = write_report(tmp_path, {"name": "big"})
     content = page(path)
     assert path.stat().st_size < LARGEST

@@ -11,9 +11,17 @@ import pytest
 from made_up import INPUTS, call, files, without_analysis
 
 import lammps_jump as lj
+from lammps_jump.analysis.report.player import make_player
+from lammps_jump.analysis.report.run import write_report
+from lammps_jump.dump.exports import read_netcdf
+from lammps_jump.dump.find import read_forces
+from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.files import text_of
 from lammps_jump.folders import MARKER_FILE, Marker, clear, read_marker, write_marker
 from lammps_jump.runs import start
 from lammps_jump.runs.folder import default_folder
+from lammps_jump.runs.results import packed
+from lammps_jump.runs.state import is_analysed
 
 SHORT = {"run.duration": 0.1, "run.output_interval": 0.02, "engine.name": "native", "analysis.jump": False}
 SETS = [word for path, value in SHORT.items() for word in ("--set", f"{path}={value}")]
@@ -74,6 +82,89 @@ def test_figures_that_became_a_link_are_not_followed(folder, tmp_path):
     with pytest.raises(lj.SetupError, match="is a link to another place"):
         start.reanalyse(folder)
     assert files(tmp_path / "elsewhere") == before
+
+
+@pytest.mark.parametrize("what", ["link", "file"])
+@pytest.mark.fault("folders")
+def test_figures_are_drawn_into_no_place_of_the_user(monkeypatch, capsys, folder, tmp_path, what):
+    """`figures DIR` wrote through the link, and over files of a folder that is not ours."""
+    shutil.move(folder / "figures", tmp_path / "elsewhere")
+    if what == "link":
+        (folder / "figures").symlink_to(tmp_path / "elsewhere")
+    else:
+        (tmp_path / "elsewhere").rename(folder / "figures")
+        (folder / MARKER_FILE).unlink()
+    before = files(tmp_path)
+    status, _, message = call(monkeypatch, capsys, "figures", folder)
+    said = {"link": "is a link to another place, where nothing is written", "file": "depth_profile.png: stands there"}
+    assert status == 2 and said[what] in message and files(tmp_path) == before
+
+
+@pytest.mark.fault("folders")
+def test_nothing_is_written_through_a_link(monkeypatch, capsys, folder, tmp_path):
+    """The names are ours by the marker, which is data: the files behind them are the user's."""
+    victim = tmp_path / "victim"
+    victim.write_text("of the user")
+    for name in ("profiles.csv", "profiles_mean.csv", ".profiles.csv.new", "animation.gif", ".animation.gif.new"):
+        (folder / name).symlink_to(victim)
+    monkeypatch.setattr("lammps_jump.analysis.draw.film.has_ffmpeg", lambda: False)
+    assert call(monkeypatch, capsys, "export", folder, "--csv")[0] == 0
+    assert call(monkeypatch, capsys, "animate", folder)[0] == 0
+    assert victim.read_text() == "of the user"
+    assert not [name for name in ("profiles.csv", "animation.gif") if (folder / name).is_symlink()]
+
+
+@pytest.mark.fault("folders")
+def test_a_report_shows_pictures_of_its_folder_alone(folder, tmp_path):
+    """A link in a received folder put a private file of its reader into the report."""
+    holiday = (folder / "figures" / "snapshots.png").read_bytes()
+    (tmp_path / "private").write_bytes(holiday)
+    for name in ("figures/holiday.png", "animation.mp4"):
+        (folder / name).symlink_to(tmp_path / "private")
+    (folder / "figures" / "mine.png").write_bytes(holiday)
+    (folder / "figures" / "secret.png").write_text("-----BEGIN PRIVATE KEY-----")
+    (folder / "animation.gif").write_text("password")
+    os.mkfifo(folder / "figures" / "a_pipe.png")
+    (tmp_path / "stage").mkdir()
+    seen = lj.open_run(folder).report(tmp_path / "page.html"), write_report(tmp_path / "stage", {}, beside=folder)
+    for page in (path.read_text() for path in seen):
+        assert "<figcaption>mine" in page
+        for text in ("holiday", "The flow", "secret", "a_pipe", "data:video/mp4", "data:image/gif"):
+            assert text not in page, text
+    os.replace(folder / "figures", tmp_path / "elsewhere")
+    (folder / "figures").symlink_to(tmp_path / "elsewhere")
+    page = lj.open_run(folder).report(tmp_path / "page.html").read_text()
+    assert "data:image/png" not in page and "data:image/webp" not in page
+
+
+@pytest.mark.parametrize("name", ["forces.csv", "log.lammps", "jump_track.csv", "profiles.nc"])
+@pytest.mark.fault("folders")
+def test_pipes_in_a_folder_are_not_waited_for(folder, name):
+    (folder / name).unlink(missing_ok=True)
+    os.mkfifo(folder / name)
+    with pytest.raises(lj.JumpError, match="no regular file"):
+        READERS[name](folder / name)
+    if name == "forces.csv":
+        with pytest.raises(lj.JumpError, match=r"forces\.csv is gone.*no regular file"):
+            start.reanalyse(folder)
+
+
+def track(path: Path) -> None:
+    """The table of the jump is left out of a page where it cannot be read."""
+    run = lj.open_run(path.parent)
+    player = make_player(packed(run.case, path.parent), path.parent)
+    assert player is not None and set(player.header["sequent"]) == {None}
+    text_of(path)
+
+
+READERS = {"forces.csv": read_forces, "log.lammps": read_log, "jump_track.csv": track, "profiles.nc": read_netcdf}
+
+
+@pytest.mark.fault("folders")
+def test_a_pipe_among_the_results_is_not_waited_for(case, folder):
+    (folder / "profiles.nc").unlink()
+    os.mkfifo(folder / "profiles.nc")
+    assert not is_analysed(case, folder, lj.open_run(folder).summary)
 
 
 @pytest.mark.fault("folders")

@@ -10,7 +10,7 @@ from pathlib import Path
 from lammps_jump.engines.checkpoint import join_part, last_saved
 from lammps_jump.engines.result import RunResult, interruption
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import FORCES_HEADER, write_text
+from lammps_jump.files import FORCES_HEADER, text_of, write_text
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import STOP_FILE
 from lammps_jump.script.probes import raw_forces
@@ -79,7 +79,7 @@ def gather_forces(scene: Scene, folder: Path) -> None:
     for order, name in enumerate(scene.probes):
         raw = folder / raw_forces(name)
         if raw.exists():
-            rows += [(time, order, line) for time, line in _force_rows(raw.read_text().splitlines())]
+            rows += [(time, order, line) for time, line in _force_rows(text_of(raw).splitlines())]
     path = folder / "forces.csv"
     if scene.probes and (rows or not path.exists()):
         lines = [FORCES_HEADER, *(line for *_, line in sorted(rows, key=lambda row: row[:2]))]

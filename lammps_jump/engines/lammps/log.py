@@ -7,6 +7,8 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from lammps_jump.files import text_of
+
 
 @dataclass
 class LogSummary:
@@ -48,7 +50,7 @@ def read_log(path: Path) -> LogSummary:
         return summary
     columns: list[str] | None = None
     previous: tuple[int, int] | None = None
-    for line in path.read_text(errors="replace").splitlines():
+    for line in text_of(path, "replace").splitlines():
         words = line.split()
         if words[:2] == ["Step", "Time"]:
             columns = words
