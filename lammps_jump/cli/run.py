@@ -122,7 +122,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
         print(line)
     if "discs" in summary:
         discs, seconds = summary["discs"], summary["wall_seconds"]
-        rate = summary["disc_steps_per_second"] or 0.0
+        rate = summary.get("disc_steps_per_second") or 0.0
         print(
             f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
             f"{discs['lost']} lost\n"

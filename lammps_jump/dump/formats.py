@@ -19,6 +19,7 @@ from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, UNPACKED, DumpFile, Fram
 from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
 
 MOST_BLANK = 10_000
+LARGEST_INT = (1 << 63) - 1
 CHUNK = 1 << 17
 """Bytes that are read at once: gzip makes room for as many each time."""
 DAMAGE = (EOFError, zlib.error, gzip.BadGzipFile)
@@ -191,7 +192,10 @@ def _value(buffer: _Buffer) -> str:
 def _number(dump: DumpFile, buffer: _Buffer, kind, what: str):
     text = _value(buffer)
     try:
-        return kind(text)
+        number = kind(text)
+        if kind is int and abs(number) > LARGEST_INT:
+            raise ValueError("beyond what LAMMPS counts")
+        return number
     except ValueError:
         raise _wrong(dump, buffer.line_number, text, what) from None
 

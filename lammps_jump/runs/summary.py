@@ -8,8 +8,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, FiniteFloat, NonNegativeInt, ValidationError
+from pydantic import BaseModel, FiniteFloat, NonNegativeInt, PositiveInt, ValidationError
 
+from lammps_jump import analysis
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.errors import DumpError
@@ -22,6 +23,10 @@ SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
     "the file is no summary of a run: delete it, and `lammps-jump analyze` makes it again from what the run wrote"
 )
+
+
+ANALYSED = ("inflow", "jump", "front", "energy", "force")
+"""What the analyses have found, each checked as it is described there."""
 
 
 class _Discs(BaseModel, strict=True, extra="forbid"):
@@ -50,6 +55,8 @@ class _Analysed(BaseModel, strict=True, extra="forbid"):
 class Stored(BaseModel, strict=True):
     """What is read back of a summary."""
 
+    name: str = ""
+    description: str = ""
     status: Literal["complete", "unchecked", "interrupted", "failed"]
     message: str | None
     engine: str
@@ -64,13 +71,12 @@ class Stored(BaseModel, strict=True):
     cpu_seconds: FiniteFloat = 0.0
     breakdown_seconds: dict[str, float | None] | None
     ledger: dict[str, float | None] | None
+    coefficients: dict[str, FiniteFloat | None] = {}
+    skipped: list[str] = []
+    ranks: PositiveInt = 1
     resumed_at: list[FiniteFloat] = []
     can_go_on: bool = False
     warnings: list[str] = []
-    jump: dict[str, Any] | None = None
-    front: dict[str, Any] | None = None
-    energy: dict[str, Any] | None = None
-    force: dict[str, Any] | None = None
     key: str = ""
     stopped_when_steady: str = ""
     files: list[str] = []
@@ -155,10 +161,14 @@ def read_summary(folder: Path) -> dict[str, Any]:
         found = read_json(path)
     except (OSError, ValueError):
         return {}
+    within = ""
     try:
         Stored.model_validate(found)
+        for within, kind, value in analysis.quantities.stored_parts(found) if set(ANALYSED) & set(found) else ():
+            kind.validate_python(value)
     except ValidationError as error:
         first = error.errors()[0]
-        place = "".join(f" {name}:" for name in first["loc"])
-        raise DumpError(f"{path}:{place} {first['msg']}, got {str(first['input'])[:40]!r}; {NO_SUMMARY}") from None
+        place = "".join(f" {name}:" for name in filter(None, (within, *first["loc"])))
+        got = str(plain(first["input"]))[:40]
+        raise DumpError(f"{path}:{place} {first['msg']}, got {got!r}; {NO_SUMMARY}") from None
     return found

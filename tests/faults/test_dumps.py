@@ -104,6 +104,12 @@ def test_an_absurd_id_or_radius_is_analysed_or_refused(whole, tmp_path, value):
     outcome(with_value(whole.replace(b" vx vy", b" vx radius"), 4, value), tmp_path)
 
 
+@pytest.mark.parametrize("step", ["1" + 400 * "0", "9223372036854775808", "-1" + 30 * "0"])
+def test_a_step_beyond_all_counting_is_refused(whole, tmp_path, step):
+    said = outcome(whole.replace(b"TIMESTEP\n50\n", f"TIMESTEP\n{step}\n".encode()), tmp_path)
+    assert "expected a step number, found" in said
+
+
 def mutants(data: bytes, number: int):
     """Dumps with bytes flipped, cut, doubled, or numbers replaced; the same each time."""
     numbers = [

@@ -7,6 +7,7 @@ import hashlib
 import json
 import os
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,13 +15,24 @@ from children import run_program
 from made_up import INPUTS, choose_to_stop_at, without_analysis
 
 import lammps_jump as lj
+from lammps_jump.analysis import Force, Front, Jump
 from lammps_jump.cli.run import print_summary
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, sum_of
-from lammps_jump.errors import JumpError, ResumeError, RunInterrupted
+from lammps_jump.errors import DumpError, JumpError, ResumeError, RunInterrupted
+from lammps_jump.files import plain
+from lammps_jump.physics.jump import inflow_theory
 from lammps_jump.runs import engine, start
+from lammps_jump.runs.summary import read_summary, write_summary
+from lammps_jump.units import as_summary
 
 CHANGES = ["run.duration=0.06", "run.output_interval=0.01"]
 STEP = 200
+NO_RESULTS = {
+    "status": "complete", "message": None, "engine": "native", "kernel": "numba", "case_hash": "0", "versions": {},
+    "steps": 10, "disc_steps": 10.0, "discs": {"inserted": 1, "present": 1, "removed": 0, "lost": 0},
+    "wall_seconds": {"build": 0.1, "run": 0.1, "analysis": 0.1}, "breakdown_seconds": None, "ledger": None,
+}  # fmt: skip
+"""What stands in every summary."""
 
 
 @pytest.fixture(scope="module", params=["native", "stock"])
@@ -218,6 +230,42 @@ def test_every_field_of_a_summary_is_checked(folder, monkeypatch, tried):
             path.write_text(json.dumps(stored))
     assert not list(folder.parent.rglob("PWNED"))
     tried(len(texts))
+
+
+def leaves(tree, place=()):
+    """Places of all values in plain data, of lists that of the first."""
+    inner = tree.items() if isinstance(tree, dict) else list(enumerate(tree))[:1] if isinstance(tree, list) else ()
+    for key, value in inner:
+        yield (*place, key)
+        yield from leaves(value, (*place, key))
+
+
+@pytest.mark.fault("values in JSON files")
+def test_results_of_another_kind_are_refused(tmp_path, tried):
+    """A text or a list where the report wants a number of the jump, the front or the forces ended in a traceback."""
+    jump = as_summary(replace(Jump("jump", "found"), y2=1.5, inflow=inflow_theory(0.6, 10.0, 9.81)))
+    force = {"wall": as_summary(Force("wall")), "low_pass": 3.0, "settled": {"wall": {"mean_fx": 2.0}}, "notes": ["x"]}
+    front = as_summary(Front(column_base=1.0, column_depth=2.0, position=3.0))
+    stored = plain({**NO_RESULTS, "jump": jump, "front": front, "force": force})
+    write_summary(tmp_path, stored)
+    assert read_summary(tmp_path) == stored
+    places, refused = [place for name in ("jump", "front", "force") for place in leaves(stored[name], (name,))], 0
+    for place in places:
+        for value in ("text", [[7]], {"a": [1]}, 10**400, True):
+            changed = json.loads(json.dumps(stored))
+            inner = changed
+            for key in place[:-1]:
+                inner = inner[key]
+            inner[place[-1]] = value
+            (tmp_path / "summary.json").write_text(json.dumps(changed))
+            try:
+                found = read_summary(tmp_path)
+                print_summary(found, tmp_path)
+            except DumpError as error:
+                assert "\n" not in str(error) and ": ".join(map(str, place[:2])) in str(error)
+                refused += 1
+    assert refused > 4 * len(places)
+    tried(5 * len(places))
 
 
 def test_a_summary_that_is_a_pipe_is_not_waited_for(folder):
