@@ -117,9 +117,8 @@ def stored_model(result: type) -> type[BaseModel]:
     kinds, fields = get_type_hints(result), dataclasses.fields(result)
     known = {f.metadata.get("key", f.name): kinds[f.name] for f in fields if f.metadata.get("summary", True)}
     config = ConfigDict(strict=True, extra="ignore")
-    return create_model(
-        result.__name__, __config__=config, **{key: (_stored(kind), None) for key, kind in known.items()}
-    )
+    allowed: Any = {key: (_stored(kind), None) for key, kind in known.items()}
+    return create_model(result.__name__, __config__=config, **allowed)
 
 
 def _stored(kind: Any) -> Any:

