@@ -37,7 +37,8 @@ _Loader.add_implicit_resolver(
 
 
 MOST_DEPTH = 40
-MOST_VALUES = 1_000_000
+MOST_VALUES = 300_000
+"""Values of a case, and keys: 100,000 discs of a list, some seconds of reading."""
 MOST_BYTES = 100_000_000
 
 
@@ -162,9 +163,12 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
 
 
 def _compose(text: str, file: str) -> yaml.Node | None:
-    """Node tree of the text; nesting is counted before, because building the tree recurses."""
-    depth = 0
+    """Node tree of the text; nesting and values are counted before: building the tree recurses and takes long."""
+    depth = values = 0
     for event in yaml.parse(text, Loader=_Loader):
+        values += isinstance(event, yaml.NodeEvent)
+        if values > MOST_VALUES:
+            raise CaseError(_too_many(file, event))
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
             if depth > MOST_DEPTH:
@@ -181,14 +185,18 @@ def _too_deep(file: str, here: yaml.Event | yaml.Node) -> str:
     )
 
 
+def _too_many(file: str, here: yaml.Event | yaml.Node) -> str:
+    return (
+        f"{file}:{here.start_mark.line + 1}: more than {MOST_VALUES:,} values and keys, aliases (*) counted as often "
+        "as they stand; write fewer"
+    )
+
+
 def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loader) -> Any:
     """Plain data of a node tree; records lines, refuses repeated keys and endless aliases."""
     source.values += 1
     if source.values > MOST_VALUES:
-        raise CaseError(
-            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path[:1])}: more than {MOST_VALUES} values, "
-            "aliases (*) counted as often as they stand; write fewer"
-        )
+        raise CaseError(_too_many(source.file, node))
     if len(path) > MOST_DEPTH:
         raise CaseError(_too_deep(source.file, node))
     source.lines[path] = node.start_mark.line + 1

@@ -19,6 +19,7 @@ from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, UNPACKED, DumpFile, Fram
 from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
 
 MOST_BLANK = 10_000
+MOST_EMPTY = 100_000
 LARGEST_INT = (1 << 63) - 1
 CHUNK = 1 << 17
 """Bytes that are read at once: gzip makes room for as many each time."""
@@ -100,7 +101,7 @@ class _Buffer(_Source):
 def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
     """Headers, and the frames for whose index `parse` is true; a last frame that is cut off is left out and noted."""
     kind, read = (_Buffer, _text_frame) if dump.format == "text" else (_Bytes, _binary_frame)
-    source = kind(dump, stream)
+    source, empty = kind(dump, stream), 0
     for index in itertools.count():
         start = source.place()
         try:
@@ -120,6 +121,9 @@ def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
             return
         if index >= MOST_FRAMES:
             raise DumpError(f"{dump.path}: more than {MOST_FRAMES} frames; read the file in parts.")
+        empty += found[0].n == 0
+        if empty > MOST_EMPTY:
+            raise DumpError(f"{dump.path}: more than {MOST_EMPTY:,} frames without a disc; name a dump of discs.")
         yield found
 
 

@@ -368,3 +368,23 @@ def test_progress_of_a_part_tells_its_own_speed(capsys):
     line = ProgressLine(10.0, stream=sys.stdout, first_step=900, clock=lambda: next(clock))
     line(Progress(step=950, steps=1000, time=9.5, discs=10**6))
     assert "95 %" in (text := capsys.readouterr().out) and "2.5 M disc-steps/s" in text and "20 s left" in text
+
+
+@pytest.mark.parametrize("what", ["n", "compressed", "nothing", "text", "missing"])
+@pytest.mark.fault("flipped bits")
+def test_a_state_that_was_made_up_is_refused(tmp_path, what):
+    """With n = 10^9 it took minutes and all memory."""
+    scene, path = pouring(), tmp_path / "checkpoint-0.npz"
+    save_state(NativeSimulation(scene), path)
+    with np.load(path) as stored:
+        arrays = dict(stored)
+    if what == "n":
+        arrays["plain"] = np.array(json.dumps({**json.loads(str(arrays["plain"])), "n": 10**9}))
+    if what == "missing":
+        del arrays["near"]
+    path.unlink()
+    (np.savez_compressed if what == "compressed" else np.savez)(path, **arrays)
+    if what in ("nothing", "text"):
+        path.write_text("" if what == "nothing" else "no state")
+    with pytest.raises(ResumeError, match=r"checkpoint-0\.npz: is no state that a run has saved"):
+        load_state(scene, path)

@@ -10,6 +10,7 @@ from fault_table import many
 from made_up import INPUTS, files
 
 import lammps_jump as lj
+from lammps_jump.case import parse_case
 from lammps_jump.errors import CaseError
 
 pytestmark = pytest.mark.fault("mutants of cases")
@@ -58,3 +59,11 @@ def test_a_mutant_is_built_or_refused(path, tmp_path, tried, monkeypatch):
         assert list(files(tmp_path)) == [str(tmp_path / "case.yaml")]
     assert taken < times
     tried(times)
+
+
+def test_values_are_counted_before_they_are_read(monkeypatch):
+    """A list of 30 MB was read for minutes."""
+    monkeypatch.setattr("lammps_jump.case.text.MOST_VALUES", 1000)
+    monkeypatch.setattr("yaml.compose", None)
+    with pytest.raises(CaseError, match=r"<case>:3: more than 1,000 values and keys"):
+        parse_case("name: x\ninitial:\n  [" + 2000 * "1," + "1]\n")

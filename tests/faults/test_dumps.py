@@ -170,6 +170,15 @@ def test_absurd_sizes_are_analysed_or_refused(whole, tmp_path, given):
     outcome(whole, tmp_path, **given)
 
 
+def test_frames_without_discs_are_counted(tmp_path, monkeypatch):
+    """A gzip file of 680 kB held 1.2 million of them, which took minutes."""
+    monkeypatch.setattr("lammps_jump.dump.formats.MOST_EMPTY", 10)
+    head = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS pp pp pp\n"
+    head += 3 * "0 1\n" + "ITEM: ATOMS id x y\n"
+    assert "no frame holds a disc" in outcome("".join(map(head.format, range(10))).encode(), tmp_path)
+    assert "more than 10 frames without a disc" in outcome("".join(map(head.format, range(11))).encode(), tmp_path)
+
+
 def test_frames_are_counted(whole, tmp_path, monkeypatch):
     monkeypatch.setattr("lammps_jump.dump.formats.MOST_FRAMES", 3)
     assert "more than 3 frames" in outcome(whole, tmp_path)

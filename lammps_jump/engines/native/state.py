@@ -11,9 +11,11 @@ from __future__ import annotations
 import json
 from dataclasses import astuple
 from pathlib import Path
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 
+from lammps_jump.errors import ResumeError
 from lammps_jump.scene.scene import Scene
 
 from .ledger import Energy
@@ -63,10 +65,28 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
 
 
 def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimulation:
-    """The simulation that `save_state` wrote, made from the same scene with the same `ledger`."""
+    """The simulation that `save_state` wrote, made from the same scene with the same `ledger`.
+
+    Raises
+    ------
+    ResumeError
+        The file is no such state: it was damaged, or made up.
+    """
+    try:
+        return _loaded(scene, path, ledger)
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, MemoryError, BadZipFile) as error:
+        raise ResumeError(f"{path}: is no state that a run has saved ({error}); start a new run") from None
+
+
+def _loaded(scene: Scene, path: Path, ledger: bool) -> NativeSimulation:
     simulation = NativeSimulation(scene, ledger=ledger)
+    with ZipFile(path) as packed:
+        if any(entry.compress_type for entry in packed.infolist()):
+            raise ValueError("its arrays are compressed")  # and may be of any size
     with np.load(path) as stored:
         plain = json.loads(str(stored["plain"]))
+        if not (type(plain["n"]) is int and 0 <= 8 * plain["n"] <= path.stat().st_size):
+            raise ValueError(f"it is too small for {plain['n']} discs")
         for name in COUNTS:
             setattr(simulation, name, plain[name])
         _load_discs(simulation.discs, plain["n"], stored)
