@@ -48,6 +48,8 @@ FIGURES = {
 }
 """Pictures in ``figures/``, in the order of the report, with their captions there."""
 JOB_FILE = "job.slurm"
+RANKS_FILE = ".ranks.job"
+"""The job of several ranks, which each of them reads; deleted at the end of the run."""
 RUN_FILES = (
     "case.yaml",
     "in.lammps",
@@ -66,6 +68,7 @@ RUN_FILES = (
     "in.resume.lammps",
     BINARY_PART,
     "stop.request",
+    RANKS_FILE,
 )
 """What the engines read and write in a run folder (names and patterns)."""
 EXPORTS = {

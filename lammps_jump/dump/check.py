@@ -46,7 +46,7 @@ class FrameCheck:
         ids = frame.columns.get("id", np.empty(0))
         if ids.size != frame.n or (ids < 1).any() or (ids % 1 != 0).any():
             return "an id is no positive whole number"
-        if (np.diff(ids) <= 0).any() and np.unique(ids).size != ids.size:
+        if _is_repeated(ids):
             return "an id stands there twice"
         for axis, values, (low, high) in zip("xy", (frame.x, frame.y), scene.domain, strict=True):
             outside = np.flatnonzero(~((values >= low - scene.largest) & (values <= high + scene.largest)))
@@ -64,6 +64,39 @@ class FrameCheck:
         elif steps % self.scene.output_steps == 0 and self.last != present:
             found.append(f"{self.last} discs in the last frame, {present} at the end of the run")
         return found
+
+
+def _is_repeated(ids: np.ndarray) -> bool:
+    return bool((np.diff(ids) <= 0).any() and np.unique(ids).size != ids.size)
+
+
+class IdCheck:
+    """Refuses a foreign dump by whose ids no disc can be followed, beside other collectors of one pass over it.
+
+    Parameters
+    ----------
+    path : Path
+        Of the dump, for the message.
+    """
+
+    def __init__(self, path: Path):
+        self.path = path
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in the next frame; DumpError where an id is negative, no whole number, or stands there twice."""
+        ids = frame.columns.get("id", np.empty(0))
+        wrong = (ids < 0) | (ids != np.floor(ids))
+        if wrong.any():
+            found = f"{ids[np.argmax(wrong)]:.10g} is no whole number from 0"
+        elif _is_repeated(ids):
+            once, number = np.unique(ids, return_counts=True)
+            found = f"{once[np.argmax(number > 1)]:.0f} stands there twice"
+        else:
+            return
+        raise DumpError(f"{self.path}: step {frame.step}: id {found}; each disc needs a number of its own there")
+
+    def result(self) -> None:
+        """Nothing is kept."""
 
 
 def force_troubles(path: Path, scene: Scene, steps: int) -> list[str]:

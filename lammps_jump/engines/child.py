@@ -15,7 +15,6 @@ import pickle
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -23,6 +22,8 @@ from typing import TYPE_CHECKING
 
 from lammps_jump import errors
 from lammps_jump.errors import SetupError
+from lammps_jump.files import RANKS_FILE, write_bytes
+from lammps_jump.folders import writable
 
 from .interrupts import SIGNALS, held_back
 from .lammps.loader import check_installed, program
@@ -197,14 +198,17 @@ def child_for(job: Job) -> Iterator[Child]:
     if setting.engine == "lammps":
         check_installed()
     if setting.ranks > 1:
-        with tempfile.NamedTemporaryFile(prefix="lammps-jump-") as file:
-            file.write(pickle.dumps(job))
-            file.flush()
-            child = Child(setting.engine, setting.ranks, file.name)
+        file = (job.folder / RANKS_FILE).absolute()
+        with writable(job.folder):
+            write_bytes(file, pickle.dumps(job))
+        try:
+            child = Child(setting.engine, setting.ranks, str(file))
             try:
                 yield child
             finally:
                 child.close()
+        finally:
+            file.unlink(missing_ok=True)
         return
     waiting = _idle.setdefault(setting.engine, [])
     child = waiting.pop() if waiting else Child(setting.engine)

@@ -24,6 +24,7 @@ from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
 from lammps_jump.case.case import ReadCase, load_case
+from lammps_jump.dump.check import IdCheck
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
@@ -184,7 +185,7 @@ def analyse_dump(
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
         packer = FramePacker(flow)
-        summary |= quantities.analyse(flow, path, stage, ("jump", "front"), watch=[packer])
+        summary |= quantities.analyse(flow, path, stage, ("jump", "front"), watch=[IdCheck(path), packer])
         report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
         write_summary(stage, summary)
         folders.clear(folder, RESULT_FILES)

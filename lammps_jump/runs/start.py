@@ -15,7 +15,7 @@ from lammps_jump import engines, runs
 from lammps_jump.case.case import ReadCase, load_case
 from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
-from lammps_jump.files import RESULT_FILES
+from lammps_jump.files import RANKS_FILE, RESULT_FILES
 from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
 from lammps_jump.script.job import Site, write_job
 
@@ -73,6 +73,7 @@ def _run(
     case: ReadCase, folder: Path, setting: Setting, notes: tuple[str, ...], resume: bool, begin: float, watch: Watchers
 ) -> None:
     """Run in a folder that this process holds."""
+    clear(folder, [RANKS_FILE])  # of a run that was killed
     scene, told = case.scene(), [*case.scene().warnings, *case.scene().adapted, *notes]
     checkpoint = resumable(case, folder, setting) if resume else None
     before: Mapping[str, float] = {}
@@ -168,6 +169,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
 
 def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str, ...]) -> None:
     """Analyse a run again in a folder that this process holds."""
+    clear(folder, [RANKS_FILE])
     stored = read_summary(folder)
     if stored.get("kernel") in ("stock", "compiled") and setting.kernel != "numba":
         setting = replace(setting, kernel=stored["kernel"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import pickle
 import re
 import resource
 import signal
@@ -25,6 +26,7 @@ from lammps_jump.engines.launch import run
 from lammps_jump.engines.result import MARK, Progress, RunResult
 from lammps_jump.engines.setting import Job, Setting
 from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.files import RANKS_FILE
 
 pytestmark = pytest.mark.lammps
 SETTINGS = {"lammps": Setting(), "native": Setting("native", "numba")}
@@ -95,7 +97,7 @@ def test_a_caller_that_wants_an_end_is_asked_until_it_says_so(scene, monkeypatch
 
 def test_the_first_signal_asks_and_a_later_one_kills(scene, monkeypatch):
     child, ended = fake_child(monkeypatch), []
-    monkeypatch.setattr(child, "end", lambda: ended.append(True))
+    monkeypatch.setattr(children, "end", lambda: ended.append(True))
     monkeypatch.setattr(children, "ONE_SIGNAL", float("inf"))
     child.run(job(scene), lambda report: child.signalled(15, None), None)  # nine at once, as from `timeout`
     assert child.process.told() == ["stop 1"] and not ended
@@ -227,3 +229,25 @@ def test_the_reason_is_told_where_a_native_run_cannot_write(endless, tmp_path):
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert result.status == "failed" and "OSError" in result.message and "File too large" in result.message
+
+
+@pytest.mark.fault("folders")
+def test_the_job_of_several_ranks_stands_in_the_run_folder_and_goes(tmp_path, monkeypatch):
+    """A killed run left it in the temporary folder for ever; the next command removes it."""
+    seen = []
+
+    class Nothing:
+        def __init__(self, engine, ranks, job_file):
+            seen.append((Path(job_file), pickle.loads(Path(job_file).read_bytes()).folder))
+
+        def close(self) -> None:
+            pass
+
+    monkeypatch.setattr(children, "Child", Nothing)
+    monkeypatch.setattr(children, "check_installed", lambda: None)
+    victim = tmp_path / "victim"
+    victim.write_text("of the user")
+    (tmp_path / RANKS_FILE).symlink_to(victim)
+    with children.child_for(Job(None, tmp_path, Setting("lammps", "stock", 2), tmp_path, None)):
+        assert seen == [(tmp_path / RANKS_FILE, tmp_path)]
+    assert victim.read_text() == "of the user" and not os.path.lexists(tmp_path / RANKS_FILE)

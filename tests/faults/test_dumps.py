@@ -104,6 +104,13 @@ def test_an_absurd_id_or_radius_is_analysed_or_refused(whole, tmp_path, value):
     outcome(with_value(whole.replace(b" vx vy", b" vx radius"), 4, value), tmp_path)
 
 
+@pytest.mark.parametrize(
+    "value, said", [("-1", "id -1 is no"), ("2.5", "id 2.5 is no whole number"), ("7", "id 7 stands there twice")]
+)
+def test_an_id_that_is_none_is_refused(whole, tmp_path, value, said):
+    assert said in outcome(with_value(whole, 0, value), tmp_path)
+
+
 @pytest.mark.parametrize("step", ["1" + 400 * "0", "9223372036854775808", "-1" + 30 * "0"])
 def test_a_step_beyond_all_counting_is_refused(whole, tmp_path, step):
     said = outcome(whole.replace(b"TIMESTEP\n50\n", f"TIMESTEP\n{step}\n".encode()), tmp_path)
