@@ -4,21 +4,18 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-from pydantic import FiniteFloat, TypeAdapter
+from typing import TYPE_CHECKING, NamedTuple
 
 from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import CURVES, plain, write_json
-from lammps_jump.units import as_summary, is_bound, numbers_of, shown, stored_model
+from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import draw, energy, front
 from .budgets import inflow, stations
@@ -88,6 +85,8 @@ QUANTITIES = {
     ),
 }
 """By the key in ``summary.json``, in the order of the report."""
+BESIDE_FORCES = {"reflected_wave": ReflectedWave, "identity": Identity}
+"""Results that stand beside those of the structures under ``force`` in ``summary.json``."""
 ALWAYS = {"inflow", "force"}
 """Made whether asked for or not, where a scene has rows of inflow or probes."""
 
@@ -287,26 +286,6 @@ def _about_profiles(gathered: Gathered) -> dict[str, object]:
         "window": list(window_of(profiles)),
         "window_frames": profiles.attrs["window_frames"],
     }
-
-
-@cache
-def _stored_kinds() -> dict[str, TypeAdapter]:
-    """What may stand in ``summary.json`` at a quantity, or at a part of the forces; 'force' is one structure."""
-    number: Any = FiniteFloat | None
-    kinds: dict[str, Any] = {name: stored_model(quantity.result) for name, quantity in QUANTITIES.items()}
-    kinds |= {"force.settled": dict[str, dict[str, number]], "force.reflected_wave": stored_model(ReflectedWave)}
-    kinds |= {"force.identity": dict[str, stored_model(Identity)], "force.low_pass": number, "force.notes": list[str]}
-    return {name: TypeAdapter(kind) for name, kind in kinds.items()}
-
-
-def stored_parts(summary: Mapping[str, Any]) -> Iterator[tuple[str, TypeAdapter, object]]:
-    """The results that a ``summary.json`` holds: place, what is allowed there, and what stands there."""
-    kinds = _stored_kinds()
-    for name, found in ((name, summary[name]) for name in QUANTITIES if summary.get(name) is not None):
-        if name == "force" and isinstance(found, Mapping):
-            yield from ((f"force: {key}", kinds.get(f"force.{key}", kinds["force"]), found[key]) for key in found)
-        else:
-            yield name, kinds[name], found
 
 
 def main_numbers(summary: Mapping[str, object]) -> list[str]:

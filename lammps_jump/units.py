@@ -11,14 +11,11 @@ import dataclasses
 import inspect
 import re
 from collections.abc import Mapping
-from functools import lru_cache, reduce
+from functools import lru_cache
 from math import floor, inf, isfinite, log10, nan
-from operator import or_
-from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, FiniteFloat, WithJsonSchema, create_model
+from pydantic import BeforeValidator, WithJsonSchema
 
 from lammps_jump.errors import CaseError
 
@@ -106,30 +103,6 @@ def as_summary(result: object) -> dict[str, object]:
                 as_summary(value) if dataclasses.is_dataclass(value) else value
             )
     return found
-
-
-@lru_cache
-def stored_model(result: type) -> type[BaseModel]:
-    """What a result must be as it stands in a ``summary.json`` that was handed on; keys may be missing or more.
-
-    Numbers and lists of numbers must be such, or null; texts must be texts.
-    """
-    kinds, fields = get_type_hints(result), dataclasses.fields(result)
-    known = {f.metadata.get("key", f.name): kinds[f.name] for f in fields if f.metadata.get("summary", True)}
-    config = ConfigDict(strict=True, extra="ignore")
-    allowed: Any = {key: (_stored(kind), None) for key, kind in known.items()}
-    return create_model(result.__name__, __config__=config, **allowed)
-
-
-def _stored(kind: Any) -> Any:
-    """Type of a value in JSON whose field is of this type."""
-    if dataclasses.is_dataclass(kind):
-        return stored_model(kind) | None
-    if isinstance(kind, UnionType):
-        return reduce(or_, map(_stored, get_args(kind)))
-    if kind is np.ndarray or get_origin(kind) is tuple:
-        return list[_stored((*get_args(kind), float)[0])] | None
-    return FiniteFloat | None if kind is float else kind | None
 
 
 AT_LEAST = "at least "

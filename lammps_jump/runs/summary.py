@@ -3,12 +3,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, is_dataclass
+from dataclasses import fields as fields_of
+from functools import cache, reduce
+from operator import or_
 from pathlib import Path
-from typing import Any, Literal
+from types import UnionType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from pydantic import BaseModel, FiniteFloat, NonNegativeInt, PositiveInt, ValidationError
+import numpy as np
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    FiniteFloat,
+    NonNegativeInt,
+    PositiveInt,
+    TypeAdapter,
+    ValidationError,
+    create_model,
+)  # fmt: skip
 
 from lammps_jump import analysis
 from lammps_jump.case.case import ReadCase
@@ -82,6 +96,52 @@ class Stored(BaseModel, strict=True):
     files: list[str] = []
     outputs: dict[str, _Sum] | None = None
     analysed: _Analysed | None = None
+
+
+@cache
+def stored_model(result: type) -> type[BaseModel]:
+    """What a result must be as it stands in a ``summary.json`` that was handed on; keys may be missing or more.
+
+    Numbers and lists of numbers must be such, or null; texts must be texts.
+    """
+    kinds, fields = get_type_hints(result), fields_of(result)
+    known = {f.metadata.get("key", f.name): kinds[f.name] for f in fields if f.metadata.get("summary", True)}
+    config = ConfigDict(strict=True, extra="ignore")
+    allowed: Any = {key: (_stored(kind), None) for key, kind in known.items()}
+    return create_model(result.__name__, __config__=config, **allowed)
+
+
+def _stored(kind: Any) -> Any:
+    """Type of a value in JSON whose field is of this type."""
+    if is_dataclass(kind):
+        return stored_model(kind) | None
+    if isinstance(kind, UnionType):
+        return reduce(or_, map(_stored, get_args(kind)))
+    if kind is np.ndarray or get_origin(kind) is tuple:
+        return list[_stored((*get_args(kind), float)[0])] | None
+    return FiniteFloat | None if kind is float else kind | None
+
+
+@cache
+def _stored_kinds() -> dict[str, TypeAdapter[Any]]:
+    """What may stand at a quantity, or at a part of the forces; 'force' is one structure."""
+    number: Any = FiniteFloat | None
+    found = analysis.quantities
+    wave, identity = map(stored_model, (found.BESIDE_FORCES[key] for key in ("reflected_wave", "identity")))
+    kinds: dict[str, Any] = {name: stored_model(quantity.result) for name, quantity in found.QUANTITIES.items()}
+    kinds |= {"force.settled": dict[str, dict[str, number]], "force.reflected_wave": wave}
+    kinds |= {"force.identity": dict[str, identity], "force.low_pass": number, "force.notes": list[str]}  # type: ignore[valid-type]
+    return {name: TypeAdapter(kind) for name, kind in kinds.items()}
+
+
+def _stored_parts(summary: Mapping[str, Any]) -> Iterator[tuple[str, TypeAdapter[Any], object]]:
+    """The results that a summary holds: place, what is allowed there, and what stands there."""
+    for name, found in ((name, summary[name]) for name in ANALYSED if summary.get(name) is not None):
+        kinds = _stored_kinds()
+        if name == "force" and isinstance(found, Mapping):
+            yield from ((f"force: {key}", kinds.get(f"force.{key}", kinds["force"]), found[key]) for key in found)
+        else:
+            yield name, kinds[name], found
 
 
 def compose(
@@ -164,7 +224,7 @@ def read_summary(folder: Path) -> dict[str, Any]:
     place = ""
     try:
         Stored.model_validate(found)
-        for place, kind, value in analysis.quantities.stored_parts(found) if set(ANALYSED) & set(found) else ():  # noqa: B007
+        for place, kind, value in _stored_parts(found):  # noqa: B007
             kind.validate_python(value)
     except ValidationError as error:
         first = error.errors()[0]
