@@ -113,12 +113,13 @@ def stored_model(result: type) -> type[BaseModel]:
 
 def _stored(kind: Any) -> Any:
     """Type of a value in JSON whose field is of this type."""
-    if is_dataclass(kind):
+    if isinstance(kind, type) and is_dataclass(kind):
         return stored_model(kind) | None
     if isinstance(kind, UnionType):
         return reduce(or_, map(_stored, get_args(kind)))
     if kind is np.ndarray or get_origin(kind) is tuple:
-        return list[_stored((*get_args(kind), float)[0])] | None
+        item: Any = _stored((*get_args(kind), float)[0])
+        return list[item] | None
     return FiniteFloat | None if kind is float else kind | None
 
 
