@@ -1,22 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Walls that discs meet. The class that checks a wall of a case file is the wall.
 
-A wall answers what engines, drawing and analysis ask. Each answer follows from `Wall.faces`, the planes and rectangles
-that push, unless a wall knows better. Distances are of disc centres: a disc of radius R touches below R.
+A wall answers what engines, drawing and analysis ask. Each answer follows from `Wall.chains`, the faces that push, unless
+a wall knows better. Distances are of disc centres: a disc of radius R touches below R.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import cached_property
 from math import inf
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from lammps_jump.quoting import LONGEST_NAME
 from lammps_jump.units import Metre
+
+from .chains import Chain, Faces, boxes, distance, grounds, lay, outline
 
 Interval = tuple[float, float]
 
@@ -42,22 +44,6 @@ WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=LONGEST_N
 """Part of the names of LAMMPS fixes, regions and variables, which take no other letters."""
 
 
-class Contact(NamedTuple):
-    """Distance (m) of points to a face, and the unit normal of its push; a zero normal where it does not push."""
-
-    distance: np.ndarray
-    nx: np.ndarray
-    ny: np.ndarray
-
-
-class Floor(NamedTuple):
-    """A level floor: its interval of x, underside and top, m. The underside is minus infinity if nothing fits below."""
-
-    x: Interval
-    underside: float
-    top: float
-
-
 def _in_a_file(schema: dict[str, Any], wall: type) -> None:
     """JSON schema of a wall in a case file: its kind comes first and must be given."""
     kind = schema["properties"].pop("kind")
@@ -68,32 +54,36 @@ def _in_a_file(schema: dict[str, Any], wall: type) -> None:
 
 
 class Wall:
-    """What every wall answers. A new wall is a frozen dataclass with `kind`, `name` and fields, and `faces`."""
+    """What every wall answers. A new wall is a frozen dataclass with `kind`, `name` and fields, and `chains`."""
 
     __pydantic_config__ = ConfigDict(extra="forbid", json_schema_extra=_in_a_file)
     name: str
     hollow: ClassVar[bool] = False
     """Whether the discs are inside the outline."""
+    deep: ClassVar[bool] = False
+    """Whether discs behind a face are pushed back from any depth, and not from their radius alone."""
     parts: tuple[str, ...] = ()
     """Endings behind the name that scripts use for parts of the wall; no other wall may have such a name."""
 
-    def faces(self) -> tuple[Plane | Block, ...]:
-        """Planes and rectangles that push, each on its own."""
+    def chains(self) -> tuple[Chain, ...]:
+        """Chains of faces that push, drawn with the discs on their left."""
         raise NotImplementedError
 
-    def contacts(self, x: np.ndarray, y: np.ndarray) -> list[Contact]:
-        """Contact of points with each face; arrays of x's shape."""
-        return [face.contact(x, y) for face in self.faces()]
+    @cached_property
+    def faces(self) -> Faces:
+        """The chains as flat arrays."""
+        return lay([(self.chains(), self.deep)])
 
     def distance(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Distance of points to the nearest face, m; negative inside the solid."""
-        return reduce(np.minimum, [contact.distance for contact in self.contacts(x, y)])
+        return distance(self.faces, x, y)
 
     @property
     def extent(self) -> tuple[Interval, Interval]:
         """Smallest rectangle (x, y) around the faces, m; infinite where they have no end."""
-        (x_low, x_high), (y_low, y_high) = np.transpose([face.extent for face in self.faces()], (1, 2, 0))
-        return (float(min(x_low)), float(max(x_high))), (float(min(y_low)), float(max(y_high)))
+        box = boxes(self.faces, deep=False)
+        (x_low, y_low), (x_high, y_high) = box[:, 0::2].min(axis=0), box[:, 1::2].max(axis=0)
+        return (float(x_low), float(x_high)), (float(y_low), float(y_high))
 
     @property
     def finite(self) -> bool:
@@ -108,16 +98,18 @@ class Wall:
 
     def room(self, axis: str) -> Interval:
         """Interval of a coordinate that the wall leaves to the discs, m; infinite where it sets no bound."""
-        low, high = zip(*(face.room(axis) for face in self.faces()), strict=True)
-        return max(low), min(high)
+        return self.extent["xy".index(axis)] if self.hollow else (-inf, inf)
 
-    def floors(self) -> tuple[Floor, ...]:
-        """Floors that discs may flow on."""
-        return tuple(floor for face in self.faces() for floor in face.floors())
+    def grounds(self, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Solids over x: the height of the underside and of the top of each, m, of x's shape; NaN where there is none.
+
+        The underside is minus infinity where nothing fits below.
+        """
+        return grounds(self.faces, x)
 
     def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
         """Closed polygons of the solid within x and y, each of shape (corners, 2), m; of the hole if `hollow`."""
-        return tuple(polygon for face in self.faces() for polygon in face.outline(x, y))
+        return tuple(outline(chain) for chain in self.chains())
 
 
 def rectangle(x: Interval, y: Interval) -> np.ndarray:
@@ -145,6 +137,7 @@ class Plane(Wall):
     """
 
     kind: Literal["plane"] = field(default="plane", kw_only=True, repr=False)
+    deep = True
     name: WallName
     axis: Literal["x", "y"]
     at: Coordinate
@@ -155,36 +148,17 @@ class Plane(Wall):
         """+1 where the discs are above the plane, -1 below."""
         return 1.0 if self.side == "above" else -1.0
 
-    @property
-    def primitive(self) -> tuple[str, tuple[float, float, float, float]]:
-        """Name of the shape and its numbers, for engines: at (m), sign, 0, 0."""
-        return f"plane_{self.axis}", (self.at, self.sign, 0.0, 0.0)
-
-    def faces(self) -> tuple[Plane]:
-        """The plane itself."""
-        return (self,)
-
-    def contact(self, x: np.ndarray, y: np.ndarray) -> Contact:
-        """Distance (m) and normal at each point."""
-        distance = self.sign * (np.asarray(x if self.axis == "x" else y, float) - self.at)
-        normal, zero = np.full_like(distance, self.sign), np.zeros_like(distance)
-        return Contact(distance, *((normal, zero) if self.axis == "x" else (zero, normal)))
-
-    @property
-    def extent(self) -> tuple[Interval, Interval]:
-        """A line: one coordinate fixed, the other from minus infinity to infinity, m."""
-        here, endless = (self.at, self.at), (-inf, inf)
-        return (here, endless) if self.axis == "x" else (endless, here)
+    def chains(self) -> tuple[Chain]:
+        """A line without ends; it runs so that the discs are on its left."""
+        if self.axis == "x":
+            return (Chain(((self.at, 0.0), (self.at, -self.sign)), endless=True),)
+        return (Chain(((0.0, self.at), (self.sign, self.at)), endless=True),)
 
     def room(self, axis: str) -> Interval:
         """One side of the plane, along its own axis, m."""
         if axis != self.axis:
             return -inf, inf
         return (self.at, inf) if self.side == "above" else (-inf, self.at)
-
-    def floors(self) -> tuple[Floor, ...]:
-        """An endless floor, where the discs are above a level plane."""
-        return (Floor((-inf, inf), -inf, self.at),) if (self.axis, self.side) == ("y", "above") else ()
 
     def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
         """The half-plane without discs, within x and y."""
@@ -224,9 +198,9 @@ class Block(_Rectangle):
 
     Notes
     -----
-    Signed distance: with q = (max(xlo-x, x-xhi), max(ylo-y, y-yhi)), ``|max(q, 0)| + min(max(qx, qy), 0)``.
     A disc touches the block at one point, the nearest, as at LAMMPS' ``region block … side out``; a corner rounds the
-    distance. A centre inside the block feels no force.
+    distance. A centre inside the block, less than a radius deep, is pushed out along the nearest face. (LAMMPS' region
+    has no force there.)
     """
 
     kind: Literal["block"] = field(default="block", kw_only=True, repr=False)
@@ -236,37 +210,17 @@ class Block(_Rectangle):
         """The far face of a block without thickness: of a gate that both sides feel."""
         return ("far_side",) if self.x[0] == self.x[1] else ()
 
-    @property
-    def primitive(self) -> tuple[str, tuple[float, float, float, float]]:
-        """Name of the shape and its numbers, for engines: xlo, xhi, ylo, yhi (m)."""
-        return "rectangle", (*self.x, *self.y)
-
-    def faces(self) -> tuple[Block]:
-        """The rectangle itself."""
-        return (self,)
-
-    def contact(self, x: np.ndarray, y: np.ndarray) -> Contact:
-        """Distance (m) and outward normal at the nearest point of the surface."""
-        x, y = np.asarray(x, float), np.asarray(y, float)
-        dx, dy = x - np.clip(x, *self.x), y - np.clip(y, *self.y)
-        outside = np.hypot(dx, dy)
-        inner_x = np.maximum(self.x[0] - x, x - self.x[1])
-        inner_y = np.maximum(self.y[0] - y, y - self.y[1])
-        safe = np.where(outside > 0, outside, 1.0)
-        return Contact(np.where(outside > 0, outside, np.maximum(inner_x, inner_y)), dx / safe, dy / safe)
-
-    def room(self, axis: str) -> Interval:
-        """No bound: discs may be on every side."""
-        return -inf, inf
-
-    def floors(self) -> tuple[Floor, ...]:
-        """The top of the rectangle."""
-        return (Floor(self.x, *self.y),)
+    def chains(self) -> tuple[Chain]:
+        """The outline, clockwise; of a block without thickness there and back."""
+        (left, right), (low, high) = self.x, self.y
+        if left == right:
+            return (Chain(((left, low), (left, high)), closed=True),)
+        return (Chain(((left, low), (left, high), (right, high), (right, low)), closed=True),)
 
 
 @dataclass(frozen=True)
 class Box(_Rectangle):
-    """A hollow axis-parallel rectangle with discs inside it: four planes, each pushing on its own.
+    """A hollow axis-parallel rectangle with discs inside it: four faces, each pushing on its own.
 
     Parameters
     ----------
@@ -279,18 +233,12 @@ class Box(_Rectangle):
     hollow = True
     parts = ("x", "y", "left", "right", "bottom", "top")
 
-    def faces(self) -> tuple[Plane, Plane, Plane, Plane]:
-        """The four planes, in the order left, right, bottom, top."""
-        return (
-            Plane(f"{self.name}_left", "x", self.x[0], "above"),
-            Plane(f"{self.name}_right", "x", self.x[1], "below"),
-            Plane(f"{self.name}_bottom", "y", self.y[0], "above"),
-            Plane(f"{self.name}_top", "y", self.y[1], "below"),
-        )
+    deep = True
 
-    def floors(self) -> tuple[Floor, ...]:
-        """The bottom, within the box."""
-        return (Floor(self.x, -inf, self.y[0]),)
+    def chains(self) -> tuple[Chain]:
+        """The outline, counter-clockwise."""
+        (left, right), (low, high) = self.x, self.y
+        return (Chain(((left, low), (right, low), (right, high), (left, high)), closed=True),)
 
 
 KINDS = Plane | Block | Box

@@ -1,0 +1,374 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Contact of a disc with a wall of faces: which faces push, from where, and how they are found.
+
+The rule. A face gives a candidate where its foot, the nearest point, lies inside it; a joint gives one where the feet of
+both neighbours lie on it. At a corner the face that ends there keeps its own. If the nearest candidate is behind its
+face, the centre is inside the solid, and that face alone pushes. Else the deepest pushes, and each further one of another
+run, or of the same run if its tangent turns by more than `SMOOTH_TURN` from those that push already. The energy of a
+frictionless contact is then k/2 times the sum over runs of the squared overlap, and continuous.
+
+Plain loops over float64 arrays, compiled at the end of the file. The plugin holds its own copy (``faces.h``), which tests
+compare with this. This module is the one of `scene` that imports numba.
+"""
+
+from __future__ import annotations
+
+from math import atan2, floor, inf, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .chains import (
+    AFTER,
+    ARC,
+    AT_END,
+    AT_START,
+    BEFORE,
+    CONVEX,
+    CORNER,
+    CX,
+    CY,
+    ENDLESS,
+    FREE,
+    KIND,
+    LOOP,
+    PHI,
+    RADIUS,
+    RUN,
+    SMOOTH_TURN,
+    SWEEP,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    X0,
+    X1,
+    Y0,
+    Y1,
+    Faces,
+    boxes,
+)
+
+MOST = 16
+"""Contacts of a disc with one wall, at most: the deepest ones."""
+SAME_TURN = SMOOTH_TURN * (1 + 1e-6)
+"""Turn between two contacts of a run up to which they are one, rad; a little above the limit of a smooth joint."""
+FEW = 8
+"""Faces up to which a wall is searched without a grid."""
+MOST_CELLS = 1_000_000
+NOWHERE, INSIDE, BEGIN, END = range(4)
+"""Where the foot of a candidate lies; `NOWHERE`: no candidate."""
+
+
+class Grid(NamedTuple):
+    """Cells that list the faces of each wall near them, in the wall's own frame; one cell where there are few faces.
+
+    Attributes
+    ----------
+    box : ndarray, shape (faces, 4)
+        Box of each face with the reach, m.
+    wall_box : ndarray, shape (walls, 4)
+    place : ndarray, shape (walls, 3)
+        Lower left corner (m) and cells per metre.
+    cells : ndarray of int64, shape (walls, 3)
+        Columns, rows, first cell.
+    start, faces : ndarray of int64
+        Faces of cell c: ``faces[start[c]:start[c + 1]]``.
+    reach : float
+        Distance from a face up to which discs are listed, m.
+    """
+
+    box: np.ndarray
+    wall_box: np.ndarray
+    place: np.ndarray
+    cells: np.ndarray
+    start: np.ndarray
+    faces: np.ndarray
+    reach: float
+
+
+def _ends_py(codes, shape, f, px, py):
+    """Whether the foot of a point lies at or before the start of a face, and at or behind its end."""
+    before = codes[f, AT_START] != ENDLESS
+    if before:
+        before = shape[f, TX0] * (px - shape[f, X0]) + shape[f, TY0] * (py - shape[f, Y0]) <= 0.0
+    behind = codes[f, AT_END] != ENDLESS
+    if behind:
+        behind = shape[f, TX1] * (px - shape[f, X1]) + shape[f, TY1] * (py - shape[f, Y1]) >= 0.0
+    return before, behind
+
+
+def _at_joint_py(shape, f, end, front, px, py):
+    """Signed distance of a point to one end of a face, and the unit vector from there; the face's normal on the end."""
+    if end:
+        vx, vy, tx, ty = shape[f, X1], shape[f, Y1], shape[f, TX1], shape[f, TY1]
+    else:
+        vx, vy, tx, ty = shape[f, X0], shape[f, Y0], shape[f, TX0], shape[f, TY0]
+    dx, dy = px - vx, py - vy
+    r = sqrt(dx * dx + dy * dy)
+    if r == 0.0:
+        return 0.0, -ty, tx
+    if front:
+        return r, dx / r, dy / r
+    return -r, -dx / r, -dy / r
+
+
+def _in_front_py(shape, f, end, px, py):
+    """Whether a point lies in front of the line that touches a face at one end."""
+    if end:
+        return shape[f, TX1] * (py - shape[f, Y1]) - shape[f, TY1] * (px - shape[f, X1]) >= 0.0
+    return shape[f, TX0] * (py - shape[f, Y0]) - shape[f, TY0] * (px - shape[f, X0]) >= 0.0
+
+
+def _candidate_py(codes, shape, f, px, py):
+    """Candidate of a face for a point: (place of the foot, signed distance in m, normal).
+
+    The distance is negative behind the face. A joint counts once, at the end of the face before it.
+    """
+    before, behind = _ends(codes, shape, f, px, py)
+    if not before and not behind:
+        if codes[f, KIND] == ARC:
+            dx, dy = px - shape[f, CX], py - shape[f, CY]
+            r = sqrt(dx * dx + dy * dy)
+            rho = shape[f, RADIUS]
+            if r == 0.0:
+                return NOWHERE, inf, 0.0, 0.0
+            if rho > 0.0:
+                return INSIDE, rho - r, -dx / r, -dy / r
+            return INSIDE, r + rho, dx / r, dy / r
+        tx, ty = shape[f, TX0], shape[f, TY0]
+        return INSIDE, tx * (py - shape[f, Y0]) - ty * (px - shape[f, X0]), -ty, tx
+    joint = codes[f, AT_END] if behind else codes[f, AT_START]
+    front = joint == CONVEX or joint == FREE or _in_front(shape, f, behind, px, py)
+    shared = False
+    if joint != FREE:
+        # the neighbour answers by the same function: no point falls between two answers
+        if behind:
+            shared = _ends(codes, shape, codes[f, AFTER], px, py)[0]
+        else:
+            shared = _ends(codes, shape, codes[f, BEFORE], px, py)[1]
+    if joint == FREE or (shared and behind) or (joint == CORNER and front and not shared):
+        gap, nx, ny = _at_joint(shape, f, behind, front, px, py)
+        return END if behind else BEGIN, gap, nx, ny
+    return NOWHERE, inf, 0.0, 0.0
+
+
+def _tangent_py(codes, shape, f, place, nx, ny):
+    """Angle of the wall's tangent at a candidate, rad, unwrapped along the chain."""
+    phi = shape[f, PHI]
+    if place == INSIDE and codes[f, KIND] != ARC:
+        return phi
+    tx, ty = shape[f, TX0], shape[f, TY0]
+    if place == END:
+        phi += shape[f, SWEEP]
+        tx, ty = shape[f, TX1], shape[f, TY1]
+    angle = atan2(tx * -nx - ty * ny, tx * ny - ty * nx)
+    if place == END and codes[f, AT_END] == CONVEX and angle > 0.5 * pi:
+        angle -= 2.0 * pi
+    return phi + angle
+
+
+def _apart_py(codes, shape, f, g, one, two):
+    """Whether contacts of faces f and g, with these tangent angles, push each on its own."""
+    if codes[f, RUN] != codes[g, RUN]:
+        return True
+    turn = abs(one - two)
+    if codes[f, LOOP] == 1:
+        turn -= 2.0 * pi * floor(turn / (2.0 * pi))
+        turn = min(turn, 2.0 * pi - turn)
+    return turn > SAME_TURN
+
+
+def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, which):
+    """Contacts of a disc with one wall; returns their number.
+
+    Parameters
+    ----------
+    codes, shape : ndarray
+        Of `Faces`.
+    deep : int
+        1 where the wall pushes from any depth.
+    near, first, last
+        The faces to look at: ``near[first:last]``.
+    px, py, radius : float
+        Of the disc, m.
+    found : ndarray, shape (MOST, 4)
+        Takes signed distance (m), normal and tangent angle (rad) of each contact, the deepest first.
+    which : ndarray of int64, shape (MOST,)
+        Takes the face of each contact.
+    """
+    nearest = deepest = inf
+    touch = 0
+    for p in range(first, last):
+        f = near[p]
+        place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+        if place == NOWHERE:
+            continue
+        away = abs(gap)
+        if away < abs(nearest) or (away == abs(nearest) and gap > nearest):
+            nearest = gap
+            if gap < 0.0:
+                found[0, 0], found[0, 1], found[0, 2] = gap, nx, ny
+                which[0] = f
+        if gap >= 0.0 and gap < radius:
+            touch += 1
+            if gap < deepest:
+                deepest = gap
+                if nearest >= 0.0:
+                    found[0, 0], found[0, 1], found[0, 2] = gap, nx, ny
+                    which[0] = f
+    if nearest < 0.0:
+        return 1 if deep == 1 or -nearest < radius else 0
+    if touch < 2:
+        return touch
+    return _select(codes, shape, near, first, last, px, py, radius, found, which)
+
+
+def _select_py(codes, shape, near, first, last, px, py, radius, found, which):
+    """Contacts of a disc that several candidates touch, in front: the deepest, then those that push on their own."""
+    kept = 0
+    while kept < MOST:
+        best = radius
+        for p in range(first, last):
+            f = near[p]
+            place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+            if place == NOWHERE or gap < 0.0 or gap >= best:
+                continue
+            angle = _tangent(codes, shape, f, place, nx, ny)
+            own = True
+            for k in range(kept):
+                own = own and (which[k] != f) and _apart(codes, shape, f, which[k], angle, found[k, 3])
+            if own:
+                best = gap
+                found[kept, 0], found[kept, 1], found[kept, 2], found[kept, 3] = gap, nx, ny, angle
+                which[kept] = f
+        if best == radius:
+            break
+        kept += 1
+    return kept
+
+
+def _away_py(codes, shape, f, px, py):
+    """Distance of a point to a face, m; negative behind it, where its foot is inside."""
+    before, behind = _ends(codes, shape, f, px, py)
+    if not before and not behind:
+        return _candidate(codes, shape, f, px, py)[1]
+    first = _at_joint(shape, f, False, True, px, py)[0] if before else inf
+    return min(first, _at_joint(shape, f, True, True, px, py)[0] if behind else inf)
+
+
+def _mark_cells_py(codes, shape, box, begin, end, place, columns, rows, reach, start, listed):
+    """Count the faces near each cell of one wall in ``start[cell + 1]``; with room in `listed`, list them from there.
+
+    Listing moves ``start[cell + 1]`` from the first to behind the last face of the cell.
+    """
+    x_low, y_low, inverse = place[0], place[1], place[2]
+    far = reach + sqrt(0.5) / inverse
+    for f in range(begin, end):
+        for column in range(
+            max(int((box[f, 0] - x_low) * inverse), 0), min(int((box[f, 1] - x_low) * inverse) + 1, columns)
+        ):
+            for row in range(
+                max(int((box[f, 2] - y_low) * inverse), 0), min(int((box[f, 3] - y_low) * inverse) + 1, rows)
+            ):
+                px, py = x_low + (column + 0.5) / inverse, y_low + (row + 0.5) / inverse
+                if abs(_away(codes, shape, f, px, py)) <= far:
+                    cell = column * rows + row
+                    if listed.size:
+                        listed[start[cell + 1]] = f
+                    start[cell + 1] += 1
+
+
+def grid_of(faces: Faces, cell: float, reach: float) -> Grid:
+    """Cells for the search of faces.
+
+    Parameters
+    ----------
+    faces : Faces
+    cell : float
+        Side of a cell, m; it is made wider where a wall has more than a million cells.
+    reach : float
+        Distance from a face up to which discs are listed, m.
+    """
+    walls = len(faces.first) - 1
+    box = boxes(faces) + np.array([-reach, reach, -reach, reach])
+    wall_box, place, cells = np.zeros((walls, 4)), np.zeros((walls, 3)), np.ones((walls, 3), np.int64)
+    starts, listed, total = [np.zeros(1, np.int64)], [], 0
+    for wall in range(walls):
+        begin, end = int(faces.first[wall]), int(faces.first[wall + 1])
+        own = box[begin:end]
+        x_low, x_high, y_low, y_high = wall_box[wall] = (*_span(own[:, :2]), *_span(own[:, 2:]))
+        start, mine = np.array([end - begin]), np.arange(begin, end)
+        cells[wall, 2] = sum(map(len, starts)) - 1
+        if end - begin > FEW and np.isfinite(wall_box[wall]).all():
+            side = max(cell, sqrt((x_high - x_low) * (y_high - y_low) / MOST_CELLS))
+            columns, rows = int((x_high - x_low) / side) + 1, int((y_high - y_low) / side) + 1
+            place[wall], cells[wall, :2] = (x_low, y_low, 1.0 / side), (columns, rows)
+            ask = (faces.codes, faces.shape, box, begin, end, place[wall], columns, rows, reach)
+            start = np.zeros(columns * rows + 1, np.int64)
+            _mark_cells(*ask, start, np.empty(0, np.int64))
+            ends = np.cumsum(start)
+            mine = np.empty(ends[-1], np.int64)
+            start = np.concatenate([[0], ends[:-1]])  # the first face of each cell, one place behind its own
+            _mark_cells(*ask, start, mine)
+            start = start[1:]
+        starts.append(start + total)
+        listed.append(mine)
+        total += len(mine)
+    return Grid(
+        box, wall_box, place, cells, np.concatenate(starts), np.concatenate([*listed, np.empty(0, np.int64)]), reach
+    )
+
+
+def _span(ends: np.ndarray) -> tuple[float, float]:
+    return float(ends.min(initial=inf)), float(ends.max(initial=-inf))
+
+
+def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, last, near, row, count):
+    """List the discs near one wall, in its own frame, and the faces near each; returns (rows, faces), or -1: too short.
+
+    Row r of the list is disc ``discs[r]`` with the faces ``near[last[r]:last[r + 1]]``. It goes on from row `row` and
+    face `count`.
+    """
+    a, b, c, d = grid.wall_box[wall, 0], grid.wall_box[wall, 1], grid.wall_box[wall, 2], grid.wall_box[wall, 3]
+    x_low, y_low, inverse = grid.place[wall, 0], grid.place[wall, 1], grid.place[wall, 2]
+    columns, rows, offset = grid.cells[wall, 0], grid.cells[wall, 1], grid.cells[wall, 2]
+    box, reach = grid.box, grid.reach
+    for i in range(n):
+        px, py = x[i], y[i]
+        if not (px > a and px < b and py > c and py < d):
+            continue
+        cell = offset
+        if inverse > 0.0:
+            column = min(max(int((px - x_low) * inverse), 0), columns - 1)
+            cell += column * rows + min(max(int((py - y_low) * inverse), 0), rows - 1)
+        first, end = grid.start[cell], grid.start[cell + 1]
+        if row + 1 >= last.size or count + end - first > near.size:
+            return row, -1
+        begin = count
+        for p in range(first, end):
+            f = grid.faces[p]
+            if px > box[f, 0] and px < box[f, 1] and py > box[f, 2] and py < box[f, 3]:
+                away = _away(codes, shape, f, px, py)
+                if away < reach and (deep[wall] == 1 or away > -reach):
+                    near[count] = f
+                    count += 1
+        if count > begin:
+            discs[row] = i
+            row += 1
+            last[row] = count
+    return row, count
+
+
+_ends = njit(cache=True)(_ends_py)
+_at_joint = njit(cache=True)(_at_joint_py)
+_in_front = njit(cache=True)(_in_front_py)
+_candidate = njit(cache=True)(_candidate_py)
+_tangent = njit(cache=True)(_tangent_py)
+_apart = njit(cache=True)(_apart_py)
+_away = njit(cache=True)(_away_py)
+_mark_cells = njit(cache=True)(_mark_cells_py)
+_select = njit(cache=True)(_select_py)
+touching = njit(cache=True)(_touching_py)
+list_near = njit(cache=True)(_list_near_py)
