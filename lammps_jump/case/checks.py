@@ -13,7 +13,7 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
-from lammps_jump.scene import Gate, InletRow, Interval, Scene, Sizes, Wall
+from lammps_jump.scene import InletRow, Interval, MovingWall, Scene, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
@@ -79,7 +79,7 @@ def check_domain(case: CaseFields, source: CaseSource, domain: tuple[Interval, I
         )
 
 
-def check_names(case: CaseFields, source: CaseSource, walls: tuple[Wall, ...], gates: tuple[Gate, ...]) -> None:
+def check_names(case: CaseFields, source: CaseSource, walls: tuple[Wall, ...], gates: tuple[MovingWall, ...]) -> None:
     """Refuse names of walls that the program gives: to the wall behind an inlet, to gates, to faces of a box."""
     own = {wall.name: "of the wall behind the inlet" for wall in walls[len(case.walls) :]}
     own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
@@ -234,7 +234,9 @@ def check_stability(
     return found
 
 
-def check_places(case: CaseFields, source: CaseSource, scene: Scene, walls: tuple[Wall, ...]) -> None:
+def check_places(
+    case: CaseFields, source: CaseSource, scene: Scene, walls: tuple[Wall, ...], gates: tuple[MovingWall, ...]
+) -> None:
     """Refuse discs and inlets outside the domain or in a wall, and discs that overlap by more than d/n."""
     _check_in_domain(case, source, scene.positions, scene.inlets, scene.domain)
     positions, allowed = scene.positions, 0.5 * scene.overlap_limit
@@ -250,7 +252,7 @@ def check_places(case: CaseFields, source: CaseSource, scene: Scene, walls: tupl
     for index, wall in enumerate(walls):
         _check_discs_free_of(wall, f"walls.{index}", source, positions, diameters, allowed)
         _check_inlets_free_of(wall, source, scene.inlets, scene.largest)
-    for gate in scene.gates:
+    for gate in gates:
         _check_discs_free_of(gate.wall, "initial", source, positions, diameters, allowed)
 
 

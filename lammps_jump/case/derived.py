@@ -9,7 +9,8 @@ from math import inf
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene import Block, InletRow, Interval, Scene, Sizes, Wall
+from lammps_jump.scene import Block, InletRow, Interval, Scene, Wall
+from lammps_jump.scene.chains import boxes
 from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow
@@ -275,18 +276,15 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
 def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:
     """Whether any centre inside the domain can touch the wall."""
     (xlo, xhi), (ylo, yhi) = domain
-    faces = [face.extent for face in wall.faces()]
-    return any(
-        x[0] - d / 2 < xhi and x[1] + d / 2 > xlo and y[0] - d / 2 < yhi and y[1] + d / 2 > ylo for x, y in faces
-    )
+    box, reach = boxes(wall.faces, deep=False), d / 2
+    near = (box[:, 0] - reach < xhi) & (box[:, 1] + reach > xlo) & (box[:, 2] - reach < yhi) & (box[:, 3] + reach > ylo)
+    return bool(near.any())
 
 
-def skipped(
-    case: CaseFields, walls: tuple[Wall, ...], kept: tuple[Wall, ...], probes: tuple[str, ...], sizes: Sizes | None
-) -> tuple[str, ...]:
+def skipped(case: CaseFields, walls: tuple[Wall, ...], scene: Scene) -> tuple[str, ...]:
     """Sentences: what the engines leave out because the scene does not need it."""
     law, friction = case.contact, case.contact.friction
-    columns = "z, vz, " + ("" if sizes else "radius, ") + "mass, type, forces"
+    columns = "z, vz, " + ("" if scene.sizes else "radius, ") + "mass, type, forces"
     columns += "" if law.rotation and friction else ", spin"
     texts = {
         "friction terms: friction is 0": friction == 0,
@@ -294,14 +292,16 @@ def skipped(
         "spin: contact.rotation is false, discs do not turn": not law.rotation,
         "spin: without friction nothing turns a disc": law.rotation and friction == 0,
         "gravity: it is 0": case.gravity == 0,
-        **{f"wall '{wall.name}': nothing inside the domain can reach it": wall not in kept for wall in walls},
+        **{
+            f"wall '{wall.name}': nothing inside the domain can reach it": wall not in scene.permanent for wall in walls
+        },
         "walls: there are none": not walls,
         "inlet: no inflow": case.inflow is None,
         "outlet: no outflow": not case.outflow,
         "z constraint: nothing pushes out of the plane": True,
         "tangential springs: the laws here have no history": True,
         f"dump columns {columns}: no analysis reads them": True,
-        "wall forces: no probe asks for them": not probes,
+        "wall forces: no probe asks for them": not scene.probes,
         "stress fields: analysis.fields is false": case.run.dump_format == "text" and not case.analysis.fields,
     }
     return tuple(text for text, holds in texts.items() if holds)

@@ -10,7 +10,20 @@ import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
-from lammps_jump.scene import Block, Gate, InletRow, Interval, Outlet, Plane, Pour, Scene, Sizes, Stations, Wall
+from lammps_jump.scene import (
+    Block,
+    InletRow,
+    Interval,
+    MovingWall,
+    Outlet,
+    Plane,
+    Pour,
+    Scene,
+    Sizes,
+    Stations,
+    Wall,
+    gate,
+)
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
 from . import checks
@@ -100,7 +113,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     scene, walls = _with_walls(_discs_and_steps(case, source), case, source)
     return replace(
         scene,
-        skipped=skipped(case, walls, scene.walls, scene.probes, scene.sizes),
+        skipped=skipped(case, walls, scene),
         warnings=(*scene.warnings, *checks.check_stop(case, source), *doubts(case, _stiffness(case)[1], scene.inlets)),
         adapted=checks.adapted(case, scene),
     )
@@ -154,14 +167,17 @@ def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Sce
     scene = replace(scene, inlets=inlets, size_steps=raster if inlets else POUR_RASTER, pours=pours)
     speed = _largest_speed(case, scene)
     scene = replace(scene, domain=_domain(case, source, scene, speed))
-    scene = replace(scene, outlets=_outlets(case, source, scene, speed), gates=_gates(case, scene))
+    scene = replace(scene, outlets=_outlets(case, source, scene, speed))
+    gates = _gates(case, scene)
     walls = case.walls + _inlet_back(case, scene.largest)
-    checks.check_names(case, source, walls, scene.gates)
-    checks.check_places(case, source, scene, walls)
+    checks.check_names(case, source, walls, gates)
+    checks.check_places(case, source, scene, walls, gates)
     checks.check_pour(case, source, scene.domain, scene.largest)
     probes = _probes(case, source, walls)
-    kept = tuple(wall for wall in walls if reachable(wall, scene.domain, scene.largest) or wall.name in probes)
-    return replace(scene, walls=kept, probes=probes, stations=_stations(case, source, scene)), walls
+    kept = [wall for wall in walls if reachable(wall, scene.domain, scene.largest) or wall.name in probes]
+    return replace(
+        scene, walls=(*map(MovingWall, kept), *gates), probes=probes, stations=_stations(case, source, scene)
+    ), walls
 
 
 def _gravity(case: CaseFields) -> tuple[float, float]:
@@ -217,7 +233,7 @@ def _inlet_back(case: CaseFields, largest: float) -> tuple[Plane, ...]:
     return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * largest, "above"),)
 
 
-def _gates(case: CaseFields, scene: Scene) -> tuple[Gate, ...]:
+def _gates(case: CaseFields, scene: Scene) -> tuple[MovingWall, ...]:
     """Gates of settling columns. A gate with discs beyond it is a block without thickness, which both sides feel."""
     gates = []
     for index, item in enumerate(case.initial):
@@ -225,9 +241,9 @@ def _gates(case: CaseFields, scene: Scene) -> tuple[Gate, ...]:
             continue
         name, x = f"gate_{index}" if index else "gate", item.x[1]
         if scene.positions[:, 0].max(initial=x) > x:
-            gates.append(Gate(Block(name, (x, x), scene.domain[1]), scene.settle_steps))
+            gates.append(gate(Block(name, (x, x), scene.domain[1]), scene.settle_steps))
         else:
-            gates.append(Gate(Plane(name, "x", x, "below"), scene.settle_steps))
+            gates.append(gate(Plane(name, "x", x, "below"), scene.settle_steps))
     return tuple(gates)
 
 

@@ -38,7 +38,7 @@ def _drawing(scene: Scene) -> str:
     x, y = scene.domain
     shapes = [
         f"<polygon points='{' '.join(f'{px:g},{py:g}' for px, py in corners)}' fill='{fill}'/>"
-        for wall in scene.walls
+        for wall in scene.permanent
         for fill in ("none" if wall.hollow else "#bbb",)
         for corners in wall.outline(x, y)
     ]

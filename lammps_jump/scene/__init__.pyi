@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from .build import handmade_scene as handmade_scene
-from .scene import Gate as Gate
+from .chains import Chain as Chain
+from .motion import Motion as Motion
+from .motion import MovingWall as MovingWall
+from .motion import gate as gate
 from .scene import InletRow as InletRow
 from .scene import Outlet as Outlet
 from .scene import Pour as Pour

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import derive, stiffness
 
+from .motion import MovingWall
 from .scene import Scene
 from .walls import Interval, Wall
 
@@ -29,7 +30,7 @@ CONTACT = {
 def handmade_scene(
     positions: ArrayLike,
     velocities: ArrayLike,
-    walls: tuple[Wall, ...] = (),
+    walls: tuple[Wall | MovingWall, ...] = (),
     *,
     diameter: float = 0.2,
     density: float = 1000.0,
@@ -45,7 +46,8 @@ def handmade_scene(
     ----------
     positions, velocities : array_like, shape (n, 2)
         m, m/s.
-    walls : tuple of Wall
+    walls : tuple of Wall or MovingWall
+        A `Wall` stands.
     diameter, density : float
         m, kg/m^3.
     penetration_fraction, impact_speed : float
@@ -85,6 +87,6 @@ def handmade_scene(
         domain=domain,
         positions=np.asarray(positions, float).reshape(-1, 2),
         velocities=np.asarray(velocities, float).reshape(-1, 2),
-        walls=tuple(walls),
+        walls=tuple(one if isinstance(one, MovingWall) else MovingWall(one) for one in walls),
         **fields,
     )

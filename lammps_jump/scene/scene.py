@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isinf
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import Coefficients
 
+from .motion import MovingWall
 from .sizes import Sizes
 from .walls import Interval, Wall
 
@@ -60,14 +62,6 @@ class Outlet:
 
 
 @dataclass(frozen=True, slots=True)
-class Gate:
-    """A wall that is there until `release_step` (that step no longer feels it)."""
-
-    wall: Wall
-    release_step: int
-
-
-@dataclass(frozen=True, slots=True)
 class Stations:
     """Two upright planes at `x` (m) at `first_step`, which move at `speed` (m/s) along x until `last_step`."""
 
@@ -94,8 +88,8 @@ class Scene:
         Acceleration (gx, gy), m/s^2; (0, 0) means that no engine spends time on it.
     positions, velocities : ndarray, shape (n, 2)
         Discs at the start, read-only; their ids are 1 … n in this order.
-    walls, gates : tuple
-        Permanent walls; walls that are taken away.
+    walls : tuple of MovingWall
+        Each wall with its motion. A gate is a wall whose motion takes it away.
     probes : tuple of str
         Names of walls whose force is recorded every step and averaged over `probe_steps`.
     stations : Stations, optional
@@ -123,8 +117,7 @@ class Scene:
     domain: tuple[Interval, Interval]
     positions: np.ndarray
     velocities: np.ndarray
-    walls: tuple[Wall, ...]
-    gates: tuple[Gate, ...] = ()
+    walls: tuple[MovingWall, ...]
     inlets: tuple[InletRow, ...] = ()
     pours: tuple[Pour, ...] = ()
     outlets: tuple[Outlet, ...] = ()
@@ -209,6 +202,25 @@ class Scene:
         """Simulated time of a step, s."""
         return (step - self.settle_steps) * self.time_step
 
+    @property
+    def standing(self) -> tuple[MovingWall, ...]:
+        """Walls that are never taken away."""
+        return tuple(one for one in self.walls if isinf(one.motion.gone))
+
+    @property
+    def permanent(self) -> tuple[Wall, ...]:
+        """The same without their motion."""
+        return tuple(one.wall for one in self.standing)
+
+    @property
+    def gates(self) -> tuple[MovingWall, ...]:
+        """Walls that are taken away."""
+        return tuple(one for one in self.walls if not isinf(one.motion.gone))
+
+    def walls_at(self, step: float) -> tuple[Wall, ...]:
+        """Walls that are there at a step."""
+        return tuple(wall for wall, motion in self.walls if step < motion.gone)
+
     def wall(self, name: str) -> Wall:
-        """The wall or gate of that name; KeyError where there is none."""
-        return {wall.name: wall for wall in (*self.walls, *(gate.wall for gate in self.gates))}[name]
+        """The wall of that name; KeyError for an unknown one."""
+        return {wall.name: wall for wall, _ in self.walls}[name]

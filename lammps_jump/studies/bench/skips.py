@@ -106,7 +106,7 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
     """
     if not skip.exact:
         steps = min(scene.steps, EARLY_STEPS)
-        scene = replace(scene, steps=steps, settle_steps=0, gates=(), output_steps=steps, probe_steps=steps)
+        scene = replace(scene, steps=steps, settle_steps=0, walls=scene.standing, output_steps=steps, probe_steps=steps)
     plain, edited = both_scripts(scene, skip)
     if edited == plain:
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lammps_jump.scene import Block, Box, Gate, InletRow, Outlet, Plane, Scene, handmade_scene
+from lammps_jump.scene import Block, Box, InletRow, Outlet, Plane, Scene, gate, handmade_scene
 
 DIAMETER = 0.2
 DOMAIN = ((-5.0, 10.0), (-5.0, 10.0))
@@ -48,7 +48,7 @@ def friction_scene(law: str = "hooke") -> Scene:
 
 def micro_scenes() -> tuple[Scene, ...]:
     """Return the scenes that both LAMMPS kernels can run, in the order of the report."""
-    none, gate = np.empty((0, 2)), Gate(Plane("gate", "x", 0.86, "below"), 600)
+    none, shut = np.empty((0, 2)), gate(Plane("gate", "x", 0.86, "below"), 600)
     rows = tuple(InletRow(0.0, 0.1 + 0.2 * i, 4.0 + 0.7 * i, 0.0, 1, 260 - 35 * i, 0.999 * DIAMETER) for i in range(2))
     outlets = (Outlet("x", 1.9, "above", 40), Outlet("y", -1.0, "below", 40))
     return (
@@ -67,7 +67,7 @@ def micro_scenes() -> tuple[Scene, ...]:
                [[4.0, -3.0], [0.0, 0.0], [0.0, 0.0], [-2.0, 1.0], [0.0, 0.0]],
                (Box("box", (0.0, 1.0), (0.0, 1.0)),), restitution=1.0, gravity=(0.0, 0.0)),
         _scene("gate", "a column behind a gate that opens after 600 steps", _heap(9, 6, 0.11), np.zeros((24, 2)),
-               (Plane("back", "x", 0.0, "above"), FLOOR), gates=(gate,), settle_steps=600),
+               (Plane("back", "x", 0.0, "above"), FLOOR, shut), settle_steps=600),
         _scene("inlet and outlet", "two rows of inflow over a sill into an outlet", none, none,
                (Block("floor", (-4.0, 3.0), (-4.0, 0.0)), Block("sill", (1.2, 1.4), (-4.0, 0.15))),
                inlets=rows, outlets=outlets),

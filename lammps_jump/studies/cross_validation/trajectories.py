@@ -262,7 +262,7 @@ def with_discs_of(source: NativeSimulation | Scene, scene: Scene) -> Scene:
         taken = np.empty(len(ids), int)
         taken[np.argsort(scene.diameters(ids), kind="stable")] = np.argsort(was, kind="stable")
         places, velocities = places[taken], velocities[taken]
-    return replace(scene, positions=places, velocities=velocities, inlets=inlets, gates=(), settle_steps=0)
+    return replace(scene, positions=places, velocities=velocities, inlets=inlets, walls=scene.standing, settle_steps=0)
 
 
 def check_scene(scene: Scene, *, kernel: str = "stock") -> DeterministicCheck:
