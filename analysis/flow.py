@@ -165,9 +165,8 @@ class Flow:
         if solids:
             undersides, tops = (np.array(part) for part in zip(*solids, strict=True))
             order = np.argsort(undersides, axis=0, kind="stable")
-            for underside, top in zip(
-                *(np.take_along_axis(part, order, 0) for part in (undersides, tops)), strict=True
-            ):
+            undersides, tops = (np.take_along_axis(part, order, 0) for part in (undersides, tops))
+            for underside, top in zip(undersides, tops, strict=True):
                 carried = np.isinf(bed) | (underside <= bed + self.scene.smallest)
                 bed = np.where(carried & (top > bed), top, bed)
         return np.where(np.isinf(bed), np.nan, bed)

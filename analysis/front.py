@@ -218,10 +218,11 @@ def free_length(flow: Flow, history: FrontHistory) -> float:
     blocks = [wall.extent[0][0] for wall in flow.scene.permanent if wall.finite]
     faces = [start for start in blocks if start > base + flow.scene.diameter]
     faces += [wall.room("x")[1] for wall in flow.scene.permanent]
-    # the floor may end before anything stands in the way
+    # the bed may end, or turn, before anything stands in the way
     probe = np.linspace(base, flow.scene.domain[0][1], 2000)
-    level = flow.bed_height(probe)
-    changed = np.flatnonzero(~(np.abs(level - bed) < 1e-9))
+    height = flow.bed_height(probe)
+    straight = bed + (height[1] - height[0]) / (probe[1] - probe[0]) * (probe - base)
+    changed = np.flatnonzero(~(np.abs(height - straight) < 1e-9))
     faces += [float(probe[changed[0]])] if changed.size else []
     return min(faces, default=inf) - history.back
 
