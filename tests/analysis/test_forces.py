@@ -85,7 +85,7 @@ def test_identity_names_what_is_missing():
 
 
 def test_identity_waits_for_the_gate():
-    flow = context(walls=(*WALLS_, gate(Plane("gate", "x", 4.0, "below"), 300)))
+    flow = context(walls=(BACK, FLOOR, gate(Plane("gate", "x", 4.0, "below"), 300)))
     identity = impulse_identity({"back": record(-600.0)}, ledger(pushed(600.0), flow), flow, "x")
     assert identity.start == pytest.approx(0.3)
     assert identity.relative < 1e-12

@@ -62,8 +62,8 @@ def test_without_a_track_or_with_a_damaged_one_there_is_no_line(tmp_path):
 
 def test_walls_and_gates_are_closed_polygons(tmp_path):
     shut = gate(Block("gate", (5, 5), (0, 3)), 2000)
-    found = header(tmp_path, walls=(*WALLS, Box("box", (0, 29), (-3, 9)), Plane("lid", "y", 9, "below")), gates=(gate,),
-                   time_step=1e-3)  # fmt: skip
+    walls = (*WALLS, Box("box", (0, 29), (-3, 9)), Plane("lid", "y", 9, "below"), shut)
+    found = header(tmp_path, walls=walls, time_step=1e-3)
     assert [(wall["name"], wall["hollow"], len(wall["points"])) for wall in found["walls"]] == [
         ("floor", False, 4), ("sill", False, 4), ("box", True, 4), ("lid", False, 4),
     ]  # fmt: skip
