@@ -112,7 +112,7 @@ class Front:
 
 def back_wall(flow: Flow) -> float | None:
     """Position of the vertical wall that the column leans on, m; None where there is none."""
-    starts = (wall.room("x")[0] for wall in flow.scene.walls)
+    starts = (wall.room("x")[0] for wall in flow.scene.permanent)
     return next((start for start in starts if isfinite(start)), None)
 
 
@@ -215,13 +215,14 @@ def free_length(flow: Flow, history: FrontHistory) -> float:
     """Distance from the back wall to the first thing in the way of the front, m; infinite where there is none."""
     base = history.back + history.column[0]
     bed = float(flow.bed_height(np.array([base]))[0])
-    blocks = [wall.extent[0][0] for wall in flow.scene.walls if wall.finite]
+    blocks = [wall.extent[0][0] for wall in flow.scene.permanent if wall.finite]
     faces = [start for start in blocks if start > base + flow.scene.diameter]
-    faces += [wall.room("x")[1] for wall in flow.scene.walls]
-    # the floor may end before anything stands in the way
+    faces += [wall.room("x")[1] for wall in flow.scene.permanent]
+    # the bed may end, or turn, before anything stands in the way
     probe = np.linspace(base, flow.scene.domain[0][1], 2000)
-    level = flow.bed_height(probe)
-    changed = np.flatnonzero(~(np.abs(level - bed) < 1e-9))
+    height = flow.bed_height(probe)
+    straight = bed + (height[1] - height[0]) / (probe[1] - probe[0]) * (probe - base)
+    changed = np.flatnonzero(~(np.abs(height - straight) < 1e-9))
     faces += [float(probe[changed[0]])] if changed.size else []
     return min(faces, default=inf) - history.back
 

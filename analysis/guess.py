@@ -14,6 +14,7 @@ from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.quoting import visible
+from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Plane
 
@@ -89,7 +90,7 @@ def from_dump(
         domain=tuple((float(low), float(high)) for low, high in frame.box[:2]),
         positions=np.empty((0, 2)),
         velocities=np.empty((0, 2)),
-        walls=(Plane("floor", "y", floor, "above"),),
+        walls=(MovingWall(Plane("floor", "y", floor, "above")),),
     )
     return Flow(
         scene,

@@ -150,7 +150,7 @@ def analyse_forces(
     momentum : MomentumHistory, optional
     profiles : xarray.Dataset
     """
-    walls = {wall.name: wall for wall in (*flow.scene.walls, *(gate.wall for gate in flow.scene.gates))}
+    walls = {wall.name: wall for wall, _ in flow.scene.walls}
     structures = {name: _structure(walls.get(name), history, flow, profiles) for name, history in forces.items()}
     axes = ("x", "y") if momentum is not None else ()
     identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in axes)

@@ -18,7 +18,7 @@ from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import waves
-from lammps_jump.scene.scene import Gate
+from lammps_jump.scene.motion import gate
 from lammps_jump.scene.walls import Block, Plane
 
 D, M, G, DT = 0.2, 40.0, 9.81, 1e-3
@@ -85,7 +85,7 @@ def test_identity_names_what_is_missing():
 
 
 def test_identity_waits_for_the_gate():
-    flow = context(gates=(Gate(Plane("gate", "x", 4.0, "below"), 300),))
+    flow = context(walls=(BACK, FLOOR, gate(Plane("gate", "x", 4.0, "below"), 300)))
     identity = impulse_identity({"back": record(-600.0)}, ledger(pushed(600.0), flow), flow, "x")
     assert identity.start == pytest.approx(0.3)
     assert identity.relative < 1e-12
