@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable, Mapping
 from string import Formatter
 from typing import Any
 
+from lammps_jump.quoting import terminal_text
+
 Column = str | Callable[[Any], object]
 
 
@@ -59,14 +61,15 @@ def markdown(columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]]) -
 
 
 def show(text: str) -> None:
-    """Print Markdown: drawn by rich on a terminal, as it is in a file or a pipe."""
+    """Print Markdown: drawn by rich on a terminal, as it is in a file or a pipe. Its own escape sequences are shown."""
     if not sys.stdout.isatty():
         print(text)
         return
     from rich.console import Console  # 0.08 s
     from rich.markdown import Markdown
 
-    Console().print(Markdown(text))
+    console = Console(file=getattr(sys.stdout, "terminal", sys.stdout))
+    console.print(Markdown(terminal_text(text)))
 
 
 def percent(share: float | None) -> str:
