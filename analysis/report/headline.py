@@ -33,7 +33,9 @@ def verdict(summary: Mapping) -> str:
 def _collapse(front: Mapping) -> str:
     ritter = (front.get("ritter") or {}).get("front_speed")
     if front.get("speed") is None or ritter is None:
-        return f"The front of the column is at {front['position']:.3g} m after {front['time']:.3g} s."
+        of = "discs" if front.get("column_base") is None else "column"
+        after = "" if front.get("time") is None else f" after {front['time']:.3g} s"
+        return f"The front of the {of} is at {front['position']:.3g} m{after}."
     return f"The front of the column runs at {front['speed']:#.2g} m/s; Ritter’s would run at {ritter:#.2g} m/s."
 
 
@@ -95,8 +97,11 @@ def _front(front: Mapping) -> str:
         return f"No front to compare: {front.get('reason') or 'none was found'}."
     after = front.get("time")
     speed = f", mean speed {front['speed']:.2f} m/s" if front.get("speed") is not None else ""
+    flow = "Discs flow in; the"
+    if front.get("column_base") is not None:
+        flow = f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its"
     said = [
-        f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its front is at "
+        f"{flow} front is at "
         f"{front['position']:.2f} m {'at the last frame' if after is None else f'after {after:.2f} s'}{speed}."
     ]
     water, ritter = front.get("martin_moyce") or {}, front.get("ritter") or {}

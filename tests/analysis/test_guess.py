@@ -9,8 +9,10 @@ import pytest
 from made_up import call, columns_of_discs
 
 from lammps_jump.analysis.guess import from_dump
+from lammps_jump.analysis.passes import gather
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.report.headline import headline
+from lammps_jump.analysis.quantities import analyse
+from lammps_jump.analysis.report.headline import headline, verdict
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
@@ -61,7 +63,7 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
         assert (folder / table).read_text().startswith("step,")
     page = (folder / "report.html").read_text()
     assert "speed, Froude number and head are not known" in page
-    assert "its front is at 40.00 m at the last frame." in headline({"front": front})
+    assert "Discs flow in; the front is at 40.00 m at the last frame." in headline({"front": front})
     curves = json.loads((folder / "curves.json").read_text())
     assert "martin_moyce" not in curves and "jump_frame" not in curves
     assert curves["jump_track"]["x"] == curves["front"]["x"] == "Step" and not curves["front"]["time"]
@@ -123,7 +125,7 @@ def test_the_command_takes_files_of_a_frame_units_and_types(monkeypatch, capsys,
     for files in (["flow.*.lammps"], sorted(path.name for path in tmp_path.glob("flow.*"))):
         status, said, message = call(monkeypatch, capsys, "analyze", *files, *options)
         assert status == 0, message
-        assert "its front is at 4" in said and "note: Gravity taken" in said
+        assert "the front is at 4" in said and "note: Gravity taken" in said
         assert "report: flow_analysis/report.html" in said
         found = json.loads((tmp_path / "flow_analysis" / "summary.json").read_text())
         assert found["name"] == "flow.*.lammps" and found["profiles"]["frames"] == 6
@@ -150,3 +152,78 @@ def test_options_that_say_nothing(monkeypatch, capsys, tmp_path, option, value, 
     flat = " ".join(message.replace("│", " ").split())
     assert status == 2 and option in flat and said in flat
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+def overfall(folder, frames=12, **more):
+    """A bore as `bore`, whose tail water meets a sill of 2 m at x = 30 m and falls 6 m deep beyond x = 31 m."""
+    with DumpWriter(folder / "fall", (*COLUMNS, *more)) as writer:
+        for k in range(frames):
+            front = 15 - 0.1 * k
+            stream = columns_of_discs(lambda at, front=front: np.where(at < front, 5, 30), 0.0, 30.0, d=D)
+            above = columns_of_discs(15, 30.0, 31.0, d=D, bed=2.0)
+            fall = 31.1 + np.arange(20) * D, 4.0 - 0.025 * np.arange(20) ** 2
+            x, y = np.hstack([stream, above, fall])
+            values = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": np.where(x < front, 12.0, 1.5), "vy": 0 * x}
+            values |= {name: made(x) for name, made in more.items()}
+            writer.write_frame(make_frame(500 * k, 0.1 * k, [[-5, 45], [-5, 20], [-2, 2]], values))
+    return folder / "fall"
+
+
+def test_the_floor_ends_before_a_sill_and_a_fall(tmp_path):
+    flow = from_dump(open_dump(overfall(tmp_path)), diameter=D)
+    assert flow.bed_height(np.array([0.1, 15, 29.9])) == pytest.approx(0, abs=1e-6), "not the lowest falling disc"
+    assert np.isnan(flow.bed_height(np.array([30.1, 33]))).all()
+    assert any("It runs from x = 0 to 30 m" in note for note in flow.notes)
+    found = analyse(flow, tmp_path / "fall", tmp_path / "made", ["jump"], figures="none")
+    tail = found["jump"]["tail"]
+    # 3 m are half a depth: the tail water ends before the sill, and has its 6 m
+    assert tail["depth"] == pytest.approx(6, rel=1e-3) and tail["length"] < 30 - 3 - 15
+    assert found["jump"]["y2"] == pytest.approx(6, rel=0.02)
+
+
+def test_a_level_floor_without_a_fall_is_endless(tmp_path):
+    flow = from_dump(open_dump(bore(tmp_path)), diameter=D)
+    assert flow.bed_height(np.array([-100.0, 100.0])) == pytest.approx(0, abs=1e-6)
+
+
+def test_a_flow_of_three_dimensions_is_refused(tmp_path, monkeypatch, capsys):
+    layer = overfall(tmp_path, frames=2, z=lambda x: 0.1 * np.sin(x))
+    assert from_dump(open_dump(layer), diameter=D).scene.diameter == D
+    status, _, message = call(monkeypatch, capsys, "analyze", layer, "--diameter", 0.15)
+    assert status == 2 and "a flow in three dimensions; allowed is one layer of discs" in message
+    assert "z runs from -0.0999" in message and [path.name for path in tmp_path.iterdir()] == ["fall"]
+
+
+def test_discs_behind_each_other_are_told(tmp_path):
+    path = bore(tmp_path, frames=2)
+    for diameter, told in ((D, False), (2.5 * D, True)):
+        warnings: list[str] = []
+        gather(open_dump(path), from_dump(open_dump(path), diameter=diameter), [], warnings)
+        assert any("times the area below the surface" in note for note in warnings) is told
+
+
+def test_a_guessed_diameter_says_that_it_is_the_smallest(tmp_path):
+    for name, usual, told in (("equal", D, False), ("several", 1.1 * D, True)):
+        with DumpWriter(tmp_path / name, COLUMNS) as writer:
+            x = np.cumsum(np.where(np.arange(100) < 10, D, usual))
+            values = {"id": np.arange(100) + 1, "x": x, "y": 0 * x, "vx": 0 * x, "vy": 0 * x}
+            writer.write_frame(make_frame(0, 0.0, [[-5, 45], [-5, 20]], values))
+        notes = from_dump(open_dump(tmp_path / name)).notes
+        assert any(f"guessed as {D:.6g} m" in note and "All discs count as equal" in note for note in notes)
+        assert any("the guess is that of the smallest" in note for note in notes) is told
+
+
+def test_a_steady_flow_is_no_collapsed_column(tmp_path):
+    with DumpWriter(tmp_path / "jet", COLUMNS) as writer:
+        for k in range(12):
+            x = np.arange(0.1, 12, 1.0) + 0.5 * k % 1.0
+            y = np.where(x < 8, 0.1, 0.1 - 0.5 * (x - 8) ** 2)
+            ids = np.arange(12) + 100 - (k // 2)
+            values = {"id": ids, "x": x, "y": y, "vx": 0 * x + 5, "vy": 0 * x}
+            writer.write_frame(make_frame(500 * k, 0.1 * k, [[-5, 45], [-20, 20]], values))
+    found = analyse(
+        from_dump(open_dump(tmp_path / "jet"), diameter=D), tmp_path / "jet", tmp_path, ["front"], figures="none"
+    )
+    assert found["front"]["column_base"] is found["front"]["ritter"] is found["front"]["martin_moyce"] is None
+    assert "collapsed" not in headline(found) and "Discs flow in; the front is at" in headline(found)
+    assert verdict(found).startswith("The front of the discs is at")
