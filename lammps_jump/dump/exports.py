@@ -18,7 +18,7 @@ from lammps_jump.files import EXPORTS, read_start, whole, write_bytes, writes
 from lammps_jump.folders import require_replaceable, standing
 from lammps_jump.quoting import csv_cell
 
-from .find import read_dump
+from .find import find_dump, read_dump
 from .frame import Frame, ten_indices
 from .read import Dump
 
@@ -81,6 +81,11 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
     if unknown:
         raise DumpError(f"export '{unknown[0]}' is not known: use one of {', '.join(EXPORTS)}.")
     place = Path(place)
+    if not place.is_dir() and find_dump(place):
+        raise DumpError(
+            f"{place}: is a dump; allowed is a run folder or the folder of a dump's results: `lammps-jump analyze "
+            f"{place}` makes one beside it."
+        )
     out = place if out is None else Path(out)
     for name in (name for kind in kinds for pattern in EXPORTS[kind] for name in standing(out, pattern)):
         require_replaceable(out, name)

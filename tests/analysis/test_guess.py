@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from made_up import call, columns_of_discs
 
+from lammps_jump.analysis import quantities
+from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import gather
 from lammps_jump.analysis.profiles import compute_profiles
@@ -227,3 +229,34 @@ def test_a_steady_flow_is_no_collapsed_column(tmp_path):
     assert found["front"]["column_base"] is found["front"]["ritter"] is found["front"]["martin_moyce"] is None
     assert "collapsed" not in headline(found) and "Discs flow in; the front is at" in headline(found)
     assert verdict(found).startswith("The front of the discs is at")
+
+
+def test_results_of_a_dump_open_in_the_other_commands(tmp_path, monkeypatch, capsys):
+    """Films and figures are empty files here: drawing them takes seconds and is tested elsewhere."""
+
+    def draw_figures(names, shown, folder, dump, flow):
+        folder.mkdir(exist_ok=True)
+        for name in names:
+            (folder / f"{name}.png").write_text(f"{flow.bin_width} {len(open_dump(dump))}")
+
+    monkeypatch.setattr(quantities, "draw_figures", draw_figures)
+    monkeypatch.setattr(film, "animate", lambda dump, flow, path, **_: path.write_text(f"{flow.bin_width} {len(dump)}"))
+    monkeypatch.setattr(film, "has_ffmpeg", lambda: True)
+    monkeypatch.chdir(tmp_path)
+    analyse_dump(bore(tmp_path, timed=True, frames=9), None, D, None, 0.5, None)
+    made, drawn = "flow_7_analysis", "0.5 9"  # the flow as it was analysed
+    for arguments, file, said in (
+        (("export", made, "--csv", "--vtk", "--pictures"), f"{made}/picture8.dat", ""),
+        (("animate", made), f"{made}/animation.mp4", drawn),
+        (("figures", made), f"{made}/figures/jump_track.png", drawn),
+        (("compare", made, made, "--out", "page.html"), "page.html", "Velocity of the front"),
+    ):
+        status, out, message = call(monkeypatch, capsys, *arguments)
+        assert (status, message) == (0, ""), arguments
+        assert file in out.split() and said in (tmp_path / file).read_text()
+    assert (tmp_path / "page.html").read_text().count('class="player"') == 2
+    status, _, message = call(monkeypatch, capsys, "export", "flow_7.lammpstrj", "--csv")
+    assert status == 2 and "is a dump; allowed is a run folder or the folder of a dump's results" in message
+    (tmp_path / "flow_7.lammpstrj").unlink()
+    status, _, message = call(monkeypatch, capsys, "figures", made)
+    assert status == 2 and "flow_7.lammpstrj, which is no longer there" in message
