@@ -49,13 +49,15 @@ dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside
 errors        none: one run cannot tell; repeat it from other starts
 """,
     "force": """\
-peak          largest mean over 0.05 s after t = 0, of the component with the larger impulse; per metre of width
+peak          largest mean over 0.05 s, of the component with the larger impulse; per metre of width; in the window
+              where discs flow in, after t = 0 elsewhere; start-up: the largest before the window
 ± e           standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
 impulse       ∫ F dt after t = 0
 moment        about the foot of upright faces at the bed, anticlockwise positive
 identity      change of all discs' momentum against the impulse of walls, weight and discs that came and went
 wave          place where the mean velocity falls through half of its largest value upstream; bore: of a wall instead
-ρgh²/2        largest hydrostatic force for the mass depth in front;  with ρhu²: the oncoming momentum beside it
+hydrostatic   on the wetted face, largest: ρg(s² − a²)/2 for the mass depth s in front, a of it above the face
+oncoming      largest ρsu² + ρgs²/2 two bins in front
 """,
     "energy": """\
 kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width

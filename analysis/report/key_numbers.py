@@ -45,6 +45,7 @@ class Wanted(NamedTuple):
     without: str = ""
 
 
+WETTED = "hydrostatic on its wetted face"
 PERCENT = {"scale": 0.01, "unit": "%"}
 FOUND = (
     Wanted("jump.sequent_ratio", Jump, "Bélanger", "jump.belanger_ratio"),
@@ -56,8 +57,8 @@ FOUND = (
     Wanted(
         "front.martin_moyce.mean_bulk", MartinMoyce, "discs: −20 to 0 %", label="off Martin & Moyce’s water", **PERCENT
     ),
-    Wanted("force.*.mean_fx", Force, "ρgh²/2", "force.*.mean_hydrostatic", "mean force on the {name}", 1e3, "kN/m"),
-    Wanted("force.*.peak", Force, "ρgh²/2", "force.*.hydrostatic", "peak force on the {name}", 1e3, "kN/m"),
+    Wanted("force.*.mean_fx", Force, WETTED, "force.*.mean_hydrostatic", "mean force on the {name}", 1e3, "kN/m"),
+    Wanted("force.*.peak", Force, WETTED, "force.*.hydrostatic", "peak force on the {name}", 1e3, "kN/m"),
     Wanted("energy.max_deviation", Energy, "exact integration: 0", label="largest change of the energy", **PERCENT),
     Wanted("energy.drift", Energy, "exact integration: 0", label="drift of the energy", **PERCENT),
     Wanted("energy.final", Energy, "at the start", "energy.initial"),

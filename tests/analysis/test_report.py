@@ -114,7 +114,7 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
     assert tiles(content) == {
         "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04†||Bélanger 5.2|"),
         "Velocity of the front": ("−1", " m/s|"),
-        "Peak force on the sill": ("4.20", " ± 0.3 kN/m||ρgh²/2 2.1 kN/m|"),
+        "Peak force on the sill": ("4.20", " ± 0.3 kN/m||hydrostatic on its wetted face 2.1 kN/m|"),
     }
     sure = "± is one standard error within this run. † At least: one run cannot tell. Without ±: no error from one run;"
     assert sure in content
