@@ -105,6 +105,8 @@ def as_summary(result: object) -> dict[str, object]:
     return found
 
 
+POWERS = str.maketrans({"^": None, "2": "²", "3": "³", "4": "⁴"})
+"""Powers in units, as they are shown."""
 AT_LEAST = "at least "
 """Stands before an error that is a lower bound."""
 LARGE = 99.0
@@ -140,7 +142,7 @@ def shown(value: object, unit: str = "", error: float | None = None, *, digits: 
         text = f"{value:.{max(0, 1 - floor(log10(error)))}f} ± {AT_LEAST * bound}{sure}"
     else:
         text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
-    return f"{text} {unit}" if unit else text
+    return f"{text} {unit.translate(POWERS)}" if unit else text
 
 
 def is_bound(found: Mapping, key: str) -> bool:

@@ -68,11 +68,19 @@ def members(jump: object) -> Members:
 
     def needed(key: str) -> int | None:
         value, error = getattr(jump, key), getattr(jump, f"{key}_error")
-        if not isfinite(error) or not value:
+        if not isfinite(error) or abs(value) <= 2 * error:  # no share of a number that may be zero
             return None
         return max(1, ceil(error**2 / (1.0 - MISSED[key]) / (GOAL * value) ** 2))
 
     return Members(**{key: needed(key) for key in MISSED})
+
+
+def starts_needed(found: Mapping[str, int | None]) -> str:
+    """Number of runs for each number that has one, in words; empty where none has."""
+    names = {"y2": "y2", "speed": "the velocity of the front", "froude": "the Froude number"}
+    known = {name: count for key, name in names.items() if (count := found.get(key)) is not None}
+    texts = [f"{count} {'run' if count == 1 else 'runs'} for {name}" for name, count in known.items()]
+    return ", ".join([*texts[:-2], " and ".join(texts[-2:])]) if texts else ""
 
 
 def _values(pieces: Sequence[Mapping], key: str) -> np.ndarray:

@@ -20,6 +20,7 @@ from lammps_jump.analysis.report.page import Section, Table, Text, described, he
 from lammps_jump.analysis.statistics import STUDENT, Mean, propagated
 from lammps_jump.units import ABSENT, AT_LEAST, is_bound, numbers_of, shown
 
+from .certainty import starts_needed
 from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
 from .frame import Balance
 from .head import energy_budget, no_budget, sentence
@@ -204,15 +205,13 @@ def certainty(jump: Mapping) -> Text:
         )
     drifts, units = jump["drift"], numbers_of(Jump)
     moved = ", ".join(f"{units[key].label} {shown(drifts[key], units[key].unit, digits=2)}" for key in ("y2", "speed"))
-    starts = jump["members"]
+    needed = starts_needed(jump["members"])
     return Text(
         f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors. From the first half "
         f"of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
         f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. "
         '"Or more": one run cannot tell this error, it misses up to 60 % of the variance between starts. '
-        "For a standard error of 3 %, average at least "
-        f"{starts['y2']} run(s) for y2, {starts['speed']} for the velocity of the front, {starts['froude']} for the "
-        "Froude number."
+        + (f"For a standard error of 3 %, average at least {needed}." if needed else "")
     )
 
 
@@ -301,7 +300,7 @@ def _roller(jump: Mapping) -> Text:
 
 SHORT = (
     "Discs make a short jump, of one to two sequent depths where water needs five to six. They flow like a very "
-    "viscous fluid (Reynolds number 3 to 22, water's is 1.6e7), and contacts dissipate the motion within a few "
+    "viscous fluid, and contacts dissipate the motion within a few "
     "diameters of the front. A length far below the thesis' and the USBR's is no error of the run."
 )
 """Said beside the length."""

@@ -12,6 +12,7 @@ from lammps_jump.analysis.report.page import with_error
 from lammps_jump.analysis.statistics import Mean, propagated
 from lammps_jump.units import AT_LEAST
 
+from .certainty import starts_needed
 from .summary import Jump
 from .tail import Tail
 
@@ -77,10 +78,11 @@ def _number(found: Jump | Tail, key: str, unit: str = "") -> str:
 def _how_sure(jump: Jump) -> str:
     if not isfinite(jump.speed_error):
         return "Too few frames for errors."
-    starts = jump.members
+    needed = starts_needed(vars(jump.members))
     return (
-        f"± is within this run; y2 to 3 % takes at least {starts.y2} run(s), the speed {starts.speed}, "
-        f"the Froude number {starts.froude}."
+        f"± is within this run; a standard error of 3 % takes {AT_LEAST}{needed}."
+        if needed
+        else "± is within this run."
     )
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import floor, log10
 
 from .page import percent
 
@@ -36,7 +37,22 @@ def _collapse(front: Mapping) -> str:
         of = "discs" if front.get("column_base") is None else "column"
         after = "" if front.get("time") is None else f" after {front['time']:.3g} s"
         return f"The front of the {of} is at {front['position']:.3g} m{after}."
-    return f"The front of the column runs at {front['speed']:#.2g} m/s; Ritter’s would run at {ritter:#.2g} m/s."
+    return f"The front of the column runs at {_short(front['speed'])} m/s; Ritter’s would run at {_short(ritter)} m/s."
+
+
+def _short(value: float) -> str:
+    """Two significant digits, ``1.0``, ``12``."""
+    return f"{value:#.2g}".rstrip(".")
+
+
+def _off(of: str, off: float, error: float | None) -> str:
+    """A difference from Bélanger's, rounded to its error; equal where it is within that."""
+    if not error:
+        return f"its {of} is {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} Bélanger’s"
+    if abs(off) <= error:
+        return f"its {of} equals Bélanger’s within {float(f'{100 * error:.1g}'):g} %"
+    digits = max(0, -floor(log10(100 * error)))
+    return f"its {of} is {abs(100 * off):.{digits}f} % {'above' if off > 0 else 'below'} Bélanger’s"
 
 
 def _jump(jump: Mapping) -> str:
@@ -46,15 +62,15 @@ def _jump(jump: Mapping) -> str:
         )
     said = []
     off = (jump.get("tail") or {}).get("belanger_deviation")
-    of, off = ("tail water", off) if off is not None else ("depth ratio", jump.get("belanger_deviation"))
-    if off is not None:
-        said.append(f"its {of} is {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} Bélanger’s")
+    of, held = ("tail water", jump["tail"]) if off is not None else ("depth ratio", jump)
+    if held.get("belanger_deviation") is not None:
+        said.append(_off(of, held["belanger_deviation"], held.get("belanger_deviation_error")))
     speed, error = jump.get("speed"), jump.get("speed_error") or 0.0
     if speed is not None and abs(speed) <= 2 * error:
         said.append("its front stands")
     elif speed is not None:
         way = "upstream" if speed * (jump.get("u1") or 1.0) < 0 else "downstream"
-        said.append(f"its front moves {way} at {abs(speed):#.2g} m/s")
+        said.append(f"its front moves {way} at {_short(abs(speed))} m/s")
     tail = " and ".join(said)
     return " ".join(filter(None, (f"{A_JUMP[jump['verdict']]}.", f"{tail[:1].upper()}{tail[1:]}." if tail else "")))
 

@@ -23,7 +23,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain, read_file, read_start
-from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
+from lammps_jump.units import ABSENT, POWERS, is_bound, numbers_of, shown
 
 from .coder import encode
 
@@ -245,7 +245,7 @@ def described(result: type, found: Mapping[str, Value], *keys: str) -> list[tupl
 def heading(meaning: str, unit: str) -> str:
     """Head of a row: the meaning, first letter large, with the unit in brackets."""
     first = meaning[:1].upper() if meaning[:1].isascii() else meaning[:1]  # a capital gamma would be another symbol
-    return f"{first}{meaning[1:]}" + (f" [{unit}]" if unit else "")
+    return f"{first}{meaning[1:]}" + (f" [{unit.translate(POWERS)}]" if unit else "")
 
 
 def percent(share: float | None, digits: int = 1) -> str:

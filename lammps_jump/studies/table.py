@@ -83,6 +83,9 @@ def with_error(name: str, digits: int = 2) -> Callable[[Mapping[str, Any]], str]
     def cell(row: Mapping[str, Any]) -> str:
         value, error = row[name], row[f"{name}_error"]
         shown = "-" if value is None else f"{value:.{digits}f}"
-        return shown if value is None or error is None else f"{shown} ± {error:.{digits}f}"
+        if value is None or error is None:
+            return shown
+        sure = f"{error:.{digits}f}"
+        return f"{shown} ± {sure}" if float(sure) or not error else f"{shown} ± {error:.1g}"
 
     return cell
