@@ -17,7 +17,7 @@ from lammps_jump.files import ARRAY_FILE, read_json, write_text
 from lammps_jump.runs.engine import choose_setting
 from lammps_jump.script.job import Site, head, needs, run_and_requeue, seconds_of
 
-from .members import run_member, state_of
+from .members import run_member, state_of, told
 from .sweep import POINTS_FILE, Sweep, open_sweep, prepare, study_folder
 
 AT_ONCE = 32
@@ -161,10 +161,10 @@ def _run_each(folder: Path, members: str, retry: bool) -> list[str]:
         member = found.members[number]
         state = state_of(member, folder)
         if state.stage == "failed" and not retry:
-            wrong.append(f"member {number}: {state.message}")
+            wrong.append(f"member {number}: {told(state)}")
         elif state.stage != "done":
             try:
-                run_member(member.case, member.folder(folder), state.stage == "failed", True)
+                run_member(member, folder, state.stage == "failed", True)
             except RunInterrupted:
                 raise
             except JumpError as error:

@@ -26,7 +26,7 @@ from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.runs.summary import read_summary
 
-from .members import OVER, Member, Stage, Start, State, plan, run_members, state_of
+from .members import OVER, Member, Stage, Start, State, plan, require_no_links, run_members, state_of, told
 from .pool import Pool
 from .study import Study, read_study
 
@@ -144,7 +144,7 @@ class Sweep:
     def failed(self) -> list[Failure]:
         """The members that are not in the table although they were run."""
         states = ((member, self.states[member.key]) for member in self.members)
-        return [Failure(m.point, m.seed, m.folder(self.folder), s.message) for m, s in states if s.message]
+        return [Failure(m.point, m.seed, m.folder(self.folder), told(s)) for m, s in states if s.message]
 
     @cached_property
     def values(self) -> pd.DataFrame:
@@ -339,7 +339,14 @@ def _complete(found: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepPr
 
 
 def prepare(found: Sweep) -> None:
-    """Write ``study.yaml`` and ``points.json`` into the folder of a study: all that its members need to be run."""
+    """Write ``study.yaml`` and ``points.json`` into the folder of a study: all that its members need to be run.
+
+    Raises
+    ------
+    SetupError
+        The folder of a member is a link.
+    """
+    require_no_links(found.members, found.folder)
     write_text(found.folder / "study.yaml", found.study.to_yaml())
     listed = [{"point": member.point, "seed": member.seed, "key": member.key} for member in found.members]
     write_json(found.folder / POINTS_FILE, {"points": found.study.points, "members": listed})
