@@ -7,7 +7,7 @@ import html
 import logging
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, suppress
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
@@ -17,15 +17,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.case.case import ReadCase
-from lammps_jump.dump.exports import write_netcdf
+from lammps_jump.dump.exports import csv_text, write_netcdf
 from lammps_jump.engines.choice import usable_cores
 from lammps_jump.errors import CaseError, RunInterrupted
-from lammps_jump.files import SWEEP_FILES, plain, read_json, write_json, write_text
+from lammps_jump.files import SWEEP_FILES, plain, write_json, write_text
 from lammps_jump.folders import Marker, clear
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.runs.summary import read_summary
 
+from .listed import POINTS_FILE, read_points
 from .members import OVER, Member, Stage, Start, State, plan, require_no_links, run_members, state_of, told
 from .pool import Pool
 from .study import Study, read_study
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 log = logging.getLogger(__name__)
-POINTS_FILE = "points.json"
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ class Sweep:
         """Write table, figures and page into the folder; the path of the page."""
         clear(self.folder, ["figures/sweep_*.png"])
         frame = sweeps.table.flat(self.table, self.study)
-        write_text(self.folder / "table.csv", frame.to_csv(index=False, lineterminator="\n"))
+        write_text(self.folder / "table.csv", csv_text(frame))
         write_netcdf(self.table, self.folder / "table.nc")
         write_json(self.folder / "summary.json", self.summary, indent=2)
         return sweeps.page.write_page(self)
@@ -229,10 +229,8 @@ def _starts(study: Study, folder: Path) -> Iterator[Start]:
     """Members that the study asks for, and those that ``until`` has added before."""
     points = study.points
     seeds = {(point, seed) for point in range(len(points)) for seed in study.fields.members}
-    with suppress(OSError, ValueError, KeyError, TypeError):
-        listed = read_json(folder / POINTS_FILE)
-        if study.fields.until and listed["points"] == plain(points):
-            seeds |= {(int(item["point"]), int(item["seed"])) for item in listed["members"]}
+    if study.fields.until and (listed := read_points(folder)) and listed.points == plain(points):
+        seeds |= {(item.point, item.seed) for item in listed.members}
     return (Start(point, points[point], seed) for point, seed in sorted(seeds))
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Starts of a study that reads their runs itself: each run once, in a folder under its key."""
 
+import json
 import shutil
 
 import pytest
@@ -68,6 +69,36 @@ def prepared(tmp_path):
 def other_run(tmp_path_factory):
     """A run of a user, which is no member of the study."""
     return lj.load_case(BOX, {"run.duration": 0.1}).run(tmp_path_factory.mktemp("mine") / "run").folder
+
+
+ONE = {"point": 0, "seed": 1, "key": "a"}
+
+
+@pytest.mark.parametrize(
+    ("listed", "said"),
+    [
+        ({"members": [{**ONE, "point": 5}]}, "point 5; the points are 0 to 0"),
+        ({"members": [{**ONE, "point": -1}]}, "members.0.point"),
+        ({"members": [{**ONE, "seed": "1" * 100_000}]}, "members.0.seed"),
+        ({"members": [{**ONE, "seed": seed} for seed in range(20_000)]}, "at most 1000 are allowed"),
+        ({"members": 3}, "members"),
+        ({"points": [3]}, "points.0"),
+        ([], "valid dictionary"),
+    ],
+)
+@pytest.mark.fault("values in JSON files")
+def test_the_list_of_members_is_checked(tmp_path, monkeypatch, capsys, listed, said):
+    study = {**SMALL, "until": {"force.box.impulse_x": "40%"}}
+    found = Sweep(read_study(study), tmp_path / "out")
+    with study_folder(found.folder):
+        prepare(found)
+    path = found.folder / "points.json"
+    stored = json.loads(path.read_text())
+    path.write_text(json.dumps({**stored, **listed} if isinstance(listed, dict) else listed))
+    for words in (["--status"], ["--member", "0"], []):
+        status, _, shown = call(monkeypatch, capsys, "sweep", found.folder, "--jobs", 1, *words)
+        assert status == 2 and f"{path}: " in shown and said in shown and "delete the file" in shown
+        assert len(shown.strip().splitlines()) == 1 and len(shown) < 600
 
 
 @pytest.mark.parametrize("linked", ["member", "runs"])
