@@ -31,6 +31,7 @@ MOST_WIDTHS = 1000
 Number = Annotated[FiniteFloat, Field(ge=-1e12, le=1e12)]
 Above = Annotated[FiniteFloat, Field(gt=0, le=1e12)]
 Name = Annotated[str, Field(max_length=500)]
+_Outlet = tuple[Literal["x", "y"], Number, Literal["above", "below"]]
 
 
 class _Part(BaseModel, strict=True, extra="forbid"):
@@ -76,12 +77,10 @@ class _Header(_Part):
     gravity: tuple[Number, Number]
     seen: tuple[tuple[Number, Number], tuple[Number, Number]]
     fastest: Number | None
-    walls: Annotated[list[_Shape], Field(min_length=0, max_length=MOST_SHAPES)]
-    gates: Annotated[list[_Gate], Field(min_length=0, max_length=MOST_SHAPES)]
-    inlets: Annotated[list[tuple[Number, Number]], Field(min_length=0, max_length=MOST_SHAPES)]
-    outlets: Annotated[
-        list[tuple[Literal["x", "y"], Number, Literal["above", "below"]]], Field(min_length=0, max_length=MOST_SHAPES)
-    ]
+    walls: Annotated[list[_Shape], Field(max_length=MOST_SHAPES)]
+    gates: Annotated[list[_Gate], Field(max_length=MOST_SHAPES)]
+    inlets: Annotated[list[tuple[Number, Number]], Field(max_length=MOST_SHAPES)]
+    outlets: Annotated[list[tuple[Literal["x", "y"], Number, Literal["above", "below"]]], Field(max_length=MOST_SHAPES)]
     bins: _Bins
     area: Above
     bed: Number

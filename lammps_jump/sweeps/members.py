@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -106,13 +107,29 @@ def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) ->
         runs.append(full_key(with_accuracy(one)[0], settings[start.point]))
     asked = {(run, short_hash(one.rest)) for run, one in zip(runs, cases, strict=True)}
     shared = Counter(run for run, _ in asked)  # points that differ in their analysis alone need folders of their own
-    keys = [
-        run if shared[run] == 1 else short_hash({"key": run, **one.rest}) for run, one in zip(runs, cases, strict=True)
-    ]
+    keys = [run if shared[run] == 1 else _key_beside(run, one) for run, one in zip(runs, cases, strict=True)]
     return [
         Member(start.point, start.seed, *made)
         for start, made in zip(starts, zip(cases, keys, runs, strict=True), strict=True)
     ]
+
+
+def _key_beside(run: str, case: Case) -> str:
+    """Name of a run folder where other members share the run."""
+    return short_hash({"key": run, **case.rest})
+
+
+def listed_as(member: Member, key: str) -> Member | None:
+    """A member that was planned without the others, under its key among all of them; None where that is another's."""
+    return replace(member, key=key) if key in (member.run, _key_beside(member.run, member.case)) else None
+
+
+def run_folders(store: Path) -> set[str]:
+    """Names in the folder of the run folders."""
+    try:
+        return set(os.listdir(store / RUNS))
+    except OSError:
+        return set()
 
 
 def require_no_links(members: Iterable[Member], store: Path) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
@@ -73,9 +74,8 @@ def _values(given: object) -> object:
         return Range.model_validate(given).values()
     if not isinstance(given, list | tuple) or not given:
         raise ValueError(f"{echoed(given)} does not fit; allowed is a list of values, or {{from: 0, to: 1, count: 5}}")
-    texts = [str(value) for value in given]
-    for index, text in enumerate(texts):
-        if text in texts[:index]:
+    for text, count in Counter(map(str, given)).items():
+        if count > 1:
             raise ValueError(f"{shortened(text)} stands twice; keep one of them")
     return list(given)
 

@@ -27,7 +27,20 @@ from lammps_jump.runs.run import Case, Run
 from lammps_jump.runs.summary import read_summary
 
 from .listed import POINTS_FILE, read_points
-from .members import OVER, Member, Stage, Start, State, plan, require_no_links, run_members, state_of, told
+from .members import (
+    OVER,
+    Member,
+    Stage,
+    Start,
+    State,
+    listed_as,
+    plan,
+    require_no_links,
+    run_folders,
+    run_members,
+    state_of,
+    told,
+)
 from .pool import Pool
 from .study import Study, read_study
 
@@ -36,6 +49,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 log = logging.getLogger(__name__)
+MOST_UNLISTED = 5_000
+"""Members that the status makes of their cases, milliseconds each, where ``points.json`` does not list them."""
 
 
 @dataclass(frozen=True)
@@ -203,10 +218,35 @@ class Sweep:
 
     def status(self) -> str:
         """One line: how many runs are done, failed, at work, and still to come."""
-        counts = Counter(self.states[member.key].stage for member in self.members)
+        begun = self._begun()
+        counts = Counter(state_of(member, self.folder).stage for member in begun or ())
+        counts["waiting"] += len(self.starts) - len(begun or ())
+        if begun is None:
+            counts = Counter(self.states[member.key].stage for member in self.members)
         said = ", ".join(f"{counts[stage]} {stage}" for stage in get_args(Stage) if counts[stage])
         points = f" at {len(self.study.points)} points" if self.study.axes else ""
-        return f"{len(self.members)} runs{points}: {said}"
+        return f"{len(self.starts)} runs{points}: {said}"
+
+    def _begun(self) -> list[Member] | None:
+        """The members that have a run folder, found by ``points.json``; None where all were read, or it does not tell.
+
+        A member takes milliseconds to be made of its case: of a large study most are not needed.
+        """
+        if "states" in self.__dict__:
+            return None
+        there = run_folders(self.folder)
+        if not there:
+            return []
+        listed = read_points(self.folder)
+        same = listed is not None and listed.points == plain(self.study.points)
+        if not same or [(item.point, item.seed) for item in listed.members] != [(s.point, s.seed) for s in self.starts]:
+            return None
+        pairs = [
+            (start, item.key) for start, item in zip(self.starts, listed.members, strict=True) if item.key in there
+        ]
+        members = plan(self.study.case, [start for start, _ in pairs], self.study.analysis)
+        found = [listed_as(member, key) for member, (_, key) in zip(members, pairs, strict=True)]
+        return None if None in found else found
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""

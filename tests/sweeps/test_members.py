@@ -3,6 +3,7 @@
 
 import json
 import shutil
+import sys
 
 import pytest
 from made_up import BOX, STUDY, call, files
@@ -148,3 +149,22 @@ def test_a_member_whose_engine_is_killed_is_run_by_the_same_command(prepared, mo
     assert [state.stage for state in open_sweep(prepared.folder).states.values()] == ["waiting"]
     run_member(member, prepared.folder, False, True)
     assert state_of(member, prepared.folder).stage == "done"
+
+
+def test_the_status_makes_only_the_members_that_have_a_folder(tmp_path, monkeypatch):
+    """Each takes milliseconds: the status of 99,999 runs took minutes."""
+    found = Sweep(read_study({**STUDY, "axes": {"analysis.bin_width": [0.5, 1.0]}, "members": 2}), tmp_path / "out")
+    with study_folder(found.folder):
+        prepare(found)
+    planned, real = [], members.plan
+    monkeypatch.setattr(
+        sys.modules[Sweep.__module__],
+        "plan",
+        lambda case, starts, *rest: planned.extend(starts) or real(case, starts, *rest),
+    )
+    assert open_sweep(found.folder).status() == "4 runs at 2 points: 4 waiting" and planned == []
+    run_member(found.members[2], found.folder, False, True)
+    assert open_sweep(found.folder).status() == "4 runs at 2 points: 1 done, 3 waiting" and planned == [found.starts[2]]
+    (found.folder / "points.json").unlink()
+    planned.clear()
+    assert open_sweep(found.folder).status() == "4 runs at 2 points: 1 done, 3 waiting" and len(planned) == 4
