@@ -168,8 +168,8 @@ def players(found: Sweep) -> list[Choice | Text]:
             kept[seed] = player
         if room <= 0:
             break
-    listed = ", ".join(map(str, sorted(damaged)))
-    without = f"Without a player, because their {PLAYER} is damaged: members {listed}." if damaged else ""
+    seeds = ", ".join(map(str, sorted(damaged)))
+    without = f"Without a player, because their {PLAYER} is damaged: members {seeds}." if damaged else ""
     if not kept:
         return [Text(without, "small")] if damaged else []
     first, listed = next(iter(kept)), sorted(kept)

@@ -238,15 +238,19 @@ class Sweep:
         if not there:
             return []
         listed = read_points(self.folder)
-        same = listed is not None and listed.points == plain(self.study.points)
-        if not same or [(item.point, item.seed) for item in listed.members] != [(s.point, s.seed) for s in self.starts]:
+        items = listed.members if listed and listed.points == plain(self.study.points) else []
+        if [(item.point, item.seed) for item in items] != [(start.point, start.seed) for start in self.starts]:
+            if len(self.starts) > MOST_UNLISTED:
+                raise CaseError(
+                    f"{self.folder / POINTS_FILE}: does not list these {len(self.starts)} runs, and more than "
+                    f"{MOST_UNLISTED} are not looked for without it; `lammps-jump sweep` of the study writes it"
+                )
             return None
-        pairs = [
-            (start, item.key) for start, item in zip(self.starts, listed.members, strict=True) if item.key in there
-        ]
+        pairs = [(start, item.key) for start, item in zip(self.starts, items, strict=True) if item.key in there]
         members = plan(self.study.case, [start for start, _ in pairs], self.study.analysis)
         found = [listed_as(member, key) for member, (_, key) in zip(members, pairs, strict=True)]
-        return None if None in found else found
+        known = [member for member in found if member is not None]
+        return known if len(known) == len(found) else None
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""

@@ -157,14 +157,14 @@ def test_the_status_makes_only_the_members_that_have_a_folder(tmp_path, monkeypa
     with study_folder(found.folder):
         prepare(found)
     planned, real = [], members.plan
-    monkeypatch.setattr(
-        sys.modules[Sweep.__module__],
-        "plan",
-        lambda case, starts, *rest: planned.extend(starts) or real(case, starts, *rest),
-    )
+    module = sys.modules[Sweep.__module__]
+    monkeypatch.setattr(module, "plan", lambda case, starts, rest: planned.extend(starts) or real(case, starts, rest))
     assert open_sweep(found.folder).status() == "4 runs at 2 points: 4 waiting" and planned == []
     run_member(found.members[2], found.folder, False, True)
     assert open_sweep(found.folder).status() == "4 runs at 2 points: 1 done, 3 waiting" and planned == [found.starts[2]]
     (found.folder / "points.json").unlink()
     planned.clear()
     assert open_sweep(found.folder).status() == "4 runs at 2 points: 1 done, 3 waiting" and len(planned) == 4
+    monkeypatch.setattr(module, "MOST_UNLISTED", 3)
+    with pytest.raises(lj.CaseError, match="does not list these 4 runs"):
+        open_sweep(found.folder).status()
