@@ -169,7 +169,7 @@ def players(found: Sweep) -> list[Choice | Text]:
         if room <= 0:
             break
     seeds = ", ".join(map(str, sorted(damaged)))
-    without = f"Without a player, because their {PLAYER} is damaged: members {seeds}." if damaged else ""
+    without = f"Members without a player ({PLAYER} is damaged): {seeds}." if damaged else ""
     if not kept:
         return [Text(without, "small")] if damaged else []
     first, listed = next(iter(kept)), sorted(kept)

@@ -29,9 +29,6 @@ def done(tmp_path_factory):
     return lj.sweep(MEMBERS, tmp_path_factory.mktemp("members") / "box", jobs=1)
 
 
-DAMAGED = "player.json is damaged"
-
-
 def shown_seed(choice: Choice) -> int:
     return int(choice.names[choice.shown].removeprefix("Member "))
 
@@ -76,9 +73,9 @@ def test_one_member_and_members_without_frames(done, tmp_path):
     assert page.players(Sweep(two.study, folder, done.starts[:1]))[0].names == ["Member 1"]
     (two.runs[0].folder / "player.json").write_text("{")
     choice, text = page.players(two)
-    assert choice.names == ["Member 2"] and "is damaged: members 1." in text.text
+    assert choice.names == ["Member 2"] and "is damaged): 1." in text.text
     (two.runs[1].folder / "player.json").unlink()
-    assert [block.text for block in page.players(two)] == [f"Without a player, because their {DAMAGED}: members 1."]
+    assert [block.text for block in page.players(two)] == ["Members without a player (player.json is damaged): 1."]
     (two.runs[0].folder / "player.json").unlink()
     assert page.players(two) == []
 
