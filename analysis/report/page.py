@@ -25,7 +25,7 @@ from markupsafe import Markup, escape
 from lammps_jump.files import plain, read_file, read_start
 from lammps_jump.units import ABSENT, POWERS, is_bound, numbers_of, shown
 
-from .coder import encode
+from .coder import digits_of, encode
 
 PNG = "image/png"
 MOST_PICTURE = 1_000_000_000
@@ -149,7 +149,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     ]
     given = [block for section in full for block in section.blocks]
     blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside | Choice) else [block])]
-    players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
+    players = [block._replace(frames=_packed(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     numbers: list[np.ndarray] = [np.zeros(1)]
     shown = [_lean(plain(curve.data), numbers) for curve in curves]
@@ -168,6 +168,12 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
         scripts=scripts,
         policy=policy(style, scripts),
     )
+
+
+def _packed(text: str) -> Markup:
+    """Packed frames as they stand in a page; ValueError for another text, which could be markup."""
+    digits_of(text)
+    return Markup(text)
 
 
 def as_json(data: object) -> Markup:

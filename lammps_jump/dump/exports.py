@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import base64
+import os
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TextIO
 
@@ -25,6 +27,9 @@ from .read import Dump
 BINARY = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
 """How VTK files with arrays say what is in them."""
 
+THREADS = "KMP_DUPLICATE_LIB_OK"
+"""Lets two OpenMP libraries into one process; a choice of the caller's."""
+
 
 def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[str, str] | None = None) -> Path:
     """A table of equally long columns as CSV: names in the first line (``name [unit]``), 10 digits, empty for NaN.
@@ -42,16 +47,21 @@ def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[
     """
     units = units or {}
     heads = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
-    header = [csv_cell(head) for head in heads]
     try:
         columns = pd.DataFrame(dict(table))
     except ValueError as error:
         raise DumpError(f"{path}: columns of a table must be equally long: {error}.") from error
-    words = columns.select_dtypes(exclude="number").columns
-    columns[words] = columns[words].map(csv_cell)
     with _writing(path) as file:
-        columns.to_csv(file, header=header, index=False, float_format="%.10g", lineterminator="\n")
+        file.write(csv_text(columns.set_axis(heads, axis=1), float_format="%.10g"))
     return Path(path)
+
+
+def csv_text(table: pd.DataFrame, float_format: str | None = None) -> str:
+    """A table as CSV; every text of it, heads too, goes through `quoting.csv_cell`."""
+    cells = table.rename(columns=csv_cell)
+    for place in [k for k, kind in enumerate(cells.dtypes) if not pd.api.types.is_numeric_dtype(kind)]:
+        cells.isetitem(place, cells.iloc[:, place].map(csv_cell))
+    return cells.to_csv(index=False, float_format=float_format, lineterminator="\n")
 
 
 def export(place: str | Path, kinds: Collection[str], out: str | Path | None = None) -> list[Path]:
@@ -113,8 +123,19 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
     """
     most = np.iinfo(np.int32).max
     wide = [name for name, array in dataset.variables.items() if array.dtype.kind in "iu" and (abs(array) > most).any()]
+    _load_netcdf()
     with writes(path):
         return write_bytes(path, dataset.assign(dataset[wide].astype(float)).to_netcdf(engine="scipy"))
+
+
+@cache
+def _load_netcdf() -> None:
+    """Load what reads and writes NetCDF. It loads threadpoolctl, which sets a variable of the caller's environment."""
+    there = THREADS in os.environ
+    import scipy.io  # noqa: F401  (50 ms)
+
+    if not there:
+        os.environ.pop(THREADS, None)
 
 
 def read_netcdf(path: Path) -> xr.Dataset:
@@ -125,6 +146,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
     DumpError
         No such file, or another kind.
     """
+    _load_netcdf()
     try:
         read_start(path, 1)  # no pipe, which would be waited for
         with xr.open_dataset(path, engine="scipy") as dataset:
