@@ -15,6 +15,7 @@ import json
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
+from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,7 +24,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain, read_file, read_start
-from lammps_jump.units import ABSENT, POWERS, is_bound, numbers_of, shown
+from lammps_jump.units import ABSENT, AT_LEAST, POWERS, is_bound, numbers_of, shown
 
 from .coder import digits_of, encode
 
@@ -259,6 +260,14 @@ def percent(share: float | None, digits: int = 1) -> str:
     if share is None:
         return shown(None)
     return f"{100 * share:{'+' if digits > 1 else ''}.{digits}f} %"
+
+
+def percent_of(share: float | None, error: float | None = None, *, bound: bool = False) -> str:
+    """A share in per cent with its error, which may be a lower bound."""
+    if share is None or share != share:
+        return ABSENT
+    sure = f" ± {AT_LEAST * bound}{100 * error:.1f}" if error is not None and isfinite(error) else ""
+    return f"{100 * share:+.1f}{sure} %".replace("-", "−")
 
 
 def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> str:
