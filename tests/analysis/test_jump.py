@@ -549,8 +549,8 @@ def test_the_headline_is_the_comparison_everywhere():
     tables = [block for block in section(found).blocks if isinstance(block, Table)]
     rows = [row for table in tables for row in table.rows]
     assert sum(expected in str(cell) for row in rows for cell in row) == 2  # the states, and the comparison
-    states = next(table for table in tables if table.head[0] == "State")
-    assert states.head == ("State", "frame", "Froude number", "sequent depth by Bélanger [m]")
+    states = next(table for table in tables if table.header[0] == "State")
+    assert states.header == ("State", "frame", "Froude number", "sequent depth by Bélanger [m]")
     assert [row[1] for row in states.rows] == ["front", "front", "laboratory", "laboratory"]
     assert "thrust" in str(tables[0].rows) or "density" in str(tables[0].rows)  # momentum comes first
 
