@@ -19,7 +19,7 @@ MISSED = {"y2": 0.60, "speed": 0.52, "froude": 0.44}
 and 13 s, each share to 0.15; docs/analysis.md)."""
 
 UNTOLD = (
-    "y2", "speed", "length_mass", "local.y1", "local.y2", "local.u1", "local.u2", "local.h2", "local.packing_2",
+    "y2", "speed", "length_mass", "local.y2", "local.u2", "local.h2", "local.packing_2",
 )  # fmt: skip
 """Numbers measured in the frames whose error one run cannot tell: it misses part of the variance between starts, or
 its 95 % intervals held less than 90 % of fresh starts (benchmarks/error_bars.py; docs/analysis.md)."""

@@ -312,6 +312,7 @@ class Balance:
     unsteady: float = number("", "momentum stored between the stations")
     unexplained: float = number("", "left unexplained")
     pressure_error: float = number("", "standard error of the pressure's part")
+    lower_bounds: tuple[str, ...] = ("pressure",)
 
 
 def balance(moving: Moving, one: State, two: State, along: float) -> Balance:

@@ -271,7 +271,10 @@ def _momentum(jump: Mapping) -> Text:
     local = jump["local"]
     error, unsure = local["momentum_residual_error"], is_bound(local, "momentum_residual")
     residual = percent_of(local["momentum_residual"], error, bound=unsure)
-    explained = "; ".join(f"{names[key].meaning} {percent_of(terms[key], terms.get(f'{key}_error'))}" for key in known)
+    explained = "; ".join(
+        f"{names[key].meaning} {percent_of(terms[key], terms.get(f'{key}_error'), bound=is_bound(terms, key))}"
+        for key in known
+    )
     return Text(
         f"Mass flux through the moving front: downstream minus upstream {100 * jump['mass']['closure']:+.2f} %, "
         f"{100 * jump['mass']['closure_with_storage']:+.2f} % with what is stored in between. Momentum function "

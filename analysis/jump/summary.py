@@ -196,7 +196,7 @@ def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, obje
     level = isfinite(result.tail.depth.value)
     y2 = result.tail.depth if level else Mean.of(local, "y2")
     if not result.flow.timed:
-        return as_fields(y1=Mean.of(local, "y1"), y2=y2) | {"lower_bounds": (*LOWER_BOUNDS, "y1")}
+        return as_fields(y1=Mean.of(local, "y1"), y2=y2)
     of, depth, velocity = _streams(jump, delivered)
     sign, gravity = result.direction, result.flow.gravity
     forward = abs(velocity.value) if jump.inflow else sign * velocity.value
@@ -208,9 +208,7 @@ def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, obje
     scene, there = result.flow.scene, []
     there += [FRICTION] if scene.coefficients.friction > 0 else []
     there += [SLOPE] if scene.gravity[0] else []
-    bounds = (*LOWER_BOUNDS, "y1") if of == BEFORE else LOWER_BOUNDS
     words = {
-        "lower_bounds": bounds,
         "of": of,
         "at": TAIL if level else BEHIND,
         "left_out": tuple(there),

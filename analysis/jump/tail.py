@@ -33,6 +33,7 @@ class Tail(Estimates):
     slope: float = estimate("", "slope of its surface")
     depth: Mean = field(default=Mean(nan, nan), metadata={"summary": False})
     drift: float = field(default=nan, metadata={"summary": False})
+    lower_bounds: tuple[str, ...] = ("slope",)
 
 
 def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:

@@ -38,7 +38,6 @@ def untimed(jump: Jump) -> Jump:
     """The jump of a dump without times: no velocity of the front, hence no Froude number, no head and no theory."""
     known = _kept(jump, WITHOUT_TIMES)
     if jump.local is not None:
-        known["lower_bounds"] = jump.lower_bounds
         known["local"] = Local(**_kept(jump.local, BESIDE_WITHOUT_TIMES))
     held = jump.measured and replace(jump.measured, motion=None, moving=None, stream=None)
     if jump.verdict not in A_JUMP:

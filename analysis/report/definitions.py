@@ -14,10 +14,13 @@ Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the la
 """,
     "jump": """\
 front       where a sharp step between the mean depths would hold the same mass; c is its velocity
-toe, end    where the mean profile in the front's frame has made 5 % and 95 % of its rise
+toe, end    where the mean profile in the front's frame, smoothed over 0.25 s₂, has made 5 % and 95 % of its rise
 length      from toe to end on the free surface; thesis: 9.75 s₁ (Fr₁ − 1)^1.01, USBR: curve of EM 25
 s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
-1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
+comparison  mass depth of the tail water (else behind the end) against Bélanger's for the delivered inflow (else the
+            stream before the toe), in the front's frame; deviation: their ratio less one
+1, 2        beside the jump: a stretch of five depths s₁ that ends five depths before the toe; one of 1.5 depths s₂ that
+            begins 0.25 depths behind the end
 Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
 head        s + (u − c)²/2g; loss of head: the energy between two stations that move with the front, carried by
             discs and handed on by contacts, in less out less stored;  momentum function: ρ (s (u − c)² + g s²/2)

@@ -48,16 +48,17 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
     assert found["profiles"]["axis"] == "step" and found["profiles"]["last_time"] == 500 * 19
     jump, front = found["jump"], found["front"]
     assert jump["y1"] == pytest.approx(1, rel=0.02) and jump["y2"] == pytest.approx(6, rel=0.02)
-    assert jump["sequent_ratio"] == pytest.approx(6, rel=0.03) and jump["length"] > 0
+    assert jump["local"]["sequent_ratio"] == pytest.approx(6, rel=0.03) and jump["length"] > 0
     made = {"time", "members", "drift", "budget", "stream", "mass", "momentum_terms", "head_lost", "class", "speed"}
     made |= {key for key in jump if any(word in key for word in ("froude", "belanger", "head_", "energy", "momentum"))}
     made |= {key for key in jump if "speed" in key}
     assert {key: jump[key] for key in made} == dict.fromkeys(made)
+    assert jump["local"]["froude"] is jump["local"]["belanger_y2"] is jump["local"]["energy_loss"] is None
     assert front["position"] is not None
     for key in ("time", "speed", "arrival_time", "ritter", "martin_moyce"):
         assert front[key] is None
     known = "vx" in columns
-    assert (jump["u1"] is None, front["highest_surface_speed"] is None) == (not known, not known)
+    assert (jump["local"]["u1"] is None, front["highest_surface_speed"] is None) == (not known, not known)
     profiles = read_netcdf(folder / "profiles.nc")
     assert profiles.time.attrs == {"units": "1", "long_name": "step"}
     assert bool(np.isfinite(profiles.velocity).any()) is known
