@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The jump analysis on made-up flows: steps and ramps that move at a set speed, and flows that are no jump."""
 
+# ruff: noqa: RUF001  (minus signs and quotes as the page shows them)
+
 from dataclasses import replace
 from functools import partial
 from math import sqrt
