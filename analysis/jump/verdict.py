@@ -10,7 +10,7 @@ from typing import Any
 
 from lammps_jump.analysis.report.headline import A_JUMP
 from lammps_jump.analysis.report.page import percent_of, with_error
-from lammps_jump.units import is_bound
+from lammps_jump.units import AT_LEAST, is_bound
 
 from .certainty import starts_needed
 from .summary import FRICTION, SLOPE, Jump, Local

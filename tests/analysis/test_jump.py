@@ -543,7 +543,7 @@ def test_the_headline_is_the_comparison_everywhere():
     expected = f"{jump.belanger_y2:.4f}"
     off = f"{100 * jump.belanger_deviation:+.1f}".replace("-", "−")
     assert expected in jump.headline and off in jump.headline and f"Fr = {jump.froude:.4f}" in jump.headline
-    assert f"Its tail water is {-100 * jump.belanger_deviation:.2g} % below Bélanger’s" in verdict({"jump": found})
+    assert f"Its tail water is {-100 * jump.belanger_deviation:.2f} % below Bélanger’s" in verdict({"jump": found})
     boxes, _ = key_numbers({"jump": found})
     assert float(boxes[0].value) == pytest.approx(jump.y2) and expected in boxes[0].against
     tables = [block for block in section(found).blocks if isinstance(block, Table)]
