@@ -44,7 +44,7 @@ def depth_profile(profiles: xr.Dataset, flow: Flow, *, lines: Mapping[str, float
     x, y = _occupied(profiles), (low - 0.04 * top, 1.15 * top)
     solids = shown_walls(flow.scene.permanent, x, y)
     upper = Panel("Height above y = 0 [m]", (surface, mass), "", lines, marks, solids, x, y, 2.2)
-    speed = _mean(profiles, "velocity", 0.0, "mean velocity")
+    speed = _mean(profiles, "velocity", 0.0, "mean discharge over mean depth")
     skin = Line("at the surface", profiles.x.values, profiles.surface_velocity_mean.values, "second")
     lower = Panel("Velocity [m/s]", (speed, skin), marks=marks, xlim=x)
     begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
