@@ -15,7 +15,8 @@ from lammps_jump.errors import SetupError
 from lammps_jump.physics import law
 from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Gate, InletRow, Outlet
+from lammps_jump.scene.motion import gate
+from lammps_jump.scene.scene import InletRow, Outlet
 from lammps_jump.scene.walls import Block, Box, Plane
 
 pytestmark = pytest.mark.lammps
@@ -342,9 +343,9 @@ def test_the_smooth_touch_keeps_restitution_at_every_speed(lammps, plugin, tmp_p
 
 
 def test_a_gate_is_felt_until_its_step(lammps, plugin, tmp_path):
-    gate = Gate(Plane("gate", "x", 0.5, "below"), 400)
+    shut = gate(Plane("gate", "x", 0.5, "below"), 400)
     # pressed against the gate by a sideways weight
-    case = scene([[0.4, 0.5]], [[0.0, 0.0]], (), gates=(gate,), gravity=(9.81, 0.0))
+    case = scene([[0.4, 0.5]], [[0.0, 0.0]], (shut,), gravity=(9.81, 0.0))
     with Run(lammps, compiled(case, plugin, tmp_path, probe="probe 1 gate")) as run:
         run.do("run 399")
         assert run.vector(1)[0] > 0.1 * case.mass * 9.81
