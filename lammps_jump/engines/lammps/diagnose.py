@@ -65,7 +65,7 @@ def _closest(scene: Scene, step: int, ids: np.ndarray, places: np.ndarray) -> st
     diameters = scene.diameters(names)
     pair = deepest_overlap(places, diameters)
     found = [(pair[0], pair[1], f"discs {names[pair[1]]} and {names[pair[2]]}")] if pair else []
-    for wall in (*scene.walls, *(gate.wall for gate in scene.gates if step < gate.release_step)):
+    for wall in scene.walls_at(step):
         for face in wall.faces() if len(names) else ():
             distance = face.contact(*places.T).distance
             # a centre inside a block feels no force
