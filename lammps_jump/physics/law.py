@@ -76,17 +76,53 @@ def _stored_energy_py(overlap, touch):
     return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
 
 
+def _contact_force_py(overlap, normal, slip, rim, numbers, friction, slope, touch):
+    """The whole force of one contact on a disc: (fx, fy, tangential, dashpot), N per m of width.
+
+    The tangential force acts along (-ny, nx); the dashpot is part of the normal force, along the normal.
+
+    Parameters
+    ----------
+    overlap : float
+        m, above 0.
+    normal : (float, float)
+        Unit vector towards the disc from what it touches.
+    slip : (float, float)
+        Velocity of the disc's centre against that of its partner, m/s.
+    rim : float
+        Speed of the rims, R_i omega_i + R_j omega_j, m/s; 0 without spin.
+    numbers : (float, float, float)
+        Stiffness (N/m), dashpot of the normal force and slope of LAMMPS' viscous ramp (N s/m), per m of width.
+    friction, slope, touch
+        As in `friction_force` and `normal_force`; friction None: there is none.
+    """
+    nx, ny = normal
+    vx, vy = slip
+    k, damping, ramp = numbers
+    push, dashpot = normal_force(overlap, vx * nx + vy * ny, k, damping, touch)
+    fx = push * nx
+    fy = push * ny
+    rub = 0.0
+    if friction is not None:
+        rub = friction_force(push, vy * nx - vx * ny - rim, friction, ramp, slope)
+        fx -= rub * ny
+        fy += rub * nx
+    return fx, fy, rub, dashpot
+
+
 normal_force = njit(cache=True)(_normal_force_py)
 friction_force = njit(cache=True)(_friction_force_py)
 stored_energy = njit(cache=True)(_stored_energy_py)
+contact_force = njit(cache=True)(_contact_force_py)
 
 
-def watching_law(dispatcher):
-    """The same compiled function, with a disk cache that also expires when this file changes.
+def watching_law(dispatcher, *others):
+    """The same compiled function, with a disk cache that also expires when this file changes, or that of `others`.
 
     numba compares the date of a function's own file only. Machine code that holds these functions inline would
-    otherwise outlive a change here.
+    otherwise outlive a change here. `others` are compiled functions of other files that it holds.
     """
     file = dispatcher._cache._cache_file
-    file._source_stamp = (file._source_stamp, normal_force._cache._cache_file._source_stamp)
+    stamps = (held._cache._cache_file._source_stamp for held in (normal_force, *others))
+    file._source_stamp = (file._source_stamp, *stamps)
     return dispatcher

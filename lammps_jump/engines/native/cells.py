@@ -76,6 +76,4 @@ class CellSimulation(NativeSimulation):
         return 0
 
     def _list_walls(self) -> None:
-        faces, n = self._face_kind.size, self.discs.n
-        self._near = np.tile(np.arange(n, dtype=np.int32), faces)
-        self._face_start = n * np.arange(faces + 1, dtype=np.int64)
+        self.walls.list_all(self.discs.n)

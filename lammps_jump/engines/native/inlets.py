@@ -122,9 +122,8 @@ class OpenBoundaries:
         return neighbours.closest(discs.n, discs.x, discs.y, x, y) >= clearance * clearance
 
     def _in_wall(self, step: int, x: float, y: float) -> bool:
-        gates = (gate.wall for gate in self.scene.gates if step < gate.release_step)
         radius = 0.5 * self.scene.largest
-        return any(float(wall.distance(x, y)) < radius for wall in (*self.scene.walls, *gates))
+        return any(float(wall.distance(x, y)) < radius for wall in self.scene.walls_at(step))
 
     def _new_id(self) -> int:
         self.inserted += 1

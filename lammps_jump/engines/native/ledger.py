@@ -9,7 +9,7 @@ from math import inf, sqrt
 import numpy as np
 from numba import njit
 
-from lammps_jump.physics.law import friction_force, normal_force, watching_law
+from lammps_jump.physics.law import contact_force, watching_law
 from lammps_jump.scene.scene import Scene
 
 from .loops import slope
@@ -277,20 +277,15 @@ def _between_py(
             size = 1.0 if radius is None else ra * rb / sqrt(ra * ra + rb * rb)
             sx, sy = ux[b] - ux[a], uy[b] - uy[a]
             overlap = ra + rb - apart
-            force, dash = normal_force(overlap, sx * nx + sy * ny, law.stiffness, law.damping * size, touch)
+            rim = 0.0 if omega is None else ra * turned[a] + rb * turned[b]
+            numbers = (law.stiffness, law.damping * size, law.tangential * size)
+            px, py, rub, dash = contact_force(overlap, (nx, ny), (sx, sy), rim, numbers, friction, inverse_eps, touch)
             qa = half / motion.mass / (1.0 if radius is None else ra * ra)
             qb = half / motion.mass / (1.0 if radius is None else rb * rb)
             mx = 0.5 * (vx[a] + qa * fx[a] + vx[b] + qb * fx[b])
             my = 0.5 * (vy[a] + qa * fy[a] + vy[b] + qb * fy[b])
-            px, py = force * nx, force * ny
-            turn = rub = 0.0
+            turn = 0.0
             if friction is not None:
-                slip = sy * nx - sx * ny
-                if omega is not None:
-                    slip -= ra * turned[a] + rb * turned[b]
-                rub = friction_force(force, slip, friction, law.tangential * size, inverse_eps)
-                px -= rub * ny
-                py += rub * nx
                 if omega is not None:
                     dent = 0.0 if radius is None else 0.5 * overlap
                     ia = half / motion.inertia / (1.0 if radius is None else ra**4)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Contact search of the native engine: sort discs by cell, build the half neighbour list, list discs near walls.
+"""Contact search of the native engine: sort discs by cell, build the half neighbour list.
 
 Cells as wide as the list's reach, counted along the shorter side of the flow first, so that neighbours in space are
 neighbours in memory. Because the discs are sorted by cell, the candidates of a disc are two stretches of memory:
@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-
-from .loops import PLANE_X, PLANE_Y
 
 
 def _extent_py(n, x, y, x_low, x_high, y_low, y_high):
@@ -96,28 +94,6 @@ def _pair_list_py(n, x, y, radius, reach, rows, cell_start, cell, start, neighbo
     return count
 
 
-def _near_walls_py(n, x, y, reach, face_kind, face_data, face_start, near):
-    """Discs within `reach` of each face, a face at a time; returns the length, or -1 where `near` is short."""
-    count = 0
-    face_start[0] = 0
-    for face in range(face_kind.size):
-        if count + n > near.size:
-            return -1
-        kind = face_kind[face]
-        a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
-        if kind == PLANE_X or kind == PLANE_Y:
-            coordinate = x if kind == PLANE_X else y
-            for i in range(n):
-                near[count] = i
-                count += abs(coordinate[i] - a) < reach
-        else:
-            for i in range(n):
-                near[count] = i
-                count += x[i] > a - reach and x[i] < b + reach and y[i] > c - reach and y[i] < d + reach
-        face_start[face + 1] = count
-    return count
-
-
 def _closest_py(n, x, y, px, py):
     """Square of the distance from (px, py) to the closest disc; inf where there is none."""
     least = np.inf
@@ -148,6 +124,5 @@ extent = njit(cache=True)(_extent_py)
 sort = njit(cache=True)(_sort_py)
 permute = njit(cache=True)(_permute_py)
 pair_list = njit(cache=True)(_pair_list_py)
-near_walls = njit(cache=True)(_near_walls_py)
 closest = njit(cache=True)(_closest_py)
 append_row = njit(cache=True)(_append_row_py)

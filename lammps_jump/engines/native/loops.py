@@ -28,9 +28,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from lammps_jump.physics.law import friction_force, normal_force, stored_energy, watching_law
+from lammps_jump.physics.law import contact_force, stored_energy, watching_law
+from lammps_jump.scene.faces import touching as wall_contacts
 
-PLANE_X, PLANE_Y, BLOCK = 0, 1, 2
 DONE, HELD, OLD = 0, 1, 2
 
 
@@ -70,6 +70,33 @@ class Grid(NamedTuple):
     rows: int
     first: np.ndarray
     used: np.ndarray
+
+
+class Near(NamedTuple):
+    """Discs near walls, a wall at a time.
+
+    Attributes
+    ----------
+    about : ndarray, shape (walls, 2)
+        Point that the moment on each wall is taken about, m.
+    rows : ndarray of int64, shape (walls + 1,)
+        First row of each wall.
+    discs : ndarray of int32
+        Disc of each row.
+    last : ndarray of int64
+        The faces of row r are ``faces[last[r]:last[r + 1]]``.
+    faces : ndarray of int64
+    found, which : ndarray
+        Room for the contacts of one disc (`scene.faces.touching`).
+    """
+
+    about: np.ndarray
+    rows: np.ndarray
+    discs: np.ndarray
+    last: np.ndarray
+    faces: np.ndarray
+    found: np.ndarray
+    which: np.ndarray
 
 
 def _slope_py(n, ux, uy, sign):
@@ -198,19 +225,13 @@ def _pair_forces_py(
                 ny = dy * inverse
                 overlap = reach - r
                 size = 1.0 if radius is None else _pair_size(a, b)
-                sx = uxi - ux[j]
-                sy = uyi - uy[j]
-                vn = sx * nx + sy * ny
-                normal, dashpot = normal_force(overlap, vn, k, c * size, touch)
-                px = normal * nx
-                py = normal * ny
+                rim = 0.0
+                if omega is not None:
+                    rim = a * (omega[i] + omega[j]) if radius is None else a * omega[i] + b * omega[j]
+                slip = (uxi - ux[j], uyi - uy[j])
+                numbers = (k, c * size, ct * size)
+                px, py, ft, dashpot = contact_force(overlap, (nx, ny), slip, rim, numbers, friction, sign, touch)
                 if friction is not None:
-                    vt = sy * nx - sx * ny
-                    if omega is not None:
-                        vt -= a * (omega[i] + omega[j]) if radius is None else a * omega[i] + b * omega[j]
-                    ft = friction_force(normal, vt, friction, ct * size, sign)
-                    px -= ft * ny
-                    py += ft * nx
                     if omega is not None:
                         dent = 0.0 if radius is None else 0.5 * overlap
                         turn -= (a - dent) * ft
@@ -243,59 +264,36 @@ def _pair_forces_py(
             slide_y[i] += slid_y
 
 
-def _wall_gap_py(kind, a, b, c, d, px, py):
-    """Distance and unit normal of one wall face at a point: (distance, nx, ny); a centre inside a block: (inf, 0, 0).
-
-    Faces: plane (kind, at, side) as a, b; block as a = xlo, b = xhi, c = ylo, d = yhi, met at its nearest point.
-    """
-    if kind == PLANE_X:
-        return b * (px - a), b, 0.0
-    if kind == PLANE_Y:
-        return b * (py - a), 0.0, b
-    qx = px - min(max(px, a), b)
-    qy = py - min(max(py, c), d)
-    r2 = qx * qx + qy * qy
-    if r2 == 0.0:
-        return np.inf, 0.0, 0.0
-    r = sqrt(r2)
-    return r, qx / r, qy / r
-
-
 def _wall_forces_py(
-    x, y, radius, ux, uy, omega, fx, fy, torque, face_kind, face_data, face_start, near, law, friction, sign, touch,
+    x, y, radius, ux, uy, omega, fx, fy, torque, faces, near, law, friction, sign, touch,
     dash_x, dash_y, slide_x, slide_y, wall_sum,
 ):  # fmt: skip
-    """Add the forces of walls to the discs that `near` lists a face at a time; the opposite to ``wall_sum``.
+    """Add the forces of walls to the discs that `near` lists a wall at a time; the opposite to ``wall_sum``.
 
-    ``face_data[face] = (a, b, c, d, x_ref, y_ref)``, the last two the point for moments; ``wall_sum[face]`` collects
-    the force on the wall and its moment (fx, fy, moment), counter-clockwise positive, acting at the contact point.
+    ``wall_sum[wall]`` collects the force on the wall and its moment about ``near.about[wall]`` (fx, fy, moment),
+    counter-clockwise positive, acting at the contact point.
     """
+    codes, shape, deep = faces.codes, faces.shape, faces.deep
+    found, which = near.found, near.which
     k, damping, ct = law.stiffness_wall, law.damping_wall, law.tangential_wall
-    for face in range(face_kind.size):
-        kind = face_kind[face]
-        a, b, c, d = face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3]
-        x_ref, y_ref = face_data[face, 4], face_data[face, 5]
+    for wall in range(deep.size):
+        x_ref, y_ref = near.about[wall, 0], near.about[wall, 1]
         wall_x = wall_y = moment = 0.0
-        for p in range(face_start[face], face_start[face + 1]):
-            i = near[p]
-            gap, nx, ny = _wall_gap(kind, a, b, c, d, x[i], y[i])
+        for row in range(near.rows[wall], near.rows[wall + 1]):
+            i = near.discs[row]
             own = 0.5 * law.diameter if radius is None else radius[i]
-            if gap < own:
-                overlap = own - gap
+            count = wall_contacts(
+                codes, shape, deep[wall], near.faces, near.last[row], near.last[row + 1], x[i], y[i], own, found, which
+            )
+            for contact in range(count):
+                gap, nx, ny = found[contact, 0], found[contact, 1], found[contact, 2]
                 size = 1.0 if radius is None else own
-                sx = ux[i]
-                sy = uy[i]
-                vn = sx * nx + sy * ny
-                normal, dashpot = normal_force(overlap, vn, k, damping * size, touch)
-                px = normal * nx
-                py = normal * ny
+                rim = 0.0 if omega is None else own * omega[i]
+                numbers = (k, damping * size, ct * size)
+                px, py, ft, dashpot = contact_force(
+                    own - gap, (nx, ny), (ux[i], uy[i]), rim, numbers, friction, sign, touch
+                )
                 if friction is not None:
-                    vt = sy * nx - sx * ny
-                    if omega is not None:
-                        vt -= own * omega[i]
-                    ft = friction_force(normal, vt, friction, ct * size, sign)
-                    px -= ft * ny
-                    py += ft * nx
                     if omega is not None:
                         torque[i] -= own * ft
                     if slide_x is not None:
@@ -309,14 +307,14 @@ def _wall_forces_py(
                 wall_x -= px
                 wall_y -= py
                 moment += (y[i] - gap * ny - y_ref) * px - (x[i] - gap * nx - x_ref) * py
-        wall_sum[face, 0] += wall_x
-        wall_sum[face, 1] += wall_y
-        wall_sum[face, 2] += moment
+        wall_sum[wall, 0] += wall_x
+        wall_sum[wall, 1] += wall_y
+        wall_sum[wall, 2] += moment
 
 
 def _advance_py(
     steps, pending, hold, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
-    owner, start, neighbours, grid, face_kind, face_data, face_start, near, law, motion, friction, sign, touch,
+    owner, start, neighbours, grid, faces, near, law, motion, friction, sign, touch,
     dash_x, dash_y, slide_x, slide_y, work, wall_sum,
 ):  # fmt: skip
     """Up to `steps` steps; returns (steps done, state): DONE, HELD or OLD.
@@ -356,7 +354,7 @@ def _advance_py(
             inverse_eps, touch, dash_x, dash_y, slide_x, slide_y,
         )  # fmt: skip
         _wall_forces(
-            x, y, radius, seen_x, seen_y, turned, fx, fy, torque, face_kind, face_data, face_start, near, law,
+            x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
             friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
         )  # fmt: skip
 
@@ -432,17 +430,15 @@ def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
     return first[cells]
 
 
-def _elastic_py(
-    begin, rows, owner, start, neighbours, x, y, radius, face_kind, face_data, face_start, near, law, touch, ids, known,
-):  # fmt: skip
-    """Elastic energy (J per m of width), largest overlap (m) and its disc; with `ids`, of discs with ids above `known`.
+def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near, law, touch, ids, known):
+    """Elastic energy (J per m of width), largest overlap (m), its disc and wall; with `ids`, of ids above `known`.
 
     Rows of the list before `begin` are left out. Each contact stores stiffness times
-    `lammps_jump.physics.law.stored_energy`.
+    `lammps_jump.physics.law.stored_energy`. The wall is -1 where the largest overlap is that of two discs.
     """
     pairs = walls = 0.0
     worst = 0.0
-    where = -1
+    where = met = -1
     half = 0.5 * law.diameter
     for row in range(begin, rows):
         i = row if owner is None else owner[row]
@@ -456,21 +452,22 @@ def _elastic_py(
                 pairs += law.stiffness * stored_energy(overlap, touch)
                 if overlap > worst:
                     worst, where = overlap, i
-    for face in range(face_kind.size):
-        for p in range(face_start[face], face_start[face + 1]):
-            i = near[p]
+    for wall in range(faces.deep.size):
+        for row in range(near.rows[wall], near.rows[wall + 1]):
+            i = near.discs[row]
             if ids is not None and ids[i] <= known:
                 continue
-            gap = _wall_gap(
-                face_kind[face], face_data[face, 0], face_data[face, 1], face_data[face, 2], face_data[face, 3],
-                x[i], y[i],
-            )[0]  # fmt: skip
-            overlap = (half if radius is None else radius[i]) - gap
-            if overlap > 0.0:
+            own = half if radius is None else radius[i]
+            count = wall_contacts(
+                faces.codes, faces.shape, faces.deep[wall], near.faces, near.last[row], near.last[row + 1], x[i], y[i],
+                own, near.found, near.which,
+            )  # fmt: skip
+            for contact in range(count):
+                overlap = own - near.found[contact, 0]
                 walls += law.stiffness_wall * stored_energy(overlap, touch)
                 if overlap > worst:
-                    worst, where = overlap, i
-    return pairs + walls, worst, where
+                    worst, where, met = overlap, i, wall
+    return pairs + walls, worst, where, met
 
 
 def _give_sizes_py(
@@ -514,16 +511,15 @@ def _give_sizes_py(
 
 # a division by zero, which cannot be, gives inf rather than an exception: else loops do not run on vector units
 _pair_size = njit(cache=True, error_model="numpy")(_pair_size_py)
-_wall_gap = njit(cache=True)(_wall_gap_py)
 slope = njit(cache=True)(_slope_py)
 # a sum in any order runs on vector units: the ledger changes in its last digits, the trajectory does not
 _power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_py)
 _power_of_torque = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_of_torque_py)
 _kick_drift = njit(cache=True, error_model="numpy")(_kick_drift_py)
 _pair_forces = watching_law(njit(cache=True)(_pair_forces_py))
-_wall_forces = watching_law(njit(cache=True)(_wall_forces_py))
+_wall_forces = watching_law(njit(cache=True)(_wall_forces_py), wall_contacts)
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
-advance = watching_law(njit(cache=True)(_advance_py))
+advance = watching_law(njit(cache=True)(_advance_py), wall_contacts)
 cell_pairs = _cell_pairs
-elastic = watching_law(njit(cache=True)(_elastic_py))
+elastic = watching_law(njit(cache=True)(_elastic_py), wall_contacts)
 give_sizes = njit(cache=True)(_give_sizes_py)

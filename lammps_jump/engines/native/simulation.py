@@ -28,9 +28,9 @@ from . import lists as neighbours
 from . import loops as kernels
 from .constants import law_of, motion_of
 from .discs import Discs
-from .faces import faces_of
 from .inlets import OpenBoundaries
 from .ledger import Energy
+from .walls import Walls
 
 DEFAULT_SKIN = 0.3
 """Skin of the neighbour list over the diameter where the scene gives none."""
@@ -107,7 +107,7 @@ class NativeSimulation:
         self._check_overlap()
         self._compute_forces()
         self._start_half_step_back()
-        self._wall_sum[:] = 0.0
+        self.walls.sums[:] = 0.0
         self._start_work = self._half_work()
         self._start_energy = self.energy()
         self._see_stations()
@@ -115,18 +115,15 @@ class NativeSimulation:
     # --- set-up -------------------------------------------------------------------------------------------------
 
     def _load_walls(self) -> None:
-        """Faces that are there now; sums of the window go on, also those of a gate that has just been taken away."""
-        if hasattr(self, "_wall_sum"):
+        """Walls that are there now; sums of the window go on, also those of one that has just been taken away."""
+        if hasattr(self, "walls"):
             self._carry_window_over()
-        gates = tuple(gate.wall for gate in self.scene.gates if self.step < gate.release_step)
-        self._face_kind, self._face_data, self._face_names = faces_of((*self.scene.walls, *gates))
-        faces = self._face_kind.size
-        self._face_start = np.zeros(faces + 1, np.int64)
-        self._near = np.empty(0, np.int32)
-        self._wall_sum = np.zeros((faces, 3))
+        # within R + skin: enough even for half a skin moved before and half after
+        reach = 0.5 * self.scene.largest + self.skin
+        self.walls = Walls(self.scene.walls_at(self.step), self.scene.largest, reach)
 
     def _carry_window_over(self) -> None:
-        for name, row in zip(self._face_names, self._wall_sum, strict=True):
+        for name, row in zip(self.walls.names, self.walls.sums, strict=True):
             self._carried[name] = self._carried.get(name, 0.0) + row
 
     def _start_half_step_back(self) -> None:
@@ -167,8 +164,10 @@ class NativeSimulation:
         return self._window_start + self.scene.probe_steps if self.scene.probes else inf
 
     def _next_event(self) -> float:
-        steps = (gate.release_step for gate in self.scene.gates if gate.release_step > self.step)
-        return min(self.boundaries.next_after(self.step), *steps, inf)
+        return min(self.boundaries.next_after(self.step), self._next_change(self.step))
+
+    def _next_change(self, step: int) -> float:
+        return min((motion.next_change(step) for _, motion in self.scene.walls), default=inf)
 
     def _advance(self, stop: int, hold: bool) -> None:
         """To step `stop`; where `hold`, with what happens between its drift and its forces."""
@@ -189,9 +188,9 @@ class NativeSimulation:
         d = self.discs
         return kernels.advance(
             steps, pending, hold, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega,
-            d.torque, d.uomega, *self._list()[1:], self._grid, self._face_kind, self._face_data, self._face_start,
-            self._near, self._law, self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x,
-            d.slide_y, self._work, self._wall_sum,
+            d.torque, d.uomega, *self._list()[1:], self._grid, self.walls.faces, self.walls.near, self._law, self._motion,
+            self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y, self._work,
+            self.walls.sums,
         )  # fmt: skip
 
     def _list(self) -> tuple:
@@ -219,7 +218,7 @@ class NativeSimulation:
             self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, self._share)
         if self.boundaries.inserted > known:
             self._exchanged["brought_in"] += self._elastic_of_newcomers(known, self._list_newcomers(before))
-        if any(gate.release_step == self.step for gate in self.scene.gates):
+        if self._next_change(self.step - 1) == self.step:
             elastic = self._elastic()
             self._load_walls()
             self._list_walls()
@@ -272,27 +271,19 @@ class NativeSimulation:
             self._check_overlap()
 
     def _list_walls(self) -> None:
-        """Discs near each face: within R + skin, enough even for half a skin moved before and half after."""
-        faces = self._face_kind.size
-        if self._near.size < faces * self.discs.room:
-            self._near = np.empty(faces * self.discs.room, np.int32)
-        neighbours.near_walls(
-            self.discs.n, self.discs.x, self.discs.y, 0.5 * self.scene.largest + self.skin, self._face_kind,
-            self._face_data, self._face_start, self._near,
-        )  # fmt: skip
+        self.walls.list_discs(self.discs.n, self.discs.x, self.discs.y)
 
     def _list_newcomers(self, before: int) -> int:
         """Complete the lists for discs that have rows of their own, from row `before` on; their first row."""
         self._list_walls()
         return before
 
-    def _elastic_and_worst(self, known: int | None = None, begin: int = 0) -> tuple[float, float, int]:
+    def _elastic_and_worst(self, known: int | None = None, begin: int = 0) -> tuple[float, float, int, int]:
         """What `loops.elastic` finds: of all contacts, or of those of discs with ids above `known`."""
         d = self.discs
         ids = (None, 0) if known is None else (d.ids, known)
         return kernels.elastic(
-            begin, *self._list(), d.x, d.y, d.radius, self._face_kind, self._face_data, self._face_start, self._near,
-            self._law, self._touch, *ids,
+            begin, *self._list(), d.x, d.y, d.radius, self.walls.faces, self.walls.near, self._law, self._touch, *ids,
         )  # fmt: skip
 
     def _elastic(self) -> float:
@@ -307,7 +298,7 @@ class NativeSimulation:
         limit = self.scene.overlap_limit
         if limit <= 0:
             return
-        _, worst, i = self._elastic_and_worst()
+        _, worst, i, _ = self._elastic_and_worst()
         if worst > limit:
             raise RunError(
                 f"overlap {worst:.4g} m of disc {self._place(i)} is beyond the limit of {limit:.4g} m. "
@@ -348,7 +339,7 @@ class NativeSimulation:
         for name in self.scene.probes:
             mean = self._carried.get(name, np.zeros(3)) / steps
             self.forces.append((self.step, name, *(float(v) for v in mean)))
-        self._wall_sum[:] = 0.0
+        self.walls.sums[:] = 0.0
         self._carried = {}
         self._window_start = self.step
 

@@ -22,7 +22,7 @@ from .ledger import Energy
 from .simulation import NativeSimulation
 
 COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds", "_window_start")
-ARRAYS = {"near_start": "_face_start", "wall_sum": "_wall_sum", "work": "_work", "start_work": "_start_work"}
+ARRAYS = {"work": "_work", "start_work": "_start_work"}
 """Name in the file -> attribute of the simulation."""
 
 
@@ -49,7 +49,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         "traffic": [boundaries.inserted, boundaries.removed, boundaries.inserted, boundaries.sized],
     }
     arrays = {name: getattr(d, name)[: d.n] for name in (*d.names, "ids")}
-    near = simulation._near[: simulation._face_start[-1]]
+    near = {f"near_{name}": array for name, array in simulation.walls.listed.items()}
     path.unlink(missing_ok=True)  # a hard-linked backup stays as it is
     with path.open("xb") as file:
         np.savez(
@@ -57,7 +57,8 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
             plain=np.array(json.dumps(plain)),
             list_start=d.start[: d.n + 1],
             list_discs=d.neighbours[: d.start[d.n]],
-            near=near,
+            wall_sum=simulation.walls.sums,
+            **near,
             **{name: getattr(simulation, attribute) for name, attribute in ARRAYS.items()},
             stations=simulation.stations.sums,
             **arrays,
@@ -93,8 +94,8 @@ def _loaded(scene: Scene, path: Path, ledger: bool) -> NativeSimulation:
         simulation._load_walls()  # those of this step: gates may have gone
         for name, attribute in ARRAYS.items():
             getattr(simulation, attribute)[:] = stored[name]
-        simulation._near = np.empty(simulation._face_kind.size * simulation.discs.room, np.int32)
-        simulation._near[: simulation._face_start[-1]] = stored["near"]
+        simulation.walls.sums[:] = stored["wall_sum"]
+        simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
         simulation.stations.sums[:] = stored["stations"]
     simulation._carried = {name: np.array(row) for name, row in plain["carried"].items()}
     simulation._exchanged = plain["books"]
