@@ -15,7 +15,7 @@ from lammps_jump.errors import SetupError
 from lammps_jump.physics import law
 from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.motion import gate
+from lammps_jump.scene.motion import MovingWall, gate
 from lammps_jump.scene.scene import InletRow, Outlet
 from lammps_jump.scene.walls import Block, Box, Plane
 from lammps_jump.script.walls import JOIN, plugin_wall
@@ -320,7 +320,7 @@ def restitution(lammps, plugin, folder, speed, *, at_wall):
         case = scene(np.zeros((0, 2)), np.zeros((0, 2)), (), gravity=(0.0, 0.0), touch="smooth", touch_width=1.0)
         step = case.time_step
         gap = (phase + 0.5) / 8 * speed * step
-        walls = (Plane("wall", "x", 0.0, "above"),) if at_wall else ()
+        walls = (MovingWall(Plane("wall", "x", 0.0, "above")),) if at_wall else ()
         x = [[0.5 * DIAMETER + gap, 0.0]] if at_wall else [[0.0, 0.0], [DIAMETER + gap, 0.0]]
         v = [[-speed, 0.0]] if at_wall else [[0.5 * speed, 0.0], [-0.5 * speed, 0.0]]
         case = replace(case, positions=np.array(x), velocities=np.array(v), walls=walls, touch_width=16.0 * step)
@@ -409,7 +409,10 @@ def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
         (("fix step all jump/step", "#"), "needs fix jump/step"),
         (("diameter 0.2", "diameter 0.21"), "has diameter 0.2"),
         (("mass 40", "mass 41"), "and mass 40.*, the pair style says .* mass 41"),
-        (("wall floor 0 0 1 1 0 ", "wall floor 0 0 1 1 2 "), r"a face of wall 'floor' is a segment \(0\) or an arc \(1\), not 2"),
+        (
+            ("wall floor 0 0 1 1 0 ", "wall floor 0 0 1 1 2 "),
+            r"a face of wall 'floor' is a segment \(0\) or an arc \(1\), not 2",
+        ),
         (("-1 -1 4 4", "-1 -1 4 5"), "a joint of wall 'floor' has the unknown kind 5"),
         (("-1 -1 4 4", "-1 -1 4 2"), "a joint of wall 'floor' has no face -1"),
         (("wall floor 0 0 1 1", "wall floor 0 0 1 9"), "wall 'floor' needs 22 numbers for each of 9 faces"),
