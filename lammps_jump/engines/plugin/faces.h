@@ -31,9 +31,10 @@ struct Face {
 
 struct FaceContact {
   int place;
-  double gap, nx, ny;    // signed distance, m, and normal
-  double angle;          // of the wall's tangent, rad; set where several faces touch
   int face;
+  double gap, nx, ny;    // signed distance, m, and normal
+  double dx, dy;         // from the foot to the point, m
+  double angle;          // of the wall's tangent, rad; set where several faces touch
 };
 
 struct Extent {
@@ -120,9 +121,9 @@ class WallFaces {
     const double dx = px - (end ? f.x1 : f.x0), dy = py - (end ? f.y1 : f.y0);
     const double r = std::sqrt(dx * dx + dy * dy);
     const int place = end ? END : BEGIN;
-    if (r == 0.0) return {place, 0.0, -ty, tx, 0.0, index};
-    if (front) return {place, r, dx / r, dy / r, 0.0, index};
-    return {place, -r, -dx / r, -dy / r, 0.0, index};
+    if (r == 0.0) return {place, index, 0.0, -ty, tx, dx, dy, 0.0};
+    if (front) return {place, index, r, dx / r, dy / r, dx, dy, 0.0};
+    return {place, index, -r, -dx / r, -dy / r, dx, dy, 0.0};
   }
 
   bool in_front(int index, bool end, double px, double py) const
@@ -136,15 +137,24 @@ class WallFaces {
   {
     const Face &f = faces[index];
     const Ends at = ends(index, px, py);
-    if (!at.before && !at.behind) {
-      if (f.kind == SEGMENT) return {INSIDE, f.tx0 * (py - f.y0) - f.ty0 * (px - f.x0), -f.ty0, f.tx0, 0.0, index};
-      const double dx = px - f.cx, dy = py - f.cy;
-      const double r = std::sqrt(dx * dx + dy * dy);
-      if (r == 0.0) return {NOWHERE, HUGE_VAL, 0.0, 0.0, 0.0, index};
-      if (f.radius > 0.0) return {INSIDE, f.radius - r, -dx / r, -dy / r, 0.0, index};
-      return {INSIDE, r + f.radius, dx / r, dy / r, 0.0, index};
-    }
-    return at_end(index, at.behind, px, py);
+    if (at.before || at.behind) return at_end(index, at.behind, px, py);
+    if (f.kind == ARC) return on_arc(index, px, py);
+    return inside(index, f.tx0 * (py - f.y0) - f.ty0 * (px - f.x0), -f.ty0, f.tx0);
+  }
+
+  static FaceContact nowhere(int index) { return {NOWHERE, index, HUGE_VAL, 0.0, 0.0, 0.0, 0.0, 0.0}; }
+  static FaceContact inside(int index, double gap, double nx, double ny)
+  {
+    return {INSIDE, index, gap, nx, ny, gap * nx, gap * ny, 0.0};
+  }
+
+  FaceContact on_arc(int index, double px, double py) const
+  {
+    const Face &f = faces[index];
+    const double dx = px - f.cx, dy = py - f.cy;
+    const double r = std::sqrt(dx * dx + dy * dy);
+    if (r == 0.0) return nowhere(index);
+    return f.radius > 0.0 ? inside(index, f.radius - r, -dx / r, -dy / r) : inside(index, r + f.radius, dx / r, dy / r);
   }
 
   FaceContact at_end(int index, bool behind, double px, double py) const
@@ -157,7 +167,7 @@ class WallFaces {
     if (joint != FREE) shared = behind ? ends(f.after, px, py).before : ends(f.before, px, py).behind;
     if (joint == FREE || (shared && behind) || (joint == CORNER && front && !shared))
       return at_joint(index, behind, front, px, py);
-    return {NOWHERE, HUGE_VAL, 0.0, 0.0, 0.0, index};
+    return nowhere(index);
   }
 
   /** Angle of the wall's tangent at a candidate, rad, unwrapped along the chain. */

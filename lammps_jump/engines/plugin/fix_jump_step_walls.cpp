@@ -88,7 +88,7 @@ void FixJumpStep::touch(const Wall &wall, int i, const jump::FaceContact &contac
   const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
   ContactForce<double> out;
   if (contact.gap > NOT_ON_FACE) {
-    out = jump::contact_force<FRICTION, TOUCH>(law, own, contact.gap * contact.nx, contact.gap * contact.ny, a.vx, a.vy, rim);
+    out = jump::contact_force<FRICTION, TOUCH>(law, own, contact.dx, contact.dy, a.vx, a.vy, rim);
   } else {
     // the centre is behind the face: the push back goes on growing (contact of the same overlap in front)
     jump::OwnLaw<double> behind{2.0 * reach - contact.gap, own.damping, own.tangential};
@@ -100,7 +100,7 @@ void FixJumpStep::touch(const Wall &wall, int i, const jump::FaceContact &contac
   if (jump::has_spin(FRICTION)) atom->torque[i][2] -= pair->radius_of(i) * out.twist;
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
-  on_wall[2] -= (a.x - contact.gap * contact.nx - wall.x0) * out.fy - (a.y - contact.gap * contact.ny - wall.y0) * out.fx;
+  on_wall[2] -= (a.x - contact.dx - wall.x0) * out.fy - (a.y - contact.dy - wall.y0) * out.fx;
 }
 
 template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
