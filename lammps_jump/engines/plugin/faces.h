@@ -23,10 +23,31 @@ constexpr double SAME_TURN = SMOOTH_TURN * M_PI / 180.0 * (1 + 1e-6);
 constexpr int FEW = 8;                                                // faces up to which a wall has no grid
 constexpr double MOST_CELLS = 1e6;
 
+/** Whether the foot of a point lies at or before the start of a face, and at or behind its end. */
+struct Ends {
+  bool before, behind;
+};
+
 /** A face: the columns of `Faces` in lammps_jump/scene/chains.py; neighbours are indices within the wall. */
 struct Face {
   int kind, run, loop, before, after, at_start, at_end;
   double x0, y0, x1, y1, tx0, ty0, tx1, ty1, cx, cy, radius, phi, sweep, length, arc_length;
+
+  Ends ends(double px, double py) const
+  {
+    return {at_start != ENDLESS && tx0 * (px - x0) + ty0 * (py - y0) <= 0.0,
+            at_end != ENDLESS && tx1 * (px - x1) + ty1 * (py - y1) >= 0.0};
+  }
+
+  /** Signed distance to the line of a segment, m. */
+  double off_line(double px, double py) const { return tx0 * (py - y0) - ty0 * (px - x0); }
+
+  /** Whether the foot of a point lies inside a segment. */
+  bool is_beside(double px, double py) const
+  {
+    const Ends at = ends(px, py);
+    return !at.before && !at.behind;
+  }
 };
 
 struct FaceContact {
@@ -50,10 +71,6 @@ struct Extent {
   }
 };
 
-struct Ends {
-  bool before, behind;
-};
-
 /** Faces of one wall, and the rule that says which of them push. */
 class WallFaces {
  public:
@@ -63,18 +80,32 @@ class WallFaces {
   /** Contacts of a disc with the faces near[0 .. count), the deepest first; returns their number. */
   int touching(const int *near, int count, double px, double py, double radius, FaceContact *found) const
   {
-    if (count == 1) {    // as below
-      found[0] = candidate(near[0], px, py);
-      if (found[0].place == NOWHERE || !(found[0].gap < radius)) return 0;
-      return found[0].gap >= 0.0 || deep || -found[0].gap < radius;
+    double nearest = HUGE_VAL, deepest = HUGE_VAL;
+    int touch = 0;
+    for (int p = 0; p < count; p++) {
+      const FaceContact c = candidate(near[p], px, py);
+      if (c.place == NOWHERE) continue;
+      const double off = std::fabs(c.gap);
+      if (off < std::fabs(nearest) || (off == std::fabs(nearest) && c.gap > nearest)) {
+        nearest = c.gap;
+        if (c.gap < 0.0) found[0] = c;
+      }
+      if (c.gap >= 0.0 && c.gap < radius) {
+        touch++;
+        if (c.gap < deepest) {
+          deepest = c.gap;
+          if (nearest >= 0.0) found[0] = c;
+        }
+      }
     }
-    return touching_of_several(near, count, px, py, radius, found);
+    if (nearest < 0.0) return deep || -nearest < radius;
+    return touch < 2 ? touch : select(near, count, px, py, radius, found);
   }
 
   /** Distance of a point to a face, m; negative behind it, where its foot is inside. */
   double away(int f, double px, double py) const
   {
-    const Ends at = ends(f, px, py);
+    const Ends at = faces[f].ends(px, py);
     if (!at.before && !at.behind) return candidate(f, px, py).gap;
     const double first = at.before ? at_joint(f, false, true, px, py).gap : HUGE_VAL;
     return std::min(first, at.behind ? at_joint(f, true, true, px, py).gap : HUGE_VAL);
@@ -106,14 +137,6 @@ class WallFaces {
   }
 
  private:
-  /** Whether the foot of a point lies at or before the start of a face, and at or behind its end. */
-  Ends ends(int index, double px, double py) const
-  {
-    const Face &f = faces[index];
-    return {f.at_start != ENDLESS && f.tx0 * (px - f.x0) + f.ty0 * (py - f.y0) <= 0.0,
-            f.at_end != ENDLESS && f.tx1 * (px - f.x1) + f.ty1 * (py - f.y1) >= 0.0};
-  }
-
   FaceContact at_joint(int index, bool end, bool front, double px, double py) const
   {
     const Face &f = faces[index];
@@ -130,16 +153,16 @@ class WallFaces {
   {
     const Face &f = faces[index];
     if (end) return f.tx1 * (py - f.y1) - f.ty1 * (px - f.x1) >= 0.0;
-    return f.tx0 * (py - f.y0) - f.ty0 * (px - f.x0) >= 0.0;
+    return f.off_line(px, py) >= 0.0;
   }
 
   FaceContact candidate(int index, double px, double py) const
   {
     const Face &f = faces[index];
-    const Ends at = ends(index, px, py);
+    const Ends at = f.ends(px, py);
     if (at.before || at.behind) return at_end(index, at.behind, px, py);
     if (f.kind == ARC) return on_arc(index, px, py);
-    return inside(index, f.tx0 * (py - f.y0) - f.ty0 * (px - f.x0), -f.ty0, f.tx0);
+    return inside(index, f.off_line(px, py), -f.ty0, f.tx0);
   }
 
   static FaceContact nowhere(int index) { return {NOWHERE, index, HUGE_VAL, 0.0, 0.0, 0.0, 0.0, 0.0}; }
@@ -164,7 +187,7 @@ class WallFaces {
     const bool front = joint == CONVEX || joint == FREE || in_front(index, behind, px, py);
     bool shared = false;
     // the neighbour answers by the same function: no point falls between two answers
-    if (joint != FREE) shared = behind ? ends(f.after, px, py).before : ends(f.before, px, py).behind;
+    if (joint != FREE) shared = behind ? faces[f.after].ends(px, py).before : faces[f.before].ends(px, py).behind;
     if (joint == FREE || (shared && behind) || (joint == CORNER && front && !shared))
       return at_joint(index, behind, front, px, py);
     return nowhere(index);
@@ -198,30 +221,6 @@ class WallFaces {
       turn = std::min(turn, 2.0 * M_PI - turn);
     }
     return turn > SAME_TURN;
-  }
-
-  int touching_of_several(const int *near, int count, double px, double py, double radius, FaceContact *found) const
-  {
-    double nearest = HUGE_VAL, deepest = HUGE_VAL;
-    int touch = 0;
-    for (int p = 0; p < count; p++) {
-      const FaceContact c = candidate(near[p], px, py);
-      if (c.place == NOWHERE) continue;
-      const double off = std::fabs(c.gap);
-      if (off < std::fabs(nearest) || (off == std::fabs(nearest) && c.gap > nearest)) {
-        nearest = c.gap;
-        if (c.gap < 0.0) found[0] = c;
-      }
-      if (c.gap >= 0.0 && c.gap < radius) {
-        touch++;
-        if (c.gap < deepest) {
-          deepest = c.gap;
-          if (nearest >= 0.0) found[0] = c;
-        }
-      }
-    }
-    if (nearest < 0.0) return deep || -nearest < radius;
-    return touch < 2 ? touch : select(near, count, px, py, radius, found);
   }
 
   /** Contacts of a disc that several candidates touch, in front: the deepest, then those that push on their own. */

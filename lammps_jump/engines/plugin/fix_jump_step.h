@@ -89,7 +89,7 @@ class FixJumpStep : public Fix {
   void turn_discs();
   template <jump::Friction, jump::Touch, bool SIZES> void push();
   template <jump::Friction, jump::Touch, class Own>
-  void touch(const Wall &, int, const jump::FaceContact &, double, Own, double *);
+  void touch(const Wall &, int, double, double, double, double, const Own &, double *);
 };
 
 }    // namespace LAMMPS_NS

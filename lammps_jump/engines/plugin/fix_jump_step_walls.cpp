@@ -21,7 +21,7 @@ using jump::Touch;
 
 namespace {
 constexpr int FACE_WORDS = 22;
-constexpr double NOT_ON_FACE = 1e-100;    // m; the square of a smaller distance may be 0
+constexpr double ON_FACE = 1e-100;    // m; the square of a smaller distance may be 0
 }    // namespace
 
 int FixJumpStep::add_wall(int a, int narg, char **arg)
@@ -81,26 +81,21 @@ void FixJumpStep::find_near()
   }
 }
 
+/** Force of a contact on a disc at (dx, dy) from its partner; (to_x, to_y) is the way from the contact to the disc. */
 template <Friction FRICTION, Touch TOUCH, class Own>
-void FixJumpStep::touch(const Wall &wall, int i, const jump::FaceContact &contact, double reach, Own own, double *on_wall)
+void FixJumpStep::touch(const Wall &wall, int i, double dx, double dy, double to_x, double to_y, const Own &own,
+                        double *on_wall)
 {
   const auto &a = pair->disc[i];
   const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
-  ContactForce<double> out;
-  if (contact.gap > NOT_ON_FACE) {
-    out = jump::contact_force<FRICTION, TOUCH>(law, own, contact.dx, contact.dy, a.vx, a.vy, rim);
-  } else {
-    // the centre is behind the face: the push back goes on growing (contact of the same overlap in front)
-    jump::OwnLaw<double> behind{2.0 * reach - contact.gap, own.damping, own.tangential};
-    out = jump::contact_force<FRICTION, TOUCH>(law, behind, reach * contact.nx, reach * contact.ny, a.vx, a.vy, rim);
-  }
+  const ContactForce<double> out = jump::contact_force<FRICTION, TOUCH>(law, own, dx, dy, a.vx, a.vy, rim);
   double *const f = atom->f[i];
   f[0] += out.fx;
   f[1] += out.fy;
   if (jump::has_spin(FRICTION)) atom->torque[i][2] -= pair->radius_of(i) * out.twist;
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
-  on_wall[2] -= (a.x - contact.dx - wall.x0) * out.fy - (a.y - contact.dy - wall.y0) * out.fx;
+  on_wall[2] -= (a.x - to_x - wall.x0) * out.fy - (a.y - to_y - wall.y0) * out.fx;
 }
 
 template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
@@ -119,11 +114,31 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
     const auto &near = wall.near;
     const int rows = (int) near.discs.size();
     for (int r = 0; r < rows; r++) {
-      const int i = near.discs[r], first = near.last[r];
+      const int i = near.discs[r], first = near.last[r], count = near.last[r + 1] - first;
+      const double x = disc[i].x, y = disc[i].y;
       if (SIZES) reach = pair->radii[i];
-      const int contacts =
-          wall.faces.touching(&near.near[first], near.last[r + 1] - first, disc[i].x, disc[i].y, reach, found);
-      for (int c = 0; c < contacts; c++) touch<FRICTION, TOUCH, Own>(wall, i, found[c], reach, own(), on_wall);
+      const jump::Face &face = wall.faces.faces[near.near[first]];
+      if (count == 1 && face.kind == jump::SEGMENT) {    // most rows; the same as below
+        const double gap = face.off_line(x, y);
+        if (gap >= reach) continue;
+        if (gap > ON_FACE && face.is_beside(x, y)) {
+          const double dx = gap * -face.ty0, dy = gap * face.tx0;
+          touch<FRICTION, TOUCH>(wall, i, dx, dy, dx, dy, own(), on_wall);
+          continue;
+        }
+      }
+      const int contacts = wall.faces.touching(&near.near[first], count, x, y, reach, found);
+      for (int c = 0; c < contacts; c++) {
+        const auto &at = found[c];
+        if (at.gap > ON_FACE) {
+          touch<FRICTION, TOUCH>(wall, i, at.dx, at.dy, at.dx, at.dy, own(), on_wall);
+        } else {
+          // the centre is behind the face: the push back goes on growing (contact of the same overlap in front)
+          auto behind = own();
+          behind.reach = 2.0 * reach - at.gap;
+          touch<FRICTION, TOUCH>(wall, i, reach * at.nx, reach * at.ny, at.gap * at.nx, at.gap * at.ny, behind, on_wall);
+        }
+      }
     }
     if (wall.probe >= 0)
       for (int c = 0; c < 3; c++) window[3 * wall.probe + c] += on_wall[c];
