@@ -7,8 +7,8 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
 from . import stock
-from .probes import plugin_probes, probed_parts
-from .walls import number, numbers, plugin_walls
+from .probes import plugin_probes
+from .walls import JOIN, number, numbers, plugin_walls
 
 probes = plugin_probes
 ONE_RANK_LOOKS = 10
@@ -89,8 +89,8 @@ def motion_and_walls(scene: Scene) -> list[str]:
     )
     words += [*plugin_walls(scene), *sizes(scene)]
     if scene.probes:
-        words.append(f"probe {scene.probe_steps} {' '.join(probed_parts(scene))}")
-    return [*lines, " &\n                ".join(words)]
+        words.append(f"probe {scene.probe_steps} {' '.join(scene.probes)}")
+    return [*lines, JOIN.join(words)]
 
 
 def sizes(scene: Scene) -> list[str]:

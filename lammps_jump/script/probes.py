@@ -3,15 +3,12 @@
 
 from __future__ import annotations
 
-from itertools import count, islice
 from math import isfinite
-
-import numpy as np
 
 from lammps_jump.files import FORCES_HEADER
 from lammps_jump.scene import Scene, Wall
 
-from .walls import fix_names, number, plugin_parts, stock_wall
+from .walls import fix_names, number, pushing_extents, stock_wall
 
 MARGIN = 1.01
 """Distance from a face up to which discs are looked at, in largest radii; they touch it within 1."""
@@ -66,10 +63,10 @@ def near(wall: Wall, scene: Scene) -> list[str]:
     """The group of the discs that a wall's faces may touch, formed anew at every step."""
     margin, name = MARGIN * 0.5 * scene.largest, f"near_{wall.name}"
     regions = []
-    for number_of_face, face in enumerate(wall.faces(), 1):
-        ends = [value for low, high in face.extent for value in (low - margin, high + margin)]
+    for count, around in enumerate(pushing_extents(wall), 1):
+        ends = [value for low, high in around for value in (low - margin, high + margin)]
         extent = " ".join(number(end) if isfinite(end) else "INF" for end in ends)
-        regions.append((f"{name}_{number_of_face}", extent))
+        regions.append((f"{name}_{count}", extent))
     lines = [f"region          {region} block {extent} INF INF" for region, extent in regions]
     last = regions[0][0]
     if len(regions) > 1:
@@ -78,23 +75,10 @@ def near(wall: Wall, scene: Scene) -> list[str]:
     return [*lines, f"group           {name} dynamic all region {last}"]
 
 
-def probed_parts(scene: Scene) -> list[str]:
-    """Names of the parts of probed walls, in the order of the plugin's values."""
-    return [part.name for name in scene.probes for part in plugin_parts(scene.wall(name))]
-
-
 def plugin_probes(scene: Scene) -> list[str]:
     """Force on each probed wall: the fix holds the mean over each window, every step counted, moments too."""
     lines = ["variable        clock equal time"] if scene.probes else []
-    values = (f"f_motion[{n}]" for n in count(1))
-    for name in scene.probes:
-        wall = scene.wall(name)
-        fx, fy, mz = [], [], []
-        for part in plugin_parts(wall):
-            x, y, moment = islice(values, 3)
-            # the plugin takes the moment about the point of each part
-            arm_x, arm_y = np.subtract(part.moment_point, wall.moment_point)
-            shift = f"+({number(arm_x)})*{y}-({number(arm_y)})*{x}" if arm_x or arm_y else ""
-            fx, fy, mz = [*fx, x], [*fy, y], [*mz, moment + shift]
-        lines += rows(scene, name, ("+".join(fx), "+".join(fy), "+".join(mz)))
+    for index, name in enumerate(scene.probes):
+        x, y, moment = (f"f_motion[{3 * index + i}]" for i in (1, 2, 3))
+        lines += rows(scene, name, (x, y, moment))
     return lines

@@ -13,7 +13,7 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
 from .probes import stock_probes
-from .walls import fix_names, granular_law, number, numbers, stock_gates, stock_walls
+from .walls import fix_names, granular_law, number, numbers, stock_gates, stock_walls, unwritten
 
 DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
@@ -26,7 +26,9 @@ def lacking(scene: Scene) -> str:
     """What the styles of LAMMPS lack of a scene, as the case says it; empty where they do."""
     if scene.touch == "smooth":
         return "'touch: smooth'"
-    return "'friction_law: sign'" if scene.friction_law == "sign" and scene.coefficients.friction > 0 else ""
+    if scene.friction_law == "sign" and scene.coefficients.friction > 0:
+        return "'friction_law: sign'"
+    return next((f"wall like '{wall.name}', a {type(wall).__name__}" for wall in unwritten(scene)), "")
 
 
 def settings(scene: Scene, ranks: int) -> list[str]:

@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """LAMMPS commands of walls and gates.
 
-A wall without a writer of its own here is written face by face. A face then needs a name that no other wall has.
+The styles that come with LAMMPS write the walls that have a writer here; the plugin takes the faces of every wall.
 """
 
 from __future__ import annotations
 
-from dataclasses import fields
 from functools import singledispatch
-
-import numpy as np
+from math import inf
 
 from lammps_jump.physics.contact import restitution_of
-from lammps_jump.scene import Block, Box, Plane, Scene, Wall
+from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wall
+from lammps_jump.scene.chains import WALL
 
 FAR = 1e4
 """Distance that an opened gate is moved away, m."""
+
+JOIN = " &\n                "
+"""Goes on with a command in the next line."""
 
 
 def number(value: float) -> str:
@@ -71,7 +73,7 @@ def wall_law(scene: Scene) -> str:
 
 def stock_walls(scene: Scene) -> list[str]:
     """All permanent walls, with the styles that come with LAMMPS."""
-    return [line for wall in scene.walls for line in stock_wall(wall, scene)]
+    return [line for wall in scene.permanent for line in stock_wall(wall, scene)]
 
 
 def stock_wall(wall: Wall, scene: Scene) -> list[str]:
@@ -79,9 +81,15 @@ def stock_wall(wall: Wall, scene: Scene) -> list[str]:
     return _stock(wall, wall_law(scene), " contacts" if wall.name in scene.probes else "")
 
 
+def unwritten(scene: Scene) -> tuple[Wall, ...]:
+    """Walls that the styles of LAMMPS cannot write."""
+    unknown = [wall for wall in scene.permanent if _stock.dispatch(type(wall)) is _stock.dispatch(object)]
+    return *unknown, *(gate.wall for gate in scene.gates if not isinstance(gate.wall, Plane | Block))
+
+
 @singledispatch
 def _stock(wall: Wall, law: str, tail: str) -> list[str]:
-    return [line for face in wall.faces() for line in _stock(face, law, tail)]
+    raise TypeError(f"wall '{wall.name}': no style of LAMMPS pushes like a {type(wall).__name__}")
 
 
 @_stock.register
@@ -107,45 +115,52 @@ def _(wall: Box, law: str, tail: str) -> list[str]:
     ]
 
 
+def pushing_extents(wall: Wall) -> list[tuple[Interval, Interval]]:
+    """Rectangles (x, y) around what pushes in the styles of LAMMPS, m: a box has four planes."""
+    if not isinstance(wall, Box):
+        return [wall.extent]
+    endless = (-inf, inf)
+    return [((x, x), endless) for x in wall.x] + [(endless, (y, y)) for y in wall.y]
+
+
 def stock_gates(scene: Scene) -> list[str]:
     """All gates, with the styles that come with LAMMPS."""
-    return [line for gate in scene.gates for line in _stock_gate(gate.wall, gate.release_step, wall_law(scene))]
+    return [line for wall, motion in scene.gates for line in _stock_gate(wall, motion.gone, wall_law(scene))]
 
 
-def _stock_gate(wall: Wall, step: int, law: str) -> list[str]:
+def _stock_gate(wall: Plane | Block, step: float, law: str) -> list[str]:
     """The face of a half-space that jumps out of the way at a step; two faces of a block, which both sides feel.
 
     To remove the fix between two runs would be the shorter text. But a second run computes its first forces anew with
     velocities of the full step, where a run that goes on has those of the half step: an error of 1e-5 d.
     """
-    if wall.finite:
-        (x, _), _ = wall.extent
+    if isinstance(wall, Block):
+        x = wall.x[0]
         sides = Plane(wall.name, "x", x, "below"), Plane(f"{wall.name}_far_side", "x", x, "above")
         return [line for side in sides for line in _stock_gate(side, step, law)]
-    (plane,) = wall.faces()
-    inward = f"{number(plane.sign)} 0 0" if plane.axis == "x" else f"0 {number(plane.sign)} 0"
-    point = f"{number(plane.at)} 0 0" if plane.axis == "x" else f"0 {number(plane.at)} 0"
-    away = f"move v_open_{wall.name} NULL NULL" if plane.axis == "x" else f"move NULL v_open_{wall.name} NULL"
+    inward = f"{number(wall.sign)} 0 0" if wall.axis == "x" else f"0 {number(wall.sign)} 0"
+    point = f"{number(wall.at)} 0 0" if wall.axis == "x" else f"0 {number(wall.at)} 0"
+    away = f"move v_open_{wall.name} NULL NULL" if wall.axis == "x" else f"move NULL v_open_{wall.name} NULL"
     return [
-        f"variable        open_{wall.name} equal {number(-plane.sign * FAR)}*(step>={step})",
+        f"variable        open_{wall.name} equal {number(-wall.sign * FAR)}*(step>={step})",
         f"region          shut_{wall.name} plane {point} {inward} {away}",
         f"fix             wall_{wall.name} all wall/gran/region {law} region shut_{wall.name}",
     ]
 
 
-def plugin_parts(wall: Wall) -> tuple[Wall, ...]:
-    """The walls that stand for a wall in the plugin, which knows planes, blocks and boxes."""
-    return (wall,) if isinstance(wall, Plane | Block | Box) else wall.faces()
-
-
 def plugin_walls(scene: Scene) -> list[str]:
     """Words of the plugin's fix for every wall and gate."""
-    gates = [(gate.wall, f" until {gate.release_step}") for gate in scene.gates]
-    walls = [(wall, "") for wall in scene.walls]
-    return [_plugin(part) + end for wall, end in walls + gates for part in plugin_parts(wall)]
+    return [plugin_wall(one) for one in scene.walls]
 
 
-def _plugin(wall: Wall) -> str:
-    kind, name, *rest = (getattr(wall, item.name) for item in fields(wall))
-    words = (value if isinstance(value, str) else numbers(*np.atleast_1d(value)) for value in rest)
-    return " ".join(["wall", kind, name, *words])
+def plugin_wall(moving: MovingWall) -> str:
+    """Words of one wall: its name, moment point and faces (``fix_jump_step.h``)."""
+    wall, motion = moving
+    codes, shape, _, (deep,) = wall.faces
+    kept = [column for column in range(codes.shape[1]) if column != WALL]
+    lines = [f"wall {wall.name} {numbers(*wall.moment_point)} {deep} {len(codes)}"]
+    lines += [
+        f"{' '.join(map(str, code))} {numbers(*row)}" for code, row in zip(codes[:, kept].tolist(), shape, strict=True)
+    ]
+    lines += [] if motion.gone == inf else [f"until {int(motion.gone)}"]
+    return JOIN.join(lines)

@@ -15,9 +15,10 @@ from lammps_jump.errors import SetupError
 from lammps_jump.physics import law
 from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.motion import gate
+from lammps_jump.scene.motion import MovingWall, gate
 from lammps_jump.scene.scene import InletRow, Outlet
 from lammps_jump.scene.walls import Block, Box, Plane
+from lammps_jump.script.walls import JOIN, plugin_wall
 
 pytestmark = pytest.mark.lammps
 
@@ -52,19 +53,14 @@ def cloud(seed, nx=12, ny=12, speed=3.0, at=(0.3, 0.3)):
     return grid + generator.normal(0, 0.002, grid.shape), generator.normal(0, speed, grid.shape)
 
 
-def text(wall):
-    if isinstance(wall, Plane):
-        return f"plane {wall.name} {wall.axis} {wall.at!r} {wall.side}"
-    kind = "block" if isinstance(wall, Block) else "box"
-    return f"{kind} {wall.name} {wall.x[0]!r} {wall.x[1]!r} {wall.y[0]!r} {wall.y[1]!r}"
-
-
 def stock_wall(wall, law):
     if isinstance(wall, Plane):
         ends = f"{wall.at!r} NULL" if wall.side == "above" else f"NULL {wall.at!r}"
         return [f"fix {wall.name} all wall/gran {law} {wall.axis}plane {ends}"]
     if isinstance(wall, Box):
-        return [line for face in wall.faces() for line in stock_wall(face, law)]
+        sides = [Plane(f"{wall.name}_{axis}_{side}", axis, at, side) for axis in "xy"
+                 for at, side in zip(getattr(wall, axis), ("above", "below"), strict=True)]  # fmt: skip
+        return [line for face in sides for line in stock_wall(face, law)]
     extent = f"{wall.x[0]!r} {wall.x[1]!r} {wall.y[0]!r} {wall.y[1]!r}"
     return [
         f"region {wall.name} block {extent} INF INF side out",
@@ -120,7 +116,7 @@ def stock(case, folder):
     lines = [*start(case), f"pair_style gran/hooke {c.stiffness!r} NULL {c.gamma_normal!r} {rub}"]
     lines += ["pair_coeff * *", f"fix move all {'nve/sphere disc' if case.rotation else 'nve'}"]
     lines += [f"fix gravity all gravity {-case.gravity[1]!r} vector 0 -1 0"] if case.gravity[1] else []
-    return [*lines, *(line for wall in case.walls for line in stock_wall(wall, law)), *traffic(case, folder)]
+    return [*lines, *(line for wall in case.permanent for line in stock_wall(wall, law)), *traffic(case, folder)]
 
 
 def styles(case, plugin, *, probe="", skin=0.3 * DIAMETER):
@@ -129,8 +125,7 @@ def styles(case, plugin, *, probe="", skin=0.3 * DIAMETER):
     words += f" mu {c.friction!r} mass {case.mass!r} diameter {case.diameter!r} skin {skin!r}"
     words += f" spin {'yes' if case.rotation else 'no'}"
     words += f" smooth {case.touch_width!r}" if case.touch == "smooth" else ""
-    walls = " ".join(f"wall {text(wall)}" for wall in case.walls)
-    walls += "".join(f" wall {text(gate.wall)} until {gate.release_step}" for gate in case.gates)
+    walls = " ".join(plugin_wall(one).replace(JOIN, " ") for one in case.walls)
     fix = f"fix step all jump/step gravity {case.gravity[0]!r} {case.gravity[1]!r} k_wall {c.stiffness_wall!r}"
     fix += f" gamma_wall {c.gamma_normal_wall!r} gammat_wall {c.gamma_tangential_wall!r} mu_wall {c.friction!r}"
     return [f"plugin load {plugin}", f"pair_style jump/disc {words}", "pair_coeff * *", f"{fix} {walls} {probe}"]
@@ -325,7 +320,7 @@ def restitution(lammps, plugin, folder, speed, *, at_wall):
         case = scene(np.zeros((0, 2)), np.zeros((0, 2)), (), gravity=(0.0, 0.0), touch="smooth", touch_width=1.0)
         step = case.time_step
         gap = (phase + 0.5) / 8 * speed * step
-        walls = (Plane("wall", "x", 0.0, "above"),) if at_wall else ()
+        walls = (MovingWall(Plane("wall", "x", 0.0, "above")),) if at_wall else ()
         x = [[0.5 * DIAMETER + gap, 0.0]] if at_wall else [[0.0, 0.0], [DIAMETER + gap, 0.0]]
         v = [[-speed, 0.0]] if at_wall else [[0.5 * speed, 0.0], [-0.5 * speed, 0.0]]
         case = replace(case, positions=np.array(x), velocities=np.array(v), walls=walls, touch_width=16.0 * step)
@@ -367,15 +362,20 @@ def test_floor_force_and_moment_are_the_weight_of_the_discs(lammps, plugin, tmp_
     assert moment == pytest.approx(-(1.0 + 2.0) * weight, rel=1e-6)  # about (0, -1)
 
 
-def test_a_centre_inside_a_block_feels_nothing_and_one_behind_a_plane_is_pushed_back(lammps, plugin, tmp_path):
-    case = scene([[1.0, -0.5]], [[0.0, 0.0]], (Block("floor", (0.0, 3.0), (-1.0, 0.0)),), gravity=(0.0, 0.0))
-    with Run(lammps, compiled(case, plugin, tmp_path)) as run:
-        run.do("run 10")
-        assert np.array_equal(run.discs("v")[0], np.zeros(3))
-    case = replace(case, walls=(Plane("floor", "y", 0.0, "above"),))
-    with Run(lammps, compiled(case, plugin, tmp_path)) as run:
+@pytest.mark.parametrize("wall", [Block("floor", (0.0, 3.0), (-1.0, 0.0)), Plane("floor", "y", 0.0, "above")])
+@pytest.mark.parametrize("depth", [0.05, 0.5])
+def test_a_centre_behind_a_face_is_pushed_out(lammps, plugin, tmp_path, wall, depth):
+    """From any depth behind a plane, and within a radius of a block's face."""
+    case = scene([[1.0, -depth]], [[0.0, 0.0]], (wall,), gravity=(0.0, 0.0))
+    with Run(lammps, compiled(case, plugin, tmp_path, probe="probe 1 floor")) as run:
         run.do("run 0")
-        assert run.discs("f")[0, 1] == pytest.approx(case.coefficients.stiffness_wall * 0.6)
+        force, (_, on_wall, moment) = run.discs("f")[0, 1], run.vector(3)
+        overlap = run.overlap
+    depth += 0.5 * DIAMETER
+    felt = wall.deep or depth < DIAMETER
+    assert force == pytest.approx(case.coefficients.stiffness_wall * depth * felt)
+    assert overlap == pytest.approx(depth * felt)
+    assert on_wall == -force and moment == pytest.approx(-force)  # 1 m beside the moment's point
 
 
 def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
@@ -409,9 +409,16 @@ def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
         (("fix step all jump/step", "#"), "needs fix jump/step"),
         (("diameter 0.2", "diameter 0.21"), "has diameter 0.2"),
         (("mass 40", "mass 41"), "and mass 40.*, the pair style says .* mass 41"),
-        (("plane floor y", "plane floor z"), "axis of a plane is x or y"),
-        (("plane floor", "cone floor"), "a plane, block or box, not 'cone'"),
-        (("wall plane left", "wall plane floor"), "two walls are called 'floor'"),
+        (
+            ("wall floor 0 0 1 1 0 ", "wall floor 0 0 1 1 2 "),
+            r"a face of wall 'floor' is a segment \(0\) or an arc \(1\), not 2",
+        ),
+        (("-1 -1 4 4", "-1 -1 4 5"), "a joint of wall 'floor' has the unknown kind 5"),
+        (("-1 -1 4 4", "-1 -1 4 2"), "a joint of wall 'floor' has no face -1"),
+        (("wall floor 0 0 1 1", "wall floor 0 0 1 9"), "wall 'floor' needs 22 numbers for each of 9 faces"),
+        (("wall floor 0 0 1 1", "wall floor 0 0 1 0"), "wall 'floor' needs 22 numbers for each of 0 faces"),
+        (("wall floor 0 0 1 1", "wall floor 0 0 maybe 1"), "maybe"),
+        (("wall left", "wall floor"), "two walls are called 'floor'"),
         (("probe 10 floor", "probe 10 roof"), "unknown wall 'roof'"),
         (("probe 10 floor", "probe 0 floor"), "must be above 0"),
         (("fix step all", "fix step part"), "its group is all"),

@@ -102,6 +102,8 @@ void FixJumpStep::init()
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
   if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
   sized = 0;
+  for (auto &wall : walls)
+    wall.near.prepare(wall.faces, 0.5 * pair->largest, NEAR_MARGIN * pair->diameter, pair->diameter);
   friction = jump::friction_of(mu, gamma_t, pair->sign, pair->spin);
   law = jump::make_law(k, gamma, gamma_t, mu, pair->mass, 0.5 * pair->diameter, pair->width);
 }
@@ -220,11 +222,16 @@ void FixJumpStep::end_of_step()
 double FixJumpStep::compute_scalar()
 {
   double here = pair->largest_overlap(), all;
-  for (const auto &face : faces) {
-    if (update->ntimestep >= walls[face.wall].until) continue;
-    for (const int i : face.near) {
-      double dx, dy;
-      here = std::max(here, pair->radius_of(i) - face.distance(pair->disc[i].x, pair->disc[i].y, dx, dy));
+  jump::FaceContact found[jump::MOST];
+  for (const auto &wall : walls) {
+    if (update->ntimestep >= wall.until) continue;
+    const auto &near = wall.near;
+    for (size_t r = 0; r < near.discs.size(); r++) {
+      const int i = near.discs[r], first = near.last[r];
+      const double radius = pair->radius_of(i);
+      const int contacts = wall.faces.touching(&near.near[first], near.last[r + 1] - first, pair->disc[i].x,
+                                               pair->disc[i].y, radius, found);
+      for (int c = 0; c < contacts; c++) here = std::max(here, radius - found[c].gap);
     }
   }
   MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_MAX, world);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* fix ID all jump/step [gravity GX GY] [k_wall K gamma_wall GN gammat_wall GT mu_wall KS]
-                        [wall plane NAME x|y AT above|below [until STEP]]...
-                        [wall block NAME XLO XHI YLO YHI [until STEP]]...
-                        [wall box NAME XLO XHI YLO YHI [until STEP]]...
+                        [wall NAME X0 Y0 DEEP N FACE... [until STEP]]...
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...]
                         [probe EVERY NAME...]                                   (probe comes last)
 
@@ -11,15 +9,17 @@
 
    - velocity Verlet, as fix nve (with spin: as fix nve/sphere disc, I = m R^2/2); gravity enters the velocities
      here and not the force array;
-   - walls: a plane pushes the discs on its side; a block is solid and pushes from its nearest point (corners
-     round, a centre inside feels nothing); a box holds discs inside with four faces. GN, GT in 1/s: force = M GN v.
+   - walls: N faces, by the rule of faces.h. A face is 22 numbers, the columns of `Faces` in
+     lammps_jump/scene/chains.py without the wall's own: kind, run, loop, before, after, at_start, at_end (neighbours
+     count from 0 within the wall), then its shape. DEEP 1: a centre behind a face is pushed back from any depth,
+     0: from less than its radius. The push goes on growing behind a face. GN, GT in 1/s: force = M GN v.
      With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
      A wall with `until STEP` is felt by the forces of the steps before STEP.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END.
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
-     about the lower-left corner (block, box) or the plane's point nearest the origin.
+     about (X0, Y0).
 
    Global scalar: the largest overlap, m. Global vector: for each probe fx, fy (N) and moment (N m), per metre of width.
    A restart begins a new window. */
@@ -28,6 +28,7 @@
 #define LMP_FIX_JUMP_STEP_H
 
 #include "contact_law.h"
+#include "faces.h"
 #include "fix.h"
 
 namespace LAMMPS_NS {
@@ -46,27 +47,19 @@ class FixJumpStep : public Fix {
   double compute_vector(int) override;
 
  private:
-  enum Kind { PLANE_X, PLANE_Y, BLOCK };
   static constexpr double NEAR_MARGIN = 0.5;    // diameters
 
   struct Wall {
     std::string name;
-    double x0, y0;        // point that the moment is about
-    bigint until;         // first step without the wall
-    int probe;            // row of the probe, -1 for none
+    double x0, y0;          // point that the moment is about
+    bigint until;           // first step without the wall
+    int probe;              // row of the probe, -1 for none
+    jump::WallFaces faces;
+    jump::NearFaces near;   // discs that can touch it before they have moved by the margin
   };
   /** Discs of one share of all, by number: their diameters lie on a line over the quantile of their ids. */
   struct Piece {
     double begin, end, low, slope;
-  };
-  struct Face {
-    Kind kind;
-    int wall;
-    double at, sign;              // plane
-    double xlo, xhi, ylo, yhi;    // block
-    std::vector<int> near;        // local discs that can reach it before they have moved by the margin
-
-    double distance(double, double, double &, double &) const;
   };
 
   class PairJumpDisc *pair = nullptr;
@@ -75,7 +68,6 @@ class FixJumpStep : public Fix {
   jump::Friction friction = jump::Friction::NONE;
   jump::Law law;
   std::vector<Wall> walls;
-  std::vector<Face> faces;
   double density = 0.0, shift = 0.0, turn = 0.0;    // of sizes
   std::vector<Piece> pieces;
   tagint sized = 0;           // discs up to this id have their own size
@@ -88,6 +80,7 @@ class FixJumpStep : public Fix {
   bigint window_steps = 0;
 
   int add_wall(int, int, char **);
+  jump::Face face_of(const Wall &, int, int, char **) const;
   int add_pieces(int, int, char **);
   double diameter_of(tagint) const;
   double spin_rate(int) const;
@@ -96,7 +89,7 @@ class FixJumpStep : public Fix {
   void turn_discs();
   template <jump::Friction, jump::Touch, bool SIZES> void push();
   template <jump::Friction, jump::Touch, class Own>
-  void touch(const Face &, int, double, double, const Own &, double *);
+  void touch(const Wall &, int, double, double, double, double, const Own &, double *);
 };
 
 }    // namespace LAMMPS_NS

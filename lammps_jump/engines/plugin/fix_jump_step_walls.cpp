@@ -19,96 +19,72 @@ using jump::ContactForce;
 using jump::Friction;
 using jump::Touch;
 
+namespace {
+constexpr int FACE_WORDS = 22;
+constexpr double ON_FACE = 1e-100;    // m; the square of a smaller distance may be 0
+}    // namespace
+
 int FixJumpStep::add_wall(int a, int narg, char **arg)
 {
-  auto text = [&](int at) -> std::string {
-    if (at >= narg) error->all(FLERR, "fix jump/step: a wall is not complete");
-    return arg[at];
-  };
-  auto number = [&](int at) { return utils::numeric(FLERR, text(at), false, lmp); };
-  const std::string kind = text(a);
-  Wall wall{text(a + 1), 0.0, 0.0, MAXBIGINT, -1};
+  if (a + 5 > narg) error->all(FLERR, "fix jump/step: a wall needs NAME X0 Y0 DEEP N and N faces");
+  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, {}, {}};
   for (const auto &other : walls)
     if (other.name == wall.name) error->all(FLERR, "fix jump/step: two walls are called '{}'", wall.name);
-  const int index = (int) walls.size();
-  auto plane = [&](bool along_x, double at, double sign) {
-    faces.push_back({along_x ? PLANE_X : PLANE_Y, index, at, sign, 0.0, 0.0, 0.0, 0.0, {}});
-  };
-  if (kind == "plane") {
-    const std::string axis = text(a + 2), side = text(a + 4);
-    if (axis != "x" && axis != "y") error->all(FLERR, "fix jump/step: the axis of a plane is x or y, not '{}'", axis);
-    if (side != "above" && side != "below")
-      error->all(FLERR, "fix jump/step: the side of a plane is above or below, not '{}'", side);
-    const double at = number(a + 3);
-    (axis == "x" ? wall.x0 : wall.y0) = at;
-    plane(axis == "x", at, side == "above" ? 1.0 : -1.0);
-    a += 5;
-  } else if (kind == "block" || kind == "box") {
-    const double xlo = number(a + 2), xhi = number(a + 3), ylo = number(a + 4), yhi = number(a + 5);
-    // a block may be without thickness: a sheet that discs on both sides feel
-    if (xlo > xhi || ylo > yhi || (kind == "box" && (xlo == xhi || ylo == yhi)))
-      error->all(FLERR, "fix jump/step: wall '{}' has no extent", wall.name);
-    wall.x0 = xlo;
-    wall.y0 = ylo;
-    if (kind == "block") {
-      faces.push_back({BLOCK, index, 0.0, 0.0, xlo, xhi, ylo, yhi, {}});
-    } else {
-      plane(true, xlo, 1.0);
-      plane(true, xhi, -1.0);
-      plane(false, ylo, 1.0);
-      plane(false, yhi, -1.0);
-    }
-    a += 6;
-  } else {
-    error->all(FLERR, "fix jump/step: a wall is a plane, block or box, not '{}'", kind);
-  }
+  wall.x0 = utils::numeric(FLERR, arg[a + 1], false, lmp);
+  wall.y0 = utils::numeric(FLERR, arg[a + 2], false, lmp);
+  wall.faces.deep = utils::logical(FLERR, arg[a + 3], false, lmp);
+  const int n = utils::inumeric(FLERR, arg[a + 4], false, lmp);
+  a += 5;
+  if (n < 1 || n > (narg - a) / FACE_WORDS)
+    error->all(FLERR, "fix jump/step: wall '{}' needs {} numbers for each of {} faces", wall.name, FACE_WORDS, n);
+  wall.faces.faces.reserve(n);
+  for (int f = 0; f < n; f++, a += FACE_WORDS) wall.faces.faces.push_back(face_of(wall, n, a, arg));
   if (a < narg && strcmp(arg[a], "until") == 0) {
-    wall.until = utils::bnumeric(FLERR, text(a + 1), false, lmp);
+    if (a + 1 >= narg) error->all(FLERR, "fix jump/step: the step at which wall '{}' goes is missing", wall.name);
+    wall.until = utils::bnumeric(FLERR, arg[a + 1], false, lmp);
     a += 2;
   }
   walls.push_back(wall);
   return a;
 }
 
-/** Distance of a place, m, and its vector from the face; below 0 behind a plane, infinite inside a block. */
-double FixJumpStep::Face::distance(double x, double y, double &dx, double &dy) const
+/** One of the n faces of a wall, from its words. */
+jump::Face FixJumpStep::face_of(const Wall &wall, int n, int a, char **arg) const
 {
-  if (kind == BLOCK) {
-    dx = x - std::min(std::max(x, xlo), xhi);
-    dy = y - std::min(std::max(y, ylo), yhi);
-    const double away = std::sqrt(dx * dx + dy * dy);
-    return away > 0.0 ? away : HUGE_VAL;
-  }
-  dx = kind == PLANE_X ? x - at : 0.0;
-  dy = kind == PLANE_Y ? y - at : 0.0;
-  return sign * (dx + dy);
+  auto integer = [&]() { return utils::inumeric(FLERR, arg[a++], false, lmp); };
+  auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
+  // the words of a list in braces are read in their order
+  const jump::Face f{integer(), integer(), integer(), integer(), integer(), integer(), integer(), next(),
+                     next(),    next(),    next(),    next(),    next(),    next(),    next(),    next(),
+                     next(),    next(),    next(),    next(),    next(),    next()};
+  if (f.kind != jump::SEGMENT && f.kind != jump::ARC)
+    error->all(FLERR, "fix jump/step: a face of wall '{}' is a segment (0) or an arc (1), not {}", wall.name, f.kind);
+  auto check = [&](int joint, int neighbour) {
+    if (joint < jump::CONVEX || joint > jump::ENDLESS)
+      error->all(FLERR, "fix jump/step: a joint of wall '{}' has the unknown kind {}", wall.name, joint);
+    if (joint < jump::FREE && (neighbour < 0 || neighbour >= n))
+      error->all(FLERR, "fix jump/step: a joint of wall '{}' has no face {}", wall.name, neighbour);
+  };
+  check(f.at_start, f.before);
+  check(f.at_end, f.after);
+  return f;
 }
 
-/** Discs that can reach a face before one of them has moved by the margin. */
+/** Discs that can touch a wall before one of them has moved by the margin. */
 void FixJumpStep::find_near()
 {
-  const double margin = 0.5 * pair->largest + NEAR_MARGIN * pair->diameter;
   near_moved = 0.0;
   near_order = pair->order;
-  const int n = atom->nlocal;
-  const auto *const disc = pair->disc.data();
-  for (auto &face : faces) {
-    face.near.clear();
-    if (update->ntimestep >= walls[face.wall].until) continue;
-    for (int i = 0; i < n; i++) {
-      bool close;
-      if (face.kind == BLOCK)
-        close = disc[i].x > face.xlo - margin && disc[i].x < face.xhi + margin && disc[i].y > face.ylo - margin &&
-            disc[i].y < face.yhi + margin;
-      else
-        close = face.sign * ((face.kind == PLANE_X ? disc[i].x : disc[i].y) - face.at) < margin;
-      if (close) face.near.push_back(i);
-    }
+  for (auto &wall : walls) {
+    if (update->ntimestep < wall.until) wall.near.list(wall.faces, atom->nlocal, pair->disc.data());
+    else wall.near.clear();
   }
 }
 
+/** Force of a contact on a disc at (dx, dy) from its partner; (to_x, to_y) is the way from the contact to the disc. */
 template <Friction FRICTION, Touch TOUCH, class Own>
-void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const Own &own, double *on_wall)
+void FixJumpStep::touch(const Wall &wall, int i, double dx, double dy, double to_x, double to_y, const Own &own,
+                        double *on_wall)
 {
   const auto &a = pair->disc[i];
   const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
@@ -117,10 +93,9 @@ void FixJumpStep::touch(const Face &face, int i, double dx, double dy, const Own
   f[0] += out.fx;
   f[1] += out.fy;
   if (jump::has_spin(FRICTION)) atom->torque[i][2] -= pair->radius_of(i) * out.twist;
-  const Wall &wall = walls[face.wall];
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
-  on_wall[2] -= (a.x - dx - wall.x0) * out.fy - (a.y - dy - wall.y0) * out.fx;
+  on_wall[2] -= (a.x - to_x - wall.x0) * out.fy - (a.y - to_y - wall.y0) * out.fx;
 }
 
 template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
@@ -132,24 +107,37 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
     else return law;
   };
   const auto *const disc = pair->disc.data();
-  for (const auto &face : faces) {
-    const Wall &wall = walls[face.wall];
+  jump::FaceContact found[jump::MOST];
+  for (const auto &wall : walls) {
     if (update->ntimestep >= wall.until) continue;
     double on_wall[3] = {0.0, 0.0, 0.0};
-    for (const int i : face.near) {
+    const auto &near = wall.near;
+    const int rows = (int) near.discs.size();
+    for (int r = 0; r < rows; r++) {
+      const int i = near.discs[r], first = near.last[r], count = near.last[r + 1] - first;
+      const double x = disc[i].x, y = disc[i].y;
       if (SIZES) reach = pair->radii[i];
-      double dx, dy;
-      const double distance = face.distance(disc[i].x, disc[i].y, dx, dy);
-      if (distance >= reach) continue;
-      if (distance > 0.0) {
-        touch<FRICTION, TOUCH>(face, i, dx, dy, own(), on_wall);
-      } else {
-        // the centre is behind the plane: the push back goes on growing (contact of the same overlap in front)
-        auto behind = own();
-        behind.reach = 2.0 * reach - distance;
-        const double front = face.sign * reach;
-        touch<FRICTION, TOUCH>(face, i, face.kind == PLANE_X ? front : 0.0, face.kind == PLANE_Y ? front : 0.0, behind,
-                               on_wall);
+      const jump::Face &face = wall.faces.faces[near.near[first]];
+      if (count == 1 && face.kind == jump::SEGMENT) {    // most rows; the same as below
+        const double gap = face.off_line(x, y);
+        if (gap >= reach) continue;
+        if (gap > ON_FACE && face.is_beside(x, y)) {
+          const double dx = gap * -face.ty0, dy = gap * face.tx0;
+          touch<FRICTION, TOUCH>(wall, i, dx, dy, dx, dy, own(), on_wall);
+          continue;
+        }
+      }
+      const int contacts = wall.faces.touching(&near.near[first], count, x, y, reach, found);
+      for (int c = 0; c < contacts; c++) {
+        const auto &at = found[c];
+        if (at.gap > ON_FACE) {
+          touch<FRICTION, TOUCH>(wall, i, at.dx, at.dy, at.dx, at.dy, own(), on_wall);
+        } else {
+          // the centre is behind the face: the push back goes on growing (contact of the same overlap in front)
+          auto behind = own();
+          behind.reach = 2.0 * reach - at.gap;
+          touch<FRICTION, TOUCH>(wall, i, reach * at.nx, reach * at.ny, at.gap * at.nx, at.gap * at.ny, behind, on_wall);
+        }
       }
     }
     if (wall.probe >= 0)
