@@ -118,7 +118,8 @@ def _touch_wall_py(x, y, radius, codes, shape, deep, grid, discs, last, near, in
     Contact k is of disc ``index[k]``; ``found[k]`` takes its signed distance (m) and normal. `discs`, `last` and `near`
     are room for `list_near`.
     """
-    rows, count = list_near(x.size, x, y, 0, codes, shape, deep, grid, discs, last, near, 0, 0)
+    plain = np.empty(x.size, np.int8)
+    rows, count = list_near(x.size, x, y, 0, codes, shape, deep, grid, discs, plain, last, near, 0, 0)
     if count < 0:
         return -1
     kept, which = np.empty((MOST, 4)), np.empty(MOST, np.int64)
