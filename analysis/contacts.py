@@ -98,11 +98,11 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
     c, faces = flow.scene.coefficients, wall.faces
     x, y, radius = (np.array(values, float) for values in (frame.x, frame.y, flow.radii(frame)))
     grid = _grid(wall, max(0.5 * flow.scene.largest, flow.largest_radius(frame)))
-    discs, last = np.empty(frame.n, np.int64), np.zeros(frame.n + 1, np.int64)
+    rows = np.empty(frame.n, np.int64), np.empty(frame.n, np.int8), np.zeros(frame.n + 1, np.int64)
     count, room = -1, 2 * frame.n + len(faces.codes)
     while count < 0:
         near, index, found = np.empty(room, np.int64), np.empty(room, np.int64), np.empty((room, 3))
-        count = _touch_wall(x, y, radius, faces.codes, faces.shape, faces.deep, grid, discs, last, near, index, found)
+        count = _touch_wall(x, y, radius, faces.codes, faces.shape, faces.deep, grid, *rows, near, index, found)
         room *= 2
     index, (distance, nx, ny) = index[:count], found[:count].T
     size = np.sqrt(flow.relative_masses(frame)[index])
@@ -112,13 +112,12 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
     )
 
 
-def _touch_wall_py(x, y, radius, codes, shape, deep, grid, discs, last, near, index, found):
+def _touch_wall_py(x, y, radius, codes, shape, deep, grid, discs, plain, last, near, index, found):
     """Contacts of discs with one wall: their number, or -1 where `near` is too short.
 
-    Contact k is of disc ``index[k]``; ``found[k]`` takes its signed distance (m) and normal. `discs`, `last` and `near`
-    are room for `list_near`.
+    Contact k is of disc ``index[k]``; ``found[k]`` takes its signed distance (m) and normal. `discs`, `plain`, `last`
+    and `near` are room for `list_near`.
     """
-    plain = np.empty(x.size, np.int8)
     rows, count = list_near(x.size, x, y, 0, codes, shape, deep, grid, discs, plain, last, near, 0, 0)
     if count < 0:
         return -1

@@ -169,7 +169,7 @@ def test_a_wall_of_a_thousand_faces_pushes_as_the_line_they_lie_on():
 
 
 def test_thrust_is_the_whole_contact_force():
-    """The whole force of a contact goes through a plane: 10 kN of spring, 3 kN of friction, along (0.6, 0.8) and across.
+    """10 kN of spring along (0.6, 0.8) and 3 kN of friction across go through a plane.
 
     The rims slide at 3 m/s; turning discs roll on each other at 15 rad/s, and slide the same way at half of it.
     """

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lammps_jump.scene.walls import Block, Box, Plane
@@ -31,23 +31,6 @@ def test_distance_is_one_lipschitz(wall, a, b):
     assert abs(distance(wall, *a) - distance(wall, *b)) <= moved + 1e-12  # round-off of values up to 10
 
 
-@given(wall=ANY_WALL, x=COORDINATE, y=COORDINATE)
-def test_normals_are_unit_and_the_gradient_of_the_distance(wall, x, y):
-    step = 1e-6
-    for i, (d, nx, ny) in enumerate(wall.contacts(np.array([x]), np.array([y]))):
-        if isinstance(wall, Block) and d[0] < 1e-3:
-            continue  # inside a block there is no contact; near its surface the difference would straddle it
-        assert np.hypot(nx[0], ny[0]) == pytest.approx(1.0, rel=1e-12)
-
-        def face(px, py, i=i):
-            return wall.contacts(np.array([px]), np.array([py]))[i][0][0]
-
-        gx = (face(x + step, y) - face(x - step, y)) / (2 * step)
-        gy = (face(x, y + step) - face(x, y - step)) / (2 * step)
-        # central difference over 1e-6: round-off 1e-9; curvature of a corner at 1e-3 distance adds 1e-6
-        assert (gx, gy) == pytest.approx((nx[0], ny[0]), abs=2e-3)
-
-
 @given(x=COORDINATE, y=COORDINATE, corner=st.tuples(COORDINATE, COORDINATE), w=st.floats(0.01, 4), h=st.floats(0.01, 4))
 def test_block_equals_the_nearest_point_by_brute_force(x, y, corner, w, h):
     block = Block("b", (corner[0], corner[0] + w), (corner[1], corner[1] + h))
@@ -62,50 +45,12 @@ def test_block_equals_the_nearest_point_by_brute_force(x, y, corner, w, h):
 
 
 @given(x=COORDINATE, y=COORDINATE)
-def test_block_contact_point_lies_on_its_surface(x, y):
-    block = WALLS[4]
-    (d, nx, ny), *rest = block.contacts(np.array([x]), np.array([y]))
-    assume(d[0] > 0)
-    assert not rest
-    point = x - d[0] * nx[0], y - d[0] * ny[0]
-    assert distance(block, *point) == pytest.approx(0.0, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("x", "y", "d", "nx", "ny"),
-    [
-        (0.0, 1.0, 0.5, 0, 1),  # above the top
-        (2.3, -1.0, 0.3, 1, 0),  # right of the face
-        (-1.4, -1.0, 0.4, -1, 0),  # left
-        (0.0, -3.2, 0.2, 0, -1),  # below
-        (2.3, 0.9, 0.5, 0.6, 0.8),  # off the corner (2, 0.5): 3-4-5
-    ],
-)
-def test_block_faces_and_corner(x, y, d, nx, ny):
-    found = [float(v[0]) for v in WALLS[4].contacts(np.array([x]), np.array([y]))[0]]
-    assert found == pytest.approx([d, nx, ny], abs=1e-12)
-
-
-def test_a_centre_inside_a_block_or_on_its_surface_has_no_normal():
-    d, nx, ny = WALLS[4].contacts(np.array([0.5, 0.5]), np.array([0.0, 0.5]))[0]
-    assert d == pytest.approx([-0.5, 0.0], abs=1e-12)
-    assert not nx.any() and not ny.any()
-
-
-@given(x=COORDINATE, y=COORDINATE)
-def test_box_is_the_least_of_its_planes(x, y):
+def test_a_box_is_open_inside(x, y):
     box = WALLS[6]
-    planes = [distance(face, x, y) for face in box.faces()]
-    assert distance(box, x, y) == min(planes)
-    assert [float(d[0]) for d, _, _ in box.contacts(np.array([x]), np.array([y]))] == planes
     inside = box.x[0] < x < box.x[1] and box.y[0] < y < box.y[1]
     assert (distance(box, x, y) > 0) == inside
-
-
-def test_box_faces_are_named_after_it_and_look_inward():
-    faces = WALLS[6].faces()
-    assert [face.name for face in faces] == ["tank_left", "tank_right", "tank_bottom", "tank_top"]
-    assert all(distance(face, 0.0, 0.0) > 0 for face in faces)
+    if inside:
+        assert distance(box, x, y) == min(x - box.x[0], box.x[1] - x, y - box.y[0], box.y[1] - y)
 
 
 @given(x=COORDINATE, y=COORDINATE)
@@ -118,7 +63,7 @@ def test_opposite_sides_of_a_plane_mirror_each_other(x, y):
 def test_shapes_and_integers_are_kept(wall):
     x, y = np.zeros((3, 4)), np.ones((3, 4), dtype=int)
     assert wall.distance(x, y).shape == (3, 4)
-    assert all(part.shape == (3, 4) and part.dtype == float for face in wall.contacts(x, y) for part in face)
+    assert all(part.shape == (3, 4) and part.dtype == float for solid in wall.grounds(x) for part in solid)
 
 
 @pytest.mark.parametrize("wall", WALLS, ids=lambda wall: wall.name)
@@ -131,22 +76,24 @@ ENDLESS = (-np.inf, np.inf)
 
 
 @pytest.mark.parametrize(
-    ("wall", "extent", "room", "moment_point", "floors"),
+    ("wall", "extent", "room", "moment_point", "grounds"),
     [
-        (WALLS[0], (ENDLESS, (0.3, 0.3)), ENDLESS, (0.0, 0.3), [(ENDLESS, -np.inf, 0.3)]),
+        (WALLS[0], (ENDLESS, (0.3, 0.3)), ENDLESS, (0.0, 0.3), [(-np.inf, 0.3)]),
         (WALLS[1], (ENDLESS, (0.3, 0.3)), ENDLESS, (0.0, 0.3), []),
         (WALLS[2], ((-1.2, -1.2), ENDLESS), (-1.2, np.inf), (-1.2, 0.0), []),
         (WALLS[3], ((-1.2, -1.2), ENDLESS), (-np.inf, -1.2), (-1.2, 0.0), []),
-        (WALLS[4], ((-1.0, 2.0), (-3.0, 0.5)), ENDLESS, (-1.0, -3.0), [((-1.0, 2.0), -3.0, 0.5)]),
-        (WALLS[6], ((-2.0, 2.5), (-1.0, 3.0)), (-2.0, 2.5), (-2.0, -1.0), [((-2.0, 2.5), -np.inf, -1.0)]),
+        (WALLS[4], ((-1.0, 2.0), (-3.0, 0.5)), ENDLESS, (-1.0, -3.0), [(-3.0, 0.5)]),
+        (WALLS[6], ((-2.0, 2.5), (-1.0, 3.0)), (-2.0, 2.5), (-2.0, -1.0), [(-np.inf, -1.0)]),
     ],
     ids=lambda value: getattr(value, "name", ""),
 )
-def test_what_a_wall_answers(wall, extent, room, moment_point, floors):
+def test_what_a_wall_answers(wall, extent, room, moment_point, grounds):
     assert wall.extent == extent and wall.room("x") == room
     assert wall.finite == bool(np.isfinite(extent).all())
     assert wall.moment_point == moment_point
-    assert list(wall.floors()) == floors
+    assert [(float(low[0]), float(top[0])) for low, top in wall.grounds(np.array([0.5]))] == grounds
+    aside = [top for _, top in wall.grounds(np.array([4.0]))]
+    assert all(np.isnan(top[0]) == wall.finite for top in aside)
 
 
 @pytest.mark.parametrize("wall", WALLS, ids=lambda wall: wall.name)
