@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import wraps
+from functools import lru_cache, wraps
 from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
@@ -13,8 +13,10 @@ from numba import njit
 
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
-from lammps_jump.physics.law import friction_force, normal_force, stored_energy, watching_law
+from lammps_jump.physics.law import contact_force, normal_force, stored_energy, watching_law
 from lammps_jump.physics.slip import SIGN_RAMP
+from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
+from lammps_jump.scene.faces import touching as touching_faces
 from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
@@ -70,7 +72,8 @@ class Contacts:
 class Touching(NamedTuple):
     """What touches in a frame: indices of both discs; of a contact with a wall, `first` is the number of discs.
 
-    Unit vector from the first to the second, overlap (m), dashpot (N s/m) and stiffness (N/m).
+    Unit vector from the first to the second, overlap (m), dashpot (N s/m), stiffness (N/m), and slope of LAMMPS'
+    viscous friction (N s/m).
     """
 
     first: np.ndarray
@@ -80,23 +83,54 @@ class Touching(NamedTuple):
     overlap: np.ndarray
     dashpot: np.ndarray
     stiffness: np.ndarray
+    ramp: np.ndarray
+
+
+@lru_cache
+def _grid(wall: Wall, reach: float) -> Grid:
+    """Where discs of radii up to `reach` (m) find the faces of a wall."""
+    return grid_of(wall.faces, 2 * reach, reach)
 
 
 @once_a_frame
-def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> tuple[Touching, ...]:
-    """Contacts of a frame's discs with each face of a wall; faces that no disc touches are left out.
+def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
+    """Contacts of a frame's discs with a wall, by the rule of the engines (`lammps_jump.scene.faces`)."""
+    c, faces = flow.scene.coefficients, wall.faces
+    x, y, radius = (np.array(values, float) for values in (frame.x, frame.y, flow.radii(frame)))
+    grid = _grid(wall, max(0.5 * flow.scene.largest, flow.largest_radius(frame)))
+    discs, last = np.empty(frame.n, np.int64), np.zeros(frame.n + 1, np.int64)
+    count, room = -1, 2 * frame.n + len(faces.codes)
+    while count < 0:
+        near, index, found = np.empty(room, np.int64), np.empty(room, np.int64), np.empty((room, 3))
+        count = _touch_wall(x, y, radius, faces.codes, faces.shape, faces.deep, grid, discs, last, near, index, found)
+        room *= 2
+    index, (distance, nx, ny) = index[:count], found[:count].T
+    size = np.sqrt(flow.relative_masses(frame)[index])
+    stiffness, ramp = np.full(count, c.stiffness_wall), c.mass * c.gamma_tangential_wall * size
+    return Touching(
+        np.full(count, frame.n), index, nx, ny, radius[index] - distance, flow.dashpots[1] * size, stiffness, ramp
+    )
 
-    As in the engines a disc behind a plane is pushed back, and one with its centre inside a block feels nothing.
+
+def _touch_wall_py(x, y, radius, codes, shape, deep, grid, discs, last, near, index, found):
+    """Contacts of discs with one wall: their number, or -1 where `near` is too short.
+
+    Contact k is of disc ``index[k]``; ``found[k]`` takes its signed distance (m) and normal. `discs`, `last` and `near`
+    are room for `list_near`.
     """
-    radius, relative_mass, found = flow.radii(frame), flow.relative_masses(frame), []
-    for distance, nx, ny in wall.contacts(frame.x, frame.y):
-        index = np.flatnonzero((distance < radius) & ((nx != 0) | (ny != 0)))
-        if index.size:
-            overlap, dashpot = radius[index] - distance[index], flow.dashpots[1] * np.sqrt(relative_mass[index])
-            stiffness = np.full(len(index), flow.scene.coefficients.stiffness_wall)
-            wall_itself = np.full(len(index), frame.n)
-            found.append(Touching(wall_itself, index, nx[index], ny[index], overlap, dashpot, stiffness))
-    return tuple(found)
+    rows, count = list_near(x.size, x, y, 0, codes, shape, deep, grid, discs, last, near, 0, 0)
+    if count < 0:
+        return -1
+    kept, which = np.empty((MOST, 4)), np.empty(MOST, np.int64)
+    number = 0
+    for row in range(rows):
+        i = discs[row]
+        own = touching_faces(codes, shape, deep[0], near, last[row], last[row + 1], x[i], y[i], radius[i], kept, which)
+        for k in range(own):
+            index[number] = i
+            found[number, 0], found[number, 1], found[number, 2] = kept[k, 0], kept[k, 1], kept[k, 2]
+            number += 1
+    return number
 
 
 @once_a_frame
@@ -105,14 +139,15 @@ def touching_pairs(frame: Frame, flow: Flow) -> Touching:
     x, y = (np.ascontiguousarray(values, float) for values in (frame.x, frame.y))
     i, j = close_pairs(x, y, 2 * flow.largest_radius(frame))
     dx, dy, reach = x[j] - x[i], y[j] - y[i], flow.scene.diameter
-    distance, dashpot = np.sqrt(dx * dx + dy * dy), np.full(len(i), flow.dashpots[0])
+    c, distance, size = flow.scene.coefficients, np.sqrt(dx * dx + dy * dy), np.ones(len(i))
     if flow.sized:
         radii, mass = flow.radii(frame), flow.relative_masses(frame)
         reach = radii[i] + radii[j]
         # a nominal pair has the effective mass 1/2
-        dashpot *= np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
-    stiffness, touch = np.full(len(i), flow.scene.coefficients.stiffness), distance < reach
-    found = (i, j, dx / distance, dy / distance, reach - distance, dashpot, stiffness)
+        size = np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
+    stiffness, touch = np.full(len(i), c.stiffness), distance < reach
+    laws = flow.dashpots[0] * size, stiffness, 0.5 * c.mass * c.gamma_tangential * size
+    found = (i, j, dx / distance, dy / distance, reach - distance, *laws)
     return Touching(*(part[touch] for part in found))
 
 
@@ -120,7 +155,7 @@ def touching_pairs(frame: Frame, flow: Flow) -> Touching:
 def touching(frame: Frame, flow: Flow) -> Touching:
     """Pairs of discs in contact, then discs in contact with walls."""
     walls = flow.walls_at(flow.time(frame))
-    parts = [touching_pairs(frame, flow), *(face for wall in walls for face in wall_contacts(frame, wall, flow))]
+    parts = [touching_pairs(frame, flow), *(wall_contacts(frame, wall, flow) for wall in walls)]
     return Touching(*map(np.concatenate, zip(*parts, strict=True)))
 
 
@@ -145,7 +180,7 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     """
     if not flow.knows_contacts:
         raise DumpError("contact forces need the stiffness of the discs: analyse the dump with its case (--case).")
-    first, second, nx, ny, overlap, dashpot, stiffness = touching(frame, flow)
+    first, second, nx, ny, overlap, dashpot, stiffness, _ = touching(frame, flow)
     points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)
     if damping and {"vx", "vy"} <= set(frame.columns):
@@ -165,47 +200,73 @@ def _normal_forces_py(overlap, opening, stiffness, damping, touch):
     return force
 
 
-def _friction_forces_py(normal, slip, friction, damping, slope):
-    """Friction of each contact, N/m; parameters of `law.friction_force`, normal, slip, damping of shape (n,)."""
-    force = np.empty_like(normal)
-    for k in range(normal.size):
-        force[k] = friction_force(normal[k], slip[k], friction, damping[k], slope)
-    return force
+def whole_forces(
+    frame: Frame, flow: Flow, contacts: Touching, *, velocity: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """Force (fx, fy) of each contact on its second disc, friction included, N/m; shape (n,) each.
+
+    The laws are those of `lammps_jump.physics.law`, with the velocities of the dump, which stand at the full step.
+
+    Parameters
+    ----------
+    frame : Frame
+    flow : Flow
+        With a stiffness.
+    contacts : Touching
+    velocity : bool
+        Without it the springs alone.
+    """
+    scene, zero = flow.scene, np.zeros(frame.n + 1)
+    # behind the discs stands one that never moves: the walls
+    u, v, rim = (np.append(values, 0.0) for values in (frame.vx, frame.vy, zero[1:])) if velocity else (zero,) * 3
+    friction = scene.coefficients.friction if velocity and scene.coefficients.friction else None
+    if friction is not None and scene.rotation and "omegaz" in frame.columns:
+        rim = np.append(frame.column("omegaz") * flow.radii(frame), 0.0)
+    slope = None
+    if friction is not None and scene.friction_law == "sign":
+        slope = 1.0 / max(SIGN_RAMP * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
+    return _whole_forces(u, v, rim, *contacts, friction, slope, flow.touch_width)
 
 
-def _stored_energies_py(overlap, touch):
-    """Elastic energy of each contact over the stiffness, m^2, shape (n,)."""
-    energy = np.empty_like(overlap)
+def _whole_forces_py(u, v, rim, first, second, nx, ny, overlap, dashpot, stiffness, ramp, friction, slope, touch):
+    """Force of each contact on its second disc; `rim` is radius times spin of each disc, m/s, others as `Touching`."""
+    fx, fy = np.empty_like(overlap), np.empty_like(overlap)
     for k in range(overlap.size):
-        energy[k] = stored_energy(overlap[k], touch)
+        i, j = first[k], second[k]
+        slip = u[j] - u[i], v[j] - v[i]
+        numbers = stiffness[k], dashpot[k], ramp[k]
+        whole = contact_force(overlap[k], (nx[k], ny[k]), slip, rim[i] + rim[j], numbers, friction, slope, touch)
+        fx[k], fy[k] = whole[0], whole[1]
+    return fx, fy
+
+
+def _elastic_py(overlap, stiffness, touch):
+    """Elastic energy of contacts, J/m."""
+    energy = 0.0
+    for k in range(overlap.size):
+        energy += stiffness[k] * stored_energy(overlap[k], touch)
     return energy
 
 
-def _pair_sums_py(x, vx, vy, first, second, nx, ny, overlap, dashpot, stiffness, touch, low, bin_width, pressure):
-    """Elastic energy of pairs, of `touching_pairs`; their thrust along x is added to `pressure`.
+def _thrust_py(x, first, second, fx, low, bin_width, thrust):
+    """Add the thrust of pairs along x to `thrust`; `fx` is the force on the second disc of each, N/m.
 
-    pressure[b] gains the mean over the planes x = const of bin b of the force that the discs left of the plane exert on
-    those right of it: each contact acts along the line of centres, so it counts with the share of its x-extent that
-    lies in the bin over the bin's width (method of planes, averaged).
+    thrust[b] gains the mean over the planes x = const of bin b of the force that the discs left of the plane exert on
+    those right of it. Each contact acts through the planes between the two centres: it counts with the share of its
+    x-extent that lies in the bin over the bin's width (method of planes, averaged).
     """
-    energy = 0.0
-    bins = pressure.size
+    bins = thrust.size
     for p in range(first.size):
         i, j = first[p], second[p]
-        energy += stiffness[p] * stored_energy(overlap[p], touch)
-        if bins == 0:
-            continue
-        opening = (vx[j] - vx[i]) * nx[p] + (vy[j] - vy[i]) * ny[p]
-        push = normal_force(overlap[p], opening, stiffness[p], dashpot[p], touch)[0] * abs(nx[p])
+        push = fx[p] if x[j] > x[i] else -fx[p]
         left = min(x[i], x[j])
         right = max(x[i], x[j])
         b = max(int(np.floor((left - low) / bin_width)), 0)
         while b < bins and low + b * bin_width < right:
             inside = min(right, low + (b + 1) * bin_width) - max(left, low + b * bin_width)
             if inside > 0.0:
-                pressure[b] += push * inside / bin_width
+                thrust[b] += push * inside / bin_width
             b += 1
-    return energy
 
 
 @dataclass(frozen=True)
@@ -218,8 +279,8 @@ class PairSums:
         Elastic energy, J/m.
     contacts : int
     thrust : ndarray, shape (bins,)
-        Force passed on through vertical planes, averaged over each bin, N/m; positive in compression. The pull of
-        dashpots that part counts as negative, as in the engines.
+        Force passed on through vertical planes, averaged over each bin, N/m; positive in compression. It is the whole
+        contact force along x: normal and friction, each with its sign.
     """
 
     energy: float
@@ -243,12 +304,13 @@ def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> Pair
     -------
     PairSums
     """
-    thrust = np.zeros(0 if edges is None else len(edges) - 1)
-    x = np.ascontiguousarray(frame.x, float)
-    vx, vy = (x, x) if edges is None else (np.ascontiguousarray(v, float) for v in (frame.vx, frame.vy))
-    low, step = (0.0, 1.0) if edges is None else (float(edges[0]), float(edges[-1] - edges[0]) / len(thrust))
     pairs = touching_pairs(frame, flow)
-    energy = _pair_sums(x, vx, vy, *pairs, flow.touch_width, low, step, thrust)
+    thrust = np.zeros(0 if edges is None else len(edges) - 1)
+    if edges is not None:
+        fx, _ = whole_forces(frame, flow, pairs)
+        width = float(edges[-1] - edges[0]) / len(thrust)
+        _thrust(np.array(frame.x, float), pairs.first, pairs.second, fx, float(edges[0]), width, thrust)
+    energy = _elastic(pairs.overlap, pairs.stiffness, flow.touch_width)
     return PairSums(float(energy), len(pairs.first), thrust)
 
 
@@ -282,41 +344,13 @@ class WallSums:
 def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) -> WallSums:
     """Contacts of a frame's discs with one wall, from positions (and velocities where `velocity`).
 
-    Normal force k delta - c v_n, friction min(m gamma_t abs(v_t), ks abs(F_n)) of the `hooke` law or the thesis' ramp
-    (4.18-4.21) of the `sign` law.
+    The force is that of `whole_forces`: spring, dashpot and friction.
     """
-    c, energy = flow.scene.coefficients, 0.0
-    faces = wall_contacts(frame, wall, flow)
-    if not faces:
-        empty = np.zeros(0)
-        return WallSums(0.0, (0.0, 0.0), np.zeros(0, int), empty, empty, False)
-    fxs, fys = [], []
-    for face in faces:
-        _, index, nx, ny, overlap, dashpot, stiffness = face
-        leaving = frame.vx[index] * nx + frame.vy[index] * ny if velocity else np.zeros_like(overlap)
-        force = normal_forces(overlap, leaving, stiffness, dashpot, flow.touch_width)
-        energy += c.stiffness_wall * float(np.sum(stored_energies(overlap, flow.touch_width)))
-        rubbing = _wall_friction(frame, flow, face, force) if velocity and c.friction else 0.0
-        fxs.append(force * nx - rubbing * ny)
-        fys.append(force * ny + rubbing * nx)
-    fx, fy = np.concatenate(fxs), np.concatenate(fys)
-    sideways = any(bool(np.any(np.abs(face.nx) > 1e-9)) for face in faces)
-    index = np.concatenate([face.second for face in faces])
-    return WallSums(energy, (float(fx.sum()), float(fy.sum())), index, fx, fy, sideways)
-
-
-def _wall_friction(frame: Frame, flow: Flow, face: Touching, force: np.ndarray) -> np.ndarray:
-    """Friction of each contact of a face along the tangent (-ny, nx), N/m; `force` is the normal one."""
-    scene, c = flow.scene, flow.scene.coefficients
-    slip = -frame.vx[face.second] * face.ny + frame.vy[face.second] * face.nx
-    if scene.rotation and "omegaz" in frame.columns:
-        slip = slip - frame.column("omegaz")[face.second] * flow.radii(frame)[face.second]
-    slope = None
-    if scene.friction_law == "sign":
-        top_speed = float(np.sqrt(np.max(frame.vx**2 + frame.vy**2)))
-        slope = 1.0 / max(SIGN_RAMP * top_speed, 1e-300)
-    damping = c.mass * c.gamma_tangential_wall * np.sqrt(flow.relative_masses(frame)[face.second])
-    return friction_forces(force, slip, c.friction, damping, slope)
+    found = wall_contacts(frame, wall, flow)
+    fx, fy = whole_forces(frame, flow, found, velocity=velocity)
+    energy = _elastic(found.overlap, found.stiffness, flow.touch_width)
+    sideways = bool(np.any(np.abs(found.nx) > 1e-9))
+    return WallSums(float(energy), (float(fx.sum()), float(fy.sum())), found.second, fx, fy, sideways)
 
 
 @dataclass(frozen=True)
@@ -366,6 +400,7 @@ class ContactCollector:
 
 
 normal_forces = watching_law(njit(cache=True)(_normal_forces_py))
-friction_forces = watching_law(njit(cache=True)(_friction_forces_py))
-stored_energies = watching_law(njit(cache=True)(_stored_energies_py))
-_pair_sums = watching_law(njit(cache=True)(_pair_sums_py))
+_whole_forces = watching_law(njit(cache=True)(_whole_forces_py))
+_elastic = watching_law(njit(cache=True)(_elastic_py))
+_thrust = njit(cache=True)(_thrust_py)
+_touch_wall = watching_law(njit(cache=True)(_touch_wall_py), list_near)

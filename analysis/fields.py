@@ -27,7 +27,7 @@ from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.walls import Interval
+from lammps_jump.scene.walls import Interval, Wall
 
 from .contacts import find_contacts
 from .draw.chart import Drawings
@@ -107,10 +107,7 @@ def compute_fields(
     low_x, low_y = x[0] - margin * spacing, y[0] - margin * spacing
     centre_x = low_x + (np.arange(nx + 2 * margin) + 0.5) * spacing
     centre_y = low_y + (np.arange(ny + 2 * margin) + 0.5) * spacing
-    mesh = np.meshgrid(centre_x, centre_y)
-    open_ = np.ones(mesh[0].shape, bool)
-    for wall in flow.walls_at(flow.time(frame)):
-        open_ &= wall.distance(*mesh) > 0
+    open_ = _open_cells(flow.walls_at(flow.time(frame)), tuple(centre_x), tuple(centre_y))
     cell_weight = _cell_weight(open_.tobytes(), open_.shape, spacing, reach)
     geometry = (low_x, low_y, spacing, reach)
 
@@ -247,6 +244,16 @@ def _force_moments(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=1)  # the frames of a run share their walls
+def _open_cells(walls: tuple[Wall, ...], x: tuple[float, ...], y: tuple[float, ...]) -> np.ndarray:
+    """Whether the centre of each cell is outside all walls, bool, shape (len(y), len(x)). Not to be changed."""
+    mesh = np.meshgrid(x, y)
+    open_ = np.ones(mesh[0].shape, bool)
+    for wall in walls:
+        open_ &= wall.distance(*mesh) > 0
+    return open_
+
+
+@lru_cache(maxsize=1)
 def _cell_weight(open_: bytes, shape: tuple[int, int], spacing: float, reach: float) -> np.ndarray:
     """`balance` of cells that are open where the bytes say so."""
     cells = np.frombuffer(open_, bool).reshape(shape).copy()

@@ -12,8 +12,9 @@ import numpy as np
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.quoting import figure_text
+from lammps_jump.scene.chains import AT_START, ENDLESS, X0, X1
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Floor, Interval, Wall
+from lammps_jump.scene.walls import Interval, Wall
 
 
 @dataclass(frozen=True)
@@ -131,20 +132,24 @@ class Flow:
         """Label of an axis of times."""
         return "Time t [s]" if self.timed else "Step"
 
+    def step_at(self, time: float) -> float:
+        """Step of a time (s), with a fraction between steps; the time itself where it is a step number."""
+        return round(time / self.time_step, 6) + self.scene.settle_steps if self.time_step else time
+
     def shut_gates(self, time: float) -> tuple[Wall, ...]:
         """Gates that are still there at a time, s."""
-        scene = self.scene
-        return tuple(g.wall for g in scene.gates if time < (g.release_step - scene.settle_steps) * self.time_step)
+        step = self.step_at(time)
+        return tuple(wall for wall, motion in self.scene.gates if step < motion.gone)
 
     def walls_at(self, time: float) -> tuple[Wall, ...]:
         """Walls that stand at a time (s), gates that are still shut among them."""
-        return (*self.scene.walls, *self.shut_gates(time))
+        return self.scene.walls_at(self.step_at(time))
 
     def bed_height(self, x: np.ndarray | float) -> np.ndarray:
-        """Height of the floor at x, m; NaN where nothing lies below.
+        """Height y_b of the bed at x, m; NaN where nothing lies below.
 
-        It is the highest of the walls' floors that those below carry without a gap that a disc could pass, tried from
-        the lowest underside up. A solid above such a gap (a sluice gate) is no floor.
+        It is the highest top of the walls that stay, of those that solids below carry without a gap that a disc could
+        pass, tried from the lowest underside up. A solid above such a gap (a sluice gate) is no bed.
 
         Parameters
         ----------
@@ -156,17 +161,18 @@ class Flow:
         """
         x = np.asarray(x, float)
         bed = np.full(x.shape, -np.inf)
-        for floor in sorted(self._floors(), key=lambda floor: floor.underside):
-            carried = np.isinf(bed) | (floor.underside <= bed + self.scene.smallest)
-            here = (x >= floor.x[0]) & (x <= floor.x[1]) & carried
-            bed = np.where(here, np.maximum(bed, floor.top), bed)
+        solids = [solid for wall in self.scene.permanent for solid in wall.grounds(x)]
+        if solids:
+            undersides, tops = (np.array(part) for part in zip(*solids, strict=True))
+            order = np.argsort(undersides, axis=0, kind="stable")
+            undersides, tops = (np.take_along_axis(part, order, 0) for part in (undersides, tops))
+            for underside, top in zip(undersides, tops, strict=True):
+                carried = np.isinf(bed) | (underside <= bed + self.scene.smallest)
+                bed = np.where(carried & (top > bed), top, bed)
         return np.where(np.isinf(bed), np.nan, bed)
 
-    def _floors(self) -> list[Floor]:
-        return [floor for wall in self.scene.walls for floor in wall.floors()]
-
     def mean_bed(self, edges: np.ndarray) -> np.ndarray:
-        """Mean floor height of each bin, m: exact for piecewise level floors; NaN where any part has no floor.
+        """Mean height of the bed in each bin, m: exact for straight faces; NaN where any part has no bed.
 
         Parameters
         ----------
@@ -176,15 +182,22 @@ class Flow:
         -------
         ndarray, shape (bins,), m
         """
-        ends = [x for floor in self._floors() for x in floor.x]
-        cuts = np.unique(np.concatenate([edges, [x for x in ends if edges[0] < x < edges[-1]]]))
+        ends = np.concatenate([edges, *(_ends(wall) for wall in self.scene.permanent)])
+        cuts = np.unique(ends[(ends >= edges[0]) & (ends <= edges[-1])])
         middle, width = 0.5 * (cuts[1:] + cuts[:-1]), np.diff(cuts)
         # rounding of a bin edge must not borrow a sliver of the next step
         middle, width = middle[width > 1e-9 * self.scene.diameter], width[width > 1e-9 * self.scene.diameter]
-        height = self.bed_height(middle)
+        aside = width / np.sqrt(12.0)  # two Gauss points a piece
+        height = 0.5 * (self.bed_height(middle - aside) + self.bed_height(middle + aside))
         index = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, len(edges) - 2)
         total = np.bincount(index, height * width, len(edges) - 1)
         return total / np.bincount(index, width, len(edges) - 1)
+
+
+def _ends(wall: Wall) -> np.ndarray:
+    """Where the faces of a wall end along x, m."""
+    codes, shape = wall.faces.codes, wall.faces.shape
+    return shape[codes[:, AT_START] != ENDLESS][:, [X0, X1]].ravel()
 
 
 def radii_of(frame: Frame, diameters: Mapping[int, float]) -> np.ndarray | None:
@@ -249,7 +262,7 @@ def from_scene(
 def _studied(scene: Scene) -> Interval:
     """From the inlet to the outlet, else from wall to wall, else the domain."""
     low, high = scene.domain[0]
-    for wall in scene.walls:
+    for wall in scene.permanent:
         start, end = wall.room("x")
         low, high = max(low, start), min(high, end)
     for outlet in scene.outlets:

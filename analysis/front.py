@@ -2,7 +2,8 @@
 """The front of a collapsing column: where it is, how high the column stands, how fast its surface moves.
 
 Definitions (docs/analysis.md): the *bulk front* ends the row of discs that starts at the back wall and has no gap of
-two diameters or more between neighbours in x; the *99 % front* is the quantile of the discs' right edges.
+two diameters (the largest disc's) or more between neighbours in x; the *99 % front* is the quantile of the discs'
+right edges.
 """
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
@@ -48,7 +49,7 @@ class FrontHistory:
     back : float
         Position of the back wall, m.
     column : (float, float)
-        Base a and height H of the column at the start, m.
+        Base a and height H of the column at the start, m; NaN where discs come in: nothing collapses then.
     """
 
     time: np.ndarray
@@ -112,16 +113,19 @@ class Front:
 
 def back_wall(flow: Flow) -> float | None:
     """Position of the vertical wall that the column leans on, m; None where there is none."""
-    starts = (wall.room("x")[0] for wall in flow.scene.walls)
+    starts = (wall.room("x")[0] for wall in flow.scene.permanent)
     return next((start for start in starts if isfinite(start)), None)
 
 
-def bulk_front(x: np.ndarray, diameter: float) -> float:
-    """Right edge of the last disc before the first gap of `GAP` diameters between neighbours in x; NaN for none."""
+def bulk_front(x: np.ndarray, diameter: float, largest: float = 0.0) -> float:
+    """Right edge of the last disc before the first gap of `GAP` diameters between neighbours in x; NaN for none.
+
+    `largest` is the diameter (m) that gaps go by, where discs are larger than the diameter.
+    """
     if not len(x):
         return nan
     ordered = np.sort(x)
-    gaps = np.flatnonzero(np.diff(ordered) > GAP * diameter)
+    gaps = np.flatnonzero(np.diff(ordered) > GAP * max(diameter, largest))
     return float(ordered[gaps[0] if gaps.size else -1]) + 0.5 * diameter
 
 
@@ -130,11 +134,11 @@ def quantile_front(x: np.ndarray, diameter: float, share: float = 0.99) -> float
     return float(np.quantile(x, share)) + 0.5 * diameter if len(x) else nan
 
 
-def stack_top(y: np.ndarray, diameter: float, bed: float) -> float:
+def stack_top(y: np.ndarray, diameter: float, bed: float, largest: float = 0.0) -> float:
     """Top edge of the discs that stand on the bed without a gap of `GAP` diameters, m above it; 0 for none."""
-    if not len(y) or y.min() - bed > 0.5 * diameter + GAP * diameter:
+    if not len(y) or y.min() - bed > 0.5 * diameter + GAP * max(diameter, largest):
         return 0.0
-    return bulk_front(y, diameter) - bed
+    return bulk_front(y, diameter, largest) - bed
 
 
 class FrontTracker:
@@ -145,10 +149,12 @@ class FrontTracker:
         self.back = back_wall(flow)
         self._rows: list[tuple[float, ...]] = []
         self._column: tuple[float, float] | None = None
+        self._of_column = np.zeros(0, np.int64)
+        self._fed = False
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
-        d = self.flow.scene.diameter
+        d, largest = self.flow.scene.diameter, 2 * self.flow.largest_radius(frame)
         if not frame.n:
             self._rows.append((time, nan, nan, nan, nan, nan))
             return
@@ -160,8 +166,8 @@ class FrontTracker:
         bed = float(self.flow.bed_height(np.array([self.back + 0.5 * d]))[0])
         if not np.isfinite(bed):
             bed = float((frame.y - larger).min()) - 0.5 * d
-        near = left - self.back < 1.5 * d
-        front = bulk_front(x, d)
+        near = left - self.back < 0.5 * d + largest
+        front = bulk_front(x, d, largest)
         top, tip = nan, nan
         bulk = np.flatnonzero(x + 0.5 * d <= front + 1e-12)
         if bulk.size and self.flow.velocities and "vx" in frame.columns:
@@ -170,17 +176,18 @@ class FrontTracker:
             highest = order[np.flatnonzero(np.diff(strip[order], append=strip.max() + 1))]
             top = float(np.mean(frame.vx[bulk[highest]]))
             tip = float(np.mean(frame.vx[bulk[x[bulk] + 0.5 * d >= front - 5 * d]]))
-        height = stack_top(y[near], d, bed)
+        height = stack_top(y[near], d, bed, largest)
         # the column as it stands when the gate opens
         if self._column is None or time <= 0:
-            self._column = (front - self.back, height)
+            self._column, self._of_column = (front - self.back, height), frame.ids
+        self._fed = self._fed or not np.isin(frame.ids, self._of_column).all()
         self._rows.append((time, front - self.back, quantile_front(x, d) - self.back, height, top, tip))
 
     def result(self) -> FrontHistory:
         """The history of all frames added."""
         rows = np.array(self._rows, float).reshape(-1, 6)
         back = nan if self.back is None else self.back
-        return FrontHistory(*rows.T, back, self._column or (nan, nan))
+        return FrontHistory(*rows.T, back, self._column if self._column and not self._fed else (nan, nan))
 
 
 def rms(off: np.ndarray) -> float:
@@ -211,17 +218,18 @@ def dimensionless(history: FrontHistory, gravity: float) -> dict[str, np.ndarray
     }
 
 
-def free_length(flow: Flow, history: FrontHistory) -> float:
-    """Distance from the back wall to the first thing in the way of the front, m; infinite where there is none."""
-    base = history.back + history.column[0]
+def free_length(flow: Flow, history: FrontHistory, base: float) -> float:
+    """Distance from the back wall to the first thing in the way of a front at `base`, m; infinite for none."""
+    base = history.back + base
     bed = float(flow.bed_height(np.array([base]))[0])
-    blocks = [wall.extent[0][0] for wall in flow.scene.walls if wall.finite]
+    blocks = [wall.extent[0][0] for wall in flow.scene.permanent if wall.finite]
     faces = [start for start in blocks if start > base + flow.scene.diameter]
-    faces += [wall.room("x")[1] for wall in flow.scene.walls]
-    # the floor may end before anything stands in the way
+    faces += [wall.room("x")[1] for wall in flow.scene.permanent]
+    # the bed may end, or turn, before anything stands in the way
     probe = np.linspace(base, flow.scene.domain[0][1], 2000)
-    level = flow.bed_height(probe)
-    changed = np.flatnonzero(~(np.abs(level - bed) < 1e-9))
+    height = flow.bed_height(probe)
+    straight = bed + (height[1] - height[0]) / (probe[1] - probe[0]) * (probe - base)
+    changed = np.flatnonzero(~(np.abs(height - straight) < 1e-9))
     faces += [float(probe[changed[0]])] if changed.size else []
     return min(faces, default=inf) - history.back
 
@@ -230,22 +238,23 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
     """Front at the end, its speed, and how it compares with Ritter while that holds, and with Martin & Moyce."""
     good = np.isfinite(history.bulk)
     base, depth = history.column
-    if not good.any() or not base > 0:
+    if not good.any() or base <= 0:
         return Front(reason="no frame holds a disc, so there is no front", history=history)
     last, gravity = np.flatnonzero(good)[-1], flow.gravity
-    free = free_length(flow, history)
+    compared = gravity > 0 and depth > 0 and flow.timed
+    base = base if isfinite(base) else float(history.bulk[good][0])
+    free = free_length(flow, history, base)
     live = good & (history.time >= 0)
     # once the front meets an obstacle, neither theory holds any more
     end = min(history.time[live & (history.bulk >= free - 0.5 * flow.scene.diameter)].tolist(), default=inf)
     running = live & (history.time < end) & (history.bulk > base + 0.1 * (free - base if isfinite(free) else base))
-    compared = gravity > 0 and depth > 0 and flow.timed
     speed = np.polyfit(history.time[running], history.bulk[running], 1)[0] if running.sum() >= 3 else nan
     return Front(
         time=float(history.time[last]) if flow.timed else nan,
         position=float(history.back + history.bulk[last]),
         position_99=float(history.back + history.quantile[last]),
         column_height=float(history.height[last]),
-        column_base=base,
+        column_base=history.column[0],
         column_depth=depth,
         highest_surface_speed=float(np.nanmax(history.top_speed)) if np.isfinite(history.top_speed).any() else nan,
         free_length=float(free),
@@ -312,10 +321,13 @@ def figures(front: Front, gathered: Gathered) -> Drawings:
 
 
 def section(found: Mapping) -> Section:
-    """The front of a collapsing column against Ritter and Martin & Moyce."""
+    """The front of a collapsing column against Ritter and Martin & Moyce; of other flows the front alone."""
     if found.get("position") is None:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])
-    rows = [("Column at the start, base × height [m]", f"{found['column_base']:.3g} × {found['column_depth']:.3g}")]
+    rows = []
+    if found.get("column_base") is not None:
+        size = f"{found['column_base']:.3g} × {found['column_depth']:.3g}"
+        rows.append(("Column at the start, base × height [m]", size))
     rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
     if ritter := found.get("ritter"):
         until = f"Ritter's front, holds until t = {ritter['valid_until']:.2g} s: RMS difference"
@@ -357,7 +369,7 @@ def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     values, live = dimensionless(history, gravity), history.time >= 0
     if live.sum() < 2:
         return None
-    free, same = free_length(flow, history) / base, abs(depth / base - ASPECT) < 0.1
+    free, same = free_length(flow, history, base) / base, abs(depth / base - ASPECT) < 0.1
     fronts = [
         Line("bulk front", values["T"][live], values["Z"][live]),
         Line("99 % of the discs", values["T"][live], values["Z99"][live], "second"),

@@ -3,21 +3,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from math import nan
+from itertools import pairwise
+from math import ceil, nan
+from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.dump.frame import Frame, require_finite
+from lammps_jump.dump.frame import Frame, require_finite, ten_indices
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.quoting import visible
+from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Plane
+from lammps_jump.scene.walls import Block, Interval, Plane
 
 from .flow import Flow, radii_of
+
+LOOSE = 1.03
+"""Half of the discs have no neighbour within so many guessed diameters: equal discs touch, or these are dilute."""
 
 
 def from_dump(
@@ -31,8 +37,8 @@ def from_dump(
 ) -> Flow:
     """Flow of a bare dump; what is not given is guessed, and said so in ``notes``.
 
-    It has a level floor at the lower edge of the lowest disc looked at, and gravity of 9.81 m/s^2 towards it. The
-    stiffness stays unknown: there is no elastic energy and no contact stress.
+    It has a level floor where most of the channel has its lowest discs, up to a place from which they fall, and gravity
+    of 9.81 m/s^2 towards it. The stiffness stays unknown: there is no elastic energy and no contact stress.
 
     Parameters
     ----------
@@ -46,14 +52,14 @@ def from_dump(
         kg/m^3, default 1000. The mass of a disc is that of a ``mass`` column, else density diameter^2 per metre of
         width; with unequal discs, of the nominal one: masses go with the square of the diameter.
     bin_width : float, optional
-        m; default five diameters.
+        m; default five diameters, or so that whole bins cover the floor.
     time_step : float, optional
         s, for dumps without ``ITEM: TIME``. Without either, steps stand in place of times, and nothing is made of them.
 
     Raises
     ------
     DumpError
-        A dump without any disc, or a value that is not positive.
+        A dump without any disc, one of three dimensions, or a value that is not positive.
     """
     types = dict(diameter) if isinstance(diameter, Mapping) else {}
     given = [("density", density), ("time_step", time_step), ("bin_width", bin_width)]
@@ -65,16 +71,17 @@ def from_dump(
     frames = _looked_at(dump)
     frame = max(frames, key=lambda f: f.n)
     nominal, sized = _diameter(frame, diameter, notes)
+    _require_a_plane(frames, nominal, dump.path)
     if density is None:
         density = 1000.0
         notes.append("Density taken as 1000 kg/m3.")
     mass = _mass(frame, density * nominal**2, sized, notes)
     notes.append("Gravity taken as 9.81 m/s2.")
-    occupied = [(f, radii_of(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
-    low, floor = (float(min((getattr(f, axis) - radius).min() for f, radius in occupied)) for axis in "xy")
-    high = float(max((f.x + radius).max() for f, radius in occupied))
-    notes.append(f"Floor taken at y = {floor:.6g} m: the lower edge of the lowest disc looked at.")
-    notes.append(f"Profiles from x = {low:.6g} to {high:.6g} m: as far as discs were seen.")
+    edges = [_edges(f, radii_of(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
+    left, low, right = (np.concatenate(part) for part in zip(*edges, strict=True))
+    floor = _floor(left, low, right, 5 * nominal, 0.5 * nominal, notes)
+    reach, width = _bins((float(left.min()), float(right.max())), floor, bin_width, 5 * nominal)
+    notes.append(f"Profiles from x = {reach[0]:.6g} to {reach[1]:.6g} m: as far as discs were seen.")
     timed = _timed(dump, time_step, notes)
     scene = Scene(
         name=name or visible(dump.path.name),
@@ -89,12 +96,12 @@ def from_dump(
         domain=tuple((float(low), float(high)) for low, high in frame.box[:2]),
         positions=np.empty((0, 2)),
         velocities=np.empty((0, 2)),
-        walls=(Plane("floor", "y", floor, "above"),),
+        walls=(MovingWall(floor),),
     )
     return Flow(
         scene,
-        (low, high),
-        bin_width or 5 * scene.diameter,
+        reach,
+        width,
         notes=tuple(notes),
         sized=sized,
         diameters=types if sized else {},
@@ -111,12 +118,72 @@ def known_coefficients(**known: float | None) -> Coefficients:
 
 
 def _looked_at(dump: Dump) -> list[Frame]:
-    """The first frame, the last, and the one with the most discs."""
+    """Ten frames at equal times, the first and the last among them, and the one with the most discs."""
     headers = dump.headers()
     if not any(header.n for header in headers):
         raise DumpError(f"{dump.path}: no frame holds a disc; there is nothing to analyse.")
     fullest = max(range(len(headers)), key=lambda i: headers[i].n)
-    return [require_finite(frame, dump.path) for frame in dump.select({0, fullest, len(headers) - 1})]
+    return [require_finite(frame, dump.path) for frame in dump.select({*ten_indices(len(headers)), fullest})]
+
+
+def _edges(frame: Frame, radius: np.ndarray | float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Left, lower and right edge of each disc, m."""
+    return frame.x - radius, frame.y - radius, frame.x + radius
+
+
+def _require_a_plane(frames: Sequence[Frame], diameter: float, path: Path) -> None:
+    """DumpError where the discs of a frame lie further apart in z than a diameter, m."""
+    for frame in (frame for frame in frames if frame.n and frame.z is not None):
+        low, high = float(frame.z.min()), float(frame.z.max())
+        if high - low > diameter:
+            raise DumpError(
+                f"{path}: step {frame.step}: z runs from {low:.6g} to {high:.6g} m, further than a diameter "
+                f"({diameter:.6g} m): this is a flow in three dimensions; allowed is one layer of discs. Write a dump "
+                "of a slice one diameter thick ('region … block', 'dump GROUP … custom')."
+            )
+
+
+def _floor(
+    left: np.ndarray, low: np.ndarray, right: np.ndarray, strip: float, slack: float, notes: list[str]
+) -> Plane | Block:
+    """The floor under discs of these edges, m: a level plane, or a block that ends where discs fall below it.
+
+    In strips of the channel the lowest disc of all frames stands on what is below. The level at which most strips agree
+    within the slack is the floor. Strips with a disc two strips' slack below it are a fall; those without a disc on the
+    floor before the fall are a sill.
+    """
+    place = ((0.5 * (left + right) - left.min()) / strip).astype(int)
+    lowest = np.full(place.max() + 1, np.inf)
+    np.minimum.at(lowest, place, low)
+    known = lowest[np.isfinite(lowest)]
+    alike = (np.abs(known[:, None] - known) <= slack).sum(axis=1)
+    most = known[alike == alike.max()].min()
+    level = float(known[np.abs(known - most) <= slack].min())
+    said = f"Floor taken at y = {level:.6g} m: the lower edge of the lowest disc on it"
+    floored, falls = (
+        np.flatnonzero(chosen) for chosen in (np.abs(lowest - level) <= slack, lowest < level - 2 * slack)
+    )
+    if not falls.size or not floored.size:
+        notes.append(f"{said}.")
+        return Plane("floor", "y", level, "above")
+    # the stretch between two falls that has the most strips on the floor
+    ends = [-1, *falls, len(lowest)]
+    stretches = [floored[(floored > first) & (floored < last)] for first, last in pairwise(ends)]
+    stretch = max(stretches, key=len)
+    on_it = (np.abs(low - level) <= slack) & (place >= stretch[0]) & (place <= stretch[-1])
+    start = float(left[on_it].min() if falls[0] < stretch[0] else left.min())
+    end = float(right[on_it].max() if falls[-1] > stretch[-1] else right.max())
+    notes.append(f"{said}. It runs from x = {start:.6g} to {end:.6g} m; discs fall below it beyond.")
+    return Block("floor", (start, end), (level - strip, level))
+
+
+def _bins(seen: Interval, floor: Plane | Block, given: float | None, usual: float) -> tuple[Interval, float]:
+    """The stretch of profiles and the width of their bins, m: a floor that ends is covered by whole bins."""
+    if isinstance(floor, Plane):
+        return seen, given or usual
+    start, end = floor.x
+    width = given or (end - start) / max(1, round((end - start) / usual))
+    return (start - ceil((start - seen[0]) / width) * width, seen[1]), width
 
 
 def _timed(dump: Dump, time_step: float | None, notes: list[str]) -> bool:
@@ -174,5 +241,12 @@ def _guess_diameter(frame: Frame, notes: list[str]) -> float:
     diameter = float(np.quantile(nearest, 0.01))
     if not diameter > 0:
         raise DumpError("discs lie on top of each other: the diameter cannot be guessed; give it.")
-    notes.append(f"Diameter guessed as {diameter:.6g} m: 1 % quantile of nearest-neighbour distances.")
+    notes.append(
+        f"Diameter guessed as {diameter:.6g} m: 1 % quantile of nearest-neighbour distances. All discs count as equal."
+    )
+    if (usual := float(np.median(nearest))) > LOOSE * diameter:
+        notes.append(
+            f"Half of the discs have no neighbour within {usual:.6g} m. Where discs differ in size, the guess is that "
+            "of the smallest, and mass depths are too small: write a radius column, or give the diameter (--diameter)."
+        )
     return diameter

@@ -82,10 +82,17 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
     profiles = bin_frames(feed(frames, flow, collectors), flow)
     warnings += dump.warnings
     try:
-        return add_means(profiles, flow.window)
+        made = add_means(profiles, flow.window)
     except DumpError as error:
         warnings.append(f"Means are over the second half of the frames instead: {error}")
-        return add_means(profiles)
+        made = add_means(profiles)
+    wet = made["packing_mean"].values[np.isfinite(made["packing_mean"].values)]
+    if wet.size and (usual := float(np.median(wet))) > 1:
+        warnings.append(
+            f"Discs cover {usual:.3g} times the area below the surface: they lie behind each other or overlap, so no "
+            "depth holds. Write a dump of one layer of discs, or give the right diameter (--diameter)."
+        )
+    return made
 
 
 def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Collector]) -> Iterator[Frame]:

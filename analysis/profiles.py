@@ -193,6 +193,8 @@ def within(time: np.ndarray, window: tuple[float, float]) -> np.ndarray:
 def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) -> xr.Dataset:
     """The dataset with ``<name>_mean`` and ``<name>_stderr`` (x) over a window of time.
 
+    ``velocity_mean`` is the mean discharge over the mean mass depth, so that their product is the discharge.
+
     A standard error is NaN where the window holds fewer than 8 frames or is too short for its blocks to become
     independent (see `statistics.block_average`).
 
@@ -220,6 +222,9 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
     for name, (units, long_name) in VARIABLES.items():
         mean, error = block_average(dataset[name].values[inside])
         told = {"units": units, "long_name": f"time mean of {long_name}"}
+        if name == "velocity":
+            mean, error = _mean_velocity(dataset["discharge"].values[inside], dataset["mass_depth"].values[inside])
+            told["long_name"] = "mean discharge over mean mass depth"
         means[f"{name}_mean"] = "x", mean, told
         means[f"{name}_stderr"] = (
             "x",
@@ -235,6 +240,17 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
         f"{LEAST_SAMPLES} frames or where blocks do not become independent within the window",
     }
     return averaged
+
+
+def _mean_velocity(discharge: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean discharge over mean mass depth, m/s, and its standard error, shape (bins,); NaN where no frame has a disc.
+
+    The mean of the frames' velocities would count a shallow moment as much as a deep one.
+    """
+    deep = depth.mean(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(deep > 0, discharge.mean(axis=0) / deep, np.nan)
+        return mean, block_average((discharge - mean * depth) / deep)[1]
 
 
 def _left_share_py(a):

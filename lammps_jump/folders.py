@@ -160,11 +160,17 @@ def publish(stage: Path, folder: Path) -> list[str]:
     return names
 
 
+def require_no_link(folder: Path) -> None:
+    """SetupError where a link stands in the place of a folder of this program: it leads to files of others."""
+    if folder.is_symlink():
+        raise SetupError(f"{folder}: is a link to another place, where nothing is written; delete the link")
+
+
 def _require_inside(folder: Path, name: str) -> None:
     """SetupError where the folder of a file, in a folder that is ours, is a link."""
     place = (folder / name).parent
-    if place != folder and place.is_symlink():
-        raise SetupError(f"{place}: is a link to another place, where nothing is written; delete the link")
+    if place != folder:
+        require_no_link(place)
 
 
 def require_replaceable(folder: Path, name: str) -> None:

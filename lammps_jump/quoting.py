@@ -10,6 +10,8 @@ from typing import Any
 
 LONGEST = 500
 """Characters of a text field of a case."""
+MOST_ECHOED = 200
+"""Characters of a value in a message."""
 LONGEST_NAME = 64
 """Characters of a name."""
 JOINERS = "\u200c\u200d"
@@ -62,6 +64,17 @@ def lammps_comment(text: str) -> str:
 def shell_word(text: str) -> str:
     """A name as one word of a job file."""
     return shlex.quote(plain_name(text))
+
+
+def echoed(value: object) -> str:
+    """A value of the user's as a message shows it, with quotes: one line, at most `MOST_ECHOED` characters."""
+    return shortened(repr(value[: 2 * MOST_ECHOED] if isinstance(value, str | list | tuple) else value))
+
+
+def shortened(text: str) -> str:
+    """A text for a message: one line, at most `MOST_ECHOED` characters."""
+    text = visible(text[: 2 * MOST_ECHOED])
+    return text if len(text) <= MOST_ECHOED else f"{text[: MOST_ECHOED - 1]}…"
 
 
 def csv_cell(text: Any) -> Any:

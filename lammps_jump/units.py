@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 from pydantic import BeforeValidator, WithJsonSchema
 
 from lammps_jump.errors import CaseError
+from lammps_jump.quoting import echoed
 
 ABSENT = "–"  # noqa: RUF001  (a dash for readers)
 """Shown in place of a number that was not measured."""
@@ -105,6 +106,8 @@ def as_summary(result: object) -> dict[str, object]:
     return found
 
 
+POWERS = str.maketrans({"^": None, "2": "²", "3": "³", "4": "⁴"})
+"""Powers in units, as they are shown."""
 AT_LEAST = "at least "
 """Stands before an error that is a lower bound."""
 LARGE = 99.0
@@ -140,7 +143,7 @@ def shown(value: object, unit: str = "", error: float | None = None, *, digits: 
         text = f"{value:.{max(0, 1 - floor(log10(error)))}f} ± {AT_LEAST * bound}{sure}"
     else:
         text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
-    return f"{text} {unit}" if unit else text
+    return f"{text} {unit.translate(POWERS)}" if unit else text
 
 
 def is_bound(found: Mapping, key: str) -> bool:
@@ -191,7 +194,7 @@ def _from_text(text: str, unit: str) -> float:
     # pint evaluates malformed numbers instead of refusing them: 0.1.2 gives 0.02, 1:30 gives 30, 1 000 gives 0
     found = _QUANTITY.fullmatch(text)
     if not found:
-        raise ValueError(f"{text!r} is not one number with or without a unit; expected {_expected(unit)}")
+        raise ValueError(f"{echoed(text)} is not one number with or without a unit; expected {_expected(unit)}")
     number, given = found.groups()
     if given is None:
         return float(number)
@@ -201,9 +204,9 @@ def _from_text(text: str, unit: str) -> float:
         units = _registry().parse_units(given.replace("·", "*"))
         return float(_registry().Quantity(float(number), units).to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError as error:
-        raise ValueError(f"{text!r} is in {error.units1}; expected {_expected(unit)}") from None
+        raise ValueError(f"{echoed(text)} is in {error.units1}; expected {_expected(unit)}") from None
     except Exception:  # pint raises many kinds (also tokenizer errors) for text that is no quantity
-        raise ValueError(f"{text!r} is not a number with a known unit; expected {_expected(unit)}") from None
+        raise ValueError(f"{echoed(text)} is not a number with a known unit; expected {_expected(unit)}") from None
 
 
 def _expected(unit: str) -> str:
@@ -250,10 +253,10 @@ def parse_accuracy(text: str | float) -> float:
     try:
         value = float(word[:-1]) / 100 if word.endswith("%") else float(word)
     except ValueError:
-        raise CaseError(f"accuracy {text!r} is no share; write 1% or 0.01") from None
+        raise CaseError(f"accuracy {echoed(text)} is no share; write 1% or 0.01") from None
     if not 0 < value < 1:
         raise CaseError(
-            f"accuracy {text!r} is out of range; allowed is above 0 and below 1 (100 %), such as 1% or 0.01"
+            f"accuracy {echoed(text)} is out of range; allowed is above 0 and below 1 (100 %), such as 1% or 0.01"
         )
     return value
 

@@ -22,6 +22,7 @@ from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.files import plain
 from lammps_jump.runs import results, start
+from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
 from lammps_jump.units import as_summary
 
@@ -90,7 +91,8 @@ def flow_context(*, dashpot=0.0, dashpot_wall=0.0, **given) -> Flow:
     known.setdefault("stiffness_wall", known.get("stiffness"))
     known |= {"gamma_normal": dashpot / (0.5 * known["mass"]), "gamma_normal_wall": dashpot_wall / known["mass"]}
     flow = {name: given.pop(name) for name in FLOW if name in given}
-    nothing = {"description": "", "positions": np.empty((0, 2)), "velocities": np.empty((0, 2)), "walls": ()}
+    walls = (one if isinstance(one, MovingWall) else MovingWall(one) for one in given.pop("walls", ()))
+    nothing = {"description": "", "positions": np.empty((0, 2)), "velocities": np.empty((0, 2)), "walls": tuple(walls)}
     law = {"friction_law": "hooke", "rotation": False, "integrator": "velocity_verlet"}
     discs = {"name": "made-up", "diameter": 0.2, "density": 1000.0, "gravity": (0.0, -9.81)}
     return Flow(Scene(**nothing | law | discs | given, coefficients=known_coefficients(**known)), **flow)

@@ -174,8 +174,8 @@ class Delivery(Estimates):
     depth: float = estimate("m", "mass depth behind the inlet")
     speed: float = estimate("m/s", "mean speed behind the inlet")
     momentum: float = estimate("m^3/s^2", "momentum flux behind the inlet over density")
-    froude: float = estimate("", "Froude number of the delivered stream", label="Froude")
-    belanger_y2: float = estimate("m", "sequent depth of the delivered stream, Bélanger", label="Bélanger")
+    froude: float = estimate("", "Froude number of the delivered stream")
+    belanger_y2: float = estimate("m", "sequent depth of the delivered stream, Bélanger")
     station: tuple[float, float] = (nan, nan)
     rows: tuple[RowDelivery, ...] = ()
     notes: tuple[str, ...] = ()
@@ -277,8 +277,7 @@ def section(found: Mapping) -> Section:
         ("Mass depth [m]", found["depth_asked"], found["depth"], found["depth_error"]),
         ("Mean speed [m/s]", found["speed_asked"], found["speed"], found["speed_error"]),
         ("Momentum flux over ρ [m³/s²]", found["momentum_planned"], found["momentum"], found["momentum_error"]),
-        ("Froude number", None, found["froude"], found["froude_error"]),
-        ("Bélanger depth of the delivered stream [m]", None, found["belanger_y2"], found["belanger_y2_error"]),
+        ("Froude number, laboratory", None, found["froude"], found["froude_error"]),
     ]
     keys = ("y", "speed", "interval", "asked", "delivered", "turns", "refused")
     heads = ("Row at y [m]", "speed [m/s]", "every [s]", "asked [m²/s]", "delivered [m²/s]", "turns", "refused")

@@ -227,5 +227,29 @@ def thinned(line: Line, most: int = MOST_POINTS) -> Line:
 
 def shown_walls(walls: Sequence[Wall], x: Interval, y: Interval) -> list[np.ndarray]:
     """Outlines of the solid walls, cut to what is shown."""
-    outlines = [np.asarray(outline) for wall in walls if not wall.hollow for outline in wall.outline(x, y)]
-    return [np.column_stack([np.clip(o[:, 0], *x), np.clip(o[:, 1], *y)]) for o in outlines]
+    outlines = [outline for wall in walls if not wall.hollow for outline in wall.outline(x, y)]
+    return [shown for outline in outlines if len(shown := _cut(outline, x, y))]
+
+
+def _cut(polygon: np.ndarray, x: Interval, y: Interval) -> np.ndarray:
+    """The part of a closed polygon within x and y (Sutherland and Hodgman, Comm. ACM 17 (1974) 32)."""
+    for axis, at, sign in ((0, x[0], 1), (0, x[1], -1), (1, y[0], 1), (1, y[1], -1)):
+        inside = sign * (polygon[:, axis] - at) >= 0
+        kept = []
+        for k, corner in enumerate(polygon):
+            if inside[k] != inside[k - 1]:
+                before = polygon[k - 1]
+                crossing = before + (corner - before) * ((at - before[axis]) / (corner[axis] - before[axis]))
+                crossing[axis] = at
+                kept.append(crossing)
+            if inside[k]:
+                kept.append(corner)
+        polygon = np.array(kept, float).reshape(-1, 2)
+    return polygon
+
+
+def thin(polygon: np.ndarray) -> bool:
+    """Whether a closed polygon has no area: an open chain of faces, or a sheet."""
+    x, y = (polygon - polygon[0]).T
+    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+    return area <= 1e-9 * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)

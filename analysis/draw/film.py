@@ -122,7 +122,7 @@ class _Painter:
         self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.title)
         self.inside = slice(ABOVE, ABOVE + self.view.height), slice(LEFT, LEFT + self.view.width)
         self.font = ImageFont.truetype(findfont("DejaVu Sans"), 16)
-        walls = {wall.name: wall for wall in flow.scene.walls}
+        walls = {wall.name: wall for wall in flow.scene.permanent}
         # a force may act on something that is no wall
         acting = [(walls[name], history) for name, history in forces.items() if name in walls and len(history.time)]
         self.forces = [(_anchor(wall, self.view), history) for wall, history in acting]
@@ -137,7 +137,7 @@ class _Painter:
         gates = self.flow.shut_gates(time)
         if gates not in self.grounds:
             self.grounds[gates] = self.picture.copy()
-            paint_walls(self.grounds[gates][self.inside], view, self.flow.scene.walls, gates)
+            paint_walls(self.grounds[gates][self.inside], view, self.flow.scene.permanent, gates)
         picture = self.grounds[gates].copy()
         paint_frame(picture[self.inside], view, frame, self.flow, self.top_speed)
         for (x, y), history in self.forces:

@@ -29,7 +29,7 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map
     values = np.where(fields["density"].values > 0.05 * flow.scene.density, quantity.values, np.nan)
     x, y = edges_of(fields.x.values), edges_of(fields.y.values)
     room = (x[0], x[-1]), (y[0] - 0.08 * (y[-1] - y[0]), y[-1])
-    hollow = [corners for wall in flow.scene.walls if wall.hollow for corners in wall.outline(*room)]
+    hollow = [corners for wall in flow.scene.permanent if wall.hollow for corners in wall.outline(*room)]
     return Map(
         _heading(fields, variable),
         axis_label(quantity).replace(", compression positive", ""),
@@ -39,7 +39,7 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map
         "Height y [m]",
         bool(np.nanmin(values, initial=0.0) < 0),
         [Line("", *np.vstack([corners, corners[:1]]).T, "sum") for corners in hollow],
-        shown_walls(flow.scene.walls, *room),
+        shown_walls(flow.scene.permanent, *room),
         to_scale=True,
     )
 

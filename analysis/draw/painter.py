@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from math import ceil, floor, hypot, sqrt
 
 import numpy as np
@@ -18,11 +19,14 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.walls import Interval, Wall
 
+from .chart import thin
 from .scope import disc_speeds
 
 PAPER = (255, 255, 255)
 SOLID = (196, 196, 196)
 EDGE = (70, 70, 70)
+BAR = 5.0
+"""Width of what has no thickness, pixels."""
 
 
 @dataclass(frozen=True)
@@ -69,25 +73,68 @@ def blank(view: View) -> np.ndarray:
 
 
 def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates: tuple[Wall, ...] = ()) -> None:
-    """Walls as grey solids: blocks filled, the far side of planes and boxes filled; gates without thickness as bars."""
-    height, width = picture.shape[:2]
-    x = (view.x[0] + (np.arange(width) + 0.5) / view.scale)[None, :]
-    y = (view.y[1] - (np.arange(height) + 0.5) / view.scale)[:, None]
-    solid = np.zeros((height, width), bool)
-    for wall in walls:
-        solid |= wall.distance(x, y) <= 0
-    bar = 5.0 / view.scale
+    """Walls as grey solids, what has no thickness as bars; of gates without end a bar behind the face."""
+    solid = np.zeros(picture.shape[:2], bool)
+    for wall in (*walls, *(gate for gate in gates if gate.finite)):
+        solid |= _solid(wall, view)
+    bar = BAR / view.scale
     for gate in gates:
-        distance = gate.distance(x, y)
-        if gate.finite:
-            solid |= distance <= (0.5 * bar if gate.extent[0][0] == gate.extent[0][1] else 0.0)
-        else:
+        if not gate.finite:
+            distance = gate.distance(*_centres(view, slice(None), slice(None)))
             solid |= (distance < 0) & (distance > -bar)
     picture[solid] = SOLID
     # the face of a wall is the first solid pixel beside an open one
     open_ = np.pad(~solid, 1, constant_values=False)
     beside = open_[:-2, 1:-1] | open_[2:, 1:-1] | open_[1:-1, :-2] | open_[1:-1, 2:]
     picture[solid & beside] = EDGE
+
+
+def _centres(view: View, rows: slice, columns: slice) -> tuple[np.ndarray, np.ndarray]:
+    """Centres of pixels, m: x of shape (1, columns), y of shape (rows, 1)."""
+    x = view.x[0] + (np.arange(view.width)[columns] + 0.5) / view.scale
+    y = view.y[1] - (np.arange(view.height)[rows] + 0.5) / view.scale
+    return x[None, :], y[:, None]
+
+
+def _solid(wall: Wall, view: View) -> np.ndarray:
+    """Pixels whose centre is in the solid of a wall, or near one of its faces without thickness."""
+    wide = tuple((low - (high - low), high + (high - low)) for low, high in (view.x, view.y))
+    turns, bars = np.zeros((view.height, view.width + 1), bool), np.zeros((view.height, view.width), bool)
+    for polygon in wall.outline(*wide):
+        if thin(polygon):
+            _mark_near(polygon, view, bars)
+        else:
+            _mark_turns(polygon, view, turns)
+    return bars | (np.logical_xor.accumulate(turns, axis=1)[:, :-1] ^ wall.hollow)
+
+
+def _mark_turns(polygon: np.ndarray, view: View, turns: np.ndarray) -> None:
+    """Turn over the first pixel behind each crossing of a closed polygon with a row of pixels."""
+    column, row = view.column(polygon[:, 0]), view.row(polygon[:, 1])
+    first = np.clip(np.ceil(np.minimum(row, np.roll(row, -1)) - 0.5), 0, view.height).astype(int)
+    last = np.clip(np.ceil(np.maximum(row, np.roll(row, -1)) - 0.5), 0, view.height).astype(int)
+    for k in np.flatnonzero(last > first):
+        end, rows = (k + 1) % len(row), np.arange(first[k], last[k])
+        crossing = column[k] + (rows + 0.5 - row[k]) * ((column[end] - column[k]) / (row[end] - row[k]))
+        turns[rows, np.clip(np.ceil(crossing - 0.5), 0, view.width).astype(int)] ^= True
+
+
+def _mark_near(polygon: np.ndarray, view: View, bars: np.ndarray) -> None:
+    """Mark the pixels within half a bar of a line."""
+    half = 0.5 * BAR / view.scale
+    for (x0, y0), (x1, y1) in pairwise(polygon):
+        columns = _pixels(view.column([x0, x1]), view.width)
+        rows = _pixels(view.row([y0, y1]), view.height)
+        x, y = _centres(view, rows, columns)
+        square = (x1 - x0) ** 2 + (y1 - y0) ** 2
+        along = np.clip(((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / (square or 1.0), 0.0, 1.0)
+        off = np.hypot(x - x0 - along * (x1 - x0), y - y0 - along * (y1 - y0))
+        bars[rows, columns] |= off <= half
+
+
+def _pixels(ends: np.ndarray, size: int) -> slice:
+    """Pixels from end to end of a line (pixel coordinates) with half a bar around."""
+    return slice(*np.clip((floor(ends.min() - BAR), ceil(ends.max() + BAR)), 0, size))
 
 
 def paint_discs(picture: np.ndarray, view: View, x, y, radius, colours: np.ndarray) -> None:

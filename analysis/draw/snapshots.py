@@ -48,7 +48,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
         FigureCanvasAgg(figure)
         for frame, place in zip(chosen, places, strict=True):
             picture = blank(view)
-            paint_walls(picture, view, flow.scene.walls, flow.shut_gates(flow.time(frame)))
+            paint_walls(picture, view, flow.scene.permanent, flow.shut_gates(flow.time(frame)))
             paint_frame(picture, view, frame, flow, top_speed)
             axes = figure.add_subplot(place)
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")

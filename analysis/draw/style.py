@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.errors import DumpError
 
-from .chart import PLACE, Bars, Chart, Map, Panel, edges_of
+from .chart import PLACE, Bars, Chart, Map, Panel, edges_of, thin
 
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -215,4 +215,5 @@ def _draw_solids(axes, solids: Sequence[np.ndarray]) -> None:
     from matplotlib.patches import Polygon
 
     for solid in solids:
-        axes.add_patch(Polygon(solid, facecolor=WALL, edgecolor="none", zorder=0.5))
+        edge = WALL if thin(solid) else "none"
+        axes.add_patch(Polygon(solid, facecolor=WALL, edgecolor=edge, linewidth=2.0, zorder=0.5))

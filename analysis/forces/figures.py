@@ -74,18 +74,19 @@ def _history_panel(name: str, force: Force) -> Panel:
     time, smooth = table["time"], {key: table[f"{key}_smooth"] / 1e3 for key in ("fx", "fy")}
     lines = [Line("as recorded", time, table[force.component] / 1e3, "faint")]
     for (key, values), look in zip(smooth.items(), LOOKS, strict=False):
-        if np.any(values):
+        if np.any(np.nan_to_num(values)):
             lines.append(Line(f"{key}, {LOW_PASS:g} s mean", time, values, look))
     if force.component == "fx" and np.isfinite(table["hydrostatic"]).any():
         sign = np.sign(force.peak) or 1.0
-        lines.append(Line("hydrostatic, ρgh²/2", time, sign * table["hydrostatic"] / 1e3, "theory"))
+        lines.append(Line("hydrostatic, wetted face", time, sign * table["hydrostatic"] / 1e3, "theory"))
         if force.wall.finite:
-            lines.append(Line("oncoming, ρhu² + ρgh²/2", time, sign * table["oncoming"] / 1e3, "third"))
+            lines.append(Line("oncoming, ρsu² + ρgs²/2", time, sign * table["oncoming"] / 1e3, "third"))
     if np.isfinite(force.peak):
         label = f"peak {force.peak / 1e3:.0f} kN/m".replace("-", "−")
         lines.append(Line(label, np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
     shown = np.concatenate([[0.0], *smooth.values()])
-    return Panel(f"{name}: force [kN/m]", lines, ylim=(1.2 * shown.min(), max(1.4 * shown.max(), 1e-9)))
+    ends = 1.2 * np.nanmin(shown), max(1.4 * np.nanmax(shown), 1e-9)
+    return Panel(f"{name}: force [kN/m]", lines, ylim=ends)
 
 
 def impulse_chart(result: Forces) -> Chart | None:

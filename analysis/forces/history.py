@@ -28,19 +28,18 @@ from .reflection import ReflectedWave, track_reflection
 
 LOW_PASS = 0.05
 """Width of the centred moving mean behind which peaks are quoted, s."""
-PEAK_BLOCK, AFTER_IMPACT, LEAST_BLOCKS = 0.5, 1.0, 4
-"""The error of a peak is the scatter of the maxima of blocks of 0.5 s from 1 s after the impact; s, s, blocks."""
+PEAK_BLOCK, LEAST_BLOCKS = 0.5, 4
+"""The error of a peak is the scatter of the maxima of blocks of 0.5 s; s, blocks."""
 
 
 def moving_mean(values: np.ndarray, samples: int) -> np.ndarray:
-    """Centred mean over an odd number of samples (made odd upwards); shorter, still centred, at the ends."""
+    """Centred mean over an odd number of samples (made odd upwards); NaN where the record ends within half of it."""
     half = max(int(samples), 1) // 2
-    if half == 0 or len(values) == 0:
-        return np.asarray(values, float).copy()
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    index = np.arange(len(values))
-    reach = np.minimum(half, np.minimum(index, len(values) - 1 - index))
-    return (total[index + reach + 1] - total[index - reach]) / (2 * reach + 1)
+    mean = np.full(len(values), nan)
+    if len(values) > 2 * half:
+        total = np.concatenate([[0.0], np.cumsum(values)])
+        mean[half : len(values) - half] = (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1)
+    return mean
 
 
 def peak_error(time: np.ndarray, force: np.ndarray) -> float:
@@ -49,57 +48,62 @@ def peak_error(time: np.ndarray, force: np.ndarray) -> float:
     Parameters
     ----------
     time : ndarray, shape (n,), s
+        Of the window.
     force : ndarray, shape (n,), N/m
-        Behind the low-pass. The impact is where it first exceeds a tenth of its largest value.
+        Behind the low-pass.
     """
-    size = np.where((time > 0) & np.isfinite(force), np.abs(force), 0.0)
+    size = np.abs(force[np.isfinite(force)])
     if not size.any():
         return nan
-    start = time[np.flatnonzero(size > 0.1 * size.max())[0]] + AFTER_IMPACT
-    blocks = int((time[-1] - start) / PEAK_BLOCK + 1e-9)
-    if blocks < LEAST_BLOCKS:
-        return nan
-    index = np.floor((time - start) / PEAK_BLOCK).astype(int)
-    maxima = [size[index == k].max() for k in range(blocks) if (index == k).any()]
+    time = time[np.isfinite(force)]
+    index = np.floor((time - time[0]) / PEAK_BLOCK + 1e-9).astype(int)
+    maxima = [
+        size[index == k].max() for k in range(int((time[-1] - time[0]) / PEAK_BLOCK + 1e-9)) if (index == k).any()
+    ]
     return float(np.std(maxima, ddof=1)) if len(maxima) >= LEAST_BLOCKS else nan
 
 
 @dataclass(frozen=True)
 class Force(Estimates):
-    """Force of the discs on one structure, per metre of width; peaks are behind the low-pass, after t = 0.
+    """Force of the discs on one structure, per metre of width; peaks are behind the low-pass.
+
+    Where discs flow in all the time, peaks and largest values are those of the window, and `startup_peak` is the
+    largest force before it. Else they are those after t = 0.
 
     `component` is the one with the larger integral of its magnitude: `peak` and `impulse` are of it. `wall` is None
     where the flow does not know the name.
 
     `table` holds the columns of the CSV table, shape (n,), per metre of width: the record (time, s, fx, fy, N, moment,
-    N m); the same behind the low-pass (``fx_smooth`` …), the moment of upright faces about their foot at the bed; the
-    running impulse (``impulse_x``, ``impulse_y``, N s); the mass depth in front of the structure, m, and the
-    hydrostatic force on its face for that depth, N (NaN where no profile is); and ``oncoming``, the momentum of the
-    flow two bins in front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
+    N m, of upright faces about their foot at the bed); the same behind the low-pass (``fx_smooth`` …, NaN within half
+    of it of the ends); the running impulse (``impulse_x``, ``impulse_y``, N s); the mass depth in front of the
+    structure, m, and the hydrostatic force on its wetted face for that depth, N (NaN where no profile is); and
+    ``oncoming``, the momentum of the flow two bins in front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
     """
 
     component: str | None = None
     peak: float = estimate("N/m", "peak force", label="peak")
     peak_time: float = number("s", "time of the peak", default=nan, label="at")
     peak_unfiltered: float = number("N/m", "peak of the record without low-pass", default=nan)
+    startup_peak: float = number("N/m", "largest force before the window, where discs flow in", default=nan)
+    startup_peak_time: float = number("s", "time of that", default=nan)
     impulse: float = number("N s/m", "impulse", default=nan)
     impulse_x: float = number("N s/m", "impulse along x", default=nan)
     impulse_y: float = number("N s/m", "impulse along y", default=nan)
     peak_fx: float = number("N/m", "peak of Fx", default=nan)
     peak_fy: float = number("N/m", "peak of Fy", default=nan)
     peak_moment: float = number("N m/m", "peak moment", default=nan)
-    hydrostatic: float = number("N/m", "ρgh²/2", default=nan)
-    stagnation: float = number("N/m", "with ρhu²", default=nan)
+    hydrostatic: float = number("N/m", "hydrostatic force on the wetted face", default=nan)
+    stagnation: float = number("N/m", "oncoming momentum, ρsu² + ρgs²/2", default=nan)
     largest_depth: float = number("m", "largest mass depth in front of it", default=nan)
     mean_fx: float = estimate("N/m", "mean Fx of the window")
     mean_fy: float = estimate("N/m", "mean Fy of the window")
-    mean_hydrostatic: float = number("N/m", "mean of ρgh²/2 in the window", default=nan)
+    mean_hydrostatic: float = number("N/m", "mean hydrostatic force on the wetted face", default=nan)
     wall: Wall | None = field(default=None, metadata={"summary": False})
     table: Mapping[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
 
     @property
     def history(self) -> ForceHistory:
-        """The record: time (s), fx, fy (N/m), moment (N), shape (n,) each."""
+        """The record: time (s), fx, fy (N/m), moment (N; about the foot of upright faces), shape (n,) each."""
         return ForceHistory(*(self.table[name] for name in ("time", "fx", "fy", "moment")))
 
 
@@ -150,7 +154,7 @@ def analyse_forces(
     momentum : MomentumHistory, optional
     profiles : xarray.Dataset
     """
-    walls = {wall.name: wall for wall in (*flow.scene.walls, *(gate.wall for gate in flow.scene.gates))}
+    walls = {wall.name: wall for wall, _ in flow.scene.walls}
     structures = {name: _structure(walls.get(name), history, flow, profiles) for name, history in forces.items()}
     axes = ("x", "y") if momentum is not None else ()
     identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in axes)
@@ -195,6 +199,7 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
     smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
     return {
         **vars(history),
+        "moment": moment,
         **{f"{name}_smooth": moving_mean(values, samples) for name, values in smooth.items()},
         "impulse_x": np.cumsum(history.fx * lengths),
         "impulse_y": np.cumsum(history.fy * lengths),
@@ -237,9 +242,11 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
     component = max(sizes, key=sizes.__getitem__)
     main = table[f"{component}_smooth"]
     live = time > 0 if (time > 0).any() else np.ones(len(time), bool)
+    inside = (time > window[0]) & (time <= window[1] + 1e-9)
+    steady = bool(flow.scene.inlets)
 
-    def biggest(values: np.ndarray) -> tuple[float, float]:
-        chosen = np.where(live & np.isfinite(values), np.abs(values), -1.0)
+    def biggest(values: np.ndarray, when: np.ndarray = inside if steady else live) -> tuple[float, float]:
+        chosen = np.where(when & np.isfinite(values), np.abs(values), -1.0)
         k = int(np.argmax(chosen))
         return (float(values[k]), float(time[k])) if chosen[k] >= 0 else (nan, nan)
 
@@ -247,13 +254,15 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
     given = {axis: table[f"impulse_{axis}"] for axis in "xy"}
     impulse = {axis: float(values[-1] - np.append(0.0, values)[first]) for axis, values in given.items()}
     peak, peak_time = biggest(main)
-    inside = (time > window[0]) & (time <= window[1] + 1e-9)
+    startup = biggest(main, live & (time <= window[0])) if steady else (nan, nan)
     return Force(
         component=component,
         peak=peak,
-        peak_error=peak_error(time, main) if flow.scene.inlets else nan,
+        peak_error=peak_error(time[inside], main[inside]) if steady else nan,
         peak_time=peak_time,
         peak_unfiltered=biggest(table[component])[0],
+        startup_peak=startup[0],
+        startup_peak_time=startup[1],
         impulse=impulse[component[1]],
         impulse_x=impulse["x"],
         impulse_y=impulse["y"],

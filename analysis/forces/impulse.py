@@ -176,7 +176,7 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
     reasons = [f"wall '{name}' pushes along {axis} and is not probed" for name in pushing]
     if not flow.knows_contacts:
         reasons.append("without stiffnesses nothing tells whether other walls push")
-    silent = [wall.name for wall in flow.scene.walls if wall.name in flow.scene.probes and wall.name not in forces]
+    silent = [wall.name for wall in flow.scene.permanent if wall.name in flow.scene.probes and wall.name not in forces]
     reasons += [f"wall '{name}' has no force record" for name in silent]
     slack = 0.25 * flow.time_step or 1e-9
     walls = scale = 0.0
@@ -205,7 +205,7 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
 def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, flow: Flow) -> tuple[int, int] | None:
     """First and last frame of the longest stretch the identity may use."""
     step = flow.time_step
-    opened = max(((gate.release_step - flow.scene.settle_steps) * step for gate in flow.scene.gates), default=-np.inf)
+    opened = max((flow.scene.time(gate.motion.gone) for gate in flow.scene.gates), default=-np.inf)
     slack = 0.25 * step or 1e-9
     gap = np.abs(momentum.time[:, None] - window_ends[None, :]).min(axis=1) if len(window_ends) else np.full(1, np.inf)
     lengths = window_lengths(window_ends)

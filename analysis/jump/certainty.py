@@ -18,23 +18,56 @@ MISSED = {"y2": 0.60, "speed": 0.52, "froude": 0.44}
 """Largest share of the variance between starts that the window of one run missed (16 starts of a jump, windows of 3, 6
 and 13 s, each share to 0.15; docs/analysis.md)."""
 
-LOWER_BOUNDS = (
-    *MISSED, "h2", "u1", "u2", "froude_lab", "sequent_ratio", "length_mass", "packing_2", "beta_1", "head_downstream",
+UNTOLD = (
+    "y2", "speed", "length_mass", "local.y2", "local.u2", "local.h2", "local.packing_2",
 )  # fmt: skip
-"""Numbers whose error is a lower bound: one run misses part of it, or its 95 % intervals held less than 90 % of fresh
-starts (benchmarks/error_bars.py; docs/analysis.md). h2 and u2 go with y2."""
-TAIL_BOUNDS = ("depth", "belanger_y2", "belanger_deviation")
-"""The same of the tail water; the latter two have the velocity of the front in them."""
+"""Numbers measured in the frames whose error one run cannot tell: it misses part of the variance between starts, or
+its 95 % intervals held less than 90 % of fresh starts (benchmarks/error_bars.py; docs/analysis.md)."""
+STATES = ("local.y1", "local.u1", "local.y2", "local.u2", "speed")
+MADE_OF = {
+    "froude": ("speed",), "belanger_y2": ("speed",), "belanger_deviation": ("y2", "belanger_y2"),
+    "head_lost_theory": ("speed",), "length_theory": ("speed",), "length_usbr": ("speed",), "length_over_y2": ("y2",),
+    "local.froude": ("local.u1", "local.y1", "speed"), "local.froude_lab": ("local.u1", "local.y1"),
+    "local.froude_downstream": ("local.u2", "local.y2", "speed"),
+    "local.beta_1": ("local.u1", "speed"), "local.beta_2": ("local.u2", "speed"),
+    "local.sequent_ratio": ("local.y1", "local.y2"),
+    "local.belanger_ratio": ("local.froude",), "local.belanger_y2": ("local.froude", "local.y1"),
+    "local.belanger_deviation": ("local.sequent_ratio", "local.belanger_ratio"),
+    "local.density_ratio": ("local.y1", "local.y2", "local.h2"),
+    "local.density_relation_ratio": ("local.froude", "local.density_ratio"),
+    "local.density_relation_deviation": ("local.sequent_ratio", "local.density_relation_ratio"),
+    "local.full_relation_ratio": ("local.froude", "local.density_ratio"), "local.pressure_relation_ratio": STATES,
+    "local.pressure_relation_deviation": STATES,
+    "local.pressure_coefficient_1": ("local.y1",), "local.pressure_coefficient_2": ("local.y2", "local.h2"),
+    "local.head_upstream": ("local.froude", "local.y1"), "local.head_downstream": ("local.y2", "local.u2", "speed"),
+    "local.energy_loss": ("local.head_upstream", "local.head_downstream"),
+    "local.energy_loss_theory": ("local.froude", "local.y1"),
+    "local.momentum_upstream": ("local.froude",), "local.momentum_downstream": ("local.y2",),
+    "local.momentum_residual": ("local.momentum_upstream", "local.momentum_downstream"),
+}  # fmt: skip
+"""What a number is made of. What is made of a number that one run cannot tell is one of these itself."""
+
+
+def inherited(untold: Sequence[str], made_of: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """These numbers and all that are made of them, however far."""
+    found = dict.fromkeys(untold)
+    while more := [key for key, parts in made_of.items() if key not in found and found.keys() & set(parts)]:
+        found |= dict.fromkeys(more)
+    return tuple(found)
+
+
+BOUNDS = inherited(UNTOLD, MADE_OF)
+LOWER_BOUNDS = tuple(key for key in BOUNDS if not key.startswith("local."))
+"""Numbers of a `Jump` whose error is a lower bound."""
+LOCAL_BOUNDS = tuple(key.removeprefix("local.") for key in BOUNDS if key.startswith("local."))
+"""The same of the state beside the jump."""
 
 
 @dataclass(frozen=True)
 class Drift:
     """Mean of the second half of the window less that of the first; NaN where the window has no pieces."""
 
-    y1: float = number("m", "drift of y1 within the window", default=nan)
     y2: float = number("m", "drift of y2 within the window", default=nan)
-    sequent_ratio: float = number("", "drift of s₂/s₁ within the window", default=nan)
-    froude: float = number("", "drift of the Froude number within the window", default=nan)
     speed: float = number("m/s", "drift of the velocity of the front within the window", default=nan)
     length: float = number("m", "drift of the length within the window", default=nan)
 
@@ -68,11 +101,19 @@ def members(jump: object) -> Members:
 
     def needed(key: str) -> int | None:
         value, error = getattr(jump, key), getattr(jump, f"{key}_error")
-        if not isfinite(error) or not value:
+        if not isfinite(error) or abs(value) <= 2 * error:  # no share of a number that may be zero
             return None
         return max(1, ceil(error**2 / (1.0 - MISSED[key]) / (GOAL * value) ** 2))
 
     return Members(**{key: needed(key) for key in MISSED})
+
+
+def starts_needed(found: Mapping[str, int | None]) -> str:
+    """Number of runs for each number that has one, in words; empty where none has."""
+    names = {"y2": "y2", "speed": "the velocity of the front", "froude": "the Froude number"}
+    known = {name: count for key, name in names.items() if (count := found.get(key)) is not None}
+    texts = [f"{count} {'run' if count == 1 else 'runs'} for {name}" for name, count in known.items()]
+    return ", ".join([*texts[:-2], " and ".join(texts[-2:])]) if texts else ""
 
 
 def _values(pieces: Sequence[Mapping], key: str) -> np.ndarray:

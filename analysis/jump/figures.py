@@ -75,10 +75,7 @@ def frame_chart(jump: Jump) -> Chart | None:
     for state, name in ((result.upstream, "s₁"), (result.downstream, "s₂")):
         text = f"{name} = {state.mass_depth:.2f} m, Fr = {state.froude_relative:.2f}"
         lines.append(Line(text, np.array(state.zone), np.full(2, state.mass_depth), "fit"))
-    relations = (
-        ("Bélanger, front's frame", jump.belanger_y2),
-        ("with the measured density change", jump.density_relation_ratio * jump.y1),
-    )
+    relations = ((f"Bélanger, {jump.of}", jump.belanger_y2),)
     levels = {f"{label}: {value:.2f} m": value for label, value in relations if value > 0}
     marks = {"toe": result.surface_toe, "end": result.surface_end}
     top = 1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2))
@@ -131,8 +128,9 @@ def head_chart(profiles: xr.Dataset, jump: Jump) -> Chart | None:
         Line("z + s (mass depth)", x, bed + depth, "third"),
     ]
     levels, marks, found = {}, {}, ""
-    if isfinite(jump.y1):
-        found = f"; front's frame: lost {jump.energy_loss:.2f} m, Bélanger {jump.energy_loss_theory:.2f} m"
+    if jump.local is not None:
+        local = jump.local
+        found = f"; front's frame: lost {local.energy_loss:.2f} m, Bélanger {local.energy_loss_theory:.2f} m"
         marks = {"toe": jump.toe, "end": jump.end}
     elif jump.inflow:
         head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)

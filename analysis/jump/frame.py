@@ -24,7 +24,14 @@ from lammps_jump.units import number
 TOE_SHARE, END_SHARE = 0.05, 0.95
 """Toe and end of the mean profile: where these shares of the rise are reached."""
 UPSTREAM_ZONE, DOWNSTREAM_ZONE = 5.0, 1.5
-"""Longest stretches over which the states are averaged, in units of the depth there (four bins at least)."""
+"""Longest stretches over which the states are averaged, in units of the depth there."""
+UPSTREAM_GAP, DOWNSTREAM_GAP = 5.0, 0.25
+"""What is left free between them and the toe or the end, in the same units: the stream slows down and thickens over the
+last five depths before the toe (measured; docs/analysis.md)."""
+LEAST_ZONE = 0.2
+"""Shortest of these stretches, as a share of the longest; the upstream gap gives way to it."""
+SMOOTHED = 0.25
+"""Length over which the mean profile is smoothed before toe and end are looked for, in depths behind the jump."""
 COVERED = 0.9
 """Share of the frames that must reach a place behind the jump for it to count."""
 
@@ -55,10 +62,32 @@ class Moving(NamedTuple):
         known = np.isfinite(self.fields[name])
         return np.where(known.mean(axis=0) >= share, known_mean(self.fields[name]), nan)
 
+    def shares(self, start: float, stop: float) -> np.ndarray:
+        """Length of each bin between two places, m, shape (bins,)."""
+        half = 0.5 * (self.xi[1] - self.xi[0])
+        return np.clip(np.minimum(self.xi + half, stop) - np.maximum(self.xi - half, start), 0.0, None)
+
+    def smoothed(self, name: str, length: float) -> np.ndarray:
+        """Mean profile of a field as if it had been averaged over this length, m; shape (bins,).
+
+        Bins and the straight lines between them have smoothed it already: they spread a step as far as a box of
+        sqrt(3) bins does. A box of the rest is laid over it, shorter at the ends of the profile.
+        """
+        profile, width = self.mean(name), self.xi[1] - self.xi[0]
+        known = np.flatnonzero(np.isfinite(profile))
+        box = np.sqrt(max(length**2 - 3 * width**2, 0.0))
+        if box == 0 or not len(known):
+            return profile
+        edges = np.append(self.xi[known] - 0.5 * width, self.xi[known[-1]] + 0.5 * width)
+        below = np.append(0.0, np.cumsum(profile[known]) * width)
+        low, high = (np.clip(self.xi[known] + side * max(box, width) / 2, edges[0], edges[-1]) for side in (-1, 1))
+        result = np.full_like(profile, nan)
+        result[known] = (np.interp(high, edges, below) - np.interp(low, edges, below)) / (high - low)
+        return result
+
     def integral(self, values: np.ndarray, start: float, stop: float) -> np.ndarray:
         """Integral of values between two places, m, frame by frame, shape (frames,); NaN where not covered."""
-        half = 0.5 * (self.xi[1] - self.xi[0])
-        share = np.clip(np.minimum(self.xi + half, stop) - np.maximum(self.xi - half, start), 0.0, None)
+        share = self.shares(start, stop)
         return (values[:, share > 0] * share[share > 0]).sum(axis=1)
 
     def at(self, place: float, values: np.ndarray) -> np.ndarray:
@@ -203,11 +232,16 @@ def share(part: float, whole: float) -> float:
 
 
 def measure_state(moving: Moving, zone: tuple[float, float], speed: float, gravity: float) -> State:
-    """Averages over a stretch of the moving frame; the velocity is discharge over mass depth."""
-    first, stop = np.searchsorted(moving.xi, (zone[0] - 1e-9, zone[1] + 1e-9))
+    """Averages over a stretch of the moving frame, m from the front; the velocity is discharge over mass depth."""
+    share = moving.shares(*zone)
+    chosen = np.flatnonzero(share > 0)
+    weight = share[chosen]
 
     def inside(name: str) -> np.ndarray:
-        return known_mean(moving.fields[name][:, first:stop], axis=1)
+        values = moving.fields[name][:, chosen]
+        known = ~np.isnan(values)
+        with np.errstate(invalid="ignore"):
+            return np.where(known, values, 0.0) @ weight / (known @ weight)
 
     names = ("mass_depth", "surface_depth", "discharge", "momentum_flux", "packing")
     means = {name: float(known_mean(inside(name))) for name in names}
@@ -219,20 +253,22 @@ def measure_state(moving: Moving, zone: tuple[float, float], speed: float, gravi
 def zones(
     moving: Moving, toe: float, end: float, depth_1: float, depth_2: float
 ) -> tuple[tuple[float, float], tuple[float, float], bool]:
-    """Stretches before the toe and behind the end, and whether the second one is long enough (two bins).
+    """Stretches before the toe and behind the end, m from the front, and whether the second one is long enough.
 
-    A bin is left free on both sides; where the profile ends too soon behind the jump its last two bins must do.
+    They are `UPSTREAM_ZONE` and `DOWNSTREAM_ZONE` depths long and stand `UPSTREAM_GAP` and `DOWNSTREAM_GAP` depths
+    off; depths are those of the two levels, m. Where the profile ends too soon behind the jump, its last `LEAST_ZONE`
+    of that must do.
     """
-    xi = moving.xi
-    covered = xi[np.isfinite(moving.mean("mass_depth", COVERED))]
-    width = xi[1] - xi[0]
-    first, last = covered[0], covered[-1]
-    before_end = max(toe - width, first)
-    before = (max(first, before_end - max(UPSTREAM_ZONE * depth_1, 4 * width)), before_end)
-    behind_start = end + width
-    enough = behind_start + width <= last + 1e-9
-    longest = max(DOWNSTREAM_ZONE * depth_2, 4 * width)
-    behind = (behind_start, min(behind_start + longest, last)) if enough else (last - width, last)
+    half = 0.5 * (moving.xi[1] - moving.xi[0])
+    covered = moving.xi[np.isfinite(moving.mean("mass_depth", COVERED))]
+    first, last = covered[0] - half, covered[-1] + half
+    longest = UPSTREAM_ZONE * depth_1
+    before_end = min(max(toe - UPSTREAM_GAP * depth_1, first + LEAST_ZONE * longest), toe)
+    before = (max(first, before_end - longest), before_end) if before_end > first else (first, first + half)
+    longest = DOWNSTREAM_ZONE * depth_2
+    behind_start = end + DOWNSTREAM_GAP * depth_2
+    enough = behind_start + LEAST_ZONE * longest <= last
+    behind = (behind_start, min(behind_start + longest, last)) if enough else (last - LEAST_ZONE * longest, last)
     return before, behind, enough
 
 
@@ -276,6 +312,7 @@ class Balance:
     unsteady: float = number("", "momentum stored between the stations")
     unexplained: float = number("", "left unexplained")
     pressure_error: float = number("", "standard error of the pressure's part")
+    lower_bounds: tuple[str, ...] = ("pressure",)
 
 
 def balance(moving: Moving, one: State, two: State, along: float) -> Balance:

@@ -70,7 +70,7 @@ class EnergyFluxes:
         u, v, kick = (np.append(values, 0.0) for values in (u, v, 0.5 * flow.time_step / mass))
         weight = np.append(-flow.gravity * mass, 0.0)
         contacts = touching(frame, flow)
-        _contact_fields(x, u, v, kick, weight, *contacts, flow.touch_width, self.rounds, low, width, fields)
+        _contact_fields(x, u, v, kick, weight, *contacts[:7], flow.touch_width, self.rounds, low, width, fields)
         self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))
 

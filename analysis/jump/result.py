@@ -17,13 +17,14 @@ import xarray as xr
 from lammps_jump.analysis.contacts import ContactSeries
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import window_of, within
+from lammps_jump.analysis.report.headline import AT_SILL
 from lammps_jump.analysis.statistics import piece_bounds
 from lammps_jump.units import number, shown
 
 from . import frame
 from .stream import Stream, compression_front, measure_stream
 from .tail import Tail, measure_tail
-from .track import AlongStream, JumpTrack, Motion, piece_speeds, straight_motion, track_jump
+from .track import TO_THE_END, AlongStream, JumpTrack, Motion, piece_speeds, straight_motion, track_jump
 
 Stretches = tuple[tuple[float, float], tuple[float, float]]
 
@@ -59,7 +60,7 @@ class JumpResult(AlongStream):
 
     Attributes
     ----------
-    verdict : {'jump', 'marginal jump', 'no jump found', 'drowned inlet', 'locked heap'}
+    verdict : {'jump', 'marginal jump', 'jump at the sill', 'no jump found', 'drowned inlet', 'locked heap'}
     reason : str
         One sentence behind the verdict.
     direction : int
@@ -213,7 +214,8 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
         toe, end = result.toe, result.end
     depth = result.downstream.mass_depth
     tail = measure_tail(stream.isel(time=used), front, depth)
-    before = measure_stream(stream, track, used, speed, depth, result.flow.gravity)
+    level = tail.depth.value if isfinite(tail.depth.value) else depth
+    before = measure_stream(stream, track, used, speed, level, result.flow.gravity)
     found = frame.roller(moving, speed, toe, end)
     result = replace(result, stream=before, developed=enough, roller=found, tail=tail)
     return replace(result, pieces=_pieces(result))
@@ -259,7 +261,7 @@ def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
 
 def _ends(moving: frame.Moving, name: str, one: frame.State, two: frame.State, toe, end) -> tuple[float, float]:
     """Where the mean profile of a depth has made 5 % and 95 % of its rise; the given places where it does not cross."""
-    profile, level = moving.mean(name), getattr(one, name)
+    profile, level = moving.smoothed(name, frame.SMOOTHED * two.mass_depth), getattr(one, name)
     rise = getattr(two, name) - level
     toe = frame.crossing(moving.xi, profile, level + frame.TOE_SHARE * rise, toe)
     end = frame.crossing(moving.xi, profile, level + frame.END_SHARE * rise, end)
@@ -318,4 +320,6 @@ def _why_none(track, in_window, stream, heap, gravity, inflow) -> tuple[str, str
                 f"the flow at the inlet is {depth.mean():.2f} m deep (inflow {inflow:.2f} m) and subcritical "
                 f"(Fr = {froude:.2f}): what jump there was has run over the inlet"
             )
+    if reasons and reasons.most_common(1)[0][0] == TO_THE_END:
+        return AT_SILL, f"{counted}: there is no level water behind it to compare with theory"
     return "no jump found", counted or "no frame in the window"

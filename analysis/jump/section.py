@@ -15,16 +15,17 @@ import numpy as np
 from lammps_jump.analysis.budgets import inflow
 from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.report.headline import belongs
-from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, with_error
+from lammps_jump.analysis.report.headline import COMPARED, Against, belongs
+from lammps_jump.analysis.report.page import Section, Table, Text, described, heading, percent_of, with_error
 from lammps_jump.analysis.statistics import STUDENT, Mean, propagated
-from lammps_jump.units import ABSENT, AT_LEAST, is_bound, numbers_of, shown
+from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
 
+from .certainty import starts_needed
 from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
 from .frame import Balance
 from .head import energy_budget, no_budget, sentence
 from .result import analyse_jump
-from .summary import Jump, summarise_jump
+from .summary import ASKED, BEFORE, Jump, Local, summarise_jump
 from .verdict import A_JUMP, untimed, worded
 
 STATES = (
@@ -70,11 +71,11 @@ class Marks(NamedTuple):
 
 def marks(jump: Jump) -> Marks:
     """Depths of the inflow's theory, toe and end, and the track of the toe."""
-    lines, asked, tail = {}, jump.inflow, jump.tail
+    lines, asked = {}, jump.inflow
     if asked:
         lines[f"inflow asked for y₁ = {asked.depth:.3g} m"] = asked.depth
-    if tail and isfinite(tail.belanger_y2):
-        lines[f"Bélanger of the inflow, front's frame, y₂ = {tail.belanger_y2:.3g} m"] = tail.belanger_y2
+    if jump.of != BEFORE and isfinite(jump.belanger_y2):
+        lines[f"Bélanger of the inflow, front's frame, y₂ = {jump.belanger_y2:.3g} m"] = jump.belanger_y2
     places = {"toe": jump.toe, "end": jump.end} if isfinite(jump.toe) else {}
     track = jump.measured.track
     if track is None or not track.found.any():
@@ -114,70 +115,119 @@ def figures(jump: Jump, gathered: Gathered) -> Drawings:
 def section(jump: Mapping) -> Section:
     """Verdict, states, ratios, momentum balance, lengths; `jump` as in ``summary.json``."""
     blocks = [Text(jump["reason"], "verdict" if jump["verdict"] == "jump" else "warn", jump["verdict"])]
-    if asked := jump.get("inflow"):
-        blocks.append(
-            Text(
-                f"Theory for the inflow as asked for (y₁ = {shown(asked['depth'])} m, {shown(asked['velocity'])} m/s), "
-                f"exact: Froude number {asked['froude']:.2f} ({asked['class']}), Bélanger depth "
-                f"{asked['belanger_y2']:.2f} m, length by thesis (4.27) {shown(asked['length'])} m."
-            )
-        )
-    if jump.get("y1") is not None and jump["speed"] is None:
-        blocks += [_states(jump), Table(described(Jump, jump, "sequent_ratio", "length", "length_mass"))]
-    elif jump.get("y1") is not None and belongs("y1", jump):
-        steady = belongs("length", jump)
-        blocks += [
-            _states(jump),
-            _comparisons(jump),
-            Text(SHORT if steady else ""),
-            certainty(jump),
-            Text(sentence((jump.get("budget") or {}) if steady else {})),
-            _momentum(jump),
-            _roller(jump),
-            *_tail(jump.get("tail")),
-            *_stream(jump.get("stream")),
-        ]
+    known = jump.get("y1") is not None and belongs("y1", jump)
+    if known and jump["speed"] is None:
+        local = Table(described(Local, jump["local"], "sequent_ratio"))
+        return Section("Hydraulic jump", [*blocks, _states(jump["local"]), local, _lengths(jump)])
+    if not known:
+        return Section("Hydraulic jump", [*blocks, _streams(jump)])
+    steady = belongs("length", jump)
+    blocks += [
+        _momentum_table(jump),
+        _momentum(jump),
+        _streams(jump),
+        _comparisons(jump),
+        Text(SHORT if steady else ""),
+        certainty(jump),
+        _states(jump["local"]),
+        _moved(jump["local"]),
+        Text(sentence((jump.get("budget") or {}) if steady else {})),
+        _roller(jump),
+        *_tail(jump.get("tail")),
+        *_stream(jump.get("stream")),
+    ]
     return Section("Hydraulic jump", blocks)
 
 
-def _states(jump: Mapping) -> Table:
-    numbers = numbers_of(Jump)
+def _lengths(jump: Mapping) -> Table:
+    return Table(described(Jump, jump, "length", "length_mass"))
+
+
+def _streams(jump: Mapping) -> Table:
+    """Every state that theory is asked about: state, frame, Froude number, sequent depth by Bélanger."""
+    asked, local = jump.get("inflow"), jump.get("local")
+    rows: list[tuple] = []
+    if jump.get("froude") is not None and belongs("froude", jump) and jump["of"] != BEFORE:
+        rows.append((f"{jump['of']}: the comparison above", "front", *_pair(jump)))
+    if local and local["froude"] is not None and belongs("local.froude", jump):
+        above = ": the comparison above" if jump["of"] == BEFORE else ""
+        rows.append((f"{BEFORE}{above}", "front", *_pair(local)))
+        rows.append((BEFORE, "laboratory", with_error(local, "froude_lab"), ABSENT))
+    if asked:
+        at = f"{ASKED}, {shown(asked['depth'])} m at {shown(asked['velocity'])} m/s, exact"
+        rows.append((at, "laboratory", f"{asked['froude']:.2f}", f"{asked['belanger_y2']:.2f}"))
+    return Table(rows, ("State", "frame", "Froude number", "sequent depth by Bélanger [m]"))
+
+
+def _pair(found: Mapping) -> tuple[str, str]:
+    return with_error(found, "froude"), with_error(found, "belanger_y2")
+
+
+def _states(local: Mapping) -> Table:
+    numbers = numbers_of(Local)
     rows = []
     for one, two in STATES:
         label, unit = numbers[one].meaning, numbers[one].unit
         unit, scale = ("kN/m", 1e3) if unit == "N/m" else (unit, 1.0)
-        values = [with_error(jump, key, scale) for key in (one, two)]
-        rows.append((heading(label.removesuffix(" upstream").removesuffix(","), unit), *values))
-    rows.insert(5, (described(Jump, jump, "froude")[0][0], *(with_error(jump, key) for key in FROUDE)))
+        values = [with_error(local, key, scale) for key in (one, two)]
+        rows.append((heading(label.removesuffix(" before the toe").removesuffix(","), unit), *values))
+    rows.insert(5, ("Froude number, front's frame", *(with_error(local, key) for key in FROUDE)))
     rows = [row for row in rows if set(row[1:]) != {ABSENT}]
-    return Table(rows, ("State, measured beside the jump, ± within this run", "upstream 1", "downstream 2"))
+    return Table(rows, ("State, measured beside the jump, ± within this run", "before the toe 1", "behind the end 2"))
+
+
+MOVED = (("y1", "moved_y1"), ("froude", "moved_froude"), ("belanger_y2", "moved_belanger_y2"), ("y2", "moved_y2"))
+
+
+def _moved(local: Mapping) -> Text:
+    """By how much the states move with their stretches."""
+    names = {"y1": "s₁", "froude": "Fr", "belanger_y2": "Bélanger's depth", "y2": "s₂"}
+    said = [
+        f"{names[key]} by {shown(local[moved], numbers_of(Local)[key].unit, digits=2)}"
+        for key, moved in MOVED
+        if local[moved] is not None
+    ]
+    text = f"A stretch one depth s₁ further from the jump changes {', '.join(said)}." if said else ""
+    return Text(text.replace("-", "−"))
+
+
+def _momentum_table(jump: Mapping) -> Table:
+    """The sequent ratio beside the jump against momentum: the measured thrust first, then what leaves parts out."""
+    local = jump["local"]
+    against = [
+        ("momentum with measured thrust, β, bed, slope", "pressure_relation_ratio"),
+        ("momentum with measured density, β, bed, slope", "full_relation_ratio"),
+        (f"momentum with density ratio {with_error(local, 'density_ratio')}", "density_relation_ratio"),
+        ("Bélanger: hydrostatic, one density", "belanger_ratio"),
+    ]
+    measured = with_error(local, "sequent_ratio")
+    rows = [
+        (measured, words, with_error(local, key), _deviation(local, "sequent_ratio", key))
+        for words, key in against
+        if local[key] is not None
+    ]
+    return Table(rows, ("s₂/s₁ beside the jump, ± within this run", "against", "", "difference"))
 
 
 def _comparisons(jump: Mapping) -> Table:
-    against = [
-        ("Bélanger, front's frame", "belanger_ratio"),
-        (f"with density ratio {with_error(jump, 'density_ratio')}", "density_relation_ratio"),
-        ("and measured bed force and β", "full_relation_ratio"),
-        *([("and measured contact pressure", "pressure_relation_ratio")] if jump["pressure_relation_ratio"] else []),
+    """The rows of `headline.COMPARED` that go with the verdict."""
+    rows = [
+        (_place(jump, row.key), with_error(jump, row.key), row.words, *_theory(jump, row))
+        for row in COMPARED
+        if belongs(row.key, jump) and jump.get(row.key) is not None
     ]
-    rows = [("s₂/s₁", "sequent_ratio", words, key) for words, key in against]
-    rows += [
-        ("", "length", "thesis (4.27)", "length_theory"),
-        ("", "length", "USBR curve", "length_usbr"),
-        ("", "head_lost", "Bélanger", "energy_loss_theory"),
-        ("", "energy_loss", "Bélanger", "energy_loss_theory"),
-    ]
-    cells = [
-        (name or _place(jump, key), with_error(jump, key), words, with_error(jump, other), _deviation(jump, key, other))
-        for name, key, words, other in rows
-        if belongs(key, jump)
-    ]
-    cells[0] = (*cells[0][:4], _share(jump["belanger_deviation"], jump["belanger_deviation_error"]))
-    from_mass = jump | {"from_mass": jump["mass"]["speed_from_mass"]}
-    words = "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁), no error from one run"
-    speed = with_error(jump, "speed"), words, from_mass["from_mass"], _deviation(from_mass, "speed", "from_mass")
-    cells.insert(len(against), ("Velocity of the front [m/s]", *speed))
-    return Table(cells, ("Measured, ± within this run", "", "against", "", "difference"))
+    return Table(rows, ("Measured, ± within this run", "", "against", "", "difference"))
+
+
+def _theory(jump: Mapping, row: Against) -> tuple[str, str]:
+    """What theory says, and how far the measured number lies off it."""
+    part, _, key = row.theory.rpartition(".")
+    held = jump[part] if part else jump
+    if row.key == "y2":
+        off, error = jump["belanger_deviation"], jump["belanger_deviation_error"]
+        return with_error(held, key), percent_of(off, error, bound=is_bound(jump, "belanger_deviation"))
+    other = jump | {"theory": held[key], "theory_error": held.get(f"{key}_error")}
+    return with_error(held, key), _deviation(other, row.key, "theory")
 
 
 def _place(jump: Mapping, key: str) -> str:
@@ -188,14 +238,6 @@ def _place(jump: Mapping, key: str) -> str:
     return head
 
 
-def _share(value: float | None, error: float | None, bound: bool = False) -> str:
-    """A share in per cent with its error, which may be a lower bound."""
-    if value is None:
-        return ABSENT
-    sure = "" if error is None else f" ± {AT_LEAST * bound}{100 * error:.1f}"
-    return f"{100 * value:+.1f}{sure} %".replace("-", "−")
-
-
 def certainty(jump: Mapping) -> Text:
     """How sure the numbers are: what ± means, the drift within the window, and how many starts are needed."""
     if jump["y2_error"] is None:
@@ -203,16 +245,14 @@ def certainty(jump: Mapping) -> Text:
             "The window holds fewer than 16 frames with a jump: one run cannot tell how sure these numbers are."
         )
     drifts, units = jump["drift"], numbers_of(Jump)
-    moved = ", ".join(f"{units[key].label} {shown(drifts[key], units[key].unit, digits=2)}" for key in ("y2", "speed"))
-    starts = jump["members"]
+    keys = ("y2", "speed", "length")
+    moved = ", ".join(f"{units[key].label} {shown(drifts[key], units[key].unit, digits=2)}" for key in keys)
+    needed = starts_needed(jump["members"])
     return Text(
         f"± is one standard error within this run; a 95 % interval is ± {STUDENT:.2f} errors. From the first half "
-        f"of the window to the second: {moved.replace('-', '−')}, s₂/s₁ "
-        f"{100 * drifts['sequent_ratio'] / jump['sequent_ratio']:+.1f} %. "
-        '"Or more": one run cannot tell this error, it misses up to 60 % of the variance between starts. '
-        "For a standard error of 3 %, average at least "
-        f"{starts['y2']} run(s) for y2, {starts['speed']} for the velocity of the front, {starts['froude']} for the "
-        "Froude number."
+        f"of the window to the second: {moved.replace('-', '−')}. "
+        '"At least": one run cannot tell this error, it misses up to 60 % of the variance between starts. '
+        + (f"For a standard error of 3 %, average at least {needed}." if needed else "")
     )
 
 
@@ -222,33 +262,31 @@ def _deviation(found: Mapping, key: str, other: str) -> str:
         return ABSENT
     two = (Mean(found[name], found.get(f"{name}_error") or 0.0) for name in (key, other))
     off = propagated(lambda measured, expected: measured / expected - 1.0, *two)
-    return _share(off.value, off.error or None, is_bound(found, key))
+    return percent_of(off.value, off.error or None, bound=is_bound(found, key) or is_bound(found, other))
 
 
 def _momentum(jump: Mapping) -> Text:
     terms, names = jump["momentum_terms"], numbers_of(Balance)
     known = [key for key in names if key != "pressure_error" and terms[key] is not None]
-    explained = "; ".join(f"{names[key].meaning} {_share(terms[key], terms.get(f'{key}_error'))}" for key in known)
+    local = jump["local"]
+    error, unsure = local["momentum_residual_error"], is_bound(local, "momentum_residual")
+    residual = percent_of(local["momentum_residual"], error, bound=unsure)
+    explained = "; ".join(
+        f"{names[key].meaning} {percent_of(terms[key], terms.get(f'{key}_error'), bound=is_bound(terms, key))}"
+        for key in known
+    )
     return Text(
         f"Mass flux through the moving front: downstream minus upstream {100 * jump['mass']['closure']:+.2f} %, "
         f"{100 * jump['mass']['closure_with_storage']:+.2f} % with what is stored in between. Momentum function "
-        f"upstream minus downstream: {_share(jump['momentum_residual'], jump['momentum_residual_error'])} of the "
+        f"upstream minus downstream: {residual} of the "
         f"downstream one; measured parts: {explained}. ± is within this run; one run has no error for the others."
     )
 
 
 def _tail(tail: Mapping | None) -> list[Text]:
-    if not tail or tail["depth"] is None:
+    if not tail or tail["length"] is None:
         return []
-    text = (
-        f"Tail water over {tail['length']:.1f} m: mass depth {with_error(tail, 'depth', unit='m')}, "
-        f"slope of its surface {with_error(tail, 'slope')}."
-    )
-    if tail["belanger_y2"] is not None:
-        off = _share(tail["belanger_deviation"], tail["belanger_deviation_error"], bound=True)
-        expected = with_error(tail, "belanger_y2", unit="m")
-        text += f" Bélanger gives {expected} for the delivered inflow in the front's frame: {off}."
-    return [Text(text)]
+    return [Text(f"Tail water over {tail['length']:.1f} m: slope of its surface {with_error(tail, 'slope')}.")]
 
 
 MOST_STRETCHES = 8
@@ -267,16 +305,15 @@ def _stream(stream: Mapping | None) -> list[Text | Table]:
             *(stream[key][i] for key in ("mass_depth", "velocity", "momentum_flux", "thrust")),
             shown(stream["total"][i], error=stream["total_error"][i]),
             stream["froude"][i],
-            stream["belanger_y2"][i],
-            _share(stream["deviation"][i], None),
+            percent_of(stream["deviation"][i], None),
         )
         for i in chosen
     ]
-    head = ("Stream, x [m]", "s [m]", "u [m/s]", "flux [m³/s²]", "thrust [m³/s²]", "sum [m³/s²]", "Fr", "Bélanger [m]",
-            "y₂ off it")  # fmt: skip
+    head = ("Stream, x [m]", "s [m]", "u [m/s]", "flux [m³/s²]", "thrust [m³/s²]", "sum [m³/s²]", "Fr",
+            "y₂ off Bélanger")  # fmt: skip
     text = (
-        "The stream before the jump, laboratory; Fr and Bélanger in the front's frame. ± of the sum is within this "
-        "run; one run has no errors for the other columns."
+        "The stream before the jump, laboratory; Fr and Bélanger of each stretch in the front's frame. ± of the sum "
+        "is within this run; one run has no errors for the other columns."
     )
     if stream["total_deviation"] is not None:
         text += f" Momentum flux + thrust stays within {100 * stream['total_deviation']:.1f} % of its mean."
@@ -301,7 +338,7 @@ def _roller(jump: Mapping) -> Text:
 
 SHORT = (
     "Discs make a short jump, of one to two sequent depths where water needs five to six. They flow like a very "
-    "viscous fluid (Reynolds number 3 to 22, water's is 1.6e7), and contacts dissipate the motion within a few "
+    "viscous fluid, and contacts dissipate the motion within a few "
     "diameters of the front. A length far below the thesis' and the USBR's is no error of the run."
 )
 """Said beside the length."""

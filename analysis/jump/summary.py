@@ -6,35 +6,90 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import isfinite, nan
+from math import isfinite, nan, sqrt
 
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.statistics import Mean
+from lammps_jump.analysis.statistics import Mean, as_fields
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import Estimates, estimate, number
 
-from .certainty import LOWER_BOUNDS, Drift, Members, drift, errors, members
-from .frame import Balance, Mass, Roller, share
+from .certainty import LOCAL_BOUNDS, LOWER_BOUNDS, Drift, Members, drift, errors, members
+from .frame import Balance, Mass, Roller, measure_state, share
 from .head import Budget
 from .result import Heap, JumpResult
 from .stream import Stream
-from .tail import Tail, against_inflow
+from .tail import Tail, against
 
 DEVELOPED_SHARE = 0.7
-"""A front whose depth ratio stays below this share of Bélanger's is still on its way to be a jump."""
+"""A front whose depth stays below this share of Bélanger's is still on its way to be a jump."""
+DELIVERED, ASKED, BEFORE = "delivered inflow", "inflow asked for", "stream before the toe"
+"""Streams that the depth behind a jump is held against."""
+FRICTION, SLOPE = "friction", "slope"
+"""What Bélanger's relation leaves out."""
+TAIL, BEHIND = "tail water", "depth behind the end"
+"""What is held against them."""
 
 SHARED = ("verdict", "reason", "window", "heap", "developed", "roller", "tail", "stream", "mass")
 """Fields of a `JumpResult` that stand in a `Jump` too."""
 
 
 @dataclass(frozen=True)
-class Jump(Estimates):
-    """Hydraulic jump in numbers; 1 is upstream, 2 downstream; NaN where it was not measured.
+class Local(Estimates):
+    """The flow beside the jump and theory for it, frame of the front; 1 is before the toe, 2 behind the end.
 
-    ``_error`` is the standard error within this run in the same unit, NaN where one run cannot tell. Depths s are by
-    mass, h by the free surface. The front is where a sharp step would hold the same mass.
+    Depths s are by mass, h by the free surface. The comparison of a `Jump` is another one: with the delivered inflow.
+    """
+
+    froude: float = estimate("", "Froude number before the toe, front's frame")
+    froude_lab: float = estimate("", "Froude number before the toe, laboratory")
+    froude_downstream: float = estimate("", "Froude number behind the end, front's frame")
+    y1: float = estimate("m", "mass depth s before the toe")
+    y2: float = estimate("m", "mass depth s behind the end")
+    h1: float = estimate("m", "surface depth h before the toe")
+    h2: float = estimate("m", "surface depth h behind the end")
+    u1: float = estimate("m/s", "mean velocity u before the toe")
+    u2: float = estimate("m/s", "mean velocity u behind the end")
+    packing_1: float = estimate("", "packing before the toe")
+    packing_2: float = estimate("", "packing behind the end")
+    beta_1: float = estimate("", "momentum coefficient β before the toe")
+    beta_2: float = estimate("", "momentum coefficient β behind the end")
+    sequent_ratio: float = estimate("", "s₂/s₁ beside the jump")
+    pressure_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the measured thrust")
+    pressure_relation_deviation: float = estimate("", "s₂/s₁ over that ratio, less one")
+    belanger_ratio: float = estimate("", "s₂/s₁ by Bélanger")
+    belanger_y2: float = estimate("m", "sequent depth by Bélanger of the state before the toe")
+    belanger_deviation: float = estimate("", "s₂/s₁ over Bélanger's ratio, less one")
+    density_ratio: float = estimate("", "bulk density downstream over upstream")
+    density_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the density ratio")
+    density_relation_deviation: float = estimate("", "s₂/s₁ over that ratio, less one")
+    full_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with density, bed force, slope and β")
+    pressure_coefficient_1: float = estimate("", "contact pressure over hydrostatic, before the toe")
+    pressure_coefficient_2: float = estimate("", "contact pressure over hydrostatic, behind the end")
+    head_upstream: float = estimate("m", "head s + (u − c)²/2g before the toe")
+    head_downstream: float = estimate("m", "head s + (u − c)²/2g behind the end")
+    energy_loss: float = estimate("m", "difference of s + (u − c)²/2g")
+    energy_loss_theory: float = estimate("m", "head lost by Bélanger, of the state before the toe")
+    energy_loss_depths: float = number("m", "head lost by the two depths", default=nan)
+    momentum_upstream: float = estimate("N/m", "momentum function before the toe")
+    momentum_downstream: float = estimate("N/m", "momentum function behind the end")
+    momentum_residual: float = estimate("", "momentum function 1 − 2 over 2")
+    moved_y1: float = number("m", "change of y1 where its stretch lies one depth further upstream", default=nan)
+    moved_froude: float = number("", "change of the Froude number, the same", default=nan)
+    moved_belanger_y2: float = number("m", "change of Bélanger's depth, the same", default=nan)
+    moved_y2: float = number("m", "change of y2 where its stretch lies as far further down", default=nan)
+    lower_bounds: tuple[str, ...] = LOCAL_BOUNDS
+
+
+@dataclass(frozen=True)
+class Jump(Estimates):
+    """Hydraulic jump in numbers; NaN where it was not measured.
+
+    `y1`, `froude`, `y2`, `belanger_y2` and `belanger_deviation` are the one comparison with theory: the depth `at`
+    against Bélanger's for the stream `of`, in the frame of the front; `left_out` of the relation. ``_error`` is the
+    standard error within this run in the same unit, NaN where one run cannot tell. The front is where a sharp step
+    would hold the same mass.
     """
 
     verdict: str
@@ -47,55 +102,34 @@ class Jump(Estimates):
     frames_in_window: int | None = None
     share_found: float = number("", "share of the window's frames that have a jump", default=nan)
     heap: Heap | None = None
+    filling: bool | None = None
     time: float = number("s", "time of the last frame used", default=nan)
     position: float = number("m", "front at that time", default=nan)
     toe: float = number("m", "toe at that time", default=nan)
     end: float = number("m", "end at that time", default=nan)
+    of: str = ""
+    at: str = ""
+    left_out: tuple[str, ...] = ()
     froude: float = estimate("", "Froude number, front's frame", label="Fr1")
-    froude_lab: float = estimate("", "Froude number of the stream, laboratory frame")
-    froude_downstream: float = estimate("", "Froude number downstream, front's frame")
-    y1: float = estimate("m", "mass depth s upstream", label="y1")
-    y2: float = estimate("m", "mass depth s downstream", label="y2")
+    y1: float = estimate("m", "mass depth of the stream", label="y1")
+    y2: float = estimate("m", "sequent depth, by mass", label="y2")
     belanger_y2: float = estimate("m", "sequent depth by Bélanger, front's frame", label="Bélanger")
+    belanger_deviation: float = estimate("", "sequent depth over Bélanger's, less one", label="deviation")
     speed: float = estimate("m/s", "velocity of the front", label="shock speed")
     length: float = estimate("m", "length of the jump", label="length")
-    h1: float = estimate("m", "surface depth h upstream")
-    h2: float = estimate("m", "surface depth h downstream")
-    u1: float = estimate("m/s", "mean velocity u upstream")
-    u2: float = estimate("m/s", "mean velocity u downstream")
-    packing_1: float = estimate("", "packing upstream")
-    packing_2: float = estimate("", "packing downstream")
-    beta_1: float = estimate("", "momentum coefficient β upstream")
-    beta_2: float = estimate("", "momentum coefficient β downstream")
     toe_speed: float = estimate("m/s", "velocity of the toe")
     end_speed: float = estimate("m/s", "velocity of the end")
     developed: bool | None = None
     jump_class: str | None = field(default=None, metadata={"key": "class"})
-    sequent_ratio: float = estimate("", "sequent-depth ratio s₂/s₁")
-    belanger_ratio: float = estimate("", "Bélanger, front's frame")
-    belanger_deviation: float = estimate("", "s₂/s₁ over Bélanger's ratio, less one")
-    density_ratio: float = estimate("", "bulk density downstream over upstream")
-    density_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the density ratio")
-    density_relation_deviation: float = estimate("", "s₂/s₁ over that ratio, less one")
-    full_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with density, bed force and β")
-    pressure_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the contact pressure")
-    pressure_coefficient_1: float = estimate("", "contact pressure over hydrostatic, upstream")
-    pressure_coefficient_2: float = estimate("", "contact pressure over hydrostatic, downstream")
     length_mass: float = estimate("m", "length by the mass depth")
     length_ramp: float = estimate("m", "length by the fitted ramps")
     length_over_y2: float = estimate("", "length over y2")
     length_theory: float = estimate("m", "length by thesis (4.27)")
     length_usbr: float = estimate("m", "length by the USBR curve")
-    head_upstream: float = estimate("m", "head, front's frame, upstream")
-    head_downstream: float = estimate("m", "head, front's frame, downstream")
     head_lost: float = estimate("m", "head lost, energy budget", label="head lost")
+    head_lost_theory: float = estimate("m", "head lost by Bélanger")
     budget: Budget | None = None
-    energy_loss: float = estimate("m", "difference of s + (u − c)²/2g")
-    energy_loss_theory: float = estimate("m", "head lost by Bélanger")
-    energy_loss_depths: float = number("m", "head lost by the two depths", default=nan)
-    momentum_upstream: float = estimate("N/m", "momentum function upstream")
-    momentum_downstream: float = estimate("N/m", "momentum function downstream")
-    momentum_residual: float = estimate("", "momentum function 1 − 2 over 2")
+    local: Local | None = None
     momentum_terms: Balance | None = None
     mass: Mass | None = None
     roller: Roller | None = None
@@ -132,24 +166,90 @@ def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = Non
     jump = replace(jump, frames_found=found, frames_in_window=frames, share_found=found / frames if frames else nan)
     if result.upstream is None:
         return jump
-    pieces = [_numbers(piece) for piece in result.pieces]
-    jump = replace(jump, **_numbers(result), **errors(jump, pieces), drift=drift(pieces))
-    jump = replace(jump, members=members(jump))
-    if jump.inflow is not None:
-        stream = delivered or (Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0))
-        front = Mean(result.direction * result.motion.speed, jump.speed_error)
-        jump = replace(jump, tail=against_inflow(result.tail, stream, front, result.flow.gravity))
-    if jump.verdict == "jump" and jump.sequent_ratio < DEVELOPED_SHARE * jump.belanger_ratio:
-        share = 100 * jump.sequent_ratio / jump.belanger_ratio
-        also = f" The depth ratio is {share:.0f} % of Bélanger's: the flow behind is still filling up."
-        jump = replace(jump, verdict="jump not developed", reason=jump.reason + also)
+    pieces = [_places(piece) for piece in result.pieces]
+    beside = [_local(piece) for piece in result.pieces]
+    local = Local(**_local(result), **_moved(result))
+    local = replace(local, **errors(local, beside))
+    jump = replace(jump, local=local, **_places(result))
+    jump = replace(jump, **errors(jump, pieces))
+    jump = replace(jump, **_compared(jump, delivered))
+    moved = drift([place | {"y2": depth["y2"]} for place, depth in zip(pieces, beside, strict=True)])
+    if jump.at == TAIL and pieces:
+        moved = replace(moved, y2=result.tail.drift)
+    jump = replace(jump, drift=moved, members=members(jump), filling=_filling(jump))
+    if jump.verdict == "jump" and (why := _undeveloped(jump)):
+        jump = replace(jump, verdict="jump not developed", reason=f"{jump.reason} {why}")
     return jump
 
 
-def _numbers(result: JumpResult) -> dict[str, object]:
-    """Numbers of a `Jump`, by their keys, of what was measured in a window or in a piece of it."""
-    found = _places(result) | _states(result)
-    found["length_over_y2"] = found["length"] / found["y2"]
+def _streams(jump: Jump, delivered: tuple[Mean, Mean] | None) -> tuple[str, Mean, Mean]:
+    """Name, depth (m) and velocity along the stream (m/s) of what the depth behind the jump is held against."""
+    if jump.inflow is None:
+        return BEFORE, Mean.of(jump.local, "y1"), Mean.of(jump.local, "u1")
+    asked = Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0)
+    return (DELIVERED, *delivered) if delivered else (ASKED, *asked)
+
+
+def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, object]:
+    """The fields of the one comparison with theory: tail water, else the depth behind the end, against a stream."""
+    result, local = jump.measured, jump.local
+    level = isfinite(result.tail.depth.value)
+    y2 = result.tail.depth if level else Mean.of(local, "y2")
+    if not result.flow.timed:
+        return as_fields(y1=Mean.of(local, "y1"), y2=y2)
+    of, depth, velocity = _streams(jump, delivered)
+    sign, gravity = result.direction, result.flow.gravity
+    forward = abs(velocity.value) if jump.inflow else sign * velocity.value
+    stream = depth, Mean(forward, velocity.error), Mean(sign * jump.speed, jump.speed_error)
+    found = against(y2, stream, Mean.of(jump, "length"), gravity)
+    if of == BEFORE:  # the same numbers, whose errors the pieces of the window tell
+        found |= {name: Mean.of(local, name) for name in ("froude", "belanger_y2")}
+    kind = theory.jump_class(found["froude"].value)
+    scene, there = result.flow.scene, []
+    there += [FRICTION] if scene.coefficients.friction > 0 else []
+    there += [SLOPE] if scene.gravity[0] else []
+    words = {
+        "of": of,
+        "at": TAIL if level else BEHIND,
+        "left_out": tuple(there),
+        "jump_class": kind,
+    }
+    return as_fields(**found) | words
+
+
+def _filling(jump: Jump) -> bool:
+    """Whether the front runs upstream and has no level tail water behind it yet: the channel still fills."""
+    upstream = -jump.measured.direction * jump.speed
+    return jump.at == BEHIND and upstream > 2 * np.nan_to_num(jump.speed_error)
+
+
+def _undeveloped(jump: Jump) -> str:
+    """Why the depth behind the front is not that of a jump yet, as a sentence; empty where it is."""
+    reached = jump.y2 / jump.belanger_y2
+    if reached < DEVELOPED_SHARE:
+        return f"The depth behind it is {100 * reached:.0f} % of Bélanger's: the flow behind is still filling up."
+    return ""
+
+
+def _moved(result: JumpResult) -> dict[str, float]:
+    """Changes of the numbers of the states where their stretches are moved one depth away from the jump."""
+    one, two = result.upstream, result.downstream
+    far, down = (
+        measure_state(result.moving, (start + by, stop + by), one.speed, one.gravity)
+        for (start, stop), by in ((one.zone, -one.mass_depth), (two.zone, one.mass_depth))
+    )
+    ratios = [theory.belanger(state.froude_relative) * state.mass_depth for state in (one, far)]
+    return {
+        "moved_y1": far.mass_depth - one.mass_depth,
+        "moved_froude": far.froude_relative - one.froude_relative,
+        "moved_belanger_y2": ratios[1] - ratios[0],
+        "moved_y2": down.mass_depth - two.mass_depth,
+    }
+
+
+def _local(result: JumpResult) -> dict[str, float]:
+    """Numbers of a `Local`, by their keys, of what was measured in a window or in a piece of it."""
+    found = _states(result)
     return found | (_against_theory(result, found) if result.flow.timed else {})
 
 
@@ -195,8 +295,8 @@ def _states(result: JumpResult) -> dict[str, float]:
     }
 
 
-def _against_theory(result: JumpResult, found: Mapping[str, float]) -> dict[str, object]:
-    """Sequent ratio, length and loss beside theory, which takes in one measured ingredient after the other.
+def _against_theory(result: JumpResult, found: Mapping[str, float]) -> dict[str, float]:
+    """Sequent ratio and loss beside theory, which takes in one measured ingredient after the other.
 
     `density_relation_ratio`: the change of density (`theory.sequent_ratio`); `full_relation_ratio`: bed force and
     slope, and the momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure,
@@ -205,27 +305,26 @@ def _against_theory(result: JumpResult, found: Mapping[str, float]) -> dict[str,
     one, two, terms = result.upstream, result.downstream, result.balance
     froude, s1, s2, ratio, density = (found[key] for key in ("froude", "y1", "y2", "sequent_ratio", "density_ratio"))
     betas, belanger = (found["beta_1"], found["beta_2"]), theory.belanger(froude)
-    # forces over g s1^2/2, the unit of the relations
+    # forces over g s1^2/2, the unit of the relation with thrust
     unit = one.still(one.mass_depth) / terms.downstream
     push = (terms.bed + terms.slope) / unit
-    expected = _sequent_ratio(froude, density)
-    against: dict[str, object] = {
-        "jump_class": theory.jump_class(froude),
+    # the unit of the relations with densities is g s1 h1/2: their Froude number is that of the height
+    loose = one.bulk_density
+    expected = _sequent_ratio(froude * sqrt(loose), density)
+    against: dict[str, float] = {
         "belanger_ratio": belanger,
         "belanger_y2": s1 * belanger,
         "belanger_deviation": share(ratio, belanger) - 1,
         "density_relation_ratio": expected,
         "density_relation_deviation": ratio / expected - 1,
-        "full_relation_ratio": _sequent_ratio(froude, density, -push / (1.0 + ratio), *betas),
-        "length_theory": theory.silvester_jump_length(froude, s1),
-        "length_usbr": theory.usbr_jump_length(froude, s1),
+        "full_relation_ratio": _sequent_ratio(froude * sqrt(loose), density, -push * loose / (1.0 + ratio), *betas),
         "energy_loss_theory": theory.energy_loss(s1, s1 * belanger),
         "energy_loss_depths": theory.energy_loss(s1, s2),
     }
     if isfinite(terms.pressure):
         thrusts = (state.thrust / state.still(state.mass_depth) for state in (one, two))
         largest = _largest_ratio(froude, *betas, *thrusts, push + terms.unsteady / unit)
-        against["pressure_relation_ratio"] = largest
+        against |= {"pressure_relation_ratio": largest, "pressure_relation_deviation": ratio / largest - 1}
         for k, state in ((1, one), (2, two)):
             against[f"pressure_coefficient_{k}"] = share(state.thrust, state.still(state.surface_depth))
     return against

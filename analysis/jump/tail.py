@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The tail water: depth and slope behind the jump, and the depth that Bélanger gives for the inflow."""
+"""The tail water: depth and slope behind the jump; and what theory makes of the stream before it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import nan
 
 import numpy as np
@@ -11,9 +12,8 @@ import xarray as xr
 
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.physics import jump as theory
+from lammps_jump.physics import waves
 from lammps_jump.units import Estimates, estimate, number
-
-from .certainty import TAIL_BOUNDS
 
 BEHIND_FRONT = 1.2
 """Distance from the front at which a jump of discs has ended, in depths of the tail water (measured)."""
@@ -24,14 +24,16 @@ LEAST_BINS = 3
 
 @dataclass(frozen=True)
 class Tail(Estimates):
-    """Tail water of a jump; NaN where the channel behind the jump is too short to tell."""
+    """Tail water of a jump; NaN where the channel behind the jump is too short to tell.
+
+    Its mass depth is `Jump.y2`, and the drift of that `Drift.y2`.
+    """
 
     length: float = number("m", "mean length of the tail water", default=nan)
     slope: float = estimate("", "slope of its surface")
-    depth: float = estimate("m", "its mass depth")
-    belanger_y2: float = estimate("m", "sequent depth of the inflow by Bélanger, front's frame")
-    belanger_deviation: float = estimate("", "its mass depth over Bélanger's, less one")
-    lower_bounds: tuple[str, ...] = TAIL_BOUNDS
+    depth: Mean = field(default=Mean(nan, nan), metadata={"summary": False})
+    drift: float = field(default=nan, metadata={"summary": False})
+    lower_bounds: tuple[str, ...] = ("slope",)
 
 
 def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
@@ -56,26 +58,51 @@ def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
     if len(rows) < max(2, 0.5 * len(front)):
         return Tail()
     slope, level, length = (np.array(column) for column in zip(*rows, strict=True))
-    return Tail(float(length.mean()), **as_fields(slope=mean_of(slope), depth=mean_of(level)))
+    late, early = level[len(level) // 2 :].mean(), level[: len(level) // 2].mean()
+    drift = float(late - early)
+    return Tail(float(length.mean()), **as_fields(slope=mean_of(slope)), depth=mean_of(level), drift=drift)
 
 
-def against_inflow(tail: Tail, inflow: tuple[Mean, Mean], speed: Mean, gravity: float) -> Tail:
-    """The tail water with Bélanger's sequent depth of the inflow in the frame of the front.
+Stream = tuple[Mean, Mean, Mean]
+"""Mass depth (m) and mean velocity (m/s) of a stream, and velocity of the front along it (m/s)."""
+
+
+def froude(depth: float, velocity: float, front: float, gravity: float) -> float:
+    """Froude number of a stream in the frame of the front."""
+    return waves.relative_froude(velocity, depth, front, gravity)
+
+
+def sequent(depth: float, velocity: float, front: float, gravity: float) -> float:
+    """Sequent depth of a stream by Bélanger, in the frame of the front, m."""
+    return depth * theory.belanger(froude(depth, velocity, front, gravity))
+
+
+def against(y2: Mean, stream: Stream, length: Mean, gravity: float) -> dict[str, Mean]:
+    """The depth behind the jump and its length against theory for a stream, frame of the front; by the keys of `Jump`.
 
     Parameters
     ----------
-    tail : Tail
-    inflow : (Mean, Mean)
-        Depth (m) and mean velocity (m/s) of the stream behind the inlet.
-    speed : Mean
-        Velocity of the front along the stream, m/s.
+    y2 : Mean
+        Mass depth behind the jump, m.
+    stream : (Mean, Mean, Mean)
+    length : Mean
+        Of the jump, m.
     gravity : float
         m/s^2.
     """
 
-    def sequent(depth: float, velocity: float, front: float) -> float:
-        return theory.sequent_depth(abs(velocity) - front, depth, gravity)
+    def of(relation: Callable[[float, float], float]) -> Mean:
+        """A function of Froude number and depth."""
+        return propagated(lambda y, u, c: relation(froude(y, u, c, gravity), y), *stream)
 
-    expected = propagated(sequent, *inflow, speed)
-    off = propagated(lambda found, *stream: found / sequent(*stream) - 1.0, Mean.of(tail, "depth"), *inflow, speed)
-    return replace(tail, **as_fields(belanger_y2=expected, belanger_deviation=off))
+    return {
+        "y1": stream[0],
+        "y2": y2,
+        "froude": of(lambda number, _: number),
+        "belanger_y2": of(lambda number, y: y * theory.belanger(number)),
+        "belanger_deviation": propagated(lambda s, y, u, c: s / sequent(y, u, c, gravity) - 1.0, y2, *stream),
+        "length_over_y2": propagated(lambda long, s: long / s, length, y2),
+        "length_theory": of(theory.silvester_jump_length),
+        "length_usbr": of(theory.usbr_jump_length),
+        "head_lost_theory": of(lambda number, y: theory.energy_loss(y, y * theory.belanger(number))),
+    }

@@ -22,6 +22,8 @@ LEAST_SHARE = 0.6
 """The ramp must explain this share of the depth's variance along the reach."""
 CREST_SHARE = 0.8
 """The reach ends where the depth behind its crest falls below this share of it: drawdown, or a heap's back."""
+TO_THE_END = "the rise goes on up to the end of the level bed"
+"""Reason of a frame with a supercritical stream that is held up, but has no level water behind it."""
 COARSE = 64
 """Most places tried for each end of the ramp in the first search; the second is eight times finer."""
 
@@ -211,6 +213,8 @@ def _look(edges, depth, discharge, gravity, diameter) -> str | tuple[float, ...]
         return f"the depth nowhere rises by a factor of {LEAST_RATIO}"
     middle = 0.5 * (edges[1:] + edges[:-1])
     before, behind = middle < ramp.toe, middle > ramp.end
+    if before.any() and not behind.any() and _backed_up(edges, depth, discharge, gravity, ramp.toe):
+        return TO_THE_END
     if not before.any() or not behind.any():
         return "the rise has no level stretch on both sides"
     depth_1, depth_2 = depth[before].mean(), depth[behind].mean()
@@ -225,6 +229,16 @@ def _look(edges, depth, discharge, gravity, diameter) -> str | tuple[float, ...]
     if froude_2 >= 1:
         return f"the stream behind the rise is still supercritical (Fr = {froude_2:.2f})"
     return ramp.toe, ramp.end, depth_1, depth_2, velocity_1, velocity_2
+
+
+def _backed_up(edges, depth, discharge, gravity, toe) -> bool:
+    """Whether the stream is supercritical before a toe and subcritical in the mean behind it."""
+    before = edges[1:] <= toe
+    parts = (before, edges[:-1] >= toe)
+    if not all(part.any() and depth[part].mean() > 0 for part in parts):
+        return False
+    first, last = (discharge[part].sum() / depth[part].sum() / sqrt(gravity * depth[part].mean()) for part in parts)
+    return first > 1 > last
 
 
 def equivalent_position(

@@ -6,34 +6,39 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import isfinite
+from typing import Any
 
 from lammps_jump.analysis.report.headline import A_JUMP
-from lammps_jump.analysis.report.page import with_error
-from lammps_jump.analysis.statistics import Mean, propagated
-from lammps_jump.units import AT_LEAST
+from lammps_jump.analysis.report.page import percent_of, with_error
+from lammps_jump.units import AT_LEAST, is_bound
 
-from .summary import Jump
-from .tail import Tail
+from .certainty import starts_needed
+from .summary import FRICTION, SLOPE, Jump, Local
 
 
 def worded(jump: Jump) -> Jump:
-    """The jump with its headline, its notes, and a reason that names the state of Bélanger's number."""
+    """The jump with its headline, its notes, and a reason that says where the state before the toe was measured."""
     if jump.verdict in A_JUMP:
         jump = replace(jump, reason=f"{jump.reason} {belongs_to(jump)}", notes=notes(jump))
     return replace(jump, headline=headline(jump))
 
 
 WITHOUT_TIMES = (
-    "y1", "y2", "h1", "h2", "u1", "u2", "packing_1", "packing_2", "sequent_ratio", "density_ratio", "length",
-    "length_mass", "length_ramp", "length_over_y2", "position", "toe", "end", "share_found", "window", "frames_found",
-    "frames_in_window", "heap",
+    "y1", "y2", "length", "length_mass", "length_ramp", "position", "toe", "end", "share_found", "window",
+    "frames_found", "frames_in_window", "heap",
 )  # fmt: skip
-"""Numbers of a jump that follow from the discs' places and, where the file has them, velocities."""
+"""Numbers of a jump that follow from the discs' places."""
+BESIDE_WITHOUT_TIMES = (
+    "y1", "y2", "h1", "h2", "u1", "u2", "packing_1", "packing_2", "sequent_ratio", "density_ratio",
+)  # fmt: skip
+"""The same of the states beside it; velocities where the file has them."""
 
 
 def untimed(jump: Jump) -> Jump:
     """The jump of a dump without times: no velocity of the front, hence no Froude number, no head and no theory."""
-    known = {name: value for name, value in vars(jump).items() if name.removesuffix("_error") in WITHOUT_TIMES}
+    known = _kept(jump, WITHOUT_TIMES)
+    if jump.local is not None:
+        known["local"] = Local(**_kept(jump.local, BESIDE_WITHOUT_TIMES))
     held = jump.measured and replace(jump.measured, motion=None, moving=None, stream=None)
     if jump.verdict not in A_JUMP:
         return Jump(jump.verdict, jump.reason, headline(jump), measured=held, **known)
@@ -46,61 +51,68 @@ def untimed(jump: Jump) -> Jump:
     return Jump(verdict, said, said, measured=held, **known)
 
 
+def _kept(found: Jump | Local, names: tuple[str, ...]) -> dict[str, Any]:
+    return {name: value for name, value in vars(found).items() if name.removesuffix("_error") in names}
+
+
 def headline(jump: Jump) -> str:
     """What happened, what to compare with what, and how sure that is."""
     if jump.verdict not in A_JUMP:
         return f"No hydraulic jump to compare with Bélanger: {jump.verdict}. {_sentence(jump.reason)}"
     name = {"jump": "Hydraulic jump", "marginal jump": "Now and then a jump"}.get(jump.verdict, "Jump not developed")
     at = f"{jump.frames_found} of {jump.frames_in_window} frames, front at {_number(jump, 'speed', 'm/s')}"
-    return f"{name}: found in {at}. {compared(jump)} {_how_sure(jump)}".replace("-", "−")
+    said = (f"{name}: found in {at}.", compared(jump), left_out(jump), FILLS * bool(jump.filling), _how_sure(jump))
+    return " ".join(filter(None, said)).replace("-", "−")
 
 
 def compared(jump: Jump) -> str:
     """The depth behind the jump against Bélanger's of a named state."""
-    tail, inflow = jump.tail, jump.tail is not None and isfinite(jump.tail.belanger_y2)
-    level = tail is not None and isfinite(tail.depth)
-    place, *depth = ("tail water", tail, "depth") if level else ("depth", jump, "y2")
-    state, held = ("delivered inflow", tail) if inflow else ("stream just before the toe", jump)
-    two = Mean.of(*depth), Mean.of(held, "belanger_y2")
-    off = propagated(lambda found, expected: 100 * (found / expected - 1), *two)
-    more = f" ± {AT_LEAST}{off.error:.1f}" if isfinite(off.error) else ""
+    off = percent_of(jump.belanger_deviation, jump.belanger_deviation_error, bound=is_bound(vars(jump), OFF))
     return (
-        f"Compare the {place} behind it, {_number(*depth, 'm')}, with {_number(held, 'belanger_y2', 'm')} by Bélanger "
-        f"for the {state} in the front's frame: {off.value:+.1f}{more} %."
+        f"Compare the {jump.at}, {_number(jump, 'y2', 'm')}, with {_number(jump, 'belanger_y2', 'm')} by Bélanger "
+        f"for the {jump.of} in the front's frame (Fr = {_number(jump, 'froude')}): {off}."
     )
 
 
-def _number(found: Jump | Tail, key: str, unit: str = "") -> str:
+OFF = "belanger_deviation"
+FILLS = "The channel still fills: there is no level tail water yet, and the depth is a lower bound."
+
+
+def left_out(jump: Jump) -> str:
+    """What Bélanger's relation leaves out of this flow, as a sentence: friction and a sloping bed."""
+    terms = jump.momentum_terms
+    known = {FRICTION: ("friction; that of the bed", terms.bed), SLOPE: ("the slope of the bed; it", terms.slope)}
+    said = (known[name] for name in jump.left_out)
+    return " ".join(
+        f"Bélanger's relation leaves out {name} is {percent_of(term)} of the momentum function." for name, term in said
+    )
+
+
+def _number(found: Jump | Local, key: str, unit: str = "") -> str:
     return with_error(vars(found), key, unit=unit)
 
 
 def _how_sure(jump: Jump) -> str:
     if not isfinite(jump.speed_error):
         return "Too few frames for errors."
-    starts = jump.members
+    needed = starts_needed(vars(jump.members))
     return (
-        f"± is within this run; y2 to 3 % takes at least {starts.y2} run(s), the speed {starts.speed}, "
-        f"the Froude number {starts.froude}."
+        f"± is within this run; a standard error of 3 % takes {AT_LEAST}{needed}."
+        if needed
+        else "± is within this run."
     )
 
 
 def belongs_to(jump: Jump) -> str:
-    """The state that the numbers of index 1, and with them Bélanger's, belong to."""
+    """Where the numbers beside the jump were measured, and how far contacts have changed the stream there."""
     near, far = -jump.measured.upstream.zone[1], -jump.measured.upstream.zone[0]
-    ratio, depth = (
-        text if "±" in (text := _number(jump, key)) else f"{getattr(jump, key):.2f}" for key in ("belanger_ratio", "y1")
-    )
-    text = (
-        f"Bélanger's ratio {ratio} belongs to the stream {near:.1f} to {far:.1f} m before the front (s₁ = {depth} m, "
-        f"Fr = {_number(jump, 'froude')}; ± within this run)"
-    )
+    text = f"The state before the toe is that of the stream {near:.1f} to {far:.1f} m before the front"
     stream = jump.stream
     if stream is None or not isfinite(stream.compression):
         return f"{text}."
     return (
-        f"{text}. Contacts compress that stream from x = {stream.compression:.0f} m on. The first stretch behind the "
-        f"inlet has Fr = {stream.froude[0]:.2f}: y₂ lies {100 * stream.deviation[0]:+.1f} % off its Bélanger depth "
-        f"and {100 * jump.belanger_deviation:+.1f} % off that of the compressed stream."
+        f"{text}. Contacts compress that stream from x = {stream.compression:.0f} m on: its Froude number is "
+        f"{stream.froude[0]:.2f} behind the inlet and {jump.local.froude:.2f} before the toe."
     )
 
 

@@ -40,6 +40,21 @@ def encode(*parts: tuple[np.ndarray, np.ndarray]) -> str:
     return LETTERS[_digits(values, contexts, np.frexp(values)[1], odds)].tobytes().decode("ascii")
 
 
+def digits_of(text: str) -> np.ndarray:
+    """The digits of a text, shape (letters,).
+
+    Raises
+    ------
+    ValueError
+        A letter that is none of `LETTERS`.
+    """
+    codes = np.frombuffer(text.encode("utf-8", "replace"), np.uint8)
+    digits = np.searchsorted(LETTERS, codes)
+    if (LETTERS[np.minimum(digits, BASE - 1)] != codes).any():
+        raise ValueError("the text holds a letter that packed numbers do not have")
+    return digits
+
+
 def _digits_py(values, contexts, lengths, odds):
     """Digits of numbers in their contexts, shape (digits,); `lengths` are their bits without the sign."""
     digits, written, low, span = np.zeros(int(WORST * (lengths + 1).sum()) + 5, np.uint8), 0, 0, TOP

@@ -14,10 +14,13 @@ Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the la
 """,
     "jump": """\
 front       where a sharp step between the mean depths would hold the same mass; c is its velocity
-toe, end    where the mean profile in the front's frame has made 5 % and 95 % of its rise
+toe, end    where the mean profile in the front's frame, smoothed over 0.25 s₂, has made 5 % and 95 % of its rise
 length      from toe to end on the free surface; thesis: 9.75 s₁ (Fr₁ − 1)^1.01, USBR: curve of EM 25
 s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
-1, 2        before the toe (five depths, a bin left free) and behind the end (one and a half depths)
+comparison  mass depth of the tail water (else behind the end) against Bélanger's for the delivered inflow (else the
+            stream before the toe), in the front's frame; deviation: their ratio less one
+1, 2        beside the jump: a stretch of five depths s₁ that ends five depths before the toe; one of 1.5 depths s₂ that
+            begins 0.25 depths behind the end
 Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
 head        s + (u − c)²/2g; loss of head: the energy between two stations that move with the front, carried by
             discs and handed on by contacts, in less out less stored;  momentum function: ρ (s (u − c)² + g s²/2)
@@ -49,13 +52,15 @@ dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside
 errors        none: one run cannot tell; repeat it from other starts
 """,
     "force": """\
-peak          largest mean over 0.05 s after t = 0, of the component with the larger impulse; per metre of width
+peak          largest mean over 0.05 s, of the component with the larger impulse; per metre of width; in the window
+              where discs flow in, after t = 0 elsewhere; start-up: the largest before the window
 ± e           standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
 impulse       ∫ F dt after t = 0
 moment        about the foot of upright faces at the bed, anticlockwise positive
 identity      change of all discs' momentum against the impulse of walls, weight and discs that came and went
 wave          place where the mean velocity falls through half of its largest value upstream; bore: of a wall instead
-ρgh²/2        largest hydrostatic force for the mass depth in front;  with ρhu²: the oncoming momentum beside it
+hydrostatic   on the wetted face, largest: ρg(s² − a²)/2 for the mass depth s in front, a of it above the face
+oncoming      largest ρsu² + ρgs²/2 two bins in front
 """,
     "energy": """\
 kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width

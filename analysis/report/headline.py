@@ -5,11 +5,40 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import floor, log10
+from typing import NamedTuple
 
 from .page import percent
 
-A_JUMP = {"jump": "A hydraulic jump", "marginal jump": "Now and then a jump", "jump not developed": "A growing jump"}
+A_JUMP = {
+    "jump": "A hydraulic jump",
+    "marginal jump": "Now and then a jump",
+    "jump not developed": "A growing jump",
+}
 """Verdicts on flows that have a jump, in words."""
+WITH = {(): "", ("friction",): " with friction", ("slope",): " on a slope",
+        ("friction", "slope"): " with friction on a slope"}  # fmt: skip
+"""What Bélanger's relation leaves out, behind a verdict."""
+AT_SILL = "jump at the sill"
+"""Verdict on a rise that goes on up to the sill or fall: nothing behind it can be compared."""
+
+
+class Against(NamedTuple):
+    """A measured number of a jump and the number of theory that it is held against: keys of ``summary.json: jump``."""
+
+    key: str
+    words: str
+    theory: str
+
+
+COMPARED = (
+    Against("y2", "Bélanger", "belanger_y2"),
+    Against("speed", "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁), no error from one run", "mass.speed_from_mass"),
+    Against("length", "thesis (4.27)", "length_theory"),
+    Against("length", "USBR curve", "length_usbr"),
+    Against("head_lost", "Bélanger", "head_lost_theory"),
+)
+"""What is measured of a jump and what theory says: the one comparison, for page, tiles and screen."""
 DISCS = (-0.2, 0.0)
 """Mean difference of fronts of frictionless discs from Martin & Moyce's water, five starts (docs/theory.md)."""
 
@@ -33,28 +62,50 @@ def verdict(summary: Mapping) -> str:
 def _collapse(front: Mapping) -> str:
     ritter = (front.get("ritter") or {}).get("front_speed")
     if front.get("speed") is None or ritter is None:
-        return f"The front of the column is at {front['position']:.3g} m after {front['time']:.3g} s."
-    return f"The front of the column runs at {front['speed']:#.2g} m/s; Ritter’s would run at {ritter:#.2g} m/s."
+        of = "discs" if front.get("column_base") is None else "column"
+        after = "" if front.get("time") is None else f" after {front['time']:.3g} s"
+        return f"The front of the {of} is at {front['position']:.3g} m{after}."
+    return f"The front of the column runs at {_short(front['speed'])} m/s; Ritter’s would run at {_short(ritter)} m/s."
+
+
+def _short(value: float) -> str:
+    """Two significant digits, ``1.0``, ``12``."""
+    return f"{value:#.2g}".rstrip(".")
+
+
+def _off(of: str, off: float, error: float | None) -> str:
+    """A difference from Bélanger's, rounded to its error; equal where it is within that."""
+    if not error:
+        return f"its {of} is {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} Bélanger’s"
+    if abs(off) <= error:
+        return f"its {of} equals Bélanger’s within {float(f'{100 * error:.1g}'):g} %"
+    digits = max(0, -floor(log10(100 * error)))
+    return f"its {of} is {abs(100 * off):.{digits}f} % {'above' if off > 0 else 'below'} Bélanger’s"
 
 
 def _jump(jump: Mapping) -> str:
+    if jump["verdict"] == AT_SILL:
+        return "A jump that ends at the sill: no level water to compare."
     if jump["verdict"] not in A_JUMP:
         return (
             "No hydraulic jump." if jump["verdict"].startswith("no jump") else f"No hydraulic jump: {jump['verdict']}."
         )
     said = []
-    off = (jump.get("tail") or {}).get("belanger_deviation")
-    of, off = ("tail water", off) if off is not None else ("depth ratio", jump.get("belanger_deviation"))
+    off, of, left_out = jump.get("belanger_deviation"), jump.get("at") or "depth", jump.get("left_out") or ()
     if off is not None:
-        said.append(f"its {of} is {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} Bélanger’s")
+        but = ", which leaves that out," if left_out else ""
+        said.append(_off(of, off, jump.get("belanger_deviation_error")) + but)
     speed, error = jump.get("speed"), jump.get("speed_error") or 0.0
     if speed is not None and abs(speed) <= 2 * error:
         said.append("its front stands")
     elif speed is not None:
-        way = "upstream" if speed * (jump.get("u1") or 1.0) < 0 else "downstream"
-        said.append(f"its front moves {way} at {abs(speed):#.2g} m/s")
+        way = "upstream" if speed * ((jump.get("local") or {}).get("u1") or 1.0) < 0 else "downstream"
+        said.append(f"its front moves {way} at {_short(abs(speed))} m/s")
     tail = " and ".join(said)
-    return " ".join(filter(None, (f"{A_JUMP[jump['verdict']]}.", f"{tail[:1].upper()}{tail[1:]}." if tail else "")))
+    name = A_JUMP[jump["verdict"]]
+    if jump["verdict"] == "jump":
+        name += WITH[tuple(left_out)] + " that still fills the channel" * bool(jump.get("filling"))
+    return " ".join(filter(None, (f"{name}.", f"{tail[:1].upper()}{tail[1:]}." if tail else "")))
 
 
 def _parts(summary: Mapping) -> list[Mapping]:
@@ -76,9 +127,9 @@ def headline(summary: Mapping) -> str:
     return " ".join(filter(None, said)).replace("-", "−")
 
 
-OF_A_STEADY_JUMP = ("length", "head_lost", "energy_loss")
+OF_A_STEADY_JUMP = ("length", "head_lost", "head_lost_theory", "local.energy_loss")
 """Numbers that mean nothing where the jump comes and goes, or is still filling up."""
-OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_ratio", "sequent_ratio", "froude", "y1", "y2", "tail.depth")
+OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_deviation", "froude", "y1", "y2")
 """Numbers that mean nothing where there is no jump."""
 
 
@@ -87,7 +138,7 @@ def belongs(key: str, found: Mapping) -> bool:
     verdict = found.get("verdict", "jump")
     if verdict in ("marginal jump", "jump not developed"):
         return key not in OF_A_STEADY_JUMP
-    return verdict == "jump" or key not in OF_A_JUMP
+    return verdict == "jump" or (key not in OF_A_JUMP and not key.startswith("local."))
 
 
 def _front(front: Mapping) -> str:
@@ -95,8 +146,11 @@ def _front(front: Mapping) -> str:
         return f"No front to compare: {front.get('reason') or 'none was found'}."
     after = front.get("time")
     speed = f", mean speed {front['speed']:.2f} m/s" if front.get("speed") is not None else ""
+    flow = "Discs flow in; the"
+    if front.get("column_base") is not None:
+        flow = f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its"
     said = [
-        f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its front is at "
+        f"{flow} front is at "
         f"{front['position']:.2f} m {'at the last frame' if after is None else f'after {after:.2f} s'}{speed}."
     ]
     water, ritter = front.get("martin_moyce") or {}, front.get("ritter") or {}

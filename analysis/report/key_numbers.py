@@ -12,10 +12,9 @@ from lammps_jump.analysis.energy import Energy
 from lammps_jump.analysis.forces.history import Force
 from lammps_jump.analysis.front import Front, MartinMoyce
 from lammps_jump.analysis.jump.summary import Jump
-from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.units import AT_LEAST, numbers_of, shown
 
-from .headline import A_JUMP, belongs
+from .headline import A_JUMP, COMPARED, belongs
 from .page import Box, heading, with_error
 
 MOST = 5
@@ -45,19 +44,22 @@ class Wanted(NamedTuple):
     without: str = ""
 
 
+WETTED = "hydrostatic on its wetted face"
 PERCENT = {"scale": 0.01, "unit": "%"}
 FOUND = (
-    Wanted("jump.sequent_ratio", Jump, "Bélanger", "jump.belanger_ratio"),
-    Wanted("jump.tail.depth", Tail, "Bélanger, inflow", "jump.tail.belanger_y2", "mass depth of the tail water"),
-    Wanted("jump.y1", Jump, "behind the inlet", "inflow.depth"),
-    Wanted("jump.speed", Jump, "from mass", "jump.mass.speed_from_mass"),
+    *(
+        Wanted(f"jump.{row.key}", Jump, row.words.partition(",")[0], f"jump.{row.theory}")
+        for row in COMPARED
+        if row.theory != "length_usbr"
+    ),
+    Wanted("jump.froude", Jump),
     Wanted("front.position", Front, "at t =", "front.time", beside="s", without="at the last frame"),
     Wanted("front.speed", Front, "Ritter’s front, 2 √(g H)", "front.ritter.front_speed"),
     Wanted(
         "front.martin_moyce.mean_bulk", MartinMoyce, "discs: −20 to 0 %", label="off Martin & Moyce’s water", **PERCENT
     ),
-    Wanted("force.*.mean_fx", Force, "ρgh²/2", "force.*.mean_hydrostatic", "mean force on the {name}", 1e3, "kN/m"),
-    Wanted("force.*.peak", Force, "ρgh²/2", "force.*.hydrostatic", "peak force on the {name}", 1e3, "kN/m"),
+    Wanted("force.*.mean_fx", Force, WETTED, "force.*.mean_hydrostatic", "mean force on the {name}", 1e3, "kN/m"),
+    Wanted("force.*.peak", Force, WETTED, "force.*.hydrostatic", "peak force on the {name}", 1e3, "kN/m"),
     Wanted("energy.max_deviation", Energy, "exact integration: 0", label="largest change of the energy", **PERCENT),
     Wanted("energy.drift", Energy, "exact integration: 0", label="drift of the energy", **PERCENT),
     Wanted("energy.final", Energy, "at the start", "energy.initial"),

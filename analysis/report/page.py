@@ -15,6 +15,7 @@ import json
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
+from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,9 +24,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain, read_file, read_start
-from lammps_jump.units import ABSENT, is_bound, numbers_of, shown
+from lammps_jump.units import ABSENT, AT_LEAST, POWERS, is_bound, numbers_of, shown
 
-from .coder import encode
+from .coder import digits_of, encode
 
 PNG = "image/png"
 MOST_PICTURE = 1_000_000_000
@@ -149,7 +150,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     ]
     given = [block for section in full for block in section.blocks]
     blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside | Choice) else [block])]
-    players = [block._replace(frames=Markup(block.frames)) for block in blocks if isinstance(block, Player)]
+    players = [block._replace(frames=_packed(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     numbers: list[np.ndarray] = [np.zeros(1)]
     shown = [_lean(plain(curve.data), numbers) for curve in curves]
@@ -168,6 +169,12 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
         scripts=scripts,
         policy=policy(style, scripts),
     )
+
+
+def _packed(text: str) -> Markup:
+    """Packed frames as they stand in a page; ValueError for another text, which could be markup."""
+    digits_of(text)
+    return Markup(text)
 
 
 def as_json(data: object) -> Markup:
@@ -245,7 +252,7 @@ def described(result: type, found: Mapping[str, Value], *keys: str) -> list[tupl
 def heading(meaning: str, unit: str) -> str:
     """Head of a row: the meaning, first letter large, with the unit in brackets."""
     first = meaning[:1].upper() if meaning[:1].isascii() else meaning[:1]  # a capital gamma would be another symbol
-    return f"{first}{meaning[1:]}" + (f" [{unit}]" if unit else "")
+    return f"{first}{meaning[1:]}" + (f" [{unit.translate(POWERS)}]" if unit else "")
 
 
 def percent(share: float | None, digits: int = 1) -> str:
@@ -253,6 +260,14 @@ def percent(share: float | None, digits: int = 1) -> str:
     if share is None:
         return shown(None)
     return f"{100 * share:{'+' if digits > 1 else ''}.{digits}f} %"
+
+
+def percent_of(share: float | None, error: float | None = None, *, bound: bool = False) -> str:
+    """A share in per cent with its error, which may be a lower bound."""
+    if share is None or share != share:
+        return ABSENT
+    sure = f" ± {AT_LEAST * bound}{100 * error:.1f}" if error is not None and isfinite(error) else ""
+    return f"{100 * share:+.1f}{sure} %".replace("-", "−")
 
 
 def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> str:

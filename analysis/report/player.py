@@ -59,9 +59,9 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
         "gravity": scene.gravity,
         "seen": (x, y),
         "fastest": top_of([disc_speeds(frame) for frame in sample], 0.1),
-        "walls": [shape for wall in scene.walls for shape in _shapes(wall, x, y)],
+        "walls": [shape for wall in scene.permanent for shape in _shapes(wall, x, y)],
         "gates": [
-            {**shape, "until": scene.time(gate.release_step)}
+            {**shape, "until": scene.time(gate.motion.gone)}
             for gate in scene.gates
             for shape in _shapes(gate.wall, x, y)
         ],

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.provenance import short_hash
-from lammps_jump.quoting import plain_name
+from lammps_jump.quoting import echoed, plain_name
 from lammps_jump.scene.scene import Scene
 
 from .derived import Derived
@@ -157,7 +157,9 @@ def _json_text(value: object) -> str:
     try:
         return json.dumps(plain(value))
     except (TypeError, ValueError):
-        raise CaseError(f"{value!r} is no value of a case; numbers, texts, lists and mappings are allowed") from None
+        raise CaseError(
+            f"{echoed(value)} is no value of a case; numbers, texts, lists and mappings are allowed"
+        ) from None
 
 
 def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseFields:

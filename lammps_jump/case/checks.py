@@ -25,6 +25,8 @@ MOST_STEPS = 2_000_000_000
 MOST_DISCS = 20_000_000
 MOST_CELLS = 500_000_000
 """LAMMPS counts its bins, of about two thirds of a diameter, in 32 bits; they take four bytes each."""
+CONTRADICTION = 0.2
+"""Share by which depth or velocity of a column at the inlet may differ from the inflow's before a note says so."""
 LEVEL_FRICTION = 0.02
 """Largest friction, less the slope of the bed, at which the tail water of a jump became nearly level (measured)."""
 
@@ -145,6 +147,24 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
             )
 
 
+def _against_inflow(case: CaseFields) -> list[str]:
+    """Notes on columns at the inlet whose depth or velocity is not that of the rows that flow in behind them."""
+    rows, notes = case.inflow, []
+    if not isinstance(rows, RowsInflow):
+        return []
+    for index, item in enumerate(case.initial):
+        if not isinstance(item, Column) or item.x[0] - rows.x > rows.depth or item.x[1] <= rows.x:
+            continue
+        depth, speed = item.y[1] - item.y[0], item.velocity[0]
+        if abs(depth / rows.depth - 1) > CONTRADICTION or abs(speed / rows.velocity - 1) > CONTRADICTION:
+            notes.append(
+                f"initial.{index}: the column at the inlet is {depth:.3g} m deep at {speed:.3g} m/s, the inflow "
+                f"{rows.depth:.3g} m at {rows.velocity:.3g} m/s: both meet at t = 0 and a wave runs off; give the "
+                "column the inflow's depth and velocity, or begin it further down"
+            )
+    return notes
+
+
 def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> list[str]:
     """Refuse a law that discs of several sizes do not have; return notes on what sizes mean for the scene."""
     friction = case.contact.friction
@@ -170,6 +190,7 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
                 f"friction {friction:g} on this bed makes a heap that runs upstream, not a level jump: the bed holds a "
                 f"sloping surface; for a hydraulic jump take contact.friction up to {LEVEL_FRICTION:g}"
             )
+    notes += _against_inflow(case)
     for index, item in enumerate(case.initial):
         if sizes and isinstance(item, Column) and item.hydrostatic and not item.settle and case.gravity:
             notes.append(

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from lammps_jump.errors import CaseError
+from lammps_jump.quoting import echoed, shortened
 
 from .fields import CaseFields
 from .text import CaseSource, PathKey, nearest
@@ -55,23 +56,25 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
         return "is required and not there; `lammps-jump new hydraulic_jump` shows a whole case"
     if kind.startswith(("greater_than", "less_than")):
         broken = " and ".join(f"{SIGNS[key]} {context[key]}" for key in SIGNS if key in context)
-        return f"{value!r} is out of range; allowed is {_limits(problem['loc'], model) or broken}"
+        return f"{echoed(value)} is out of range; allowed is {_limits(problem['loc'], model) or broken}"
     if kind == "literal_error":
-        return f"{value!r} is not known; allowed is {context['expected']}"
+        return f"{echoed(value)} is not known; allowed is {context['expected']}"
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         known = ", ".join(f"'{_tag(item)}'" for item in _models_at(problem["loc"], model))
         tags = context.get("expected_tags", known)
-        return f"kind: {context.get('tag', 'missing')} is not known; allowed is {tags}"
+        return f"kind: {shortened(str(context.get('tag', 'missing')))} is not known; allowed is {tags}"
     if kind == "value_error":
         return str(context["error"])
     if kind == "string_pattern_mismatch":
         letters = "letters, digits and _" if path[0] == "walls" else "letters, digits, _ . and -"
-        return f"{value!r} is not a usable name; {letters} are allowed"
+        return f"{echoed(value)} is not a usable name; {letters} are allowed"
     if kind in ("tuple_type", "list_type", "too_long", "too_short", "missing_argument"):
-        return f"{value!r} does not fit: {problem['msg'].lower()}; a pair is written [low, high], a list with dashes"
+        return (
+            f"{echoed(value)} does not fit: {problem['msg'].lower()}; a pair is written [low, high], a list with dashes"
+        )
     if kind in ("model_type", "model_attributes_type", "dataclass_type", "dict_type"):
-        return f"{value!r} is a single value; this field is a group of fields (`lammps-jump new` shows one)"
-    return f"{value!r} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
+        return f"{echoed(value)} is a single value; this field is a group of fields (`lammps-jump new` shows one)"
+    return f"{echoed(value)} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
 
 
 def fields_of(model: type) -> dict[str, FieldInfo]:

@@ -13,6 +13,7 @@ import yaml
 
 from lammps_jump.errors import CaseError
 from lammps_jump.files import read_file
+from lammps_jump.quoting import shortened
 
 PathKey = tuple[str | int, ...]
 
@@ -71,7 +72,7 @@ class CaseSource:
         dotted = dotted_path(path)
         for length in range(len(path), 0, -1):
             if path[:length] in self.overrides:
-                return f"--set {self.overrides[path[:length]]}: {dotted}"
+                return f"--set {shortened(self.overrides[path[:length]])}: {dotted}"
         for length in range(len(path), -1, -1):
             if path[:length] in self.lines:
                 return f"{self.file}:{self.lines[path[:length]]}: {dotted}".rstrip(": ")
@@ -89,7 +90,7 @@ def dotted_path(path: PathKey) -> str:
     text = ""
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}"
-    return text.lstrip(".")
+    return shortened(text.lstrip("."))
 
 
 def nearest(word: str, known: list[str]) -> str:
@@ -148,7 +149,7 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
         line = f":{mark.line + 1}" if mark else ""
         problem = getattr(error, "problem", None) or str(error).splitlines()[0]
         raise CaseError(
-            f"{file}{line}: is not YAML ({problem}); check indentation, colons and brackets there"
+            f"{file}{line}: is not YAML ({shortened(problem)}); check indentation, colons and brackets there"
         ) from None
     if node is None:
         raise CaseError(
@@ -225,8 +226,8 @@ def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loa
     except (yaml.YAMLError, ValueError, LookupError, AttributeError) as error:  # the last two for tags such as !!bool
         problem = getattr(error, "problem", None) or error
         raise CaseError(
-            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read ({problem}); write a "
-            "number, a text or a list"
+            f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read "
+            f"({shortened(str(problem))}); write a number, a text or a list"
         ) from None
 
 
@@ -239,25 +240,24 @@ def override(source: CaseSource, assignment: str) -> None:
         For text without '=', a value that is not YAML, or a list item that is not there.
     """
     dotted, sign, text = (part.strip() for part in assignment.partition("="))
+    told = f"--set {shortened(assignment)}"
     parts = dotted.split(".")
     if not sign or not all(parts):
-        raise CaseError(f"--set {assignment}: expected path=value, for example --set contact.friction=0")
+        raise CaseError(f"{told}: expected path=value, for example --set contact.friction=0")
     try:
-        node = _compose(text, f"--set {assignment}")
+        node = _compose(text, told)
     except yaml.YAMLError:
-        raise CaseError(
-            f"--set {assignment}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'"
-        ) from None
-    scratch = CaseSource(file=f"--set {assignment}", data={})
+        raise CaseError(f"{told}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'") from None
+    scratch = CaseSource(file=told, data={})
     value = None if node is None else _plain(node, (), scratch, _Loader(""))
     container: Any = source.data
     path: PathKey = ()
     for depth, part in enumerate(parts, 1):
         key: str | int = part
         if isinstance(container, list):
-            key = _item_index(container, part, assignment, path)
+            key = _item_index(container, part, told, path)
         elif not isinstance(container, dict):
-            raise CaseError(f"--set {assignment}: {dotted_path(path)} is a single value and has no part '{part}'")
+            raise CaseError(f"{told}: {dotted_path(path)} is a single value and has no part '{shortened(part)}'")
         path = (*path, key)
         if depth == len(parts):
             container[key] = value
@@ -272,12 +272,12 @@ def _is_number(part: str) -> bool:
     return part.isascii() and part.isdigit() and len(part) < 10  # ² is a digit, and no number to int()
 
 
-def _item_index(items: list, part: str, assignment: str, path: PathKey) -> int:
+def _item_index(items: list, part: str, told: str, path: PathKey) -> int:
     if _is_number(part) and int(part) < len(items):
         return int(part)
     names = [str(item["name"]) for item in items if isinstance(item, dict) and "name" in item]
     for index, item in enumerate(items):
         if isinstance(item, dict) and str(item.get("name")) == part:
             return index
-    have = f"names there: {', '.join(names)}" if names else f"it has {len(items)} items, counted from 0"
-    raise CaseError(f"--set {assignment}: {dotted_path(path)} has no item '{part}'; {have}")
+    have = f"names there: {shortened(', '.join(names))}" if names else f"it has {len(items)} items, counted from 0"
+    raise CaseError(f"{told}: {dotted_path(path)} has no item '{shortened(part)}'; {have}")

@@ -19,6 +19,8 @@ from .run import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
 
+FOLDER = "Run folder, or folder of a dump's results."
+
 
 @app.command()
 def analyze(
@@ -79,7 +81,9 @@ def analyze(
 
 @app.command()
 def animate(
-    folder: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
+    folder: Annotated[
+        Path, typer.Argument(help="Run folder, folder of a dump's results, or dump.", show_default=False)
+    ],
     out: Annotated[Path | None, place("File (.mp4 or .gif); default animation.mp4 in the folder.")] = None,
     fps: Annotated[int, typer.Option(help="Frames a second.", min=1, max=120)] = 20,
 ) -> None:
@@ -89,7 +93,7 @@ def animate(
 
 
 @app.command()
-def show(folder: Annotated[Path, typer.Argument(help="Run folder.", show_default=False)]) -> None:
+def show(folder: Annotated[Path, typer.Argument(help=FOLDER, show_default=False)]) -> None:
     """Open the report of a run in the browser; prints its path."""
     path = folder / "report.html"
     if not path.is_file():
@@ -99,15 +103,14 @@ def show(folder: Annotated[Path, typer.Argument(help="Run folder.", show_default
 
 @app.command()
 def compare(
-    first: Annotated[Path, typer.Argument(help="Run folder.", show_default=False)],
+    first: Annotated[Path, typer.Argument(help=FOLDER, show_default=False)],
     second: Annotated[Path, typer.Argument(help="Another one.", show_default=False)],
     out: Annotated[Path | None, place("Page to write (default: <first>_and_<second>.html).")] = None,
 ) -> None:
     """Write a page of two runs side by side, with one time for both, and open it in the browser."""
-    left, right = lj.open_run(first), lj.open_run(second)
     path = out or Path(f"{first.absolute().name}_and_{second.absolute().name}.html")
     with told(quiet=False):
-        _open(left.compare(right, path))
+        _open(runs.compare_folders(first, second, path))
 
 
 def _open(path: Path) -> None:
@@ -118,15 +121,15 @@ def _open(path: Path) -> None:
 
 
 @app.command()
-def figures(folder: Annotated[Path, typer.Argument(help="Run folder.", show_default=False)]) -> None:
+def figures(folder: Annotated[Path, typer.Argument(help=FOLDER, show_default=False)]) -> None:
     """Draw every figure of a run as a PNG file; prints their names."""
-    for path in lj.open_run(folder).figures():
+    for path in runs.results.draw_dump(folder) if runs.results.is_of_a_dump(folder) else lj.open_run(folder).figures():
         print(path)
 
 
 @app.command()
 def export(
-    target: Annotated[Path, typer.Argument(help="Run folder or dump.", show_default=False)],
+    target: Annotated[Path, typer.Argument(help=FOLDER, show_default=False)],
     vtk: Annotated[
         bool, typer.Option("--vtk", help="Discs of ten frames for ParaView; fields where asked for.")
     ] = False,

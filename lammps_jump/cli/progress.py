@@ -124,6 +124,8 @@ class StudyLine(ProgressLine):
         seconds = self._time_to_show()
         if not seconds:
             return
+        if report.disc_steps < self.disc_steps:  # members were added, and the count begins again
+            self.disc_steps = 0.0
         rate, self.disc_steps = (report.disc_steps - self.disc_steps) / seconds, report.disc_steps
         left = (self.shown - self.begin) * (1 - report.share) / report.share if report.share > 0 else float("nan")
         failed = f", {report.failed} failed" if report.failed else ""

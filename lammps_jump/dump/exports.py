@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import base64
+import os
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TextIO
 
@@ -18,12 +20,15 @@ from lammps_jump.files import EXPORTS, read_start, whole, write_bytes, writes
 from lammps_jump.folders import require_replaceable, standing
 from lammps_jump.quoting import csv_cell
 
-from .find import read_dump
+from .find import find_dump, read_dump
 from .frame import Frame, ten_indices
 from .read import Dump
 
 BINARY = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
 """How VTK files with arrays say what is in them."""
+
+THREADS = "KMP_DUPLICATE_LIB_OK"
+"""Lets two OpenMP libraries into one process; a choice of the caller's."""
 
 
 def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[str, str] | None = None) -> Path:
@@ -42,16 +47,21 @@ def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[
     """
     units = units or {}
     heads = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
-    header = [csv_cell(head) for head in heads]
     try:
         columns = pd.DataFrame(dict(table))
     except ValueError as error:
         raise DumpError(f"{path}: columns of a table must be equally long: {error}.") from error
-    words = columns.select_dtypes(exclude="number").columns
-    columns[words] = columns[words].map(csv_cell)
     with _writing(path) as file:
-        columns.to_csv(file, header=header, index=False, float_format="%.10g", lineterminator="\n")
+        file.write(csv_text(columns.set_axis(heads, axis=1), float_format="%.10g"))
     return Path(path)
+
+
+def csv_text(table: pd.DataFrame, float_format: str | None = None) -> str:
+    """A table as CSV; every text of it, heads too, goes through `quoting.csv_cell`."""
+    cells = table.rename(columns=csv_cell)
+    for place in [k for k, kind in enumerate(cells.dtypes) if not pd.api.types.is_numeric_dtype(kind)]:
+        cells.isetitem(place, cells.iloc[:, place].map(csv_cell))
+    return cells.to_csv(index=False, float_format=float_format, lineterminator="\n")
 
 
 def export(place: str | Path, kinds: Collection[str], out: str | Path | None = None) -> list[Path]:
@@ -81,6 +91,11 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
     if unknown:
         raise DumpError(f"export '{unknown[0]}' is not known: use one of {', '.join(EXPORTS)}.")
     place = Path(place)
+    if not place.is_dir() and find_dump(place):
+        raise DumpError(
+            f"{place}: is a dump; allowed is a run folder or the folder of a dump's results: `lammps-jump analyze "
+            f"{place}` makes one beside it."
+        )
     out = place if out is None else Path(out)
     for name in (name for kind in kinds for pattern in EXPORTS[kind] for name in standing(out, pattern)):
         require_replaceable(out, name)
@@ -108,8 +123,19 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
     """
     most = np.iinfo(np.int32).max
     wide = [name for name, array in dataset.variables.items() if array.dtype.kind in "iu" and (abs(array) > most).any()]
+    _load_netcdf()
     with writes(path):
         return write_bytes(path, dataset.assign(dataset[wide].astype(float)).to_netcdf(engine="scipy"))
+
+
+@cache
+def _load_netcdf() -> None:
+    """Load what reads and writes NetCDF. It loads threadpoolctl, which sets a variable of the caller's environment."""
+    there = THREADS in os.environ
+    import scipy.io  # noqa: F401  (50 ms)
+
+    if not there:
+        os.environ.pop(THREADS, None)
 
 
 def read_netcdf(path: Path) -> xr.Dataset:
@@ -120,6 +146,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
     DumpError
         No such file, or another kind.
     """
+    _load_netcdf()
     try:
         read_start(path, 1)  # no pipe, which would be waited for
         with xr.open_dataset(path, engine="scipy") as dataset:

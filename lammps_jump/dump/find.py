@@ -13,6 +13,7 @@ import numpy as np
 
 from lammps_jump.errors import DumpError
 from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, text_of, write_text
+from lammps_jump.folders import read_marker
 from lammps_jump.scene.scene import Scene
 
 from .read import Dump, by_numbers, files_of, open_dump
@@ -43,8 +44,9 @@ class ForceHistory:
 def find_dump(*places: str | Path) -> Path:
     """The dump of a folder, the file itself, or the pattern of the files that are one dump.
 
-    A folder's dump is the first of `KNOWN_NAMES` in it, else its files ``dump.*``: one, or several whose names differ
-    in numbers alone. A run folder may so hold other dumps beside its own.
+    The dump of a folder of results is the one that was analysed. Of other folders it is the first of `KNOWN_NAMES` in
+    them, else their files ``dump.*``: one, or several whose names differ in numbers alone. A run folder may so hold
+    other dumps beside its own.
 
     Parameters
     ----------
@@ -69,6 +71,12 @@ def find_dump(*places: str | Path) -> Path:
         if not files_of(place):
             raise DumpError(f"{place}: there is no such file or folder.")
         return place
+    marker = read_marker(place)
+    if marker is not None and marker.kind == "analysis":
+        path = Path(marker.about.get("dump", ""))
+        if not files_of(path):
+            raise DumpError(f"{place}: holds the results of {path}, which is no longer there; put the dump back")
+        return path
     for name in KNOWN_NAMES:
         if (place / name).is_file():
             return place / name

@@ -96,6 +96,11 @@ class Frame:
         return self._coordinate("y", 1)
 
     @property
+    def z(self) -> np.ndarray | None:
+        """Position across the plane, m; None where the file has none."""
+        return self._coordinate("z", 2) if {"z", "zu", "zs", "zsu"} & set(self.columns) else None
+
+    @property
     def vx(self) -> np.ndarray:
         """Horizontal velocity, m/s."""
         return self.column("vx")

@@ -29,6 +29,7 @@ from pydantic import Field, FiniteFloat, NonNegativeInt, StringConstraints, Type
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import BINARY_PART, DUMP_NAMES, flush, make_own, plain, read_json, write_json
 from lammps_jump.provenance import fingerprint
+from lammps_jump.quoting import echoed
 from lammps_jump.scene.scene import Scene
 
 from .result import RunResult
@@ -267,10 +268,10 @@ def _checked(path: Path) -> Checkpoint:
     if set(found.state) != {f"checkpoint-{found.step}.{kind}" for kind in kinds} or found.result.steps != found.step:
         raise ValueError(f"state: it is not that of step {found.step}")
     if found.result.kernel not in ("stock", "compiled", "numba"):
-        raise ValueError(f"result.kernel: {found.result.kernel!r} is not known")
+        raise ValueError(f"result.kernel: {echoed(found.result.kernel)} is not known")
     for name in found.outputs:
         if not APPENDED.fullmatch(name):
-            raise ValueError(f"outputs: {name!r} is no file that a run appends to")
+            raise ValueError(f"outputs: {echoed(name)} is no file that a run appends to")
     if told != sum_of(content):
         raise ValueError("its SHA-256 is not that of its content")
     return found

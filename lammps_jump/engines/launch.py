@@ -8,6 +8,7 @@ process.
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +25,9 @@ from .lammps.finish import Outcome, conclude
 from .lammps.log import read_log
 from .result import Progress, ProgressCallback, RunResult, interruption
 from .setting import Job, Setting
+
+KILLED = "Killed (signal 9)"
+"""What mpiexec says of a rank that was killed."""
 
 
 def run(
@@ -122,7 +126,8 @@ def _without_result(job: Job, child: Child) -> RunResult:
             engine="native", kernel="numba", status="interrupted" if child.asked else "failed", message=ended,
             steps=last.step, disc_steps=0.0, inserted=last.discs, present=last.discs, removed=0, lost=0, seconds=0.0,
         )  # fmt: skip
-    if found.status != "failed" or not outside or again is None:
+    killed = status == -signal.SIGKILL or any(KILLED in line for line in child.output)
+    if found.status != "failed" or not outside or (again is None and not killed):
         return found
-    how = f" `lammps-jump run {job.folder} --resume` goes on from t = {again:.4g} s."
-    return replace(found, message=found.message + how, outside=True)
+    how = "starts it again" if again is None else f"goes on from t = {again:.4g} s"
+    return replace(found, message=f"{found.message} `lammps-jump run {job.folder} --resume` {how}.", outside=True)

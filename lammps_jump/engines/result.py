@@ -67,7 +67,7 @@ class RunResult:
     resumed : tuple of float
         Simulated times (s) at which the run went on after an interruption; all other numbers are of all parts.
     outside : bool
-        It failed for a cause outside the run, so that it can go on from its checkpoint.
+        It failed for a cause outside the run: it can go on from its checkpoint, without one it starts again.
     cpu_seconds : float
         Processor time of the stepping, s; of LAMMPS on several ranks, that of the first rank times their number.
     """

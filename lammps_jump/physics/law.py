@@ -113,7 +113,7 @@ def _contact_force_py(overlap, normal, slip, rim, numbers, friction, slope, touc
 normal_force = njit(cache=True)(_normal_force_py)
 friction_force = njit(cache=True)(_friction_force_py)
 stored_energy = njit(cache=True)(_stored_energy_py)
-contact_force = njit(cache=True)(_contact_force_py)
+contact_force = njit(cache=True, inline="always")(_contact_force_py)
 
 
 def watching_law(dispatcher, *others):

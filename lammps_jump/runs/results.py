@@ -6,7 +6,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,24 +23,29 @@ from lammps_jump.analysis.report import compare, page
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
-from lammps_jump.case.case import ReadCase, load_case
+from lammps_jump.case.case import ReadCase, load_case, parse_case
 from lammps_jump.dump.check import IdCheck
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
 from lammps_jump.errors import CaseError, DumpError, SetupError
-from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, write_json, write_text, writes
+from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import visible
 from lammps_jump.scene.schedule import MOST_BINS
 
 from .folder import require_case
-from .summary import write_summary
+from .summary import SUMMARY_FILE, write_summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 log = logging.getLogger(__name__)
+
+OF_A_DUMP = ("jump", "front")
+"""What is looked for in a bare dump."""
+GIVEN = ("diameter", "density", "time_step", "bin_width")
+"""What may be given with a bare dump."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +173,7 @@ def analyse_dump(
     CaseError, DumpError
     """
     path = find_dump(target)
-    flow = _flow(path, case, diameter, density, time_step)
+    flow = _flow(path, case, diameter, density, time_step, bin_width)
     low, high = flow.x_range
     if bin_width is not None and not (high - low) / MOST_BINS <= bin_width <= high - low:
         raise CaseError(
@@ -177,15 +182,15 @@ def analyse_dump(
         )
     stem = path.name.split(".")[0].replace("*", "").strip("_-")
     folder = out or path.parent / f"{stem or 'dump'}_analysis"
-    flow = replace(flow, bin_width=bin_width or flow.bin_width)
     given = {"diameter": diameter, "density": density, "time_step": time_step, "bin_width": bin_width}
     known = {name: value for name, value in given.items() if value is not None}
     summary: dict[str, Any] = {"name": visible(path.name), "given": known, "versions": versions()}
+    summary |= {"case_yaml": case.to_yaml()} if case else {}
     with _results_folder(folder, path) as stage:
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
         packer = FramePacker(flow)
-        summary |= quantities.analyse(flow, path, stage, ("jump", "front"), watch=[IdCheck(path), packer])
+        summary |= quantities.analyse(flow, path, stage, OF_A_DUMP, watch=[IdCheck(path), packer])
         report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
         write_summary(stage, summary)
         folders.clear(folder, RESULT_FILES)
@@ -224,27 +229,77 @@ def _flow(
     diameter: float | Mapping[int, float] | None = None,
     density: float | None = None,
     time_step: float | None = None,
+    bin_width: float | None = None,
 ) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
-    if case is None:
-        return from_dump(open_dump(path), diameter=diameter, density=density or 1000.0, time_step=time_step)
-    return from_scene(case.scene())
+    if case is not None:
+        return from_scene(case.scene(), bin_width=bin_width)
+    known = {"diameter": diameter, "density": density or 1000.0, "time_step": time_step, "bin_width": bin_width}
+    return from_dump(open_dump(path), **known)
+
+
+def is_of_a_dump(folder: Path) -> bool:
+    """Whether a folder holds the results of a bare dump."""
+    marker = folders.read_marker(folder)
+    return marker is not None and marker.kind == "analysis"
+
+
+def summary_of_dump(folder: Path) -> dict[str, Any]:
+    """The summary of a folder of results of a bare dump.
+
+    Raises
+    ------
+    DumpError
+        No file that can be read.
+    """
+    try:
+        return dict(read_json(folder / SUMMARY_FILE))
+    except (OSError, ValueError, TypeError):
+        raise DumpError(f"{folder / SUMMARY_FILE}: cannot be read; analyse the dump again") from None
+
+
+def flow_of_dump(folder: Path) -> Flow:
+    """The flow of a folder of results of a bare dump, as it was analysed.
+
+    Raises
+    ------
+    DumpError
+        The dump is gone.
+    """
+    summary = summary_of_dump(folder)
+    given = {key: value for key, value in (summary.get("given") or {}).items() if key in GIVEN}
+    if isinstance(sizes := given.get("diameter"), Mapping):
+        given["diameter"] = {int(kind): value for kind, value in sizes.items()}
+    case = parse_case(summary["case_yaml"]) if "case_yaml" in summary else None
+    return _flow(find_dump(folder), case, **given)
+
+
+def draw_dump(folder: Path) -> list[Path]:
+    """Draw every figure of a folder of results of a bare dump into its ``figures``; the paths."""
+    with folders.locked(folder):
+        wanted = {name: quantities.QUANTITIES[name] for name in OF_A_DUMP}
+        gathered = quantities.collect(flow_of_dump(folder), read_dump(folder), [folder], OF_A_DUMP)
+        results = {name: result for name, one in wanted.items() if (result := one.analyse(gathered)) is not None}
+        return draw_all(Found(gathered, results, ()), folder)
 
 
 def animate(target: Path, out: Path | None, fps: int) -> Path:
-    """Write the moving picture of a run folder or dump; its path, by default ``animation.mp4`` beside the dump.
+    """Write the moving picture of a run folder or dump; its path.
 
-    Without ffmpeg it is a GIF, and a note says so. Only a film that this program made in a run folder is replaced.
+    By default it is ``animation.mp4`` beside the dump, or in the folder of a dump's results. Without ffmpeg it is a
+    GIF, and a note says so. Only a film that this program made in such a folder is replaced.
     """
-    path = find_dump(target)
-    case = load_case(require_case(path.parent)) if (path.parent / "case.yaml").exists() else None
-    table = path.parent / "forces.csv"
+    path, analysed = find_dump(target), is_of_a_dump(target)
+    home = target if analysed else path.parent
+    case = load_case(require_case(home)) if (home / "case.yaml").exists() else None
+    table = home / "forces.csv"
     forces = read_forces(table) if case is not None and table.exists() else None
-    destination = out or path.parent / "animation.mp4"
+    destination = out or home / "animation.mp4"
     written = destination if drawing.film.has_ffmpeg() else destination.with_suffix(".gif")
     folders.require_replaceable(written.parent, written.name)
-    with folders.locked(path.parent) if out is None and folders.read_marker(path.parent) else nullcontext():
-        drawing.film.animate(open_dump(path), _flow(path, case), written, fps=fps, forces=forces)
+    flow = flow_of_dump(target) if analysed else _flow(path, case)
+    with folders.locked(home) if out is None and folders.read_marker(home) else nullcontext():
+        drawing.film.animate(open_dump(path), flow, written, fps=fps, forces=forces)
     if written != destination:
         log.info(f"note: {drawing.film.NO_FFMPEG}")
     return written
@@ -296,9 +351,9 @@ def packer_for(case: ReadCase, flow: Flow) -> FramePacker:
     return FramePacker(flow) if has_page(case) else member_packer(flow, scene.steps // scene.output_steps + 1)
 
 
-def packed(case: ReadCase, folder: Path) -> FramePacker:
-    """The frames of a run folder for the player of its report; none where the dump cannot be read."""
-    packer = FramePacker(flow_of(case))
+def packed(flow: Flow, folder: Path) -> FramePacker:
+    """The frames of a folder for the player of its report; none where the dump cannot be read."""
+    packer = FramePacker(flow)
     try:
         dump = read_dump(folder)
         for _ in feed(with_velocities(dump, packer.flow, []), packer.flow, [packer]):
@@ -308,8 +363,8 @@ def packed(case: ReadCase, folder: Path) -> FramePacker:
     return packer
 
 
-def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], ReadCase]], path: Path) -> Path:
-    """Write the page of two runs, each given by name, folder, summary and case.
+def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], Flow]], path: Path) -> Path:
+    """Write the page of two runs or dumps, each given by name, folder, summary and flow.
 
     Raises
     ------
@@ -317,8 +372,8 @@ def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], ReadCase
         The file cannot be written.
     """
     sides = [
-        compare.Side(name, summary, report.curves(folder), make_player(packed(case, folder), folder))
-        for name, folder, summary, case in runs
+        compare.Side(name, summary, report.curves(folder), make_player(packed(flow, folder), folder))
+        for name, folder, summary, flow in runs
     ]
     with writes(path):
         return write_text(path, compare.comparison(*sides))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lammps_jump.analysis import Energy, Force, Front, Jump
+    from lammps_jump.analysis.flow import Flow
     from lammps_jump.analysis.forces.history import Forces
 
     from .results import Found
@@ -292,7 +293,7 @@ class Run:
         if path is None:
             require_replaceable(self.folder, "report.html")
         with nullcontext() if path else locked(self.folder):
-            packer = runs.results.packed(self.case, self.folder)
+            packer = runs.results.packed(runs.results.flow_of(self.case), self.folder)
             return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
 
     def compare(self, other: Run, path: str | Path) -> Path:
@@ -305,10 +306,9 @@ class Run:
         DumpError
             The page cannot be written.
         """
-        require_replaceable(Path(path).parent, Path(path).name)
-        names = _apart(self.folder, other.folder)
-        pair = [(name, run.folder, run.summary, run.case) for name, run in zip(names, (self, other), strict=True)]
-        return runs.results.write_comparison(pair, Path(path))
+        return _compare(
+            [(run.folder, run.summary, runs.results.flow_of(run.case)) for run in (self, other)], Path(path)
+        )
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r}, {self.status})"
@@ -321,6 +321,24 @@ class Run:
             lead.append(f"<p>{html.escape(self.jump.verdict)}: {html.escape(self.jump.reason)}</p>")
         parts = [getattr(self, name) for name in ("jump", "front", "energy") if getattr(asked, name)]
         return "\n".join([*lead, number_table(parts), _picture(self.figure())])
+
+
+def compare_folders(first: Path, second: Path, path: Path) -> Path:
+    """Write a page of two folders side by side, each of a run or of the results of a bare dump; as `Run.compare`."""
+    sides: list[tuple[Path, Mapping[str, Any], Flow]] = []
+    for folder in (first, second):
+        if runs.results.is_of_a_dump(folder):
+            sides.append((folder, runs.results.summary_of_dump(folder), runs.results.flow_of_dump(folder)))
+        else:
+            run = open_run(folder)
+            sides.append((folder, run.summary, runs.results.flow_of(run.case)))
+    return _compare(sides, path)
+
+
+def _compare(sides: Sequence[tuple[Path, Mapping[str, Any], Flow]], path: Path) -> Path:
+    require_replaceable(path.parent, path.name)
+    names = _apart(*(folder for folder, *_ in sides))
+    return runs.results.write_comparison([(name, *side) for name, side in zip(names, sides, strict=True)], path)
 
 
 def _apart(first: Path, second: Path) -> tuple[str, str]:

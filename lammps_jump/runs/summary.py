@@ -30,6 +30,7 @@ from lammps_jump.engines import RunResult, Setting
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain, read_json, write_json
 from lammps_jump.provenance import versions
+from lammps_jump.quoting import echoed
 
 from .engine import full_key, run_key
 
@@ -230,6 +231,5 @@ def read_summary(folder: Path) -> dict[str, Any]:
     except ValidationError as error:
         first = error.errors()[0]
         place = "".join(f" {name}:" for name in (place, *first["loc"]) if name != "")
-        got = str(plain(first["input"]))[:40]
-        raise DumpError(f"{path}:{place} {first['msg']}, got {got!r}; {NO_SUMMARY}") from None
+        raise DumpError(f"{path}:{place} {first['msg']}, got {echoed(plain(first['input']))}; {NO_SUMMARY}") from None
     return found

@@ -333,7 +333,7 @@ ARC_STEPS = 12
 
 
 def outline(chain: Chain) -> np.ndarray:
-    """Corners of a chain, shape (corners, 2), m; arcs as straight lines."""
+    """Closed polygon of a chain, shape (corners, 2), m; arcs as straight lines, an open chain there and back."""
     corners: list[Point] = []
     for face in faces_of_chain(chain):
         corners.append(face.start)
@@ -341,4 +341,4 @@ def outline(chain: Chain) -> np.ndarray:
             begin = atan2(face.start[1] - face.centre[1], face.start[0] - face.centre[0])
             angles = (begin + face.sweep * i / ARC_STEPS for i in range(1, ARC_STEPS))
             corners += [_on(face.centre, face.radius, angle) for angle in angles]
-    return np.array(corners if chain.closed else [*corners, chain.points[-1]])
+    return np.array(corners if chain.closed else [*corners, chain.points[-1], *corners[:0:-1]])

@@ -36,6 +36,7 @@ from .chains import (
     PHI,
     RADIUS,
     RUN,
+    SEGMENT,
     SMOOTH_TURN,
     SWEEP,
     TX0,
@@ -198,10 +199,14 @@ def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, w
     which : ndarray of int64, shape (MOST,)
         Takes the face of each contact.
     """
+    if deep == 1:
+        return _behind(codes, shape, near, first, last, px, py, radius, found, which)
     nearest = deepest = inf
     touch = 0
     for p in range(first, last):
         f = near[p]
+        if _out_of_reach(codes, shape, f, px, py, radius, -radius):
+            continue
         place, gap, nx, ny = _candidate(codes, shape, f, px, py)
         if place == NOWHERE:
             continue
@@ -219,10 +224,45 @@ def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, w
                     found[0, 0], found[0, 1], found[0, 2] = gap, nx, ny
                     which[0] = f
     if nearest < 0.0:
-        return 1 if deep == 1 or -nearest < radius else 0
+        return 1 if -nearest < radius else 0
     if touch < 2:
         return touch
     return _select(codes, shape, near, first, last, px, py, radius, found, which)
+
+
+def _out_of_reach_py(codes, shape, f, px, py, front, behind):
+    """Whether a point is further in front of or behind the line of a straight face than this (m): no contact then."""
+    if codes[f, KIND] != SEGMENT:
+        return False
+    line = shape[f, TX0] * (py - shape[f, Y0]) - shape[f, TY0] * (px - shape[f, X0])
+    return line >= front or line <= behind
+
+
+def _plain_py(codes, shape, f, px, py, margin):
+    """Whether a point is beside a straight face, and further than a margin (m) from its ends: the line is then enough."""
+    if codes[f, KIND] != SEGMENT:
+        return False
+    start, end = codes[f, AT_START] == ENDLESS, codes[f, AT_END] == ENDLESS
+    if not start:
+        start = shape[f, TX0] * (px - shape[f, X0]) + shape[f, TY0] * (py - shape[f, Y0]) > margin
+    if not end:
+        end = shape[f, TX1] * (px - shape[f, X1]) + shape[f, TY1] * (py - shape[f, Y1]) < -margin
+    return start and end
+
+
+def _behind_py(codes, shape, near, first, last, px, py, radius, found, which):
+    """Contacts of a disc with a wall that pushes from any depth: each face on its own."""
+    kept = 0
+    for p in range(first, last):
+        f = near[p]
+        if _out_of_reach(codes, shape, f, px, py, radius, -inf):
+            continue
+        place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+        if place == INSIDE and gap < radius and kept < MOST:
+            found[kept, 0], found[kept, 1], found[kept, 2] = gap, nx, ny
+            which[kept] = f
+            kept += 1
+    return kept
 
 
 def _select_py(codes, shape, near, first, last, px, py, radius, found, which):
@@ -232,6 +272,8 @@ def _select_py(codes, shape, near, first, last, px, py, radius, found, which):
         best = radius
         for p in range(first, last):
             f = near[p]
+            if _out_of_reach(codes, shape, f, px, py, best, -best):
+                continue
             place, gap, nx, ny = _candidate(codes, shape, f, px, py)
             if place == NOWHERE or gap < 0.0 or gap >= best:
                 continue
@@ -325,11 +367,11 @@ def _span(ends: np.ndarray) -> tuple[float, float]:
     return float(ends.min(initial=inf)), float(ends.max(initial=-inf))
 
 
-def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, last, near, row, count):
+def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, near, row, count):
     """List the discs near one wall, in its own frame, and the faces near each; returns (rows, faces), or -1: too short.
 
     Row r of the list is disc ``discs[r]`` with the faces ``near[last[r]:last[r + 1]]``. It goes on from row `row` and
-    face `count`.
+    face `count`. ``plain[r]`` is 1 where there is one straight face whose ends are out of reach.
     """
     a, b, c, d = grid.wall_box[wall, 0], grid.wall_box[wall, 1], grid.wall_box[wall, 2], grid.wall_box[wall, 3]
     x_low, y_low, inverse = grid.place[wall, 0], grid.place[wall, 1], grid.place[wall, 2]
@@ -356,6 +398,7 @@ def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, last, near, ro
                     count += 1
         if count > begin:
             discs[row] = i
+            plain[row] = count == begin + 1 and _plain(codes, shape, near[begin], px, py, reach)
             row += 1
             last[row] = count
     return row, count
@@ -367,6 +410,9 @@ _in_front = njit(cache=True)(_in_front_py)
 _candidate = njit(cache=True)(_candidate_py)
 _tangent = njit(cache=True)(_tangent_py)
 _apart = njit(cache=True)(_apart_py)
+_out_of_reach = njit(cache=True)(_out_of_reach_py)
+_plain = njit(cache=True)(_plain_py)
+_behind = njit(cache=True)(_behind_py)
 _away = njit(cache=True)(_away_py)
 _mark_cells = njit(cache=True)(_mark_cells_py)
 _select = njit(cache=True)(_select_py)

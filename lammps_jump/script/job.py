@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, StringConstraints, ValidationErr
 from lammps_jump.case.text import nearest, read_source
 from lammps_jump.errors import CaseError
 from lammps_jump.files import JOB_FILE, write_text
-from lammps_jump.quoting import one_line, shell_word
+from lammps_jump.quoting import echoed, one_line, shell_word
 from lammps_jump.scene.scene import Scene
 
 MEGABYTES = 600
@@ -85,7 +85,7 @@ def read_site(path: Path) -> Site:
         if first["type"] == "extra_forbidden":
             said = f"unknown field; {nearest(str(first['loc'][-1]), list(Site.model_fields))}"
         elif first["type"] == "string_pattern_mismatch":
-            said = f"{first['input']!r} is not allowed; one word of letters, digits and .,:/+@=- is: correct it"
+            said = f"{echoed(first['input'])} is not allowed; one word of letters, digits and .,:/+@=- is: correct it"
         raise CaseError(f"{source.place(first['loc'])}: {said}") from None
 
 

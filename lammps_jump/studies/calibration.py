@@ -55,10 +55,10 @@ def distances(candidate: Candidate, folder: Path, pool: Pool, *, quick: bool, me
         run_starts(case, starts_of(case, changes, members), folder, pool, fresh=fresh)
         for case, changes in ((load_case(JUMP_CASE), jump), (load_case(COLUMN_CASE), column))
     )
-    names = ["sequent_ratio", "belanger_ratio", "length", "length_usbr"]
+    names = ["belanger_deviation", "length", "length_usbr"]
     found = pd.DataFrame([run.jump for run in jumps], columns=names, dtype=float)
     parts = {
-        "depth": found.sequent_ratio / found.belanger_ratio - 1,
+        "depth": found.belanger_deviation,
         "length": found.length / found.length_usbr - 1,
         "front": pd.Series([table.number_at(run.summary, "front.martin_moyce.rms_bulk") for run in columns]),
     }

@@ -60,10 +60,11 @@ class Study:
 
 
 Row = dict[str, float | dict[str, int] | None]
-"""A value of the parameter with what was found: each of `NUMBERS`, the mean over the starts that found a jump, with its
-standard error ``<number>_error``; ``value``, ``verdicts`` (starts by verdict), ``seconds`` (median processor time),
-``deviation`` (from Bélanger) and ``usbr`` (length of that curve over y2). None where there is no number."""
-NUMBERS = ("froude", "sequent_ratio", "belanger_ratio", "density_ratio", "length_over_y2", "length_usbr", "y2", "speed")
+"""A value of the parameter with what was found: each of `NUMBERS`, ``ratio`` (y2/y1), ``expected`` (that by Bélanger),
+means over the starts that found a jump, with their standard errors ``<number>_error``; ``value``, ``verdicts`` (starts
+by verdict), ``seconds`` (median processor time), ``usbr`` (length of that curve over Bélanger's y2). None: no number.
+"""
+NUMBERS = ("froude", "y1", "y2", "belanger_y2", "belanger_deviation", "length_over_y2", "length_usbr", "speed")
 
 
 def _froude(froude: float) -> dict[str, object]:
@@ -176,15 +177,14 @@ def summarise_runs(value: float, runs: list[Made]) -> Row:
     table = pd.DataFrame([run.jump for run in runs if run.jump], columns=NUMBERS, dtype=float)
     row: Row = {"value": value, "verdicts": dict(Counter(run.outcome for run in runs))}
     row["seconds"] = middle(run.summary.get("cpu_seconds", 0.0) for run in runs)
+    table["ratio"], table["expected"] = table.y2 / table.y1, table.belanger_y2 / table.y1
     row |= plain({**table.mean(), **table.sem().add_suffix("_error")})
-    ratio, expected = row["sequent_ratio"], row["belanger_ratio"]
-    row["deviation"] = ratio / expected - 1 if ratio and expected else None
-    row["usbr"] = plain((table.length_usbr / table.y2).mean())
+    row["usbr"] = plain((table.length_usbr / table.belanger_y2).mean())
     return row
 
 
 PANELS = (
-    ("sequent_ratio", "sequent depths y2/y1", "belanger_ratio", "Bélanger"),
+    ("ratio", "sequent depths y2/y1", "expected", "Bélanger"),
     ("length_over_y2", "length over y2", "usbr", "USBR curve"),
     ("speed", "speed of the front (m/s)", "", ""),
 )
@@ -193,9 +193,9 @@ COLUMNS = {
     "value:": "{value:g}",
     "found": lambda row: ", ".join(f"{count} {word}" for word, count in row["verdicts"].items()),
     "Fr, front's frame:": with_error("froude"),
-    "y2/y1:": with_error("sequent_ratio"),
-    "Bélanger:": with_error("belanger_ratio"),
-    "deviation:": "{deviation:+.1%}",
+    "y2/y1:": with_error("ratio"),
+    "Bélanger:": with_error("expected"),
+    "deviation:": "{belanger_deviation:+.1%}",
     "L/y2:": with_error("length_over_y2"),
     "USBR:": "{usbr:.2f}",
     "front (m/s):": with_error("speed"),
@@ -206,7 +206,7 @@ COLUMNS = {
 def draw_study(study: Study, rows: list[Row], path: Path) -> None:
     """Draw three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
     table = pd.DataFrame(rows).drop(columns="verdicts").astype(float)
-    none = table.value[table.sequent_ratio.isna()]
+    none = table.value[table.ratio.isna()]
     with drawing(8.6, 2.9, 1, 3) as (figure, axes):
         axes[2].axhline(0, color="#999999", linewidth=0.8)
         for panel, (name, title, theory_name, label) in zip(axes, PANELS, strict=True):

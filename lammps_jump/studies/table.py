@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable, Mapping
 from string import Formatter
 from typing import Any
 
+from lammps_jump.quoting import terminal_text
+
 Column = str | Callable[[Any], object]
 
 
@@ -59,14 +61,15 @@ def markdown(columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]]) -
 
 
 def show(text: str) -> None:
-    """Print Markdown: drawn by rich on a terminal, as it is in a file or a pipe."""
+    """Print Markdown: drawn by rich on a terminal, as it is in a file or a pipe. Its own escape sequences are shown."""
     if not sys.stdout.isatty():
         print(text)
         return
     from rich.console import Console  # 0.08 s
     from rich.markdown import Markdown
 
-    Console().print(Markdown(text))
+    console = Console(file=getattr(sys.stdout, "terminal", sys.stdout))
+    console.print(Markdown(terminal_text(text)))
 
 
 def percent(share: float | None) -> str:
@@ -80,6 +83,9 @@ def with_error(name: str, digits: int = 2) -> Callable[[Mapping[str, Any]], str]
     def cell(row: Mapping[str, Any]) -> str:
         value, error = row[name], row[f"{name}_error"]
         shown = "-" if value is None else f"{value:.{digits}f}"
-        return shown if value is None or error is None else f"{shown} ± {error:.{digits}f}"
+        if value is None or error is None:
+            return shown
+        sure = f"{error:.{digits}f}"
+        return f"{shown} ± {sure}" if float(sure) or not error else f"{shown} ± {error:.1g}"
 
     return cell

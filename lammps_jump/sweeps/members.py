@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -15,7 +16,7 @@ from lammps_jump.engines.result import Progress
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, JumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES
-from lammps_jump.folders import holder, require_unlocked
+from lammps_jump.folders import holder, read_marker, require_no_link, require_unlocked
 from lammps_jump.provenance import short_hash
 from lammps_jump.runs.engine import analysis_key, choose_setting, full_key
 from lammps_jump.runs.run import Case
@@ -54,12 +55,15 @@ class Member:
     case : Case
     key : str
         Name of its run folder.
+    run : str
+        Key of its run. Members that differ in their analysis alone share it.
     """
 
     point: int
     seed: int
     case: Case
     key: str
+    run: str
 
     def folder(self, store: Path) -> Path:
         """The run folder in a store."""
@@ -71,6 +75,11 @@ class State(NamedTuple):
 
     stage: Stage
     message: str = ""
+
+
+def told(state: State) -> str:
+    """The message of a member that is not done, with the option that runs it again where the same command does not."""
+    return f"{state.message} --retry runs it again." if state.stage == "failed" else state.message
 
 
 def started(case: Case, seed: int) -> Case:
@@ -91,17 +100,48 @@ def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) ->
     """
     cases = [started(case.replace({**analysis, **start.changes}), start.seed) for start in starts]
     settings: dict[int, Setting] = {}  # one for each point: it is chosen from placed discs, which take 0.03 s
-    keys = []
+    runs = []
     for start, one in zip(starts, cases, strict=True):
         if start.point not in settings:
             settings[start.point] = choose_setting(one)[1]
-        keys.append(full_key(with_accuracy(one)[0], settings[start.point]))
-    asked = {(key, short_hash(one.rest)) for key, one in zip(keys, cases, strict=True)}
-    shared = Counter(key for key, _ in asked)  # points that differ in their analysis alone need folders of their own
-    keys = [
-        key if shared[key] == 1 else short_hash({"key": key, **one.rest}) for key, one in zip(keys, cases, strict=True)
+        runs.append(full_key(with_accuracy(one)[0], settings[start.point]))
+    asked = {(run, short_hash(one.rest)) for run, one in zip(runs, cases, strict=True)}
+    shared = Counter(run for run, _ in asked)  # points that differ in their analysis alone need folders of their own
+    keys = [run if shared[run] == 1 else _key_beside(run, one) for run, one in zip(runs, cases, strict=True)]
+    return [
+        Member(start.point, start.seed, *made)
+        for start, made in zip(starts, zip(cases, keys, runs, strict=True), strict=True)
     ]
-    return [Member(start.point, start.seed, one, key) for start, one, key in zip(starts, cases, keys, strict=True)]
+
+
+def _key_beside(run: str, case: Case) -> str:
+    """Name of a run folder where other members share the run."""
+    return short_hash({"key": run, **case.rest})
+
+
+def listed_as(member: Member, key: str) -> Member | None:
+    """A member that was planned without the others, under its key among all of them; None where that is another's."""
+    return replace(member, key=key) if key in (member.run, _key_beside(member.run, member.case)) else None
+
+
+def run_folders(store: Path) -> set[str]:
+    """Names in the folder of the run folders."""
+    try:
+        return set(os.listdir(store / RUNS))
+    except OSError:
+        return set()
+
+
+def require_no_links(members: Iterable[Member], store: Path) -> None:
+    """SetupError where a run folder of a study is a link: what it leads to is no member.
+
+    Raises
+    ------
+    SetupError
+    """
+    require_no_link(store / RUNS)
+    for member in members:
+        require_no_link(member.folder(store))
 
 
 class Made(NamedTuple):
@@ -155,6 +195,7 @@ def run_starts(
             (planned[number],) = plan(case, [start], {"analysis.figures": "none"})
         except JumpError as error:
             refused[number] = Made(start, store, {}, str(error))
+    require_no_links(planned.values(), store)
     numbers = {member.key: number for number, member in planned.items()}
 
     def made(number: int, state: State) -> Made:
@@ -212,10 +253,7 @@ def run_members(
         states[left[number]] = found
         ended(left[number], found)
 
-    calls = [
-        partial(run_member, known[key].case, known[key].folder(store), states[key].stage in again, keep_dumps)
-        for key in left
-    ]
+    calls = [partial(run_member, known[key], store, states[key].stage in again, keep_dumps) for key in left]
     pool.run(calls, done=done, news=lambda number, told: news(left[number], told))
 
 
@@ -228,9 +266,10 @@ def state_of(member: Member, store: Path) -> State:
         stored = read_summary(folder)
     except DumpError:
         return State("interrupted")
-    if stored.get("status") == "failed":
+    own = stored.get("key") == member.run
+    if own and stored["status"] == "failed" and not stored.get("can_go_on"):
         return State("failed", stored["message"] or "")
-    if stored.get("status") == "complete" and _is_analysed(member.case, stored):
+    if own and stored["status"] == "complete" and _is_analysed(member.case, stored):
         return State("done")
     return State("interrupted" if has_output(folder) else "waiting")
 
@@ -244,20 +283,25 @@ def _is_analysed(case: Case, stored: Mapping[str, Any]) -> bool:
     return stored["analysed"]["key"] in [analysis_key(one, stored["outputs"]) for one in figures]
 
 
-def run_member(case: Case, folder: Path, again: bool, keep_dump: bool) -> None:
-    """Run a member in a worker process, or go on with it; `again` deletes a run that failed.
+def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> None:
+    """Run a member in a worker process, or go on with it; `again` deletes a run of it that failed.
 
     Raises
     ------
     JumpError
-        As `lammps_jump.run`.
+        As `lammps_jump.run`. Also where its run folder is a link or holds another run: that is left as it is.
     """
+    folder = member.folder(store)
+    require_no_links([member], store)
     require_unlocked(folder)
+    marker = read_marker(folder)
+    if marker is not None and (marker.kind, marker.about.get("key")) != ("run", member.run):
+        raise SetupError(f"{folder}: holds another run than that of this member; move it out of {store / RUNS}")
 
     def tell(report: Progress) -> None:
         worker.tell((report.step / max(report.steps, 1), report.step * 1.0, report.discs))
 
-    run = partial(run_case, case, folder, progress=tell, should_stop=worker.asked_to_stop)
+    run = partial(run_case, member.case, folder, progress=tell, should_stop=worker.asked_to_stop)
     try:
         run(resume=not again, force=again)
     except (ResumeError, SetupError):

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,8 @@ import xarray as xr
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
 from lammps_jump.analysis.report.page import Choice, Code, Items, Picture, Player, Section, Table, Text, picture, render
-from lammps_jump.files import PLAYER, read_json, write_text
+from lammps_jump.analysis.report.received import read_player
+from lammps_jump.files import PLAYER, write_text
 from lammps_jump.provenance import versions
 from lammps_jump.units import shown
 
@@ -151,23 +152,32 @@ def players(found: Sweep) -> list[Choice | Text]:
     apart = ((numbers - numbers.mean()) / numbers.std()) ** 2
     order = np.argsort(apart.dropna(axis=1, how="all").fillna(inf).sum(axis=1), kind="stable")
     kept: dict[int, Player] = {}
+    damaged: list[int] = []
     room = LARGEST
     for number in order:
-        with suppress(OSError, ValueError, TypeError):  # lacking or damaged
-            player = Player(**read_json(found.runs[number].folder / PLAYER))
-            room -= len(player.frames)
-            if room >= 0 or not kept:
-                kept[int(found.values["seed"][number])] = player
-        if kept and room <= 0:
+        seed = int(found.values["seed"][number])
+        try:
+            player = read_player(found.runs[number].folder / PLAYER)
+        except OSError:  # without discs in its frames
+            continue
+        except ValueError:
+            damaged.append(seed)
+            continue
+        room -= len(player.frames)
+        if room >= 0 or not kept:
+            kept[seed] = player
+        if room <= 0:
             break
+    seeds = ", ".join(map(str, sorted(damaged)))
+    without = f"Members without a player ({PLAYER} is damaged): {seeds}." if damaged else ""
     if not kept:
-        return []
+        return [Text(without, "small")] if damaged else []
     first, listed = next(iter(kept)), sorted(kept)
     text = f"Member {first} is shown first: its numbers are nearest to the means."
-    if left := len(order) - len(kept):
+    if left := len(order) - len(kept) - len(damaged):
         text += f" There is no room for {left} of {len(order)} members, those farthest from the means."
     chosen = Choice([kept[seed] for seed in listed], [f"Member {seed}" for seed in listed], listed.index(first))
-    return [chosen, Text(text, "small")]
+    return [chosen, Text(f"{text} {without}".strip(), "small")]
 
 
 def doubts(found: Sweep) -> list[str]:

@@ -13,12 +13,13 @@ from pathlib import Path
 
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.errors import CaseError, JumpError, RunError, RunInterrupted, SetupError
-from lammps_jump.files import ARRAY_FILE, read_json, write_text
+from lammps_jump.files import ARRAY_FILE, write_text
 from lammps_jump.runs.engine import choose_setting
 from lammps_jump.script.job import Site, head, needs, run_and_requeue, seconds_of
 
-from .members import run_member, state_of
-from .sweep import POINTS_FILE, Sweep, open_sweep, prepare, study_folder
+from .listed import read_points
+from .members import run_member, state_of, told
+from .sweep import Sweep, open_sweep, prepare, study_folder
 
 AT_ONCE = 32
 """Tasks at once, where no number is given."""
@@ -150,8 +151,8 @@ def _run_each(folder: Path, members: str, retry: bool) -> list[str]:
     numbers = range(int(asked[1]), min(int(asked[2] or asked[1]) + 1, len(found.members))) if asked else ()
     if not numbers:
         raise CaseError(f"--member {members}: {folder} has members 0 to {len(found.members) - 1}; a range is 4-7")
-    listed = read_json(folder / POINTS_FILE)["members"]
-    if [item["key"] for item in listed] != [member.key for member in found.members]:
+    listed = read_points(folder)
+    if listed is None or [item.key for item in listed.members] != [member.key for member in found.members]:
         raise SetupError(
             f"{folder}: was prepared with another version of lammps-jump or LAMMPS, or another kernel; install "
             "the same versions on all machines, and set engine.kernel"
@@ -161,10 +162,10 @@ def _run_each(folder: Path, members: str, retry: bool) -> list[str]:
         member = found.members[number]
         state = state_of(member, folder)
         if state.stage == "failed" and not retry:
-            wrong.append(f"member {number}: {state.message}")
+            wrong.append(f"member {number}: {told(state)}")
         elif state.stage != "done":
             try:
-                run_member(member.case, member.folder(folder), state.stage == "failed", True)
+                run_member(member, folder, state.stage == "failed", True)
             except RunInterrupted:
                 raise
             except JumpError as error:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
@@ -19,9 +20,10 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.case.case import load_case as read_case
 from lammps_jump.case.explain import explain
 from lammps_jump.case.fields import Strict
-from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source
+from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
+from lammps_jump.quoting import echoed, shortened
 from lammps_jump.runs.run import Case
 from lammps_jump.units import numbers_of, parse_accuracy
 
@@ -71,11 +73,10 @@ def _values(given: object) -> object:
     if isinstance(given, Mapping):
         return Range.model_validate(given).values()
     if not isinstance(given, list | tuple) or not given:
-        raise ValueError(f"{given!r} does not fit; allowed is a list of values, or {{from: 0, to: 1, count: 5}}")
-    texts = [str(value) for value in given]
-    for index, text in enumerate(texts):
-        if text in texts[:index]:
-            raise ValueError(f"{text} stands twice; keep one of them")
+        raise ValueError(f"{echoed(given)} does not fit; allowed is a list of values, or {{from: 0, to: 1, count: 5}}")
+    for text, count in Counter(map(str, given)).items():
+        if count > 1:
+            raise ValueError(f"{shortened(text)} stands twice; keep one of them")
     return list(given)
 
 
@@ -106,7 +107,9 @@ def _seeds(given: object) -> object:
     if isinstance(given, int) and not isinstance(given, bool):
         given = list(range(1, min(given, MOST_MEMBERS + 1) + 1))
     if not isinstance(given, list | tuple) or not given or len(set(given)) < len(given) or len(given) > MOST_MEMBERS:
-        raise ValueError(f"{given!r} does not fit; allowed is 1 to {MOST_MEMBERS}, or different seeds: 9-16 or [3, 5]")
+        raise ValueError(
+            f"{echoed(given)} does not fit; allowed is 1 to {MOST_MEMBERS}, or different seeds: 9-16 or [3, 5]"
+        )
     return given
 
 
@@ -223,7 +226,9 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
         fields = StudyFields.model_validate(file.data)
     except ValidationError as error:
         raise explain(error, file, StudyFields) from None
-    read = read_case(fields.case if isinstance(fields.case, dict) else place / fields.case, fields.set)
+    read = (
+        read_case(fields.case, fields.set) if isinstance(fields.case, dict) else _case_in(place / fields.case, fields)
+    )
     case = Case(read.fields, read.source)
     if not fields.members:
         seeds = tuple(range(1, (case.fields.run.members or 1) + 1))
@@ -233,6 +238,25 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     paths = (*fields.collect, *fields.until) or tuple(_usual(case))
     collect = tuple(collected(file, path, case) for path in dict.fromkeys(paths))
     return Study(fields, case, collect)
+
+
+def _case_in(path: Path, fields: StudyFields) -> ReadCase:
+    """The case of a study that names its file. Of a file that is no case nothing is told: a study may be received.
+
+    Raises
+    ------
+    CaseError
+        As `case.load_case`.
+    """
+    file = path / "case.yaml" if (path / "case.yaml").is_file() else path
+    text = read_text(file)
+    try:
+        known = {"discs", "run"} & parse_source(text, str(file)).data.keys()
+    except CaseError:
+        known = set()
+    if not known:
+        raise CaseError(f"{file}: is no case; `lammps-jump check {file}` says why, and case: in a study names a case")
+    return read_case(path, fields.set)
 
 
 def _usual(case: Case) -> Iterator[str]:
@@ -258,15 +282,19 @@ def collected(file: CaseSource, path: str, case: Case) -> Collected:
         return Collected(path, "", path)
     if name not in QUANTITIES:
         hint = nearest(name, [*QUANTITIES, *OTHERS])
-        raise file.error(f"collect: {path}: there is no '{name}' in summary.json; {hint}")
+        raise file.error(f"collect: {shortened(path)}: there is no '{shortened(name)}' in summary.json; {hint}")
     if name == "force":
         probe, _, key = key.partition(".")
         if probe not in case.fields.probes.forces:
             known = ", ".join(case.fields.probes.forces) or "none: name the wall in probes.forces of the case"
-            raise file.error(f"collect: {path}: '{probe}' is no probe of the case; probes there: {known}")
+            raise file.error(
+                f"collect: {shortened(path)}: '{shortened(probe)}' is no probe of the case; probes there: {known}"
+            )
     numbers = numbers_of(QUANTITIES[name].result)
     if key not in numbers and "." not in key:
-        raise file.error(f"collect: {path}: {name} has no number '{key}'; {nearest(key, list(numbers))}")
+        raise file.error(
+            f"collect: {shortened(path)}: {name} has no number '{shortened(key)}'; {nearest(key, list(numbers))}"
+        )
     number = numbers.get(key)
     return Collected(path, number.unit if number else "", number.meaning if number else path)
 
@@ -281,13 +309,13 @@ def parse_axis(text: str) -> tuple[str, object]:
     """
     path, values = _pair("--axis", text, "=", "contact.friction=0,0.05,0.1")
     whole = values if values[0] == "{" or values.startswith("[[") else f"[{values}]"
-    return path, parse_source(f"values: {whole}", f"--axis {text}").data["values"]
+    return path, parse_source(f"values: {whole}", f"--axis {shortened(text)}").data["values"]
 
 
 def parse_set(text: str) -> tuple[str, object]:
     """Path and value of ``--set PATH=VALUE``."""
     path, value = _pair("--set", text, "=", "contact.friction=0")
-    return path, parse_source(f"value: {value}", f"--set {text}").data["value"]
+    return path, parse_source(f"value: {value}", f"--set {shortened(text)}").data["value"]
 
 
 def parse_until(text: str) -> tuple[str, str]:
@@ -298,5 +326,7 @@ def parse_until(text: str) -> tuple[str, str]:
 def _pair(option: str, text: str, sign: str, example: str) -> tuple[str, str]:
     path, found, value = (part.strip() for part in text.partition(sign))
     if not (path and found and value):
-        raise CaseError(f"{option} {text}: expected a path, {sign} and a value, for example {option} {example}")
+        raise CaseError(
+            f"{option} {shortened(text)}: expected a path, {sign} and a value, for example {option} {example}"
+        )
     return path, value

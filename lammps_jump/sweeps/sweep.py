@@ -7,7 +7,7 @@ import html
 import logging
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, suppress
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
@@ -17,16 +17,30 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.case.case import ReadCase
-from lammps_jump.dump.exports import write_netcdf
+from lammps_jump.dump.exports import csv_text, write_netcdf
 from lammps_jump.engines.choice import usable_cores
 from lammps_jump.errors import CaseError, RunInterrupted
-from lammps_jump.files import SWEEP_FILES, plain, read_json, write_json, write_text
+from lammps_jump.files import SWEEP_FILES, plain, write_json, write_text
 from lammps_jump.folders import Marker, clear
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.runs.summary import read_summary
 
-from .members import OVER, Member, Stage, Start, State, plan, run_members, state_of
+from .listed import POINTS_FILE, read_points
+from .members import (
+    OVER,
+    Member,
+    Stage,
+    Start,
+    State,
+    listed_as,
+    plan,
+    require_no_links,
+    run_folders,
+    run_members,
+    state_of,
+    told,
+)
 from .pool import Pool
 from .study import Study, read_study
 
@@ -35,7 +49,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 log = logging.getLogger(__name__)
-POINTS_FILE = "points.json"
+MOST_UNLISTED = 5_000
+"""Members that the status makes of their cases, milliseconds each, where ``points.json`` does not list them."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +159,7 @@ class Sweep:
     def failed(self) -> list[Failure]:
         """The members that are not in the table although they were run."""
         states = ((member, self.states[member.key]) for member in self.members)
-        return [Failure(m.point, m.seed, m.folder(self.folder), s.message) for m, s in states if s.message]
+        return [Failure(m.point, m.seed, m.folder(self.folder), told(s)) for m, s in states if s.message]
 
     @cached_property
     def values(self) -> pd.DataFrame:
@@ -203,16 +218,45 @@ class Sweep:
 
     def status(self) -> str:
         """One line: how many runs are done, failed, at work, and still to come."""
-        counts = Counter(self.states[member.key].stage for member in self.members)
+        begun = self._begun()
+        counts = Counter(state_of(member, self.folder).stage for member in begun or ())
+        counts["waiting"] += len(self.starts) - len(begun or ())
+        if begun is None:
+            counts = Counter(self.states[member.key].stage for member in self.members)
         said = ", ".join(f"{counts[stage]} {stage}" for stage in get_args(Stage) if counts[stage])
         points = f" at {len(self.study.points)} points" if self.study.axes else ""
-        return f"{len(self.members)} runs{points}: {said}"
+        return f"{len(self.starts)} runs{points}: {said}"
+
+    def _begun(self) -> list[Member] | None:
+        """The members that have a run folder, found by ``points.json``; None where all were read, or it does not tell.
+
+        A member takes milliseconds to be made of its case: of a large study most are not needed.
+        """
+        if "states" in self.__dict__:
+            return None
+        there = run_folders(self.folder)
+        if not there:
+            return []
+        listed = read_points(self.folder)
+        items = listed.members if listed and listed.points == plain(self.study.points) else []
+        if [(item.point, item.seed) for item in items] != [(start.point, start.seed) for start in self.starts]:
+            if len(self.starts) > MOST_UNLISTED:
+                raise CaseError(
+                    f"{self.folder / POINTS_FILE}: does not list these {len(self.starts)} runs, and more than "
+                    f"{MOST_UNLISTED} are not looked for without it; `lammps-jump sweep` of the study writes it"
+                )
+            return None
+        pairs = [(start, item.key) for start, item in zip(self.starts, items, strict=True) if item.key in there]
+        members = plan(self.study.case, [start for start, _ in pairs], self.study.analysis)
+        found = [listed_as(member, key) for member, (_, key) in zip(members, pairs, strict=True)]
+        known = [member for member in found if member is not None]
+        return known if len(known) == len(found) else None
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""
         clear(self.folder, ["figures/sweep_*.png"])
         frame = sweeps.table.flat(self.table, self.study)
-        write_text(self.folder / "table.csv", frame.to_csv(index=False, lineterminator="\n"))
+        write_text(self.folder / "table.csv", csv_text(frame))
         write_netcdf(self.table, self.folder / "table.nc")
         write_json(self.folder / "summary.json", self.summary, indent=2)
         return sweeps.page.write_page(self)
@@ -229,10 +273,8 @@ def _starts(study: Study, folder: Path) -> Iterator[Start]:
     """Members that the study asks for, and those that ``until`` has added before."""
     points = study.points
     seeds = {(point, seed) for point in range(len(points)) for seed in study.fields.members}
-    with suppress(OSError, ValueError, KeyError, TypeError):
-        listed = read_json(folder / POINTS_FILE)
-        if study.fields.until and listed["points"] == plain(points):
-            seeds |= {(int(item["point"]), int(item["seed"])) for item in listed["members"]}
+    if study.fields.until and (listed := read_points(folder)) and listed.points == plain(points):
+        seeds |= {(item.point, item.seed) for item in listed.members}
     return (Start(point, points[point], seed) for point, seed in sorted(seeds))
 
 
@@ -339,7 +381,14 @@ def _complete(found: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepPr
 
 
 def prepare(found: Sweep) -> None:
-    """Write ``study.yaml`` and ``points.json`` into the folder of a study: all that its members need to be run."""
+    """Write ``study.yaml`` and ``points.json`` into the folder of a study: all that its members need to be run.
+
+    Raises
+    ------
+    SetupError
+        The folder of a member is a link.
+    """
+    require_no_links(found.members, found.folder)
     write_text(found.folder / "study.yaml", found.study.to_yaml())
     listed = [{"point": member.point, "seed": member.seed, "key": member.key} for member in found.members]
     write_json(found.folder / POINTS_FILE, {"points": found.study.points, "members": listed})

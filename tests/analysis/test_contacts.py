@@ -13,8 +13,9 @@ from lammps_jump.analysis.contacts import find_contacts, pair_sums, touching_pai
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Block, Plane
+from lammps_jump.scene.walls import Block, Plane, Wall
 from lammps_jump.script import write_script
 
 D, K = 0.2, 1.0e6
@@ -67,7 +68,7 @@ def test_sums_are_those_over_the_contacts_found():
     # bins of half a metre; what is left is the rounding of sums of 1e7 N
     across = found.force * np.abs(found.normal[:, 0])
     assert thrust.sum() * 0.5 == pytest.approx(np.sum((across * extent)[pairs]), rel=1e-10)
-    push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.scene.walls)
+    push = sum(np.array(wall_sums(frame, wall, flow).force) for wall in flow.scene.permanent)
     assert push == pytest.approx((found.force[:, None] * found.normal)[found.is_wall].sum(axis=0), rel=1e-12)
 
 
@@ -129,13 +130,64 @@ def test_friction_at_a_wall_is_that_of_the_engine():
     assert np.any(ramp < 0.3 * np.abs(engine.discs.fy[:20]))  # some discs are below the slip speed
 
 
-def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_it_is_not():
-    frame = disc_frame([0.5, 3.0], [-0.01, -0.01], box=BOX)
+def test_behind_a_plane_a_disc_is_pushed_back_and_inside_a_block_less_than_its_radius_deep():
+    frame = disc_frame([0.5, 3.0, 2.0], [-0.01, -0.01, -0.5], box=BOX)
     flow = flow_context(domain=((0, 4), (0, 4)), x_range=(0, 4), stiffness=K)
-    (behind,) = wall_contacts(frame, FLOOR, flow)
-    assert behind.second.tolist() == [0, 1] and behind.ny.tolist() == [1, 1]
-    assert behind.overlap == pytest.approx(0.11)
-    assert not list(wall_contacts(frame, Block("bed", (0, 4), (-1, 0)), flow))
+    behind = wall_contacts(frame, FLOOR, flow)
+    assert behind.second.tolist() == [0, 1, 2] and behind.ny.tolist() == [1, 1, 1]
+    assert behind.overlap == pytest.approx([0.11, 0.11, 0.6])
+    inside = wall_contacts(frame, Block("bed", (0, 4), (-1, 0)), flow)
+    assert inside.second.tolist() == [0, 1] and inside.ny.tolist() == [1, 1]
+    assert inside.overlap == pytest.approx(0.11)
+
+
+def turned(x, y, angle):
+    """A point turned about the origin."""
+    return x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
+
+
+def slope_of(points, closed=False):
+    """A wall of one chain."""
+    return type("Slope", (Wall,), {"name": "slope", "chains": lambda self: (Chain(tuple(points), closed=closed),)})()
+
+
+def test_a_wall_of_a_thousand_faces_pushes_as_the_line_they_lie_on():
+    """Discs in a list that is too short at first; the normals are those of the line."""
+    rng, angle = np.random.default_rng(10), 0.3
+    places = np.unique(np.append(rng.uniform(-5, 5, 999), (-5.0, 5.0)))
+    many, one = (
+        slope_of([turned(x, 0.0, angle) for x in places]),
+        slope_of([turned(x, 0.0, angle) for x in (-5.0, 5.0)]),
+    )
+    along, height = rng.uniform(-4.9, 4.9, 300), rng.uniform(-0.05, 0.15, 300)
+    frame = disc_frame(*turned(along, height, angle), box=BOX)
+    flow = flow_context(domain=((-10, 10), (-10, 10)), x_range=(-5, 5), stiffness=K)
+    found, expected = (wall_contacts(frame, wall, flow) for wall in (many, one))
+    assert found.second.tolist() == expected.second.tolist() == np.flatnonzero(height < 0.5 * D).tolist()
+    np.testing.assert_allclose(found.overlap, expected.overlap, atol=1e-14)
+    np.testing.assert_allclose(found.nx, expected.nx, atol=1e-12)
+
+
+def test_thrust_is_the_whole_contact_force():
+    """The whole force of a contact goes through a plane: 10 kN of spring, 3 kN of friction, along (0.6, 0.8) and across.
+
+    The rims slide at 3 m/s; turning discs roll on each other at 15 rad/s, and slide the same way at half of it.
+    """
+    law = {"stiffness": K, "friction": 0.3, "gamma_tangential": 500.0, "rotation": True}
+    flow = flow_context(domain=((-10, 10), (-10, 10)), x_range=(0, 2), **law)
+    right, edges = (0.19 * 0.6, 0.19 * 0.8), np.array([-0.19 * 0.6, 0.0, 0.19 * 0.6])
+
+    def thrust(x, y, vx, vy, **more):
+        return pair_sums(disc_frame(x, y, vx, vy, box=BOX, **more), flow, edges).thrust
+
+    x, y, vx, vy = (0.0, right[0]), (0.0, right[1]), np.array([0.0, -2.4]), np.array([0.0, 1.8])
+    assert thrust(x, y, vx, vy) == pytest.approx([0.0, 6000.0 + 2400.0])
+    assert thrust(x, y, -vx, -vy) == pytest.approx([0.0, 6000.0 - 2400.0])
+    assert thrust(x, y, vx, vy, omegaz=np.full(2, 15.0)) == pytest.approx([0.0, 6000.0])
+    assert thrust(x, y, vx, vy, omegaz=np.full(2, 7.5)) == pytest.approx([0.0, 6000.0 + 2400.0])
+    # and a third disc on the left, which slides the other way than the mirror of the second
+    x, y, vx, vy = (-right[0], *x), (right[1], *y), np.append(-2.4, vx), np.append(-1.8, vy)
+    assert thrust(x, y, vx, vy) == pytest.approx([6000.0 - 2400.0, 6000.0 + 2400.0])
 
 
 def test_discs_at_one_place_are_no_contact():

@@ -14,7 +14,8 @@ from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Gate, InletRow, Outlet
+from lammps_jump.scene.motion import gate
+from lammps_jump.scene.scene import InletRow, Outlet
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Box, Plane
 
@@ -76,14 +77,12 @@ def test_radii_and_masses_of_discs():
 
 
 def test_walls_and_gates_bound_the_stretch():
-    gate = Gate(Plane("gate", "x", 4.0, "below"), 200)
-    c = from_scene(
-        scene(walls=(Plane("back", "x", 0.5, "above"), Plane("floor", "y", -1.0, "above")), inlets=(), gates=(gate,))
-    )
+    shut = gate(Plane("gate", "x", 4.0, "below"), 200)
+    c = from_scene(scene(walls=(Plane("back", "x", 0.5, "above"), Plane("floor", "y", -1.0, "above"), shut), inlets=()))
     assert c.x_range == (0.5, 90.0)
     assert c.bed_height(3.0) == -1.0
-    assert gate.wall in c.walls_at(-0.001) and gate.wall not in c.walls_at(0.0)
-    assert c.scene.wall("gate") is gate.wall
+    assert shut.wall in c.walls_at(-0.001) and shut.wall not in c.walls_at(0.0)
+    assert c.scene.wall("gate") is shut.wall
     with pytest.raises(KeyError):
         c.scene.wall("none")
     box = from_scene(scene(walls=(Box("box", (0, 2), (0.25, 2)),), inlets=(), outlets=()))

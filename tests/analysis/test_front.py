@@ -163,7 +163,7 @@ def test_front_stops_to_count_at_an_obstacle():
     time = np.linspace(0, 4, 81)
     front = np.minimum(4 + 10 * time, 20.0)
     history = made_history(time, front, 12 + 0 * time, (4.0, 12.0))
-    assert free_length(flow, history) == pytest.approx(20.0)
+    assert free_length(flow, history, history.column[0]) == pytest.approx(20.0)
     summary = numbers(analyse_front(history, flow))
     assert summary["arrival_time"] == pytest.approx(1.6, abs=0.06)  # frames every 0.05 s
     assert summary["speed"] == pytest.approx(10.0, rel=1e-9)
@@ -174,9 +174,11 @@ def test_back_wall_and_free_length():
     assert back_wall(context((Box("tank", (1, 9), (0, 5)),))) == 1.0
     assert back_wall(context((Plane("floor", "y", 0, "above"),))) is None
     history = made_history(np.zeros(1), np.full(1, 2.0), np.ones(1), (2.0, 1.0))
-    assert free_length(context(), history) == np.inf
+    assert free_length(context(), history, history.column[0]) == np.inf
     falls = (Plane("back", "x", 0, "above"), Block("floor", (-5, 30), (-5, 0)))
-    assert free_length(context(falls), history) == pytest.approx(30.0, abs=0.1)  # the floor ends; looked at every 5 cm
+    assert free_length(context(falls), history, history.column[0]) == pytest.approx(
+        30.0, abs=0.1
+    )  # the floor ends; looked at every 5 cm
 
 
 def test_no_wall_takes_the_columns_own_edge():
@@ -205,3 +207,21 @@ def test_no_common_range_gives_no_number():
     assert np.isnan(rms(off_curve(np.array([0.0, 0.1]), np.array([1.0, 1.0]), [2.0, 3.0], [1.0, 1.0])))
     assert np.isnan(rms(off_curve(np.array([0.0]), np.array([np.nan]), [0.0], [1.0])))
     assert off_curve(np.array([0.0, 2.0]), np.array([1.0, 3.0]), [0.0, 1.0], [2.0, 1.0], beyond=0.5) == [1.0]
+
+
+def test_a_column_of_discs_larger_than_the_nominal_one_has_its_height():
+    """Discs of 0.2 and 0.5 m; the nominal one has 0.2 m, and 0.5 m are more than two of it."""
+    sizes = np.array([0.2] + [0.5] * 4)
+    y = np.cumsum(sizes) - 0.5 * sizes
+    x = np.concatenate([[0.1], np.full(4, 0.25), np.full(5, 0.75)])
+    columns = {"radius": 0.5 * np.concatenate([sizes, sizes])}
+    frame = disc_frame(x, np.concatenate([y, y]), box=[[-1, 100], [-1, 40]], **columns)
+    history = tracked([frame], context(sized=True))
+    assert history.column == pytest.approx((1.0, 2.2)) and history.height[0] == pytest.approx(2.2)
+
+
+def test_a_flow_that_discs_enter_has_no_column():
+    frames = [block(4, 2), block(5, 2, step=1, time=0.1)]
+    found = numbers(analyse_front(tracked(frames, context()), context()))
+    assert found["position"] == pytest.approx(5) and found["column_base"] is found["column_depth"] is None
+    assert found["ritter"] is found["martin_moyce"] is None

@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 from made_up import call, columns_of_discs
 
+from lammps_jump.analysis import quantities
+from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.guess import from_dump
+from lammps_jump.analysis.passes import gather
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.report.headline import headline
+from lammps_jump.analysis.quantities import analyse
+from lammps_jump.analysis.report.headline import headline, verdict
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
@@ -44,16 +48,17 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
     assert found["profiles"]["axis"] == "step" and found["profiles"]["last_time"] == 500 * 19
     jump, front = found["jump"], found["front"]
     assert jump["y1"] == pytest.approx(1, rel=0.02) and jump["y2"] == pytest.approx(6, rel=0.02)
-    assert jump["sequent_ratio"] == pytest.approx(6, rel=0.03) and jump["length"] > 0
+    assert jump["local"]["sequent_ratio"] == pytest.approx(6, rel=0.03) and jump["length"] > 0
     made = {"time", "members", "drift", "budget", "stream", "mass", "momentum_terms", "head_lost", "class", "speed"}
     made |= {key for key in jump if any(word in key for word in ("froude", "belanger", "head_", "energy", "momentum"))}
     made |= {key for key in jump if "speed" in key}
     assert {key: jump[key] for key in made} == dict.fromkeys(made)
+    assert jump["local"]["froude"] is jump["local"]["belanger_y2"] is jump["local"]["energy_loss"] is None
     assert front["position"] is not None
     for key in ("time", "speed", "arrival_time", "ritter", "martin_moyce"):
         assert front[key] is None
     known = "vx" in columns
-    assert (jump["u1"] is None, front["highest_surface_speed"] is None) == (not known, not known)
+    assert (jump["local"]["u1"] is None, front["highest_surface_speed"] is None) == (not known, not known)
     profiles = read_netcdf(folder / "profiles.nc")
     assert profiles.time.attrs == {"units": "1", "long_name": "step"}
     assert bool(np.isfinite(profiles.velocity).any()) is known
@@ -61,7 +66,7 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
         assert (folder / table).read_text().startswith("step,")
     page = (folder / "report.html").read_text()
     assert "speed, Froude number and head are not known" in page
-    assert "its front is at 40.00 m at the last frame." in headline({"front": front})
+    assert "Discs flow in; the front is at 40.00 m at the last frame." in headline({"front": front})
     curves = json.loads((folder / "curves.json").read_text())
     assert "martin_moyce" not in curves and "jump_frame" not in curves
     assert curves["jump_track"]["x"] == curves["front"]["x"] == "Step" and not curves["front"]["time"]
@@ -123,7 +128,7 @@ def test_the_command_takes_files_of_a_frame_units_and_types(monkeypatch, capsys,
     for files in (["flow.*.lammps"], sorted(path.name for path in tmp_path.glob("flow.*"))):
         status, said, message = call(monkeypatch, capsys, "analyze", *files, *options)
         assert status == 0, message
-        assert "its front is at 4" in said and "note: Gravity taken" in said
+        assert "the front is at 4" in said and "note: Gravity taken" in said
         assert "report: flow_analysis/report.html" in said
         found = json.loads((tmp_path / "flow_analysis" / "summary.json").read_text())
         assert found["name"] == "flow.*.lammps" and found["profiles"]["frames"] == 6
@@ -150,3 +155,110 @@ def test_options_that_say_nothing(monkeypatch, capsys, tmp_path, option, value, 
     flat = " ".join(message.replace("│", " ").split())
     assert status == 2 and option in flat and said in flat
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+def overfall(folder, frames=12, **more):
+    """A bore as `bore`, whose tail water meets a sill of 2 m at x = 30 m and falls 6 m deep beyond x = 31 m."""
+    with DumpWriter(folder / "fall", (*COLUMNS, *more)) as writer:
+        for k in range(frames):
+            front = 15 - 0.1 * k
+            stream = columns_of_discs(lambda at, front=front: np.where(at < front, 5, 30), 0.0, 30.0, d=D)
+            above = columns_of_discs(15, 30.0, 31.0, d=D, bed=2.0)
+            fall = 31.1 + np.arange(20) * D, 4.0 - 0.025 * np.arange(20) ** 2
+            x, y = np.hstack([stream, above, fall])
+            values = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": np.where(x < front, 12.0, 1.5), "vy": 0 * x}
+            values |= {name: made(x) for name, made in more.items()}
+            writer.write_frame(make_frame(500 * k, 0.1 * k, [[-5, 45], [-5, 20], [-2, 2]], values))
+    return folder / "fall"
+
+
+def test_the_floor_ends_before_a_sill_and_a_fall(tmp_path):
+    flow = from_dump(open_dump(overfall(tmp_path)), diameter=D)
+    assert flow.bed_height(np.array([0.1, 15, 29.9])) == pytest.approx(0, abs=1e-6), "not the lowest falling disc"
+    assert np.isnan(flow.bed_height(np.array([30.1, 33]))).all()
+    assert any("It runs from x = 0 to 30 m" in note for note in flow.notes)
+    found = analyse(flow, tmp_path / "fall", tmp_path / "made", ["jump"], figures="none")
+    tail = found["jump"]["tail"]
+    # 3 m are half a depth: the tail water ends before the sill, and has its 6 m
+    assert (found["jump"]["at"], found["jump"]["y2"]) == ("tail water", pytest.approx(6, rel=1e-3))
+    assert tail["length"] < 30 - 3 - 15
+    assert found["jump"]["y2"] == pytest.approx(6, rel=0.02)
+
+
+def test_a_level_floor_without_a_fall_is_endless(tmp_path):
+    flow = from_dump(open_dump(bore(tmp_path)), diameter=D)
+    assert flow.bed_height(np.array([-100.0, 100.0])) == pytest.approx(0, abs=1e-6)
+
+
+def test_a_flow_of_three_dimensions_is_refused(tmp_path, monkeypatch, capsys):
+    layer = overfall(tmp_path, frames=2, z=lambda x: 0.1 * np.sin(x))
+    assert from_dump(open_dump(layer), diameter=D).scene.diameter == D
+    status, _, message = call(monkeypatch, capsys, "analyze", layer, "--diameter", 0.15)
+    assert status == 2 and "a flow in three dimensions; allowed is one layer of discs" in message
+    assert "z runs from -0.0999" in message and [path.name for path in tmp_path.iterdir()] == ["fall"]
+
+
+def test_discs_behind_each_other_are_told(tmp_path):
+    path = bore(tmp_path, frames=2)
+    for diameter, told in ((D, False), (2.5 * D, True)):
+        warnings: list[str] = []
+        gather(open_dump(path), from_dump(open_dump(path), diameter=diameter), [], warnings)
+        assert any("times the area below the surface" in note for note in warnings) is told
+
+
+def test_a_guessed_diameter_says_that_it_is_the_smallest(tmp_path):
+    for name, usual, told in (("equal", D, False), ("several", 1.1 * D, True)):
+        with DumpWriter(tmp_path / name, COLUMNS) as writer:
+            x = np.cumsum(np.where(np.arange(100) < 10, D, usual))
+            values = {"id": np.arange(100) + 1, "x": x, "y": 0 * x, "vx": 0 * x, "vy": 0 * x}
+            writer.write_frame(make_frame(0, 0.0, [[-5, 45], [-5, 20]], values))
+        notes = from_dump(open_dump(tmp_path / name)).notes
+        assert any(f"guessed as {D:.6g} m" in note and "All discs count as equal" in note for note in notes)
+        assert any("the guess is that of the smallest" in note for note in notes) is told
+
+
+def test_a_steady_flow_is_no_collapsed_column(tmp_path):
+    with DumpWriter(tmp_path / "jet", COLUMNS) as writer:
+        for k in range(12):
+            x = np.arange(0.1, 12, 1.0) + 0.5 * k % 1.0
+            y = np.where(x < 8, 0.1, 0.1 - 0.5 * (x - 8) ** 2)
+            ids = np.arange(12) + 100 - (k // 2)
+            values = {"id": ids, "x": x, "y": y, "vx": 0 * x + 5, "vy": 0 * x}
+            writer.write_frame(make_frame(500 * k, 0.1 * k, [[-5, 45], [-20, 20]], values))
+    found = analyse(
+        from_dump(open_dump(tmp_path / "jet"), diameter=D), tmp_path / "jet", tmp_path, ["front"], figures="none"
+    )
+    assert found["front"]["column_base"] is found["front"]["ritter"] is found["front"]["martin_moyce"] is None
+    assert "collapsed" not in headline(found) and "Discs flow in; the front is at" in headline(found)
+    assert verdict(found).startswith("The front of the discs is at")
+
+
+def test_results_of_a_dump_open_in_the_other_commands(tmp_path, monkeypatch, capsys):
+    """Films and figures are empty files here: drawing them takes seconds and is tested elsewhere."""
+
+    def draw_figures(names, shown, folder, dump, flow):
+        folder.mkdir(exist_ok=True)
+        for name in names:
+            (folder / f"{name}.png").write_text(f"{flow.bin_width} {len(open_dump(dump))}")
+
+    monkeypatch.setattr(quantities, "draw_figures", draw_figures)
+    monkeypatch.setattr(film, "animate", lambda dump, flow, path, **_: path.write_text(f"{flow.bin_width} {len(dump)}"))
+    monkeypatch.setattr(film, "has_ffmpeg", lambda: True)
+    monkeypatch.chdir(tmp_path)
+    analyse_dump(bore(tmp_path, timed=True, frames=9), None, D, None, 0.5, None)
+    made, drawn = "flow_7_analysis", "0.5 9"  # the flow as it was analysed
+    for arguments, file, said in (
+        (("export", made, "--csv", "--vtk", "--pictures"), f"{made}/picture8.dat", ""),
+        (("animate", made), f"{made}/animation.mp4", drawn),
+        (("figures", made), f"{made}/figures/jump_track.png", drawn),
+        (("compare", made, made, "--out", "page.html"), "page.html", "Velocity of the front"),
+    ):
+        status, out, message = call(monkeypatch, capsys, *arguments)
+        assert (status, message) == (0, ""), arguments
+        assert file in out.split() and said in (tmp_path / file).read_text()
+    assert (tmp_path / "page.html").read_text().count('class="player"') == 2
+    status, _, message = call(monkeypatch, capsys, "export", "flow_7.lammpstrj", "--csv")
+    assert status == 2 and "is a dump; allowed is a run folder or the folder of a dump's results" in message
+    (tmp_path / "flow_7.lammpstrj").unlink()
+    status, _, message = call(monkeypatch, capsys, "figures", made)
+    assert status == 2 and "flow_7.lammpstrj, which is no longer there" in message

@@ -10,7 +10,7 @@ from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.dump.exports import write_table
 from lammps_jump.physics.jump import sequent_depth
-from lammps_jump.scene.scene import Gate
+from lammps_jump.scene.motion import gate
 from lammps_jump.scene.walls import Block, Box, Plane
 
 WALLS = (Block("floor", (-5, 30), (-2, 0)), Block("sill", (20, 21), (-2, 1)))
@@ -61,9 +61,9 @@ def test_without_a_track_or_with_a_damaged_one_there_is_no_line(tmp_path):
 
 
 def test_walls_and_gates_are_closed_polygons(tmp_path):
-    gate = Gate(Block("gate", (5, 5), (0, 3)), 2000)
-    found = header(tmp_path, walls=(*WALLS, Box("box", (0, 29), (-3, 9)), Plane("lid", "y", 9, "below")), gates=(gate,),
-                   time_step=1e-3)  # fmt: skip
+    shut = gate(Block("gate", (5, 5), (0, 3)), 2000)
+    walls = (*WALLS, Box("box", (0, 29), (-3, 9)), Plane("lid", "y", 9, "below"), shut)
+    found = header(tmp_path, walls=walls, time_step=1e-3)
     assert [(wall["name"], wall["hollow"], len(wall["points"])) for wall in found["walls"]] == [
         ("floor", False, 4), ("sill", False, 4), ("box", True, 4), ("lid", False, 4),
     ]  # fmt: skip

@@ -292,6 +292,17 @@ def test_window_of_the_means():
         add_means(ds, (7.0, 8.0))
 
 
+def test_the_mean_velocity_is_the_mean_discharge_over_the_mean_depth():
+    """A deep stream of 1 m/s and a shallow one of 5 m/s in turn, and frames without a disc."""
+    deep, shallow = lattice(5), lattice(1)
+    frames = [frame(*(shallow if i % 2 else deep), u=5.0 if i % 2 else 1.0, step=i, time=0.1 * i) for i in range(20)]
+    ds = compute_profiles(frames, context(window=(0.0, 1.9)))
+    np.testing.assert_allclose(ds.velocity_mean, (5 * 1 + 1 * 5) / 6)
+    np.testing.assert_allclose(ds.velocity_mean * ds.mass_depth_mean, ds.discharge_mean)
+    assert ds.velocity_mean.long_name == "mean discharge over mean mass depth"
+    assert (ds.velocity_stderr >= 0).all()
+
+
 def test_bins_and_what_cannot_be_binned():
     np.testing.assert_allclose(bin_edges((0.0, 1.0), 0.1), np.arange(11) / 10)
     np.testing.assert_allclose(bin_edges((0.0, 1.05), 0.5), [0, 0.5, 1.0])

@@ -105,16 +105,17 @@ def made_jump(**given):
 
 
 def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_comparison(tmp_path):
-    jump = made_jump(speed=-1.0, speed_error=None, u1=9.0, sequent_ratio=5.0, sequent_ratio_error=0.04)
-    jump |= {"belanger_ratio": 5.2, "belanger_deviation": -0.038, "length": 7.0, "lower_bounds": ["sequent_ratio"]}
+    jump = made_jump(speed=-1.0, speed_error=None, y2=5.0, y2_error=0.04, at="tail water")
+    jump |= {"belanger_y2": 5.2, "belanger_deviation": -0.038, "length": 7.0, "lower_bounds": ["y2"]}
     force = {"sill": {"peak": 4200.0, "peak_error": 300.0, "hydrostatic": 2100.0, "mean_fx": 1.0}}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump, "force": force}))
-    title = "A hydraulic jump. Its depth ratio is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
+    title = "A hydraulic jump. Its tail water is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
     assert content.index(title) < content.index("Compare this − with that.") < content.index('class="numbers"')
     assert tiles(content) == {
-        "Sequent-depth ratio s₂/s₁": ("5.000", " ± 0.04†||Bélanger 5.2|"),
+        "Sequent depth, by mass": ("5.000", " ± 0.04† m||Bélanger 5.2 m|"),
         "Velocity of the front": ("−1", " m/s|"),
-        "Peak force on the sill": ("4.20", " ± 0.3 kN/m||ρgh²/2 2.1 kN/m|"),
+        "Length of the jump": ("7", " m|"),
+        "Peak force on the sill": ("4.20", " ± 0.3 kN/m||hydrostatic on its wetted face 2.1 kN/m|"),
     }
     sure = "± is one standard error within this run. † At least: one run cannot tell. Without ±: no error from one run;"
     assert sure in content
@@ -126,9 +127,9 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
 
 
 def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
-    error = {"sequent_ratio_error": 0.1, "y1_error": 0.01, "speed_error": 0.9}
-    jump = made_jump(sequent_ratio=5.0, y1=1.0, speed=1.0, u1=8.0, **error)
-    jump |= {"tail": {"depth": 3.0, "depth_error": 0.1, "belanger_y2": 3.5, "belanger_deviation": 0.2}}
+    error = {"y2_error": 0.1, "froude_error": 0.01, "speed_error": 0.9}
+    jump = made_jump(y2=3.0, at="tail water", froude=4.0, speed=1.0, length=5.0, **error)
+    jump |= {"belanger_y2": 3.5, "belanger_deviation": 0.2}
     force = {name: {"mean_fx": 1e3, "mean_fx_error": 10.0, "peak": 5.0} for name in ("sill", "gate")}
     summary = {"name": "x", "jump": jump, "force": force, "inflow": {"delivered": 6.0}, "discs": {"inserted": 5}}
     (tmp_path / "figures").mkdir()
@@ -265,16 +266,15 @@ def test_a_number_without_an_error_is_said_to_have_none():
 
 
 def test_boxes_have_the_errors_of_both_numbers_and_say_what_one_run_cannot_tell():
-    jump = {key: None for key in numbers(Jump("", ""))} | {"verdict": "jump", "y1": 0.6, "y1_error": 0.01}
-    jump |= {"tail": {"depth": 3.5, "depth_error": 0.02, "belanger_y2": 3.6, "belanger_y2_error": 0.03}}
-    jump["tail"]["lower_bounds"] = ["depth"]
-    summary = {"jump": jump, "inflow": {"depth": 0.61, "depth_error": 0.002}}
+    jump = {key: None for key in numbers(Jump("", ""))} | {"verdict": "jump", "length": 4.0, "length_error": 0.1}
+    jump |= {"y2": 3.5, "y2_error": 0.02, "belanger_y2": 3.6, "belanger_y2_error": 0.03, "lower_bounds": ["y2"]}
+    jump |= {"length_theory": 20.0, "length_theory_error": 0.1}
+    summary = {"jump": jump}
     boxes, sure = key_numbers(summary)
-    tail, depth = boxes
+    tail, length = boxes
     assert "† At least" in sure
     assert (tail.value, tail.error, tail.unit) == ("3.500", "0.02†", "m") and "3.600 ± 0.03 m" in tail.against
-    assert depth.unit == "m"
-    assert depth.against == "behind the inlet 0.6100 ± 0.002 m"  # what came in, not what was asked
+    assert length.unit == "m" and length.against == "thesis (4.27) 20.00 ± 0.1 m"
     assert "Without ±" not in sure
-    assert "Without ±" in key_numbers(summary | {"inflow": {"depth": 0.61}})[1]
+    assert "Without ±" in key_numbers({"jump": jump | {"length_error": None, "length_theory_error": None}})[1]
     assert key_numbers(summary | {"jump": jump | {"verdict": "locked heap"}})[0] == []

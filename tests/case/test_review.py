@@ -44,3 +44,14 @@ def test_a_doubt_stands_first(changes, doubt):
 
 def test_a_case_without_a_jump_asked_for_is_not_judged_as_one():
     assert first_lines("analysis.jump=false", "walls.sill.y=[-5, 0.5]")[0] == "this case is fine"
+
+
+def test_a_column_at_the_inlet_that_contradicts_the_inflow_is_named():
+    case = load_case(QUICK)
+    assert not any("column at the inlet" in note for note in case.scene().warnings)
+    for change, said in (
+        ({"initial.0.velocity": [4, 0]}, "0.6 m deep at 4 m/s, the inflow 0.6 m at 10 m/s"),
+        ({"inflow.depth": 0.9}, "0.6 m deep at 10 m/s, the inflow 0.9 m at 10 m/s"),
+    ):
+        (note,) = (note for note in case.replace(change).scene().warnings if "column at the inlet" in note)
+        assert note.startswith("initial.0: ") and said in note

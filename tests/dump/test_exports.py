@@ -3,15 +3,24 @@
 
 import base64
 import csv
+import sys
 import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from children import run_child
 from made_up import flow_context
 
 from lammps_jump.analysis.fields import compute_fields
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.dump.exports import write_pictures, write_profiles_csv, write_pvd, write_table, write_vti, write_vtp
+from lammps_jump.dump.exports import (
+    write_pictures,
+    write_profiles_csv,
+    write_pvd,
+    write_table,
+    write_vti,
+    write_vtp,
+)
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.frame import make_frame, ten_indices
 from lammps_jump.dump.read import open_dump
@@ -167,3 +176,20 @@ def test_discs_of_several_sizes(tmp_path):
         writer.write_frame(make_frame(0, 0.0, graded.box, graded.columns))
     (picture,) = write_pictures(open_dump(path), tmp_path)
     assert picture.read_text() == "1 1 0.5 0.125\n2 0 0.5 0.1\n"
+
+
+LOADS = """
+import os
+os.environ.pop("KMP_DUPLICATE_LIB_OK", None)
+before = dict(os.environ)
+import xarray
+from lammps_jump.dump.exports import _load_netcdf
+_load_netcdf()
+assert os.environ == before, set(os.environ) - set(before)
+"""
+
+
+def test_the_environment_stays_that_of_the_caller():
+    """The library behind scipy's NetCDF sets KMP_DUPLICATE_LIB_OK when it is loaded, once a process."""
+    status, said = run_child([sys.executable, "-c", LOADS])
+    assert status == 0, said

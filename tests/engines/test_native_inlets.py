@@ -13,7 +13,8 @@ from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Gate, InletRow, Outlet, Pour
+from lammps_jump.scene.motion import gate
+from lammps_jump.scene.scene import InletRow, Outlet, Pour
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D = 0.2
@@ -125,8 +126,8 @@ def test_pour_fills_without_overlap():
 
 @pytest.mark.parametrize(("release", "turned"), [(1, False), (3000, True)])
 def test_gate_holds_until_its_release(release, turned):
-    gate = Gate(Plane("gate", "x", 1.0, "below"), release)
-    scene = handmade_scene([[0.85, 0.0]], [[1.0, 0.0]], gates=(gate,), gravity=(0.0, 0.0), restitution=1.0)
+    shut = gate(Plane("gate", "x", 1.0, "below"), release)
+    scene = handmade_scene([[0.85, 0.0]], [[1.0, 0.0]], (shut,), gravity=(0.0, 0.0), restitution=1.0)
     simulation = NativeSimulation(scene)
     simulation.run(2000)  # touches after 0.05 m: 566 steps
     assert (simulation.velocities[0, 0] < 0) == turned
@@ -218,10 +219,10 @@ def test_a_wrong_cell_size_is_refused():
 
 def test_probe_on_a_gate_counts_until_its_release():
     """Two gates, the first of which goes in mid-window: each keeps its own sum."""
-    gates = (Gate(Plane("early", "x", 0.18, "below"), 51), Gate(Plane("late", "y", 0.18, "below"), 10**6))
+    gates = (gate(Plane("early", "x", 0.18, "below"), 51), gate(Plane("late", "y", 0.18, "below"), 10**6))
     corner = (Plane("left", "x", 0.0, "above"), Plane("low", "y", 0.0, "above"))
     scene = handmade_scene(
-        [[0.09, 0.09]], [[0, 0]], corner, gates=gates, gravity=(0.0, 0.0), restitution=1.0,
+        [[0.09, 0.09]], [[0, 0]], (*corner, *gates), gravity=(0.0, 0.0), restitution=1.0,
         probes=("early", "late"), probe_steps=100,
     )  # fmt: skip
     simulation = NativeSimulation(scene)

@@ -6,7 +6,8 @@ import pytest
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Gate, InletRow, Outlet
+from lammps_jump.scene.motion import gate
+from lammps_jump.scene.scene import InletRow, Outlet
 from lammps_jump.scene.walls import Box, Plane
 
 D = 0.2
@@ -67,9 +68,9 @@ def test_books_of_the_inlet_and_of_free_flight_are_exact():
 
 def test_released_gate_takes_its_elastic_energy():
     """A disc squeezed between wall and gate: half its elastic energy goes with the gate, half becomes motion."""
-    gate = Gate(Plane("gate", "x", D - 0.02, "below"), 10)
+    shut = gate(Plane("gate", "x", D - 0.02, "below"), 10)
     wall = Plane("wall", "x", 0.0, "above")
-    scene = handmade_scene([[D / 2 - 0.01, 0]], [[0, 0]], (wall,), gates=(gate,), gravity=(0.0, 0.0), restitution=1.0)
+    scene = handmade_scene([[D / 2 - 0.01, 0]], [[0, 0]], (wall, shut), gravity=(0.0, 0.0), restitution=1.0)
     simulation = NativeSimulation(scene)
     simulation.run(200)
     ledger = simulation.ledger

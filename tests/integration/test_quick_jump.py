@@ -21,7 +21,7 @@ def test_every_frame_of_the_window_has_a_jump_with_level_tail_water(run):
     jump, inflow = run.jump, run.summary["inflow"]
     assert jump.verdict == "jump" and jump.frames_found == jump.frames_in_window == 41
     assert abs(jump.tail.slope) < 0.03 and jump.tail.length > 5.0
-    assert abs(jump.tail.belanger_deviation) < 0.05
+    assert abs(jump.belanger_deviation) < 0.05
     assert -0.75 < jump.speed < -0.45
     assert inflow["refused"] == 0 and inflow["delivered"] == pytest.approx(6.0, rel=2e-3)
 
@@ -36,4 +36,4 @@ def test_it_starts_full_without_a_crystal(run):
     """The front is there at once and moves as it does later; discs in the tail water have no lattice's packing."""
     track = run.jump.measured.track
     assert track.found.all()
-    assert 0.80 < run.jump.packing_2 < 0.86  # hexagonal 0.907
+    assert 0.80 < run.jump.local.packing_2 < 0.86  # hexagonal 0.907

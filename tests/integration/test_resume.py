@@ -24,7 +24,8 @@ from lammps_jump.engines.launch import Setting, run
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
 from lammps_jump.runs import engine
-from lammps_jump.scene.scene import Gate, Pour
+from lammps_jump.scene.motion import gate
+from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Plane
 from lammps_jump.script.resume import continuation_text
 
@@ -176,10 +177,10 @@ def test_a_pour_goes_on_with_the_discs_that_are_left(kernel, tmp_path):
 @pytest.mark.parametrize("stop", [1000, 3500])
 @pytest.mark.parametrize("kernel", ["stock", "compiled"])
 def test_a_gate_before_inlets_goes_on_closed_or_open(kernel, stop, tmp_path):
-    gate = Gate(Plane("gate", "x", 3.0, "below"), 3000)
+    shut = gate(Plane("gate", "x", 3.0, "below"), 3000)
     scene = scene_of("quick_jump", "run.duration=2", "contact.friction=0.1")
     rows = tuple(replace(row, first_step=row.first_step + 3000) for row in scene.inlets)
-    scene = replace(scene, gates=(gate,), settle_steps=3000, inlets=rows, steps=5900)
+    scene = replace(scene, walls=(*scene.walls, shut), settle_steps=3000, inlets=rows, steps=5900)
     discs = np.array([[1.0 + 0.1601 * i, 0.1 + 0.16 * j] for i in range(12) for j in range(4)])
     scene = replace(scene, positions=discs, velocities=np.zeros_like(discs))
     engine = {"kernel": kernel, "plugin": plugin_of(kernel)}

@@ -11,7 +11,7 @@ from made_up import plugin_or_skip
 
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps
-from lammps_jump.scene import Gate, InletRow, Plane, Sizes, handmade_scene
+from lammps_jump.scene import InletRow, Plane, Sizes, handmade_scene
 from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
@@ -57,7 +57,8 @@ def end(scene, folder, kernel):
 def test_the_second_run_changes_nothing(kernel, sizes, gate, tmp_path):
     scene = heap(sizes)
     if gate:
-        scene = replace(scene, gates=(Gate(Plane("gate", "x", 2.05, "below"), FIRST - 1),), settle_steps=FIRST - 1)
+        shut = gate(Plane("gate", "x", 2.05, "below"), FIRST - 1)
+        scene = replace(scene, walls=(*scene.walls, shut), settle_steps=FIRST - 1)
     alone, apart = end(replace(scene, inlets=()), tmp_path / "alone", kernel), end(scene, tmp_path / "two", kernel)
     assert (alone[0], apart[0]) == (40, 43)
     assert np.abs(apart[1] - alone[1]).max() < 1e-9  # m, m/s, rad/s; 5e-3 and more without the half step

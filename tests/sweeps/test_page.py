@@ -10,7 +10,9 @@ import pytest
 from made_up import STUDY
 
 import lammps_jump as lj
-from lammps_jump.analysis.report.page import Choice
+from lammps_jump.analysis.report.coder import LETTERS
+from lammps_jump.analysis.report.page import Choice, Player, Section, render
+from lammps_jump.analysis.report.received import read_player
 from lammps_jump.sweeps import Sweep, open_sweep, page, prepare, read_study, slurm, study_folder
 
 MEMBERS = {
@@ -70,9 +72,44 @@ def test_one_member_and_members_without_frames(done, tmp_path):
     two = Sweep(read_study({**MEMBERS, "members": 2}), folder, done.starts[:2])
     assert page.players(Sweep(two.study, folder, done.starts[:1]))[0].names == ["Member 1"]
     (two.runs[0].folder / "player.json").write_text("{")
-    assert page.players(two)[0].names == ["Member 2"]
+    choice, text = page.players(two)
+    assert choice.names == ["Member 2"] and "is damaged): 1." in text.text
     (two.runs[1].folder / "player.json").unlink()
+    assert [block.text for block in page.players(two)] == ["Members without a player (player.json is damaged): 1."]
+    (two.runs[0].folder / "player.json").unlink()
     assert page.players(two) == []
+
+
+@pytest.mark.fault("values in JSON files")
+def test_a_player_that_was_handed_on_is_checked(done, tmp_path, tried):
+    """Frames that are markup or no packed data, and counts that do not fit them: the page would run on them."""
+    path, whole = tmp_path / "player.json", json.loads((done.runs[0].folder / "player.json").read_text())
+    header, frames = whole["header"], whole["frames"]
+    path.write_text(json.dumps(whole))
+    taken = read_player(path)
+    assert taken.frames == frames and json.loads(json.dumps(taken.header)) == header
+    refresh = '</script><meta http-equiv="refresh" content="0;url=http://127.0.0.1/">'
+    random = np.random.default_rng(1)
+    noise = LETTERS[random.integers(0, len(LETTERS), len(frames))].tobytes().decode()
+    texts = ["", refresh, frames + refresh, frames[:-1], frames + "a", frames[: len(frames) // 2], noise, "é" + frames]
+    wrong = [{"frames": text} for text in texts]
+    changes = {
+        "rows": [header["rows"] - 1, header["rows"] + 1, 10**9, -1, "3"], "discs": [header["discs"] + 1, 2**32, 0.5],
+        "times": [[], header["times"][:-1], header["times"][::-1], [0.0] * 41, None], "radii": [[], [0.0], [1e12]],
+        "bins": [{"low": 0, "width": 1e-300, "count": 5}, {"low": 0, "width": 1, "count": 10**9}, {}],
+        "map": [{**header["map"], "counts": [10**5, 10**5]}, {**header["map"], "counts": [1, 1]}, {}],
+        "seen": [[[0, 0], [0, 1]], [[0, 1e300], [0, 1]]], "walls": [refresh, [{}]], "sequent": [[]], "more": [1],
+    }  # fmt: skip
+    wrong += [{"header": {**header, name: value}} for name, values in changes.items() for value in values]
+    for changed in wrong:
+        path.write_text(json.dumps({**whole, **changed}))
+        with pytest.raises(ValueError):
+            read_player(path)
+    path.write_text(json.dumps({**whole, "still": ["x", "http://127.0.0.1/"]}))
+    assert read_player(path).still is None
+    with pytest.raises(ValueError):
+        render("page", [Section("", [Player(header, refresh)])])
+    tried(len(wrong))
 
 
 def test_members_of_points_keep_no_frames(tmp_path):

@@ -126,3 +126,45 @@ def test_words_of_the_command_line():
     for parse in (parse_axis, parse_set, parse_until):
         with pytest.raises(lj.CaseError, match="for example --"):
             parse("contact.friction")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "*SECRET\n",
+        "SECRET: hunter\n",
+        "a: !!int SECRET\n",
+        "SECRET: 1\nSECRET: 2\n",
+        "SECRET\n",
+        "@SECRET",
+        "!SECRET a",
+    ],
+)
+@pytest.mark.fault("text as a command")
+def test_nothing_is_told_of_a_file_that_is_no_case(study, tmp_path, text):
+    """A study that was received may name any file of the reader's as its case."""
+    (tmp_path / "private").write_text(text)
+    with pytest.raises(lj.CaseError, match="private: is no case") as caught:
+        study("case: private\n")
+    assert "SECRET" not in str(caught.value)
+
+
+LONG = "x" * 100_000
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"members": LONG}, {"members": [-5] * 50_000}, {"axes": {"discs.density": LONG}}, {"axes": {LONG: [1]}},
+        {"collect": [LONG]}, {"collect": [f"jump.{LONG}"]}, {"collect": [f"force.{LONG}.peak"]}, {LONG: 1},
+        {"set": {"discs.diameter": LONG}}, {"set": {f"discs.{LONG}": 1}}, {"set": {f"walls.{LONG}": 1}},
+        {"set": {"engine.kernel": LONG}}, {"set": {"name": LONG}}, {"set": {"walls.sill.x": [0] * 50_000}},
+        {"set": {"walls.sill.kind": LONG}}, {"until": {"jump.speed": LONG}}, {"confidence": LONG},
+    ],
+)  # fmt: skip
+@pytest.mark.fault("mutants of cases")
+def test_a_message_shows_the_start_of_a_long_value(study, given):
+    with pytest.raises(lj.CaseError) as caught:
+        found = study(**given)
+        found.case.replace(found.points[0])
+    assert "x" * 201 not in str(caught.value) and len(str(caught.value)) < 3000

@@ -112,7 +112,8 @@ def test_what_fails_is_told_left_out_and_run_again_when_asked(tmp_path, monkeypa
     found = lj.sweep(path, tmp_path / "out", jobs=1)
     assert found.table["members"].values.tolist() == [2, 0]
     assert [(failure.point, failure.seed) for failure in found.failed] == [(1, 1), (1, 2)]
-    assert "domain" in found.failed[0].message and "left out" in (tmp_path / "out/sweep.html").read_text()
+    assert "domain" in found.failed[0].message and found.failed[0].message.endswith("--retry runs it again.")
+    assert "left out" in (tmp_path / "out/sweep.html").read_text()
     before = written(found.folder)
     lj.sweep(path, tmp_path / "out", jobs=1)
     assert written(found.folder) == before
@@ -163,7 +164,7 @@ def test_two_sweeps_on_one_folder_are_refused(done):
 def test_a_member_that_another_process_runs_is_left_to_it(done):
     member = done.members[0]
     with locked(member.folder(done.folder)), pytest.raises(lj.SetupError, match="writes to this folder"):
-        run_member(member.case, member.folder(done.folder), False, True)
+        run_member(member, done.folder, False, True)
 
 
 def test_folders_of_others_are_refused(tmp_path, done):

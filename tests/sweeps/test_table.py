@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Statistics over members: against scipy, with members that have no number, and against errors of single runs."""
 
+import csv
 import subprocess
 import sys
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy import stats
 
+from lammps_jump.dump.exports import csv_text
 from lammps_jump.sweeps.table import members_needed, number_at, statistics
 
 NAN = float("nan")
@@ -67,3 +70,11 @@ def test_intervals_are_those_of_scipy_stats_which_is_not_loaded():
     code = "import sys; from lammps_jump.sweeps.table import statistics; statistics([1, 2], [1, 1], 0.95)"
     done = subprocess.run([sys.executable, "-c", f"{code}; sys.exit('scipy.stats' in sys.modules)"])
     assert done.returncode == 0
+
+
+@pytest.mark.fault("text as a command")
+def test_no_text_of_a_table_is_a_formula_for_a_spreadsheet():
+    attack = '=HYPERLINK("http://x","y")'
+    table = pd.DataFrame([[attack, 1e-17, attack], ["-5", -0.1, "+1\n=2"]], columns=["@a", "number", "@a"])
+    found = list(csv.reader(csv_text(table).splitlines()))
+    assert found == [["'@a", "number", "'@a"], [f"'{attack}", "1e-17", f"'{attack}"], ["-5", "-0.1", "'+1 =2"]]

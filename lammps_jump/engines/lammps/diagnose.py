@@ -33,13 +33,13 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
         What the engine still held.
     """
     log = read_log(folder / "log.lammps")
-    when = f"after t = {log.time:.4g} s (step {log.step})"
+    step, when = log.step, f"after t = {log.time:.4g} s (step {log.step})"
     if match := re.search(r"met on step (\d+)", error):
         step = int(match[1])
         when = f"at t = {scene.time(step):.4g} s (step {step})"
     kept = f"What was written up to there is kept in {folder}."
     if "guard_overlap" in error:
-        where = _closest(scene, *state) if state else ""
+        where = _closest(scene, step, *state) if state else ""
         return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {SMALLER_STEP}. {kept}"
     if "guard_plane" in error:
         where = _out_of_plane(*state) if state else ""
@@ -58,19 +58,23 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
     return f"LAMMPS stopped {when}: {first} (more in {folder}/log.lammps). {kept}"
 
 
-def _closest(scene: Scene, ids: np.ndarray, places: np.ndarray) -> str:
+def _closest(scene: Scene, step: int, ids: np.ndarray, places: np.ndarray) -> str:
+    """The deepest overlap at a step, of two discs or of a disc and a wall that stands then."""
     finite = np.isfinite(places).all(axis=1)
-    found = deepest_overlap(places[finite, :2], scene.diameters(ids[finite]))
-    if found is None:
+    names, places = ids[finite], places[finite, :2]
+    diameters = scene.diameters(names)
+    pair = deepest_overlap(places, diameters)
+    found = [(pair[0], pair[1], f"discs {names[pair[1]]} and {names[pair[2]]}")] if pair else []
+    for wall in scene.walls_at(step) if len(names) else ():
+        distance = wall.distance(*places.T)
+        depth = np.where(wall.deep | (distance > -0.5 * diameters), 0.5 * diameters - distance, 0.0)
+        worst = int(np.argmax(depth))
+        found += [(depth[worst], worst, f"disc {names[worst]} and wall '{wall.name}'")] if depth[worst] > 0 else []
+    if not found:
         return ""
-    depth, i, j = found
-    x, y = places[finite][i, :2]
-    names = ids[finite]
-    allowed = scene.overlap_limit
-    return (
-        f": discs {names[i]} and {names[j]} near ({x:.4g}, {y:.4g}) by {depth:.3g} m, "
-        f"allowed is 2 d/n = {allowed:.3g} m"
-    )
+    depth, i, what = max(found)
+    x, y = places[i]
+    return f": {what} near ({x:.4g}, {y:.4g}) by {depth:.3g} m, allowed is 2 d/n = {scene.overlap_limit:.3g} m"
 
 
 def _out_of_plane(ids: np.ndarray, places: np.ndarray) -> str:

@@ -29,6 +29,7 @@ import numpy as np
 from numba import njit
 
 from lammps_jump.physics.law import contact_force, stored_energy, watching_law
+from lammps_jump.scene.chains import TX0, TY0, X0, Y0
 from lammps_jump.scene.faces import touching as wall_contacts
 
 DONE, HELD, OLD = 0, 1, 2
@@ -83,6 +84,8 @@ class Near(NamedTuple):
         First row of each wall.
     discs : ndarray of int32
         Disc of each row.
+    plain : ndarray of int8
+        1 where the row has one straight face whose ends are out of reach.
     last : ndarray of int64
         The faces of row r are ``faces[last[r]:last[r + 1]]``.
     faces : ndarray of int64
@@ -93,6 +96,7 @@ class Near(NamedTuple):
     about: np.ndarray
     rows: np.ndarray
     discs: np.ndarray
+    plain: np.ndarray
     last: np.ndarray
     faces: np.ndarray
     found: np.ndarray
@@ -275,18 +279,29 @@ def _wall_forces_py(
     """
     codes, shape, deep = faces.codes, faces.shape, faces.deep
     found, which = near.found, near.which
+    discs, plain, last, listed = near.discs, near.plain, near.last, near.faces
     k, damping, ct = law.stiffness_wall, law.damping_wall, law.tangential_wall
     for wall in range(deep.size):
         x_ref, y_ref = near.about[wall, 0], near.about[wall, 1]
         wall_x = wall_y = moment = 0.0
         for row in range(near.rows[wall], near.rows[wall + 1]):
-            i = near.discs[row]
+            i = discs[row]
             own = 0.5 * law.diameter if radius is None else radius[i]
-            count = wall_contacts(
-                codes, shape, deep[wall], near.faces, near.last[row], near.last[row + 1], x[i], y[i], own, found, which
-            )
+            count, gap, nx, ny = 1, 0.0, 0.0, 0.0
+            several = plain[row] == 0
+            if several:
+                count = wall_contacts(
+                    codes, shape, deep[wall], listed, last[row], last[row + 1], x[i], y[i], own, found, which
+                )
+            else:
+                face = listed[last[row]]
+                nx, ny = -shape[face, TY0], shape[face, TX0]
+                gap = ny * (y[i] - shape[face, Y0]) + nx * (x[i] - shape[face, X0])
+                if gap >= own or (gap <= -own and deep[wall] == 0):
+                    continue
             for contact in range(count):
-                gap, nx, ny = found[contact, 0], found[contact, 1], found[contact, 2]
+                if several:
+                    gap, nx, ny = found[contact, 0], found[contact, 1], found[contact, 2]
                 size = 1.0 if radius is None else own
                 rim = 0.0 if omega is None else own * omega[i]
                 numbers = (k, damping * size, ct * size)

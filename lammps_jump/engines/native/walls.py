@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lammps_jump.scene.chains import Faces, lay
 from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
@@ -40,7 +41,9 @@ class Walls:
         about = np.array([wall.moment_point for wall in walls]).reshape(-1, 2)
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
         none, found = np.empty(0, np.int64), np.empty((MOST, 4))
-        self.near = Near(about, rows, np.empty(0, np.int32), last, none, found, np.empty(MOST, np.int64))
+        self.near = Near(
+            about, rows, np.empty(0, np.int32), np.empty(0, np.int8), last, none, found, np.empty(MOST, np.int64)
+        )
 
     def list_discs(self, n: int, x: np.ndarray, y: np.ndarray) -> None:
         """List the discs near each wall; `x` and `y` (m) are of the first n discs."""
@@ -48,7 +51,7 @@ class Walls:
         for wall in range(len(self.names)):
             while True:
                 found = list_near(
-                    n, x, y, wall, self.faces.codes, self.faces.shape, self.faces.deep, self._grid, self.near.discs,
+                    n, x, y, wall, self.faces.codes, self.faces.shape, self.faces.deep, self._grid, self.near.discs, self.near.plain,
                     self.near.last, self.near.faces, row, count,
                 )  # fmt: skip
                 if found[1] >= 0:
@@ -66,13 +69,16 @@ class Walls:
         counts = np.repeat(np.diff(first), n)
         last = np.concatenate([[0], np.cumsum(counts)])
         discs = np.tile(np.arange(n, dtype=np.int32), len(self.names))
-        self.put(n * np.arange(len(self.names) + 1), discs, last, np.concatenate([*parts, np.empty(0, np.int64)]))
+        self.put(
+            n * np.arange(len(self.names) + 1), discs, 0 * discs, last, np.concatenate([*parts, np.empty(0, np.int64)])
+        )
 
     def make_room(self, rows: int, faces: int) -> None:
         """Longer lists for at least so many rows and faces."""
         near = self.near
         self.near = near._replace(
             discs=np.pad(near.discs, (0, max(0, rows - len(near.discs)))),
+            plain=np.pad(near.plain, (0, max(0, rows - len(near.plain)))),
             last=np.pad(near.last, (0, max(0, rows + 1 - len(near.last)))),
             faces=np.pad(near.faces, (0, max(0, faces - len(near.faces)))),
         )
@@ -82,13 +88,15 @@ class Walls:
         """The lists as they stand, without their room."""
         near, rows = self.near, self.near.rows[-1]
         last = near.last[: rows + 1]
-        return {"rows": near.rows, "discs": near.discs[:rows], "last": last, "faces": near.faces[: last[-1]]}
+        listed = {"rows": near.rows, "discs": near.discs[:rows], "plain": near.plain[:rows]}
+        return {**listed, "last": last, "faces": near.faces[: last[-1]]}
 
-    def put(self, rows: np.ndarray, discs: np.ndarray, last: np.ndarray, faces: np.ndarray) -> None:
+    def put(self, rows: ArrayLike, discs: ArrayLike, plain: ArrayLike, last: ArrayLike, faces: ArrayLike) -> None:
         """Take lists such as `listed` gives."""
         self.near = self.near._replace(
             rows=np.array(rows, np.int64),
             discs=np.array(discs, np.int32),
+            plain=np.array(plain, np.int8),
             last=np.array(last, np.int64),
             faces=np.array(faces, np.int64),
         )

