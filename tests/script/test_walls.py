@@ -30,10 +30,10 @@ def scene_of(*walls):
 def test_a_wall_that_no_style_of_lammps_has(wall):
     scene = scene_of(wall)
     stock = script_text(scene).splitlines()
-    assert "LAMMPS' own styles have no wall like 'ramp', a" in stock[1]
+    assert "LAMMPS` own styles have no wall like `ramp`, a" in stock[1]
     assert stock[-1] == "quit 1" and not any(line.startswith("run ") for line in stock)
     assert "wall ramp 0 0 " in script_text(scene, kernel="compiled")
-    with pytest.raises(SetupError, match="wall like 'ramp', a .* is not in stock LAMMPS; use the compiled kernel"):
+    with pytest.raises(SetupError, match=r"wall like 'ramp', a .* is not in stock LAMMPS; use the compiled kernel"):
         choose("lammps", "stock", 1, scene)
 
 
