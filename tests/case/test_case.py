@@ -182,8 +182,8 @@ def test_gate_stands_until_time_zero():
     scene = load_case(INPUTS / "wave_structure.yaml").scene()
     (gate,) = scene.gates
     assert gate.wall == Plane("gate", "x", 4.0, "below")
-    assert scene.time(gate.release_step) == 0.0
-    assert gate.release_step * scene.time_step >= 2.0
+    assert scene.time(gate.motion.gone) == 0.0
+    assert gate.motion.gone * scene.time_step >= 2.0
     assert scene.settle_steps % scene.output_steps == 0
 
 

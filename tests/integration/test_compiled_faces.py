@@ -95,10 +95,7 @@ pytestmark = pytest.mark.lammps
 
 
 def points_near(wall, generator):
-    """Random places, most of them near a face or a joint, some exactly above a joint or on it.
-
-    Lists hold the discs within 1.2 D of a face, and those far behind one, but not those far beyond a corner of a box.
-    """
+    """Random places, most of them near a face or a joint, some exactly above a joint or on it."""
     joints = np.concatenate([wall.faces.shape[:, :2], wall.faces.shape[:, 2:4]])
     box = np.clip(boxes(wall.faces, deep=False), -1.0, 1.0)
     anywhere = generator.uniform(box[:, ::2].min(0) - 0.8 * D, box[:, 1::2].max(0) + 0.8 * D, (POINTS // 2, 2))

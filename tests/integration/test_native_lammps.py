@@ -52,13 +52,16 @@ def start(lammps, scene, folder):
     command("neigh_modify delay 0 every 1 check yes")
     command("fix move all nve/sphere disc" if scene.rotation else "fix move all nve")
     command(f"fix weight all gravity {-scene.gravity[1]!r} vector 0 -1 0")
-    for wall in scene.walls:
+    for wall in scene.permanent:
         if isinstance(wall, Block):
             command(f"region {wall.name} block {wall.x[0]} {wall.x[1]} {wall.y[0]} {wall.y[1]} INF INF side out")
             command(f"fix {wall.name} all wall/gran/region {law_wall} region {wall.name}")
-        for plane in wall.faces() if isinstance(wall, Box) else (wall,) if isinstance(wall, Plane) else ():
-            low, high = (plane.at, "NULL") if plane.side == "above" else ("NULL", plane.at)
-            command(f"fix {plane.name} all wall/gran {law_wall} {plane.axis}plane {low} {high}")
+        if isinstance(wall, Box):
+            command(f"fix {wall.name}_x all wall/gran {law_wall} xplane {wall.x[0]} {wall.x[1]}")
+            command(f"fix {wall.name}_y all wall/gran {law_wall} yplane {wall.y[0]} {wall.y[1]}")
+        if isinstance(wall, Plane):
+            low, high = (wall.at, "NULL") if wall.side == "above" else ("NULL", wall.at)
+            command(f"fix {wall.name} all wall/gran {law_wall} {wall.axis}plane {low} {high}")
     for outlet in scene.outlets:
         assert (outlet.axis, outlet.side) == ("x", "above")
         command(f"region out block {outlet.at!r} INF INF INF INF INF")

@@ -65,13 +65,11 @@ def _closest(scene: Scene, step: int, ids: np.ndarray, places: np.ndarray) -> st
     diameters = scene.diameters(names)
     pair = deepest_overlap(places, diameters)
     found = [(pair[0], pair[1], f"discs {names[pair[1]]} and {names[pair[2]]}")] if pair else []
-    for wall in scene.walls_at(step):
-        for face in wall.faces() if len(names) else ():
-            distance = face.contact(*places.T).distance
-            # a centre inside a block feels no force
-            depth = np.where((distance > 0) | (not wall.finite), 0.5 * diameters - distance, 0.0)
-            worst = int(np.argmax(depth))
-            found += [(depth[worst], worst, f"disc {names[worst]} and wall '{wall.name}'")] if depth[worst] > 0 else []
+    for wall in scene.walls_at(step) if len(names) else ():
+        distance = wall.distance(*places.T)
+        depth = np.where(wall.deep | (distance > -0.5 * diameters), 0.5 * diameters - distance, 0.0)
+        worst = int(np.argmax(depth))
+        found += [(depth[worst], worst, f"disc {names[worst]} and wall '{wall.name}'")] if depth[worst] > 0 else []
     if not found:
         return ""
     depth, i, what = max(found)

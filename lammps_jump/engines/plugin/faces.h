@@ -42,6 +42,14 @@ struct Face {
   /** Signed distance to the line of a segment, m. */
   double off_line(double px, double py) const { return tx0 * (py - y0) - ty0 * (px - x0); }
 
+  /** Whether a point is further in front of or behind the line of a segment than this, m: no contact then. */
+  bool out_of_reach(double px, double py, double front, double behind) const
+  {
+    if (kind != SEGMENT) return false;
+    const double line = off_line(px, py);
+    return line >= front || line <= behind;
+  }
+
   /** Whether the foot of a point lies inside a segment. */
   bool is_beside(double px, double py) const
   {
@@ -80,9 +88,11 @@ class WallFaces {
   /** Contacts of a disc with the faces near[0 .. count), the deepest first; returns their number. */
   int touching(const int *near, int count, double px, double py, double radius, FaceContact *found) const
   {
+    if (deep) return behind(near, count, px, py, radius, found);
     double nearest = HUGE_VAL, deepest = HUGE_VAL;
     int touch = 0;
     for (int p = 0; p < count; p++) {
+      if (faces[near[p]].out_of_reach(px, py, radius, -radius)) continue;
       const FaceContact c = candidate(near[p], px, py);
       if (c.place == NOWHERE) continue;
       const double off = std::fabs(c.gap);
@@ -98,7 +108,7 @@ class WallFaces {
         }
       }
     }
-    if (nearest < 0.0) return deep || -nearest < radius;
+    if (nearest < 0.0) return -nearest < radius;
     return touch < 2 ? touch : select(near, count, px, py, radius, found);
   }
 
@@ -223,6 +233,18 @@ class WallFaces {
     return turn > SAME_TURN;
   }
 
+  /** Contacts of a disc with a wall that pushes from any depth: each face on its own. */
+  int behind(const int *near, int count, double px, double py, double radius, FaceContact *found) const
+  {
+    int kept = 0;
+    for (int p = 0; p < count && kept < MOST; p++) {
+      if (faces[near[p]].out_of_reach(px, py, radius, -HUGE_VAL)) continue;
+      const FaceContact c = candidate(near[p], px, py);
+      if (c.place == INSIDE && c.gap < radius) found[kept++] = c;
+    }
+    return kept;
+  }
+
   /** Contacts of a disc that several candidates touch, in front: the deepest, then those that push on their own. */
   int select(const int *near, int count, double px, double py, double radius, FaceContact *found) const
   {
@@ -230,6 +252,7 @@ class WallFaces {
     for (; kept < MOST; kept++) {
       double best = radius;
       for (int p = 0; p < count; p++) {
+        if (faces[near[p]].out_of_reach(px, py, best, -best)) continue;
         FaceContact c = candidate(near[p], px, py);
         if (c.place == NOWHERE || c.gap < 0.0 || c.gap >= best) continue;
         c.angle = tangent(c);
