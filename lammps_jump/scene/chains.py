@@ -8,6 +8,7 @@ floor runs from left to right, the outline of a solid clockwise, that of a hollo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import asin, atan2, ceil, cos, hypot, inf, pi, radians, sin, sqrt
 from typing import NamedTuple
 
@@ -18,7 +19,7 @@ Point = tuple[float, float]
 SEGMENT, ARC = 0, 1
 """Kinds of faces."""
 CONVEX, SMOOTH, CORNER, FREE, ENDLESS = range(5)
-"""Kinds of joints: a turn away from the discs, one towards them up to `SMOOTH_TURN`, one beyond it, an open end, none."""
+"""Kinds of joints: a turn away from the discs; one towards them, up to `SMOOTH_TURN`; a larger one; an open end; none."""
 SMOOTH_TURN = radians(5.0)
 """Largest turn towards the discs at which two faces push as one, rad. Smaller ones rock in a V, larger ones jump."""
 
@@ -37,8 +38,8 @@ class Chain:
     points : tuple of (float, float)
         Corners in order, m.
     bends : tuple of float
-        Radius (m) of the arc from each point to the next; above 0 it turns left, below 0 right; 0 is straight. Empty: all
-        straight. An arc is the shorter one.
+        Radius (m) of the arc from each point to the next; above 0 it turns left, below 0 right; 0 is straight. Of the
+        two arcs it is the shorter one. Empty: all are straight.
     closed : bool
         The last point is joined to the first.
     endless : bool
@@ -110,7 +111,7 @@ def _arc(start: Point, end: Point, radius: float) -> list[Face]:
     pieces = max(1, ceil(abs(sweep) / (0.5 * pi) - 1e-9))
     begin = atan2(start[1] - centre[1], start[0] - centre[0])
     corners = [start, *(_on(centre, radius, begin + sweep * i / pieces) for i in range(1, pieces)), end]
-    return [_piece(centre, radius, sweep / pieces, *ends) for ends in zip(corners, corners[1:], strict=False)]
+    return [_piece(centre, radius, sweep / pieces, *ends) for ends in pairwise(corners)]
 
 
 def _on(centre: Point, radius: float, angle: float) -> Point:

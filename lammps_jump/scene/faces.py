@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Contact of a disc with a wall of faces: which faces push, from where, and how they are found.
 
-The rule. A face gives a candidate where its foot, the nearest point, lies inside it; a joint gives one where the feet of
-both neighbours lie on it. At a corner the face that ends there keeps its own. If the nearest candidate is behind its
-face, the centre is inside the solid, and that face alone pushes. Else the deepest pushes, and each further one of another
-run, or of the same run if its tangent turns by more than `SMOOTH_TURN` from those that push already. The energy of a
-frictionless contact is then k/2 times the sum over runs of the squared overlap, and continuous.
+The rule. A face gives a candidate where its foot, the nearest point, lies inside it; a joint gives one where the feet
+of both neighbours lie on it. At a corner, a face whose foot is its end keeps a candidate of its own. If the nearest
+candidate is behind its face, the centre is inside the solid, and that face alone pushes. Else the deepest pushes, and
+with it each one of another run, or of the same run whose tangent differs by more than `SMOOTH_TURN` from those that
+push already. The energy of a contact without friction is then k/2 times the sum over runs of the squared overlap, and
+continuous. Planes and boxes push from any depth, each face on its own.
 
-Plain loops over float64 arrays, compiled at the end of the file. The plugin holds its own copy (``faces.h``), which tests
-compare with this. This module is the one of `scene` that imports numba.
+Plain loops over float64 arrays, compiled at the end of the file. The plugin holds its own copy (``faces.h``); tests
+compare the two. This module is the one of `scene` that imports numba.
 """
 
 from __future__ import annotations
@@ -239,7 +240,7 @@ def _out_of_reach_py(codes, shape, f, px, py, front, behind):
 
 
 def _plain_py(codes, shape, f, px, py, margin):
-    """Whether a point is beside a straight face, and further than a margin (m) from its ends: the line is then enough."""
+    """Whether a point is beside a straight face and a margin (m) from its ends: its line is then enough."""
     if codes[f, KIND] != SEGMENT:
         return False
     start, end = codes[f, AT_START] == ENDLESS, codes[f, AT_END] == ENDLESS

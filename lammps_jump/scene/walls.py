@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Walls that discs meet. The class that checks a wall of a case file is the wall.
 
-A wall answers what engines, drawing and analysis ask. Each answer follows from `Wall.chains`, the faces that push, unless
-a wall knows better. Distances are of disc centres: a disc of radius R touches below R.
+A wall answers what engines, drawing and analysis ask. Each answer follows from `Wall.chains`, the faces that push,
+unless a wall knows better. Distances are of disc centres: a disc of radius R touches below R.
 """
 
 from __future__ import annotations

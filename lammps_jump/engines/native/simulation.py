@@ -188,8 +188,8 @@ class NativeSimulation:
         d = self.discs
         return kernels.advance(
             steps, pending, hold, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega,
-            d.torque, d.uomega, *self._list()[1:], self._grid, self.walls.faces, self.walls.near, self._law, self._motion,
-            self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y, self._work,
+            d.torque, d.uomega, *self._list()[1:], self._grid, self.walls.faces, self.walls.near, self._law,
+            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y, self._work,
             self.walls.sums,
         )  # fmt: skip
 

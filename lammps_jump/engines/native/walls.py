@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -51,8 +53,8 @@ class Walls:
         for wall in range(len(self.names)):
             while True:
                 found = list_near(
-                    n, x, y, wall, self.faces.codes, self.faces.shape, self.faces.deep, self._grid, self.near.discs, self.near.plain,
-                    self.near.last, self.near.faces, row, count,
+                    n, x, y, wall, self.faces.codes, self.faces.shape, self.faces.deep, self._grid, self.near.discs,
+                    self.near.plain, self.near.last, self.near.faces, row, count,
                 )  # fmt: skip
                 if found[1] >= 0:
                     break
@@ -65,7 +67,7 @@ class Walls:
     def list_all(self, n: int) -> None:
         """List every disc at every wall with all its faces."""
         first = self.faces.first
-        parts = [np.tile(np.arange(*ends), n) for ends in zip(first, first[1:], strict=False)]
+        parts = [np.tile(np.arange(*ends), n) for ends in pairwise(first)]
         counts = np.repeat(np.diff(first), n)
         last = np.concatenate([[0], np.cumsum(counts)])
         discs = np.tile(np.arange(n, dtype=np.int32), len(self.names))
