@@ -19,7 +19,7 @@ Point = tuple[float, float]
 SEGMENT, ARC = 0, 1
 """Kinds of faces."""
 CONVEX, SMOOTH, CORNER, FREE, ENDLESS = range(5)
-"""Kinds of joints: a turn away from the discs; one towards them, up to `SMOOTH_TURN`; a larger one; an open end; none."""
+"""Kinds of joints: a turn away from the discs; one towards them, up to `SMOOTH_TURN`; beyond it; open; none."""
 SMOOTH_TURN = radians(5.0)
 """Largest turn towards the discs at which two faces push as one, rad. Smaller ones rock in a V, larger ones jump."""
 
@@ -179,7 +179,9 @@ def lay(walls: list[tuple[tuple[Chain, ...], bool]]) -> Faces:
     )
 
 
-def _chain_rows(chain: Chain, wall: int, run: int, begin: int) -> tuple[list, list, int]:
+def _chain_rows(
+    chain: Chain, wall: int, run: int, begin: int
+) -> tuple[list[tuple[int, ...]], list[tuple[float, ...]], int]:
     """Rows of the faces of one chain, and the number of the next run; `begin` is the index of its first face."""
     faces = faces_of_chain(chain)
     count = len(faces)
@@ -189,7 +191,8 @@ def _chain_rows(chain: Chain, wall: int, run: int, begin: int) -> tuple[list, li
     corners = [i for i in range(count) if at_start[i] == CORNER]
     if chain.closed and corners:  # a run must not go over the place where the numbers begin
         shift = corners[0]
-        faces, turns, at_start = (items[shift:] + items[:shift] for items in (faces, turns, at_start))
+        faces, turns = faces[shift:] + faces[:shift], turns[shift:] + turns[:shift]
+        at_start = at_start[shift:] + at_start[:shift]
     loop = chain.closed and not corners
     phi, way = atan2(faces[0].first[1], faces[0].first[0]), 0.0
     rows, numbers = [], []
@@ -289,17 +292,18 @@ def grounds(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     stands on solid without end.
     """
     x = np.asarray(x, float)
-    tops, undersides = [], []
+    tops: list[np.ndarray] = []
+    undersides: list[np.ndarray] = []
     for code, row in zip(faces.codes, faces.shape, strict=True):
         for height, up in _crossings(code, row, x):
             (tops if up else undersides).append(height)
     if not tops:
         return []
-    tops = np.sort(np.array(tops), axis=0)  # NaN comes last
+    heights = np.sort(np.array(tops), axis=0)  # NaN comes last
     bottoms = np.array(undersides) if undersides else np.full((1, *x.shape), np.nan)
     solids = []
     below = np.full(x.shape, -inf)
-    for top in tops:
+    for top in heights:
         with np.errstate(invalid="ignore"):
             under = np.where((bottoms <= top) & (bottoms >= below), bottoms, -inf).max(axis=0)
         solids.append((np.where(np.isnan(top), np.nan, under), top))
