@@ -195,7 +195,8 @@ def _chain_rows(
         at_start = at_start[shift:] + at_start[:shift]
     loop = chain.closed and not corners
     phi, way = atan2(faces[0].first[1], faces[0].first[0]), 0.0
-    rows, numbers = [], []
+    rows: list[tuple[int, ...]] = []
+    numbers: list[tuple[float, ...]] = []
     for i, face in enumerate(faces):
         if i:
             phi += turns[i]

@@ -21,7 +21,8 @@ def energy(scene: Scene, x: np.ndarray, v: np.ndarray) -> float:
     d = scene.diameters(np.arange(1, len(x) + 1))
     overlap = 0.5 * (d[:, None] + d[None]) - np.hypot(*(x[:, None] - x[None]).transpose(2, 0, 1))
     np.fill_diagonal(overlap, 0.0)
-    walls = [d / 2 - distance for wall in scene.walls for distance, _, _ in wall.contacts(*x.T)]
+    (box,) = (one.wall for one in scene.walls)
+    walls = [d / 2 - abs(place - end) for place, ends in zip(x.T, (box.x, box.y), strict=True) for end in ends]
     c = scene.coefficients
     springs = c.stiffness * np.square(np.maximum(overlap, 0)).sum() / 4
     springs += c.stiffness_wall * np.square(np.maximum(walls, 0)).sum() / 2
