@@ -381,7 +381,7 @@ def test_a_state_that_was_made_up_is_refused(tmp_path, what):
     if what == "n":
         arrays["plain"] = np.array(json.dumps({**json.loads(str(arrays["plain"])), "n": 10**9}))
     if what == "missing":
-        del arrays["near"]
+        del arrays["near_discs"]
     path.unlink()
     (np.savez_compressed if what == "compressed" else np.savez)(path, **arrays)
     if what in ("nothing", "text"):

@@ -103,7 +103,7 @@ def test_names_are_letters_and_digits_or_refused(text):
         except CaseError as error:
             assert str(error)
         else:
-            names = (scene.name, *scene.probes, *(wall.name for wall in scene.walls))
+            names = (scene.name, *scene.probes, *(one.wall.name for one in scene.walls))
             assert all(re.fullmatch("[A-Za-z0-9_.-]+", name) for name in names)
 
 

@@ -44,7 +44,7 @@ def test_a_heap_weighs_what_its_discs_weigh(heap):
     np.testing.assert_allclose(2 * radius, flow.scene.diameters(frame.ids), rtol=1e-9)
     assert 0.16 <= 2 * radius.min() < 2 * radius.max() <= 0.24
     weight = 9.81 * 1000 * np.sum((2 * radius) ** 2)
-    (wall,) = flow.scene.walls
+    (wall,) = flow.scene.permanent
     fx, fy = wall_sums(frame, wall, flow).force
     assert fy == pytest.approx(weight, rel=1e-3) and abs(fx) < 1e-3 * weight
     # the engine's own record: the last window against the frame at its end
