@@ -2,9 +2,9 @@
 PYTHON ?= python3
 VENV   ?= .venv
 BIN     = $(VENV)/bin
-CASE   ?= inputs/hydraulic_jump_graded.yaml
+CASE   ?= inputs/stable_jump.yaml
 
-.PHONY: run test check browser bench stress cross-validation sensitivity calibrate lint doctor test-repeat faults slurm clean
+.PHONY: run test check browser bench stress cross-validation sensitivity calibrate figures lint doctor test-repeat faults slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -57,6 +57,10 @@ sensitivity: $(VENV)/.ready
 
 calibrate: $(VENV)/.ready
 	$(BIN)/lammps-jump calibrate
+
+# the picture that README.md opens with
+figures: $(VENV)/.ready
+	$(BIN)/python docs/figures/make.py
 
 lint: $(VENV)/.ready
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy

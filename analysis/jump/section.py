@@ -126,6 +126,7 @@ def section(jump: Mapping) -> Section:
         _momentum_table(jump),
         _momentum(jump),
         _streams(jump),
+        _sill(jump.get("inflow")),
         _comparisons(jump),
         Text(SHORT if steady else ""),
         certainty(jump),
@@ -157,6 +158,12 @@ def _streams(jump: Mapping) -> Table:
         at = f"{ASKED}, {shown(asked['depth'])} m at {shown(asked['velocity'])} m/s, exact"
         rows.append((at, "laboratory", f"{asked['froude']:.2f}", f"{asked['belanger_y2']:.2f}"))
     return Table(rows, ("State", "frame", "Froude number", "sequent depth by Bélanger [m]"))
+
+
+def _sill(asked: Mapping | None) -> Text:
+    """The sill that energy asks for, without loss on a broad crest."""
+    sill = (asked or {}).get("sill")
+    return Text(f"By energy a sill of {shown(sill)} m holds the jump of the inflow (E₂ − 1.5 y_c)." if sill else "")
 
 
 def _pair(found: Mapping) -> tuple[str, str]:

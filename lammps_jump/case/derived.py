@@ -206,6 +206,7 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
             ("downstream_froude", "downstream Froude number", theory.downstream_froude(number), ""),
             ("energy_loss", "energy loss", found.energy_loss, "m"),
             ("jump_length", "jump length (4.27)", found.length, "m"),
+            ("sill", "sill that holds the jump, E2 - 1.5 yc", found.sill, "m"),
             ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
         ]
     return rows

@@ -144,6 +144,7 @@ class Inflow:
     length: float = number("m", "length of its jump, thesis (4.27)")
     length_usbr: float = number("m", "length of its jump, USBR curve")
     energy_loss: float = number("m", "head lost in its jump")
+    sill: float = number("m", "sill that holds its jump by energy, E2 - 1.5 yc")
     jump_class: str = field(default="none", metadata={"key": "class"})
 
 
@@ -159,6 +160,7 @@ def inflow_theory(depth: float, velocity: float, gravity: float = GRAVITY) -> In
         length=silvester_jump_length(froude_1, depth),
         length_usbr=usbr_jump_length(froude_1, depth),
         energy_loss=energy_loss(depth, y2) if y2 > 0 else nan,
+        sill=sill_holding_height(abs(velocity), depth, gravity) if froude_1 > 1 else nan,
         jump_class=jump_class(froude_1),
     )
 

@@ -26,7 +26,7 @@ from lammps_jump.analysis.jump.verdict import belongs_to, notes, untimed, worded
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.headline import verdict
 from lammps_jump.analysis.report.key_numbers import key_numbers
-from lammps_jump.analysis.report.page import Table, render
+from lammps_jump.analysis.report.page import Table, Text, render
 from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of, piece_error, propagated
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
@@ -549,6 +549,10 @@ def test_the_headline_is_the_comparison_everywhere():
     tables = [block for block in section(found).blocks if isinstance(block, Table)]
     rows = [row for table in tables for row in table.rows]
     assert sum(expected in str(cell) for row in rows for cell in row) == 2  # the states, and the comparison
+    sill = theory.sill_holding_height(U1, 1.0)
+    assert any(
+        f"By energy a sill of {sill:.4g} m" in block.text for block in section(found).blocks if isinstance(block, Text)
+    )
     states = next(table for table in tables if table.header[0] == "State")
     assert states.header == ("State", "frame", "Froude number", "sequent depth by Bélanger [m]")
     assert [row[1] for row in states.rows] == ["front", "front", "laboratory", "laboratory"]

@@ -15,7 +15,7 @@ def first_lines(*changes):
     return str(load_case(QUICK, changes).check()).splitlines()
 
 
-@pytest.mark.parametrize("name", ["quick_jump", "hydraulic_jump_graded", "dam_break", "energy_box_7"])
+@pytest.mark.parametrize("name", ["quick_jump", "hydraulic_jump_graded", "stable_jump", "dam_break", "energy_box_7"])
 def test_these_scenes_are_fine(name):
     found = load_case(INPUTS / f"{name}.yaml").check()
     assert str(found).startswith("this case is fine\n")
@@ -40,6 +40,13 @@ def test_a_doubt_stands_first(changes, doubt):
     assert lines[0] == "doubtful in this case:"
     assert [line for line in lines if doubt in line] == [f"  - {text}" for text in case.warnings if doubt in text] != []
     assert case.as_data()["verdict"] == "doubtful"
+
+
+def test_the_sill_that_energy_asks_for_is_printed():
+    stable = load_case(INPUTS / "stable_jump.yaml")
+    assert stable.check().numbers["sill"] == pytest.approx(2.58, abs=0.005)
+    assert "sill that holds the jump, E2 - 1.5 yc" in str(stable.check())
+    assert "sill" not in stable.replace({"inflow.mean_speed": 3}).check().numbers  # subcritical
 
 
 def test_a_case_without_a_jump_asked_for_is_not_judged_as_one():

@@ -40,7 +40,7 @@ PIXEL = """((x, y) => {
   return String(p.context.getImageData(...at, 1, 1).data.slice(0, 3));
 })"""
 
-LARGEST = {"quick_jump": 700_000, "hydraulic_jump_graded": 3_000_000}
+LARGEST = {"quick_jump": 700_000, "stable_jump": 3_000_000, "hydraulic_jump_graded": 3_000_000}
 """Bytes of the page of a scene."""
 
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(not PROGRAM, reason="Chromium is not installed")]
