@@ -20,6 +20,7 @@ from lammps_jump.errors import SetupError
 from lammps_jump.physics import contact, law
 from lammps_jump.physics.slip import SIGN_RAMP
 from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Box, Plane
@@ -102,9 +103,11 @@ def test_every_mass_ratio_has_the_restitution_of_the_closed_form(run, ratio):
         reduced, stiffness, by_root = masses.prod() / masses.sum(), c.stiffness, c.damping_by_root_mass
         if ratio == "wall":  # the large disc, which is not the nominal one, against a plane; the small one far away
             at = np.array([[-2.0, 5.0], [0.5 * case.diameters(2) + gap, 0.0]])
-            case = replace(case, walls=(Plane("wall", "x", 0.0, "above"),), velocities=[[0.0, 0.0], [-speed, 0.0]])
+            case = replace(
+                case, walls=(MovingWall(Plane("wall", "x", 0.0, "above")),), velocities=[[0.0, 0.0], [-speed, 0.0]]
+            )
             reduced, stiffness, by_root = masses[1], c.stiffness_wall, c.damping_by_root_mass_wall
-            case = replace(case, walls=(Block("wall", (-1.0, 0.0), (-3.0, 3.0)),)) if phase % 2 else case
+            case = replace(case, walls=(MovingWall(Block("wall", (-1.0, 0.0), (-3.0, 3.0))),)) if phase % 2 else case
             at[0] = (1.0, 5.0)
         after = run(replace(case, positions=at, velocities=np.asarray(case.velocities)))["v"][:, 0]
         found.append((after[1] - after[0]) / speed)
@@ -144,8 +147,11 @@ def jet(**more) -> Scene:
     """Rows of a jet that meet a cloud on a short floor behind a sill; discs fall off its end."""
     rows = tuple(InletRow(-0.5, 0.25 + 0.25 * i, 12.0, 0.0, 10, 150 - 10 * i, 0.999 * 0.24) for i in range(4))
     walls = (Block("floor", (-2.5, 1.6), (-3.0, 0.0)), Block("sill", (1.0, 1.6), (-3.0, 0.4)))
+    places, speeds = cloud(4, 6, 6)
+    outside = places[:, 1] > 0.4 + 0.12  # a centre in a block is pushed out of it; LAMMPS has no force there
+    outside |= places[:, 0] < 1.0 - 0.12
     return scene(
-        *cloud(4, 6, 6), walls, inlets=rows, outlets=(Outlet("y", 0.15, "below", 50),), size_steps=10,
+        places[outside], speeds[outside], walls, inlets=rows, outlets=(Outlet("y", 0.15, "below", 50),), size_steps=10,
         **{"sizes": THREE, **more},
     )  # fmt: skip
 

@@ -11,7 +11,7 @@ from made_up import plugin_or_skip
 
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps
-from lammps_jump.scene import InletRow, Plane, Sizes, handmade_scene
+from lammps_jump.scene import InletRow, Plane, Sizes, gate, handmade_scene
 from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
@@ -51,12 +51,12 @@ def end(scene, folder, kernel):
         lmp.close()
 
 
-@pytest.mark.parametrize("gate", [False, True], ids=["raster", "gate"])
+@pytest.mark.parametrize("gated", [False, True], ids=["raster", "gate"])
 @pytest.mark.parametrize("sizes", [None, Sizes((1.0,), (0.16,), (0.24,))], ids=["equal", "sizes"])
 @pytest.mark.parametrize("kernel", ["stock", "compiled"])
-def test_the_second_run_changes_nothing(kernel, sizes, gate, tmp_path):
+def test_the_second_run_changes_nothing(kernel, sizes, gated, tmp_path):
     scene = heap(sizes)
-    if gate:
+    if gated:
         shut = gate(Plane("gate", "x", 2.05, "below"), FIRST - 1)
         scene = replace(scene, walls=(*scene.walls, shut), settle_steps=FIRST - 1)
     alone, apart = end(replace(scene, inlets=()), tmp_path / "alone", kernel), end(scene, tmp_path / "two", kernel)
