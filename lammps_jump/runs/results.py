@@ -83,6 +83,7 @@ def flow_of(case: ReadCase) -> Flow:
         window=asked.window,
         inflow_depth=rows.depth if rows else None,
         inflow_speed=rows.velocity if rows else None,
+        water=asked.front == "water",
     )
 
 
@@ -233,7 +234,7 @@ def _flow(
 ) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is not None:
-        return from_scene(case.scene(), bin_width=bin_width)
+        return from_scene(case.scene(), bin_width=bin_width, water=case.fields.analysis.front == "water")
     known = {"diameter": diameter, "density": density or 1000.0, "time_step": time_step, "bin_width": bin_width}
     return from_dump(open_dump(path), **known)
 

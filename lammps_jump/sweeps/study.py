@@ -181,7 +181,9 @@ class Study:
     def analysis(self) -> dict[str, object]:
         """What is made of each run: what the collected numbers need, without axes a player, no pictures and no page."""
         parts = {item.path.partition(".")[0] for item in self.collect}
-        flags = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
+        flags: dict[str, object] = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
+        if any(item.path.startswith("front.martin_moyce.") for item in self.collect):
+            flags["analysis.front"] = "water"
         figures = "none" if self.axes else "player"
         return {**flags, "analysis.fields": False, "analysis.animation": False, "analysis.figures": figures}
 

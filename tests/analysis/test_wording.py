@@ -32,6 +32,7 @@ def test_a_difference_is_rounded_to_its_error(off, error, said):
 
 def test_two_digits_end_without_a_point():
     front = {"position": 12.0, "speed": 12.04, "ritter": {"front_speed": 9.0}, "time": 1.0, "column_base": 1.0}
+    front["martin_moyce"] = {"aspect": 2.0}
     assert "runs at 12 m/s; Ritter’s would run at 9.0 m/s" in verdict({"front": front})
 
 

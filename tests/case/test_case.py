@@ -358,3 +358,10 @@ def test_frames_are_close_enough_for_playing_unless_asked_otherwise(changes, int
     assert case.fields.output_interval == pytest.approx(interval)
     assert scene.output_steps * scene.time_step == pytest.approx(interval, rel=0.02)
     assert scene.steps <= 400 * scene.output_steps
+
+
+def test_a_front_is_held_against_water_where_the_case_says_so():
+    assert load_case(INPUTS / "dam_break.yaml").fields.analysis.front == "water"
+    assert load_case(INPUTS / "column_collapse.yaml").fields.analysis.front is True
+    with pytest.raises(CaseError, match="'watr' is not known; allowed is .*'water'"):
+        load_case(INPUTS / "dam_break.yaml", ["analysis.front=watr"])

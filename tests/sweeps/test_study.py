@@ -55,6 +55,8 @@ def test_only_what_is_collected_is_analysed(study):
     assert study().analysis["analysis.jump"] and not study().analysis["analysis.energy"]
     assert study(collect=["energy.drift"], until={}).analysis["analysis.jump"] is False
     assert study().analysis["analysis.figures"] == "none"
+    for path, asked in (("front.speed", True), ("front.martin_moyce.slope", "water")):
+        assert study(collect=[path], until={}).analysis["analysis.front"] == asked
 
 
 def test_without_a_word_the_numbers_of_the_screen_are_collected(study):
