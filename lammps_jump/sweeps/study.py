@@ -137,9 +137,15 @@ class Collected(NamedTuple):
     meaning: str
 
     @property
+    def scale(self) -> float:
+        """Factor of what is shown: forces are in kN."""
+        return 1e-3 if self.unit.startswith("N") else 1.0
+
+    @property
     def heading(self) -> str:
-        """Path and unit."""
-        return f"{self.path} [{self.unit}]" if self.unit else self.path
+        """Path and unit, as shown."""
+        unit = f"k{self.unit}" if self.unit.startswith("N") else self.unit
+        return f"{self.path} [{unit}]" if unit else self.path
 
 
 @dataclass(frozen=True)
