@@ -238,9 +238,10 @@ def sections(found: Sweep) -> list[Section]:
     """The parts of the page."""
     study = found.study
     share = f"{100 * study.fields.confidence:g} %"
-    varied = f"; varied: {', '.join(words(axis.name) for axis in study.axes)}" if study.axes else ""
+    about = study.case.fields.description or study.case.name
+    about += f"; varied: {', '.join(words(axis.name) for axis in study.axes)}" if study.axes else ""
     lead = (
-        f"{study.case.fields.description or study.case.name}{varied}. {found.status()}. ± is the {share} interval of the mean "
+        f"{about}. {found.status()}. ± is the {share} interval of the mean "
         "over members, independent starts of the same case (Student's t); n counts the members that have the number."
     )
     frame = summary_frame(found)
