@@ -26,7 +26,7 @@ from lammps_jump.units import shown
     ],
 )
 def test_a_difference_is_rounded_to_its_error(off, error, said):
-    jump = {"verdict": "jump", "belanger_deviation": off, "belanger_deviation_error": error}
+    jump = {"verdict": "jump", "at": "tail water", "belanger_deviation": off, "belanger_deviation_error": error}
     assert said in verdict({"jump": jump})
 
 
