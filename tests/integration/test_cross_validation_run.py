@@ -109,7 +109,7 @@ def test_exit_status_is_one_where_the_engines_differ(study, monkeypatch, numbers
     assert "The engines differ" in outcome.output
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["energy_box_16", "dam_break", "quick_jump"])
 def test_the_scenes_agree(name, tmp_path):
     case = load_case(Path("inputs") / f"{name}.yaml")
