@@ -7,9 +7,10 @@ import signal
 from pathlib import Path
 
 HERE = Path(__file__).parent
-# two workers that write the same cache can read each other's half-written files
-CACHES = HERE.parent / ".pytest_cache" / "caches" / os.environ.get("PYTEST_XDIST_WORKER", "alone")
-for variable, folder in (("NUMBA_CACHE_DIR", "numba"), ("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
+CACHES = HERE.parent / ".pytest_cache" / "caches"
+# two workers that write the same cache of numba can take each other's code; the others hold a lock to write
+NUMBA = f"numba-{os.environ.get('PYTEST_XDIST_WORKER', 'alone')}"
+for variable, folder in (("NUMBA_CACHE_DIR", NUMBA), ("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
     os.environ[variable] = str(CACHES / folder)
 os.environ.pop("LAMMPS_JUMP_CACHE", None)
 if "JUMP_TEST_SLEEP" in os.environ:  # engines run in processes of their own, which find the hook on their path
@@ -47,6 +48,12 @@ def pytest_runtest_logreport(report):
     """Count the faults of a test that passed."""
     if report.when == "call" and report.passed:
         fault_table.count(report.user_properties)
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """Say how to run what the default run leaves out."""
+    if "not long" in config.option.markexpr:
+        terminalreporter.write_line("left out: long tests (make check), those in Chromium (make browser)")
 
 
 def pytest_sessionfinish(session, exitstatus):
