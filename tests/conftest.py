@@ -20,14 +20,30 @@ runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))
 
 import fault_table  # noqa: E402
 import pytest  # noqa: E402
-from hypothesis import settings  # noqa: E402
-from made_up import plugin_or_skip  # noqa: E402
 
 from lammps_jump.engines.interrupts import SIGNALS  # noqa: E402
 
-settings.register_profile("same_each_time", deadline=None, derandomize=True)
-settings.register_profile("random", deadline=None, print_blob=True)
-settings.load_profile("same_each_time")  # --hypothesis-profile=random, as in `make check`, comes later and wins
+
+def register_profiles():
+    """Examples of hypothesis are the same each time; ``--hypothesis-profile=random``, as in `make check`, wins."""
+    from hypothesis import settings  # 1.4 s of processor time, which the process that only hands out tests need not
+
+    settings.register_profile("same_each_time", deadline=None, derandomize=True)
+    settings.register_profile("random", deadline=None, print_blob=True)
+    return settings
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config):
+    """Register the profiles before hypothesis loads the one that was asked for."""
+    if config.getoption("--hypothesis-profile"):
+        register_profiles()
+
+
+def pytest_collection(session):
+    """Load the profile of the default run, in a process that runs tests."""
+    if not session.config.getoption("--hypothesis-profile"):
+        register_profiles().load_profile("same_each_time")
 
 
 @pytest.fixture
@@ -75,4 +91,6 @@ def ctrl_c_heard():
 @pytest.fixture(scope="session")
 def plugin():
     """Path of the compiled plugin; skips where there is none."""
+    from made_up import plugin_or_skip  # 2.6 s, as above
+
     return plugin_or_skip()

@@ -330,6 +330,7 @@ def test_poured_discs_all_come_and_stay(tmp_path, engine):
     assert summary["discs"] == {"inserted": 60, "present": 60, "removed": 0, "lost": 0}
 
 
+@pytest.mark.long
 def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
     job("quick_jump", tmp_path, "run.duration=1")
     whole = json.loads((tmp_path / "summary.json").read_text())
@@ -345,6 +346,7 @@ def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
     assert any("cut off" in text for text in found["warnings"])
 
 
+@pytest.mark.long
 def test_film_of_a_run_with_forces(tmp_path):
     job("dam_break", tmp_path, "run.duration=0.1", "run.output_interval=0.02")
     for name in ("film.gif", "film.mp4"):

@@ -64,7 +64,7 @@ def whole(tmp_path_factory):
         ("native", "all"),
         pytest.param("native", "engine", marks=pytest.mark.long),
         pytest.param("stock", "all", marks=pytest.mark.long),
-        ("compiled", "engine"),
+        pytest.param("compiled", "engine", marks=pytest.mark.long),
         pytest.param("ranks", "all", marks=pytest.mark.long),
     ],
 )
@@ -101,7 +101,8 @@ def test_a_killed_run_goes_on_from_its_last_checkpoint(engine, who, whole, plugi
     )
 
 
-@pytest.mark.parametrize("engine", ["native", pytest.param("stock", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("engine", ["native", "stock"])
 @pytest.mark.fault("killed")
 def test_without_a_checkpoint_it_starts_from_the_beginning_and_says_so(engine, whole, tmp_path):
     folder = tmp_path / "run"

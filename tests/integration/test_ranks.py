@@ -78,6 +78,7 @@ def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
     assert "processors      * 1 1" in script and "shift x" in script
 
 
+@pytest.mark.long
 def test_stock_discs_of_several_sizes_stay_in_the_plane(tmp_path):
     """Sharing the discs anew moved them by 1e-17 m in z, which ended the run."""
     scene = load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.16"]).scene()
