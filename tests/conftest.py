@@ -8,14 +8,12 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 CACHES = HERE.parent / ".pytest_cache" / "caches"
-# two workers that write the same cache of numba can take each other's code; the others hold a lock to write
-NUMBA = f"numba-{os.environ.get('PYTEST_XDIST_WORKER', 'alone')}"
-for variable, folder in (("NUMBA_CACHE_DIR", NUMBA), ("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
+for variable, folder in (("NUMBA_CACHE_DIR", "numba"), ("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
     os.environ[variable] = str(CACHES / folder)
+    (CACHES / folder).mkdir(parents=True, exist_ok=True)
 os.environ.pop("LAMMPS_JUMP_CACHE", None)
-if "JUMP_TEST_SLEEP" in os.environ:  # engines run in processes of their own, which find the hook on their path
-    paths = [str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])]
-    os.environ["PYTHONPATH"] = os.pathsep.join(paths)
+# engines run in processes of their own, which find the hook on their path
+os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])])
 runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))
 
 import fault_table  # noqa: E402

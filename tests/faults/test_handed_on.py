@@ -34,7 +34,7 @@ NO_RESULTS = {
 """What stands in every summary."""
 
 
-@pytest.fixture(scope="module", params=["native", "stock"])
+@pytest.fixture(scope="module", params=["native", pytest.param("stock", marks=pytest.mark.long)])
 def stopped(request, tmp_path_factory) -> Path:
     """The folder of a run that was stopped at `STEP`; tests work on copies."""
     folder = tmp_path_factory.mktemp("stopped") / "run"

@@ -31,6 +31,7 @@ analysis: {bin_width: 0.4, front: true}
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scene", micro_scenes(), ids=lambda scene: scene.name)
 def test_stock_lammps_walks_the_native_engines_path(scene):
     check = check_scene(scene)

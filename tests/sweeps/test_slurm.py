@@ -181,6 +181,7 @@ def test_members_that_until_asks_for_are_submitted(tmp_path, programs):
     assert slurm.submit(Sweep(read_study(fields), tmp_path / "out"), Site()) == ""
 
 
+@pytest.mark.long
 def test_a_signal_ends_a_task_and_the_same_call_goes_on(tmp_path):
     found = prepared(tmp_path / "out")
     words = "sweep", found.folder, "--member", "0-2"

@@ -142,6 +142,7 @@ def test_a_study_that_is_ended_goes_on_to_the_same_table(small, tmp_path):
     assert (out / "table.csv").read_bytes() == (small.folder / "table.csv").read_bytes()  # to the last digit
 
 
+@pytest.mark.long
 def test_a_member_whose_process_is_killed_is_run_by_the_same_command(small, tmp_path):
     path, out = tmp_path / "study.yaml", tmp_path / "out"
     path.write_text(yaml.safe_dump(SMALL, sort_keys=False))
