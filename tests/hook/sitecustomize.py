@@ -17,6 +17,7 @@ import importlib.util
 import os
 import resource
 import sys
+import threading
 import time
 
 signal_at, sleep = os.environ.get("JUMP_TEST_SIGNAL"), float(os.environ.get("JUMP_TEST_SLEEP", 0))
@@ -48,13 +49,23 @@ if signal_at or sleep or save_at or full:
     step_hook.at_step = at_step
 
 
+threads, holding = threading.RLock(), []
+
+
 def one_at_a_time(method):
-    """The method of numba's cache, while no other process reads or writes the cache."""
+    """The method of numba's cache, while no other process reads or writes the cache; one may call another."""
 
     def call(cache, *arguments):
-        with open(os.path.join(os.environ["NUMBA_CACHE_DIR"], "lock"), "w") as file:
-            fcntl.flock(file, fcntl.LOCK_EX)
-            return method(cache, *arguments)
+        with threads:
+            if holding:
+                return method(cache, *arguments)
+            with open(os.path.join(os.environ["NUMBA_CACHE_DIR"], "lock"), "w") as file:
+                fcntl.flock(file, fcntl.LOCK_EX)
+                holding.append(file)
+                try:
+                    return method(cache, *arguments)
+                finally:
+                    holding.clear()
 
     return call
 
@@ -79,5 +90,6 @@ class SharedCache:
         return spec
 
 
-if "NUMBA_CACHE_DIR" in os.environ:
+# a worker of pytest runs this file twice: as it starts, and by `conftest`
+if "NUMBA_CACHE_DIR" in os.environ and "SharedCache" not in {type(finder).__name__ for finder in sys.meta_path}:
     sys.meta_path.insert(0, SharedCache())
