@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from children import run_program
-from made_up import INPUTS, analysed_again, plugin_or_skip, run_case
+from made_up import INPUTS, analysed_again, call, plugin_or_skip, run_case
 
 import lammps_jump as lj
 from lammps_jump.case import load_case, parse_case
@@ -277,10 +277,10 @@ def test_other_dump_formats_hold_the_same_frames(tmp_path, dump_format, name):
         assert text.sorted().x == pytest.approx(other.sorted().x, rel=1e-9)  # ten digits in text
 
 
-def test_command_line_exit_status(tmp_path):
+def test_command_line_exit_status(tmp_path, monkeypatch, capsys):
     case = INPUTS / "energy_box_7.yaml"
     options = ["--out", tmp_path / "run", "--set", "run.duration=0.5", "--kernel", "stock"]
-    status, output = run_program("build-and-run", case, *options, cwd=tmp_path)
+    status, output, _ = call(monkeypatch, capsys, "build-and-run", case, *options)
     assert status == 0
     assert "0 lost" in output and "report.html" in output
 

@@ -213,7 +213,13 @@ NATIVE = {
 }
 
 
-@pytest.mark.parametrize("name", NATIVE)
+SHORT_RUN = ("sign, spin", "hooke, spin, smooth touch")
+"""Every branch once; `test_compiled_kernel` has every law with equal discs."""
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in SHORT_RUN else pytest.param(name, marks=pytest.mark.long) for name in NATIVE]
+)
 def test_laws_that_stock_styles_lack_equal_the_native_engine(run, name):
     case = jet(**NATIVE[name])
     native = NativeSimulation(case)

@@ -97,12 +97,14 @@ def test_nothing_is_run_twice_and_a_wider_study_takes_what_is_there(tmp_path):
     assert written(first.folder) == after and narrow.table["members"].values.tolist() == [2]
 
 
+@pytest.mark.long
 def test_points_that_differ_in_their_analysis_alone_have_runs_of_their_own(tmp_path):
     study = {**STUDY, "axes": {"analysis.bin_width": [0.5, 1.0]}, "members": 1}
     found = lj.sweep(study, tmp_path / "out", jobs=1)
     assert sorted(run.profiles.sizes["x"] for run in found.runs) == [2, 4]
 
 
+@pytest.mark.long
 def test_another_collect_analyses_again_and_does_not_run_again(done, tmp_path):
     study = {**STUDY, "axes": {}, "members": 1, "collect": ["discs.present"]}
     first = lj.sweep(study, tmp_path / "out", jobs=1)
@@ -130,15 +132,16 @@ def test_what_fails_is_told_left_out_and_run_again_when_asked(tmp_path, monkeypa
     assert changed and all(failure.folder.name in " ".join(changed) for failure in found.failed)
 
 
-def test_a_study_that_is_ended_goes_on_to_the_same_table(small, tmp_path):
+def test_a_study_that_is_ended_goes_on_to_the_same_table(small, tmp_path, monkeypatch, capsys):
     path, out = tmp_path / "study.yaml", tmp_path / "out"
     path.write_text(yaml.safe_dump(SMALL, sort_keys=False))
     command = ["sweep", path, "--out", out, "--jobs", "2", "--quiet"]
     status, said = run_program(*command, signal_at=(signal.SIGINT, 100))
     assert status == lj.RunInterrupted.exit_status and "continues from there" in said
     assert not (out / "table.csv").exists()
-    assert run_program("sweep", out, "--status")[1].startswith("2 runs at 2 points: ")
-    assert run_program(*command)[0] == 0
+    capsys.readouterr()
+    assert call(monkeypatch, capsys, "sweep", out, "--status")[1].startswith("2 runs at 2 points: ")
+    assert call(monkeypatch, capsys, *command)[0] == 0
     assert (out / "table.csv").read_bytes() == (small.folder / "table.csv").read_bytes()  # to the last digit
 
 
