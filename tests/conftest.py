@@ -12,6 +12,7 @@ for variable, folder in (("NUMBA_CACHE_DIR", "numba"), ("XDG_CACHE_HOME", "xdg")
     os.environ[variable] = str(CACHES / folder)
     (CACHES / folder).mkdir(parents=True, exist_ok=True)
 os.environ.pop("LAMMPS_JUMP_CACHE", None)
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does: waiting threads cost processor time
 # engines run in processes of their own, which find the hook on their path
 os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])])
 runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))

@@ -71,7 +71,7 @@ LONG = pytest.mark.long
         (signal.SIGXCPU, "engine", "native"),
         pytest.param(signal.SIGXCPU, "engine", "stock", marks=LONG),
         pytest.param(signal.SIGXCPU, "engine", "ranks", marks=LONG),
-        (signal.SIGUSR1, "all", "native"),
+        pytest.param(signal.SIGUSR1, "all", "native", marks=LONG),
         pytest.param(signal.SIGUSR1, "all", "stock", marks=LONG),
         pytest.param(signal.SIGUSR1, "all", "ranks", marks=LONG),
     ],

@@ -100,6 +100,7 @@ def test_brackets_in_the_files_of_a_folder(tmp_path, text, monkeypatch):
         start.start(lj.open_run(folder).case, folder, resume=True)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "backend",
     ["nonsense", *(pytest.param(name, marks=pytest.mark.long) for name in ("module://no.such.module", "agg"))],
@@ -147,6 +148,7 @@ def test_a_folder_that_is_taken_away(tmp_path, monkeypatch, engine, how):
     assert "\n" not in str(caught.value) and not folder.exists()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("blocks", [*(pytest.param(size, marks=pytest.mark.long) for size in (0, 1)), 40])
 @pytest.mark.fault("full disk")
 def test_files_that_cannot_grow(tmp_path, blocks):

@@ -277,6 +277,7 @@ def test_two_ranks_end_in_order_and_go_on(tmp_path):
     assert forces[0] == forces[1] == 1 + third.steps // window
 
 
+@pytest.mark.long
 def test_ranks_that_are_asked_by_their_file_end_in_order(tmp_path):
     """What a signal does: the file is there, and the ranks end at the next window."""
     engine = {"kernel": "compiled", "plugin": plugin_of("compiled"), "ranks": 2}

@@ -205,6 +205,7 @@ def test_a_task_of_a_batch_system_runs_one_member(small, tmp_path, monkeypatch, 
     assert call(monkeypatch, capsys, "sweep", found.folder, "--member", 2)[0] == 2
 
 
+@pytest.mark.long
 def test_members_are_added_until_the_interval_is_narrow(tmp_path):
     study = {**STUDY, "axes": {}, "members": 1, "until": {"force.box.impulse_x": "40%"}, "most_members": 6}
     found = lj.sweep(study, tmp_path / "out", jobs=1)
