@@ -135,7 +135,7 @@ def test_what_fails_is_told_left_out_and_run_again_when_asked(tmp_path, monkeypa
 def test_a_study_that_is_ended_goes_on_to_the_same_table(small, tmp_path, monkeypatch, capsys):
     path, out = tmp_path / "study.yaml", tmp_path / "out"
     path.write_text(yaml.safe_dump(SMALL, sort_keys=False))
-    command = ["sweep", path, "--out", out, "--jobs", "2", "--quiet"]
+    command = ["sweep", path, "--out", out, "--jobs", "1", "--quiet"]
     status, said = run_program(*command, signal_at=(signal.SIGINT, 100))
     assert status == lj.RunInterrupted.exit_status and "continues from there" in said
     assert not (out / "table.csv").exists()
