@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Fixtures and settings of all tests; functions that several share are in `made_up` and `children`."""
 
+import gc
 import os
 import runpy
 import signal
@@ -41,6 +42,7 @@ def pytest_configure(config):
 
 def pytest_collection(session):
     """Load the profile of the default run, in a process that runs tests."""
+    gc.disable()  # while the modules are imported it finds nothing, and takes a quarter of the processor time
     if not session.config.getoption("--hypothesis-profile"):
         register_profiles().load_profile("same_each_time")
 
@@ -49,6 +51,12 @@ def pytest_collection(session):
 def tried(record_property):
     """Says how many faults a test has tried; see `fault_table`."""
     return lambda times: record_property("times", times)
+
+
+def pytest_collection_finish(session):
+    """From here on only what tests make is looked at for garbage."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items):
