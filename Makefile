@@ -4,6 +4,9 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/stable_jump.yaml
 
+# README and CONTRIBUTING say the same; a test compares them
+TEST_TIME = 2 minutes on two free cores (3 the first time), 5 and more on busy ones
+
 .PHONY: run test check browser bench stress cross-validation sensitivity calibrate figures lint doctor test-repeat faults slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
@@ -19,7 +22,7 @@ run: $(VENV)/.ready
 	$(BIN)/lammps-jump build-and-run $(CASE)
 
 test: lint
-	@echo "the tests take about 2.5 minutes on two free cores (3 the first time), 6 and more on busy ones"
+	@echo "the tests take $(TEST_TIME)"
 	$(BIN)/python -m pytest -n 2
 
 check: $(VENV)/.ready

@@ -43,6 +43,8 @@ class Flow:
         Times are known. Step numbers stand in their place in a bare dump without; nothing is made of them.
     velocities : bool
         Velocities are in the frames, or follow from positions and times.
+    water : bool
+        The front of a column is to be compared with water's: Ritter, Martin & Moyce.
     """
 
     scene: Scene
@@ -56,6 +58,7 @@ class Flow:
     diameters: Mapping[int, float] = field(default_factory=dict)
     timed: bool = True
     velocities: bool = True
+    water: bool = False
 
     def radii(self, frame: Frame) -> np.ndarray:
         """Radius of each disc, m, shape (n,); one number seen n times where discs are equal. Not to be changed."""
@@ -227,6 +230,7 @@ def from_scene(
     x_range: Interval | None = None,
     inflow_depth: float | None = None,
     inflow_speed: float | None = None,
+    water: bool = False,
 ) -> Flow:
     """Flow of a scene.
 
@@ -242,6 +246,8 @@ def from_scene(
     inflow_depth, inflow_speed : float, optional
         y1, m, and Va, m/s; default from the inlet rows: the depth by mass that their discs carry, and the mean of their
         speeds.
+    water : bool
+        As of `Flow`.
     """
     if scene.inlets and inflow_depth is None:
         inflow_depth = sum(q / abs(row.vx) for q, row in zip(scene.discharges, scene.inlets, strict=True))
@@ -256,6 +262,7 @@ def from_scene(
         inflow_depth,
         inflow_speed,
         sized=scene.sizes is not None,
+        water=water,
     )
 
 

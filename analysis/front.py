@@ -93,7 +93,10 @@ class MartinMoyce:
 
 @dataclass(frozen=True)
 class Front:
-    """Front of a collapsing column at the last frame that holds discs, its speed, and theory beside it."""
+    """Front of a collapsing column at the last frame that holds discs, its speed, and theory beside it.
+
+    `martin_moyce` is None unless the flow is to be compared with water. Pages and screens then leave Ritter out, too.
+    """
 
     time: float = number("s", "time of the last frame that holds discs", default=nan)
     position: float = number("m", "bulk front at the end", default=nan, label="front at")
@@ -235,7 +238,7 @@ def free_length(flow: Flow, history: FrontHistory, base: float) -> float:
 
 
 def analyse_front(history: FrontHistory, flow: Flow) -> Front:
-    """Front at the end, its speed, and how it compares with Ritter while that holds, and with Martin & Moyce."""
+    """Front at the end, its speed, Ritter's front while that holds; with `Flow.water` Martin & Moyce's tables."""
     good = np.isfinite(history.bulk)
     base, depth = history.column
     if not good.any() or base <= 0:
@@ -261,7 +264,7 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
         speed=float(speed) if flow.timed else nan,
         arrival_time=end if flow.timed and isfinite(end) else nan,
         ritter=_ritter(history, base, depth, gravity, end) if compared else None,
-        martin_moyce=_martin_moyce(history, gravity, end) if compared else None,
+        martin_moyce=_martin_moyce(history, gravity, end) if compared and flow.water else None,
         history=history,
     )
 
@@ -312,16 +315,16 @@ def tables(front: Front) -> Tables:
 
 
 def figures(front: Front, gathered: Gathered) -> Drawings:
-    """Figures of the front in time, and beside Martin & Moyce's measurements."""
+    """Figures of the front in time and, where water is asked for, beside Martin & Moyce's measurements."""
     flow, history = gathered.flow, front.history
     return {
         "front": front_chart(history, flow),
-        "martin_moyce": martin_moyce_chart(history, flow),
+        "martin_moyce": martin_moyce_chart(history, flow) if flow.water else None,
     }
 
 
 def section(found: Mapping) -> Section:
-    """The front of a collapsing column against Ritter and Martin & Moyce; of other flows the front alone."""
+    """The front; where water is asked for, against Ritter and Martin & Moyce."""
     if found.get("position") is None:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])
     rows = []
@@ -329,25 +332,26 @@ def section(found: Mapping) -> Section:
         size = f"{found['column_base']:.3g} × {found['column_depth']:.3g}"
         rows.append(("Column at the start, base × height [m]", size))
     rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
-    if ritter := found.get("ritter"):
+    moyce, sure = found.get("martin_moyce"), ["One run has no errors for these numbers: repeat it from other starts."]
+    if moyce and (ritter := found.get("ritter")):
         until = f"Ritter's front, holds until t = {ritter['valid_until']:.2g} s: RMS difference"
         rows.append((until, percent(ritter["rms"])))
-    if moyce := found.get("martin_moyce"):
+    if moyce:
         rows += described(MartinMoyce, moyce, "aspect")
         keys = ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ()
         rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, *keys)]
         rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
-    sure = "One run has no errors for these numbers: repeat it from other starts. Theory and table are exact."
-    return Section("Front", [Table(rows), Text(sure)])
+        sure.append("Theory and table are exact.")
+    return Section("Front", [Table(rows), Text(" ".join(sure))])
 
 
 def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
-    """Front, column height and surface speed against time; Ritter's front while it holds."""
+    """Front, column height and surface speed against time; where water is asked for, Ritter's front while it holds."""
     if not np.isfinite(history.bulk).any():
         return None
     (base, depth), gravity, time = history.column, flow.gravity, history.time
     fronts = [Line("bulk front", time, history.bulk), Line("99 % of the discs", time, history.quantile, "second")]
-    if gravity > 0 and depth > 0 and flow.timed:
+    if flow.water and gravity > 0 and depth > 0 and flow.timed:
         limit = waves.ritter_wall_time(base, depth, gravity)
         t = np.linspace(0, max(min(limit, time.max()), 1e-9), 20)
         label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"

@@ -245,15 +245,20 @@ def figure(name: str, shown: Mapping[str, Chart | Bars | Map], dump: Path, flow:
 
 
 def draw_figures(
-    names: Sequence[str], shown: Mapping[str, Chart | Bars | Map], folder: Path, dump: Path, flow: Flow
+    names: Sequence[str],
+    shown: Mapping[str, Chart | Bars | Map],
+    folder: Path,
+    dump: Path,
+    flow: Flow,
+    ending: str = "png",
 ) -> None:
-    """Draw figures as PNG files into a folder."""
+    """Draw figures into a folder, as files with this ending."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
     for name in names:
-        draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.png")
+        draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.{ending}")
 
 
 def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet: bool) -> list[str]:

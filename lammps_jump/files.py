@@ -47,6 +47,8 @@ FIGURES = {
     "bed_pressure.png": "Pressure at the bed against the weight above",
 }
 """Pictures in ``figures/``, in the order of the report, with their captions there."""
+PICTURES = ("png", "pdf", "svg")
+"""Formats of figures."""
 JOB_FILE = "job.slurm"
 RANKS_FILE = ".ranks.job"
 """The job of several ranks, which each of them reads; deleted at the end of the run."""
@@ -94,13 +96,13 @@ RESULT_FILES = (
     "reflected_wave.csv",
     "fields.nc",
     *(name for names in EXPORTS.values() for name in names),
-    *(f"figures/{name}" for name in FIGURES),
+    *(f"figures/{name.removesuffix('png')}{ending}" for name in FIGURES for ending in PICTURES),
 )
 """What is made of them; ``force_<structure>.csv`` of each probe besides."""
 ARRAY_FILE = "sweep.slurm"
 SWEEP_FILES = (
-    "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", "figures/sweep_*.png",
-    ARRAY_FILE,
+    "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", ARRAY_FILE,
+    *(f"figures/sweep_*.{ending}" for ending in PICTURES),
 )  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""
 FORCES_HEADER = "time,structure,fx,fy,moment"

@@ -1,38 +1,62 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Fixtures and settings of all tests; functions that several share are in `made_up` and `children`."""
 
+import gc
 import os
 import runpy
 import signal
 from pathlib import Path
 
 HERE = Path(__file__).parent
-# two workers that write the same cache can read each other's half-written files
-CACHES = HERE.parent / ".pytest_cache" / "caches" / os.environ.get("PYTEST_XDIST_WORKER", "alone")
+CACHES = HERE.parent / ".pytest_cache" / "caches"
 for variable, folder in (("NUMBA_CACHE_DIR", "numba"), ("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
     os.environ[variable] = str(CACHES / folder)
+    (CACHES / folder).mkdir(parents=True, exist_ok=True)
 os.environ.pop("LAMMPS_JUMP_CACHE", None)
-if "JUMP_TEST_SLEEP" in os.environ:  # engines run in processes of their own, which find the hook on their path
-    paths = [str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])]
-    os.environ["PYTHONPATH"] = os.pathsep.join(paths)
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does: waiting threads cost processor time
+# engines run in processes of their own, which find the hook on their path
+os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])])
 runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))
 
 import fault_table  # noqa: E402
 import pytest  # noqa: E402
-from hypothesis import settings  # noqa: E402
-from made_up import plugin_or_skip  # noqa: E402
 
 from lammps_jump.engines.interrupts import SIGNALS  # noqa: E402
 
-settings.register_profile("same_each_time", deadline=None, derandomize=True)
-settings.register_profile("random", deadline=None, print_blob=True)
-settings.load_profile("same_each_time")  # --hypothesis-profile=random, as in `make check`, comes later and wins
+
+def register_profiles():
+    """Examples of hypothesis are the same each time; ``--hypothesis-profile=random``, as in `make check`, wins."""
+    from hypothesis import settings  # 1.4 s of processor time, which the process that only hands out tests need not
+
+    settings.register_profile("same_each_time", deadline=None, derandomize=True)
+    settings.register_profile("random", deadline=None, print_blob=True)
+    return settings
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config):
+    """Register the profiles before hypothesis loads the one that was asked for."""
+    if config.getoption("--hypothesis-profile"):
+        register_profiles()
+
+
+def pytest_collection(session):
+    """Load the profile of the default run, in a process that runs tests."""
+    gc.disable()  # while the modules are imported it finds nothing, and takes a quarter of the processor time
+    if not session.config.getoption("--hypothesis-profile"):
+        register_profiles().load_profile("same_each_time")
 
 
 @pytest.fixture
 def tried(record_property):
     """Says how many faults a test has tried; see `fault_table`."""
     return lambda times: record_property("times", times)
+
+
+def pytest_collection_finish(session):
+    """From here on only what tests make is looked at for garbage."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items):
@@ -47,6 +71,12 @@ def pytest_runtest_logreport(report):
     """Count the faults of a test that passed."""
     if report.when == "call" and report.passed:
         fault_table.count(report.user_properties)
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """Say how to run what the default run leaves out."""
+    if "not long" in config.option.markexpr:
+        terminalreporter.write_line("left out: long tests (make check), those in Chromium (make browser)")
 
 
 def pytest_sessionfinish(session, exitstatus):
@@ -68,4 +98,6 @@ def ctrl_c_heard():
 @pytest.fixture(scope="session")
 def plugin():
     """Path of the compiled plugin; skips where there is none."""
+    from made_up import plugin_or_skip  # 2.6 s, as above
+
     return plugin_or_skip()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import io
+import re
 import tokenize
 import tomllib
 from collections import Counter
@@ -213,6 +214,13 @@ def test_folders_are_small():
 @pytest.mark.parametrize(("text", "lines"), [('"""Doc."""\n\nx = (\n    1,\n)\n# note\n"""About x."""\n', 3), ("", 0)])
 def test_how_lines_are_counted(text, lines):
     assert lines_of_code(text) == lines
+
+
+def test_the_time_of_the_tests_is_told_once():
+    told = re.search(r"^TEST_TIME = (.+)$", (ROOT / "Makefile").read_text(), re.MULTILINE)[1]
+    for name in ("README.md", "CONTRIBUTING.md"):
+        text = (ROOT / name).read_text()
+        assert told in text and len(re.findall(r"minutes on two free cores", text)) == 1, name
 
 
 LICENCE = "SPDX-License-Identifier: GPL-2.0-or-later"

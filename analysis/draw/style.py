@@ -37,6 +37,7 @@ STYLE = {
     "image.cmap": "cividis",
     "figure.dpi": 100,
     "savefig.dpi": 130,
+    "pdf.fonttype": 42,  # journals refuse the default, Type 3
 }
 BLUE, GOLD, GREY, BLACK, RED = "#00306f", "#b08a00", "#8a8a8a", "#1a1a1a", "#b3263a"
 DASHES = ("-", "--", ":", "-.")

@@ -46,10 +46,12 @@ bulk front    right edge of the last disc in x before the first gap of two diame
 99 % front    right edge that 99 % of the discs do not pass
 column        top of the discs within one diameter of the back wall, up to the first vertical gap of two diameters
 speed         straight line through the bulk front, from a tenth of the free path to the first obstacle
+errors        none: one run cannot tell; repeat it from other starts
+""",
+    "water": """\
 Ritter        front of water in an endless reservoir, a + 2 √(g H) t, until its wave meets the back wall
 T, Z, n²      n t √(g/a), front/a, H/a of the column of base a and height H at the start
 dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside it where that has the same n²
-errors        none: one run cannot tell; repeat it from other starts
 """,
     "force": """\
 peak          largest mean over 0.05 s, of the component with the larger impulse; per metre of width; in the window

@@ -60,12 +60,22 @@ def verdict(summary: Mapping) -> str:
 
 
 def _collapse(front: Mapping) -> str:
-    ritter = (front.get("ritter") or {}).get("front_speed")
-    if front.get("speed") is None or ritter is None:
-        of = "discs" if front.get("column_base") is None else "column"
+    if not _collapsed(front):
         after = "" if front.get("time") is None else f" after {front['time']:.3g} s"
-        return f"The front of the {of} is at {front['position']:.3g} m{after}."
-    return f"The front of the column runs at {_short(front['speed'])} m/s; Ritter’s would run at {_short(ritter)} m/s."
+        return f"The front of the discs is at {front['position']:.3g} m{after}."
+    ritter = against_water(front) and (front.get("ritter") or {}).get("front_speed")
+    more = f"; Ritter’s would run at {_short(ritter)} m/s" if ritter else ""
+    return f"A column collapses: its front runs at {_short(front['speed'])} m/s{more}."
+
+
+def _collapsed(front: Mapping) -> bool:
+    """Whether there was a column at the start, whose front then ran."""
+    return front.get("column_base") is not None and front.get("speed") is not None
+
+
+def against_water(front: Mapping) -> bool:
+    """Whether the case asks for a comparison with water: ``analysis.front: water``."""
+    return bool(front.get("martin_moyce"))
 
 
 def _short(value: float) -> str:
@@ -111,7 +121,9 @@ def _jump(jump: Mapping) -> str:
 def _parts(summary: Mapping) -> list[Mapping]:
     found = (summary.get(key) for key in ("jump", "front", "energy"))
     jump, front, energy = (part if isinstance(part, Mapping) else {} for part in found)
-    return [jump, {} if jump.get("verdict") in A_JUMP else front, energy]  # a jump is no collapsing column
+    if jump.get("verdict") in A_JUMP:  # a jump is no collapsing column
+        return [jump, {}, energy]
+    return [{} if _collapsed(front) else jump, front, energy]
 
 
 def headline(summary: Mapping) -> str:
@@ -146,8 +158,8 @@ def _front(front: Mapping) -> str:
         return f"No front to compare: {front.get('reason') or 'none was found'}."
     after = front.get("time")
     speed = f", mean speed {front['speed']:.2f} m/s" if front.get("speed") is not None else ""
-    flow = "Discs flow in; the"
-    if front.get("column_base") is not None:
+    flow = "The discs’" if front.get("column_base") is not None else "Discs flow in; the"
+    if _collapsed(front):
         flow = f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its"
     said = [
         f"{flow} front is at "
@@ -165,6 +177,6 @@ def _front(front: Mapping) -> str:
         )
     elif water:
         said.append(f"No measured curve of water belongs to its shape (n² = {water['aspect']:.2f}; measured: 1 and 2).")
-    if ritter.get("rms") is not None:
+    if water and ritter.get("rms") is not None:
         said.append(f"Ritter's front, until {ritter['valid_until']:.2f} s: RMS difference {percent(ritter['rms'], 0)}.")
     return " ".join([*said, "One run cannot say how sure that is: repeat it from other starts."])

@@ -14,7 +14,7 @@ from lammps_jump.analysis.front import Front, MartinMoyce
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.units import AT_LEAST, numbers_of, shown
 
-from .headline import A_JUMP, COMPARED, belongs
+from .headline import A_JUMP, COMPARED, against_water, belongs
 from .page import Box, heading, with_error
 
 MOST = 5
@@ -45,6 +45,7 @@ class Wanted(NamedTuple):
 
 
 WETTED = "hydrostatic on its wetted face"
+WATER = "front.ritter.front_speed"
 PERCENT = {"scale": 0.01, "unit": "%"}
 FOUND = (
     *(
@@ -54,7 +55,8 @@ FOUND = (
     ),
     Wanted("jump.froude", Jump),
     Wanted("front.position", Front, "at t =", "front.time", beside="s", without="at the last frame"),
-    Wanted("front.speed", Front, "Ritter’s front, 2 √(g H)", "front.ritter.front_speed"),
+    Wanted("front.speed", Front, "Ritter’s front, 2 √(g H)", WATER),
+    Wanted("front.speed", Front),
     Wanted(
         "front.martin_moyce.mean_bulk", MartinMoyce, "discs: −20 to 0 %", label="off Martin & Moyce’s water", **PERCENT
     ),
@@ -100,7 +102,8 @@ def _goes(wanted: Wanted, summary: Mapping) -> bool:
     if quantity == "energy":
         return bool(_at(summary, "energy.conservative"))
     if quantity == "front":
-        return _at(summary, "jump.verdict") not in A_JUMP
+        found, water = summary["front"], wanted.other == WATER
+        return _at(summary, "jump.verdict") not in A_JUMP and (key != "speed" or water == against_water(found))
     return quantity != "jump" or belongs(key, _at(summary, "jump"))
 
 

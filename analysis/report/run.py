@@ -16,7 +16,7 @@ from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
 from .definitions import DEFINITIONS
-from .headline import headline, verdict
+from .headline import against_water, headline, verdict
 from .key_numbers import key_numbers
 from .page import (
     Boxes,
@@ -90,8 +90,12 @@ def write_report(
     }
     before = [Section("", _lead(summary))]
     after = [Section("", [Items(summary.get("warnings") or (), "Notes")])]
-    after += [_defined(key, quantity.section(summary[key])) for key, quantity in QUANTITIES.items() if summary.get(key)]
-    after.append(_defined("stations", stations.section(summary)))
+    after += [
+        _defined(key, quantity.section(summary[key]), summary)
+        for key, quantity in QUANTITIES.items()
+        if summary.get(key)
+    ]
+    after.append(_defined("stations", stations.section(summary), summary))
     numbers = numbers_of(Coefficients)
     values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
@@ -113,11 +117,12 @@ def write_report(
     return path
 
 
-def _defined(key: str, section: Section | None) -> Section | None:
+def _defined(key: str, section: Section | None, summary: Mapping) -> Section | None:
     """The section of a quantity, with what its numbers mean folded away at its end."""
     if section is None or not section.blocks:
         return section
-    return section._replace(blocks=[*section.blocks, Code(DEFINITIONS[key], "What these numbers mean")])
+    text = DEFINITIONS[key] + DEFINITIONS["water"] * (key == "front" and against_water(summary["front"]))
+    return section._replace(blocks=[*section.blocks, Code(text, "What these numbers mean")])
 
 
 def _lead(summary: Mapping) -> list[Text | Boxes]:

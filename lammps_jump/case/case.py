@@ -23,6 +23,7 @@ from lammps_jump.scene.scene import Scene
 from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
+from .templates import described, of_another_case
 from .text import CaseSource, override, parse_source, read_source
 from .to_scene import build_scene
 
@@ -113,7 +114,7 @@ class ReadCase:
         CaseError
             As `scene`.
         """
-        return Derived(self.fields, self.scene())
+        return Derived(self.fields, self.scene(), self.source.left_out)
 
     def to_yaml(self) -> str:
         """The case as YAML text, every default filled in, in the order of the fields."""
@@ -149,6 +150,9 @@ def parse_case(text: str, file: str = "<case>", changes: Changes = ()) -> ReadCa
 
 
 def _read(source: CaseSource, changes: Changes, default_name: str) -> ReadCase:
+    if name := of_another_case(source):
+        source.data.pop("description")
+        source.left_out = name
     return ReadCase(_validated(source, changes, default_name), source)
 
 
@@ -181,6 +185,7 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
         fields = CaseFields.model_validate(data)
     except ValidationError as error:
         raise explain(error, source) from None
+    fields = fields.model_copy(update={"description": described(fields.description, source)})
     names = [wall.name for wall in fields.walls]
     for index, name in enumerate(names):
         if name in names[:index]:

@@ -34,10 +34,13 @@ class Derived:
     ----------
     fields : CaseFields
     scene : Scene
+    left_out : str
+        Scene whose description the case still had although its flow is another one.
     """
 
     fields: CaseFields
     scene: Scene
+    left_out: str = ""
 
     @property
     def tables(self) -> list[tuple[str, list[Row]]]:
@@ -93,6 +96,10 @@ class Derived:
         if scene.warnings:
             lines = ["doubtful in this case:", *(f"  - {text}" for text in scene.warnings)]
         lines += ["", f"{self.fields.name}: {self.fields.description}".rstrip(": ")]
+        if self.left_out:
+            lines.append(
+                f"The description is that of {self.left_out}, another flow, and is left out; write one of your own."
+            )
         for title, rows in self.tables:
             if rows:
                 lines += ["", title]

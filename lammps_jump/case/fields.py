@@ -337,7 +337,7 @@ class Analysis(Strict):
     window: Annotated[tuple[Moment, Moment], AfterValidator(ordered)] | None = None
     jump: bool = False
     energy: bool = False
-    front: bool = False
+    front: Literal[False, True, "water"] = Field(default=False, description="water: also against columns of water")
     fields: bool = False
     animation: bool = False
     figures: Literal["default", "all", "player", "none"] = Field(default="default", description="none: no report")

@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import re
 from dataclasses import dataclass, field
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,8 @@ class CaseSource:
         Path -> the ``--set`` text that set it.
     values : int
         Groups, lists and single values read so far, aliases written out.
+    left_out : str
+        Scene whose description the file had, of another flow than its own; it is left out.
     """
 
     file: str
@@ -66,6 +69,11 @@ class CaseSource:
     lines: dict[PathKey, int] = field(default_factory=dict)
     overrides: dict[PathKey, str] = field(default_factory=dict)
     values: int = 0
+    left_out: str = ""
+
+    def value(self, path: PathKey) -> Any:
+        """The value at a path."""
+        return reduce(lambda found, key: found[key], path, self.data)
 
     def place(self, path: PathKey) -> str:
         """Where `path` stands: ``case.yaml:12: contact.friction`` (the nearest line known) or the ``--set`` text."""
@@ -265,7 +273,8 @@ def override(source: CaseSource, assignment: str) -> None:
             if isinstance(container, dict) and container.get(part) is None:
                 container[part] = {}
             container = container[key]
-    source.overrides[path] = assignment
+    kept = {known: told for known, told in source.overrides.items() if known[: len(path)] != path}
+    source.overrides = {**kept, path: assignment}  # the last change stands last
 
 
 def _is_number(part: str) -> bool:

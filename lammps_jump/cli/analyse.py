@@ -6,12 +6,12 @@ from __future__ import annotations
 import os
 import webbrowser
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
 import lammps_jump as lj
-from lammps_jump import dump, runs
+from lammps_jump import dump, runs, sweeps
 from lammps_jump.errors import CaseError
 
 from .options import Quiet, Sets, diameters, place, quantity, told
@@ -20,6 +20,7 @@ from .run import print_summary
 app = typer.Typer(rich_markup_mode=None)
 
 FOLDER = "Run folder, or folder of a dump's results."
+OR_STUDY = "Folder of a run, of a study, or of a dump's results."
 
 
 @app.command()
@@ -93,9 +94,14 @@ def animate(
 
 
 @app.command()
-def show(folder: Annotated[Path, typer.Argument(help=FOLDER, show_default=False)]) -> None:
-    """Open the report of a run in the browser; prints its path."""
-    path = folder / "report.html"
+def show(
+    folder: Annotated[Path, typer.Argument(help=OR_STUDY, show_default=False)],
+) -> None:
+    """Open the page of a run or of a study in the browser; prints its path."""
+    pages = [folder / name for name in ("report.html", "sweep.html")]
+    path = next((page for page in pages if page.is_file()), pages[0])
+    if (folder / "study.yaml").is_file() and path == pages[0]:
+        raise CaseError(f"{pages[1]}: there is no page; `lammps-jump sweep {folder}` makes it")
     if not path.is_file():
         raise CaseError(f"{path}: there is no report; `lammps-jump analyze {folder}` makes the one of a run")
     _open(path)
@@ -121,10 +127,18 @@ def _open(path: Path) -> None:
 
 
 @app.command()
-def figures(folder: Annotated[Path, typer.Argument(help=FOLDER, show_default=False)]) -> None:
-    """Draw every figure of a run as a PNG file; prints their names."""
-    for path in runs.results.draw_dump(folder) if runs.results.is_of_a_dump(folder) else lj.open_run(folder).figures():
-        print(path)
+def figures(
+    folder: Annotated[Path, typer.Argument(help=OR_STUDY, show_default=False)],
+    ending: Annotated[Literal["png", "pdf", "svg"], typer.Option("--format", help="Format of the files.")] = "png",
+) -> None:
+    """Draw every figure of a run or of a study; prints the names of the files."""
+    if (folder / "study.yaml").is_file():
+        paths = sweeps.open_sweep(folder).figures(ending)
+    elif runs.results.is_of_a_dump(folder):
+        paths = runs.results.draw_dump(folder, ending)
+    else:
+        paths = lj.open_run(folder).figures(ending)
+    print(*paths, sep="\n")
 
 
 @app.command()

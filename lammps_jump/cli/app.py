@@ -17,10 +17,13 @@ from lammps_jump.errors import JumpError, SetupError
 
 from . import analyse, run, studies, tools
 from .early import start_early
+from .options import Commands
 from .streams import patient_output
 
 app = typer.Typer(
     name="lammps-jump",
+    cls=Commands,
+    context_settings={"max_content_width": 100},
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

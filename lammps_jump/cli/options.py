@@ -11,8 +11,18 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from lammps_jump.units import to_si
+
+
+class Commands(TyperGroup):
+    """A group of commands whose help lists the whole first sentence of each; click cuts it to one line."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the list of commands."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, command.get_short_help_str(1000)) for name, command in self.commands.items()])
 
 
 def folder_option(text: str) -> Path:
@@ -98,6 +108,9 @@ Slurm = Annotated[
     bool, typer.Option("--slurm", help="Submit what is left as one array job; --jobs limits its tasks at once.")
 ]
 Members = Annotated[str | None, typer.Option(help="Starts of each point: 4, or the seeds 9-16.")]
+Collect = Annotated[
+    str | None, typer.Option(help="Numbers of summary.json with commas between, such as jump.y2,jump.speed.")
+]
 Until = Annotated[
     list[str] | None,
     typer.Option(

@@ -37,6 +37,7 @@ def build_and_run(
         bool, typer.Option("--live", help="Draw the run while it goes on, in a window and in live.png.")
     ] = False,
     members: options.Members = None,
+    collect: options.Collect = None,
     until: options.Until = None,
     jobs: options.Jobs = None,
     quiet: options.Quiet = False,
@@ -49,10 +50,12 @@ def build_and_run(
             if given:
                 raise CaseError(f"{option}: is for one run; members go on by the same command, so leave it out")
         place = out or Path(f"{runs.folder.default_folder(loaded)},members")
-        fields = study_fields(members=members, until=until)
+        fields = study_fields(members=members, until=until, collect=collect)
         if at is None:
             return run_sweep(loaded, place, jobs=jobs, quiet=quiet, **fields)
         return submit(sweeps.Sweep(sweeps.read_study(loaded, **fields), place), at, jobs=jobs)
+    if collect:
+        raise CaseError(f"--collect {collect}: is for --members; one run writes all its numbers to summary.json")
     if at is not None:
         raise CaseError(f"--slurm: is for --members; for one run use `lammps-jump build {case} --slurm`, then sbatch")
     return _run(loaded, out or runs.folder.default_folder(loaded), quiet=quiet, live=live, force=force, resume=resume)

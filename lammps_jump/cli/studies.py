@@ -28,9 +28,7 @@ def sweep(
         typer.Option("--axis", metavar="PATH=VALUES", help="Values of a field, 0,0.05,0.1. May be repeated."),
     ] = None,
     members: options.Members = None,
-    collect: Annotated[
-        str | None, typer.Option(help="Numbers of summary.json with commas between, such as jump.y2,jump.speed.")
-    ] = None,
+    collect: options.Collect = None,
     until: options.Until = None,
     most_members: Annotated[int | None, typer.Option(help="Members that --until may come to (default 32).")] = None,
     out: Annotated[

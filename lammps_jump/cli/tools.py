@@ -12,10 +12,10 @@ import typer
 import lammps_jump.case as cases
 from lammps_jump import cli, engines
 
-from .options import Accuracy, CaseFile, EngineName, Kernel, Sets, assignments
+from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments
 
 app = typer.Typer(rich_markup_mode=None)
-kernels = typer.Typer(help="The compiled plugin for LAMMPS.", no_args_is_help=True, rich_markup_mode=None)
+kernels = typer.Typer(cls=Commands, help="The compiled plugin for LAMMPS.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(kernels, name="kernels")
 
 

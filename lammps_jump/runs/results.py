@@ -83,6 +83,7 @@ def flow_of(case: ReadCase) -> Flow:
         window=asked.window,
         inflow_depth=rows.depth if rows else None,
         inflow_speed=rows.velocity if rows else None,
+        water=asked.front == "water",
     )
 
 
@@ -233,7 +234,7 @@ def _flow(
 ) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is not None:
-        return from_scene(case.scene(), bin_width=bin_width)
+        return from_scene(case.scene(), bin_width=bin_width, water=case.fields.analysis.front == "water")
     known = {"diameter": diameter, "density": density or 1000.0, "time_step": time_step, "bin_width": bin_width}
     return from_dump(open_dump(path), **known)
 
@@ -274,13 +275,13 @@ def flow_of_dump(folder: Path) -> Flow:
     return _flow(find_dump(folder), case, **given)
 
 
-def draw_dump(folder: Path) -> list[Path]:
+def draw_dump(folder: Path, ending: str = "png") -> list[Path]:
     """Draw every figure of a folder of results of a bare dump into its ``figures``; the paths."""
     with folders.locked(folder):
         wanted = {name: quantities.QUANTITIES[name] for name in OF_A_DUMP}
         gathered = quantities.collect(flow_of_dump(folder), read_dump(folder), [folder], OF_A_DUMP)
         results = {name: result for name, one in wanted.items() if (result := one.analyse(gathered)) is not None}
-        return draw_all(Found(gathered, results, ()), folder)
+        return draw_all(Found(gathered, results, ()), folder, ending)
 
 
 def animate(target: Path, out: Path | None, fps: int) -> Path:
@@ -323,16 +324,16 @@ def draw(found: Found, folder: Path, name: str) -> Figure:
     return quantities.figure(name, shown, find_dump(folder), found.gathered.flow)
 
 
-def draw_all(found: Found, folder: Path) -> list[Path]:
-    """Draw every figure of a run folder into its ``figures``; the paths."""
+def draw_all(found: Found, folder: Path, ending: str = "png") -> list[Path]:
+    """Draw every figure of a run folder into its ``figures``, in a format of `files.PICTURES`; the paths."""
     shown = quantities.drawings(found.gathered, found.results)
     names = [*shown, quantities.DISCS]
     for name in names:
-        folders.require_replaceable(folder, f"figures/{name}.png")
+        folders.require_replaceable(folder, f"figures/{name}.{ending}")
     with folders.staging(folder) as stage:
-        quantities.draw_figures(names, shown, stage / "figures", find_dump(folder), found.gathered.flow)
+        quantities.draw_figures(names, shown, stage / "figures", find_dump(folder), found.gathered.flow, ending)
         folders.publish(stage, folder)
-    return [folder / "figures" / f"{name}.png" for name in names]
+    return [folder / "figures" / f"{name}.{ending}" for name in names]
 
 
 def has_page(case: ReadCase) -> bool:

@@ -277,8 +277,8 @@ class Run:
         """
         return runs.results.draw(self._found, self.folder, name)
 
-    def figures(self) -> list[Path]:
-        """Draw every figure of the run as a PNG file into ``figures`` of its folder; the paths.
+    def figures(self, ending: Literal["png", "pdf", "svg"] = "png") -> list[Path]:
+        """Draw every figure of the run into ``figures`` of its folder, as files with this ending; the paths.
 
         Raises
         ------
@@ -286,7 +286,7 @@ class Run:
             ``figures`` is a link, or holds a file of this name that is not of this program.
         """
         with locked(self.folder):
-            return runs.results.draw_all(self._found, self.folder)
+            return runs.results.draw_all(self._found, self.folder, ending)
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the report page; into the run folder where no `path` is given. Figures are those of the folder."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import starmap
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,7 @@ import xarray as xr
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
-from lammps_jump.analysis.report.page import Choice, Code, Items, Picture, Player, Section, Table, Text, picture, render
+from lammps_jump.analysis.report.page import Choice, Code, Items, Player, Section, Table, Text, picture, render
 from lammps_jump.analysis.report.received import read_player
 from lammps_jump.files import PLAYER, write_text
 from lammps_jump.provenance import versions
@@ -23,6 +24,7 @@ from lammps_jump.units import shown
 
 from .study import Axis, Collected, Study
 from .table import DISAGREE
+from .words import heading, unit, words
 
 if TYPE_CHECKING:
     from .sweep import Sweep
@@ -40,10 +42,10 @@ def summary_frame(found: Sweep) -> pd.DataFrame:
     rows = []
     frame = sweeps.table.flat(found.table, study)
     for (_, numbers), point in zip(frame.iterrows(), study.points, strict=True):
-        row = {path: shown(value) for path, value in point.items()}
+        row = {heading(path): shown(value) for path, value in point.items()}
         for item in study.collect:
-            half = numbers[f"{item.path}_high"] - numbers[item.path]
-            row[item.heading] = f"{shown(numbers[item.path], error=half)} (n = {numbers[f'{item.path}_n']})"
+            mean, high = (item.scale * numbers[name] for name in (item.path, f"{item.path}_high"))
+            row[item.heading] = f"{shown(mean, error=high - mean)} (n = {numbers[f'{item.path}_n']})"
         rows.append({**row, "found": numbers["verdicts"]} if any(frame["verdicts"]) else row)
     whole = pd.DataFrame(rows)
     return whole if study.axes else whole.T.reset_index().set_axis(["number", "mean ± half the interval"], axis=1)
@@ -56,22 +58,23 @@ def table_text(found: Sweep) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def draw(found: Sweep) -> list[Picture]:
-    """Draw a figure for each axis, lines with bands, and a map for two axes of numbers."""
+def draw(found: Sweep, ending: str = "png") -> dict[Path, str]:
+    """Draw a figure for each axis, lines with bands, and a map for two axes of numbers; the captions by file."""
     study, folder = found.study, found.folder / "figures"
     folder.mkdir(exist_ok=True)
     axes = [axis for axis in study.axes if found.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
     files = {
         save_lines(
-            found.table, study, axis, folder / f"sweep_{axis.name}.png"
-        ): f"Against {axis.name}; band: interval over members"
+            found.table, study, axis, folder / f"sweep_{axis.name}.{ending}"
+        ): f"Against the {words(axis.name)}; band: interval over members"
         for axis in axes
     }
     if len(axes) == len(study.axes) == 2:
-        files[save_map(found.table, study, axes, folder / "sweep_map.png")] = "Means over both axes"
+        files[save_map(found.table, study, axes, folder / f"sweep_map.{ending}")] = "Means over both axes"
     if not study.axes and found.runs:
-        files[save_profiles(found, folder / "sweep_profiles.png")] = "Profiles, mean of the window; thin lines: members"
-    return [picture(path, caption) for path, caption in files.items()]
+        caption = "Profiles, mean of the window; thin lines: members"
+        files[save_profiles(found, folder / f"sweep_profiles.{ending}")] = caption
+    return files
 
 
 def save_profiles(found: Sweep, path: Path) -> Path:
@@ -110,22 +113,33 @@ def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
     others = [other.name for other in study.axes if other.name != axis.name]
     with _panels(study) as (figure, panels):
         for panel, item in panels:
-            whole = table[item.path].transpose(axis.name, *others, "statistic")
+            whole = item.scale * table[item.path].transpose(axis.name, *others, "statistic")
             lines = whole.values.reshape(len(axis.values), -1, whole.sizes["statistic"])
             labels = list(np.ndindex(*whole.shape[1:-1]))
             shown_lines = np.unique(np.linspace(0, len(labels) - 1, min(len(labels), MOST_LINES)).astype(int))
             for place, line in enumerate(shown_lines):
-                words = (f"{name} {table[name].values[i]}" for name, i in zip(others, labels[line], strict=True))
+                said = (
+                    f"{heading(name)} {table[name].values[i]}" for name, i in zip(others, labels[line], strict=True)
+                )
                 cells = dict(zip(whole["statistic"].values, lines[:, line].T, strict=True))
                 colour, dash = COLOURS[place % len(COLOURS)], DASHES[place % len(DASHES)]
-                panel.plot(axis.values, cells["mean"], dash, marker="o", ms=4, color=colour, label=", ".join(words))
+                panel.plot(axis.values, cells["mean"], dash, marker="o", ms=4, color=colour, label=", ".join(said))
                 if np.isfinite(cells["low"]).any():
                     panel.fill_between(axis.values, cells["low"], cells["high"], color=colour, alpha=0.18, lw=0)
-            panel.set(xlabel=axis.name, ylabel=item.heading)
+            panel.set(ylabel=item.heading)
+            name_axis(panel, axis.name)
             panel.set_title(item.meaning if item.meaning != item.path else "")
         if others:
             panels[0][0].legend()
         return save(figure, path)
+
+
+def name_axis(panel: Any, path: str) -> None:
+    """Put the words of a path at the axis along x, and the path itself below in small."""
+    panel.set_xlabel(heading(path))
+    if heading(path) != path:
+        place = {"xycoords": panel.xaxis.label, "ha": "center", "va": "top", "fontsize": 6, "color": GREY}
+        panel.annotate(path, (0.5, -0.1), **place)
 
 
 def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> Path:
@@ -133,11 +147,12 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
     y, x = axes
     with _panels(study) as (figure, panels):
         for panel, item in panels:
-            cells = table[item.path].sel(statistic="mean").transpose(y.name, x.name).values
+            cells = item.scale * table[item.path].sel(statistic="mean").transpose(y.name, x.name).values
             image = panel.imshow(cells, origin="lower", aspect="auto")
             panel.set_xticks(range(len(x.values)), [f"{value:g}" for value in x.values])
             panel.set_yticks(range(len(y.values)), [f"{value:g}" for value in y.values])
-            panel.set(xlabel=x.name, ylabel=y.name)
+            name_axis(panel, x.name)
+            panel.set_ylabel(heading(y.name))
             panel.grid(visible=False)
             colour_bar(figure, image, item.heading, ax=panel)
         return save(figure, path)
@@ -196,6 +211,14 @@ def doubts(found: Sweep) -> list[str]:
         if (chi2 := frame[f"{item.path}_chi2"].median()) > DISAGREE
     ]
     said += [f"{names[failure.point]}, member {failure.seed}: left out: {failure.message}" for failure in found.failed]
+    for item in study.collect:
+        cells = sweeps.table.records(found.table, item.path)
+        said += [
+            f"{name}: {item.path}: the interval over {cell['n']:.0f} members is wider than the mean: its sign is not "
+            "known. More members narrow it (--members)."
+            for name, cell in zip(names, cells, strict=True)
+            if cell["high"] - cell["mean"] > abs(cell["mean"])
+        ]
     wanted = ", ".join(f"{path} within {100 * share:g} %" for path, share in study.fields.until.items())
     said += [
         f"{name}: {wanted} would take {needed} members; {have} have run."
@@ -207,22 +230,25 @@ def doubts(found: Sweep) -> list[str]:
 
 def point_name(study: Study, index: int) -> str:
     """Values of a point in words."""
-    return ", ".join(f"{path} = {shown(value)}" for path, value in study.points[index].items()) or study.case.name
+    point = study.points[index].items()
+    return ", ".join(f"{words(path)} = {shown(value, unit(path))}" for path, value in point) or study.case.name
 
 
 def sections(found: Sweep) -> list[Section]:
     """The parts of the page."""
     study = found.study
     share = f"{100 * study.fields.confidence:g} %"
+    about = study.case.fields.description or study.case.name
+    about += f"; varied: {', '.join(words(axis.name) for axis in study.axes)}" if study.axes else ""
     lead = (
-        f"{study.case.fields.description or study.case.name}. {found.status()}. ± is the {share} interval of the mean "
+        f"{about}. {found.status()}. ± is the {share} interval of the mean "
         "over members, independent starts of the same case (Student's t); n counts the members that have the number."
     )
     frame = summary_frame(found)
     return [
         Section("", [Text(lead, "lead"), Items(doubts(found), "What to know")]),
         Section("", players(found)),
-        Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *draw(found)]),
+        Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *starmap(picture, draw(found).items())]),
         Section("Members beside single runs", [Text(OWN_ERRORS), Table(*_own_errors(found))]),
         Section("How to repeat it", [
             Text(f"`lammps-jump sweep {found.folder}` goes on with this study, or does nothing where all is there."),
@@ -245,7 +271,9 @@ def _own_errors(found: Sweep) -> tuple[list[list[Any]], list[str]]:
         for item in study.collect:
             numbers = [float(frame[f"{item.path}_{name}"][index]) for name in ("sd", "own_error", "chi2")]
             if isfinite(numbers[1]):
-                rows.append([point_name(study, index), item.heading, *numbers])
+                rows.append(
+                    [point_name(study, index), item.heading, *(item.scale * n for n in numbers[:2]), numbers[2]]
+                )
     return rows, ["point", "number", "standard deviation of members", "stated by single runs", "chi2/dof"]
 
 

@@ -137,9 +137,15 @@ class Collected(NamedTuple):
     meaning: str
 
     @property
+    def scale(self) -> float:
+        """Factor of what is shown: forces are in kN."""
+        return 1e-3 if self.unit.startswith("N") else 1.0
+
+    @property
     def heading(self) -> str:
-        """Path and unit."""
-        return f"{self.path} [{self.unit}]" if self.unit else self.path
+        """Path and unit, as shown."""
+        unit = f"k{self.unit}" if self.unit.startswith("N") else self.unit
+        return f"{self.path} [{unit}]" if unit else self.path
 
 
 @dataclass(frozen=True)
@@ -181,7 +187,9 @@ class Study:
     def analysis(self) -> dict[str, object]:
         """What is made of each run: what the collected numbers need, without axes a player, no pictures and no page."""
         parts = {item.path.partition(".")[0] for item in self.collect}
-        flags = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
+        flags: dict[str, object] = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
+        if any(item.path.startswith("front.martin_moyce.") for item in self.collect):
+            flags["analysis.front"] = "water"
         figures = "none" if self.axes else "player"
         return {**flags, "analysis.fields": False, "analysis.animation": False, "analysis.figures": figures}
 

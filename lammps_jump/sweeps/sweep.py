@@ -13,7 +13,7 @@ from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.case.case import ReadCase
@@ -254,12 +254,17 @@ class Sweep:
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""
-        clear(self.folder, ["figures/sweep_*.png"])
+        clear(self.folder, [name for name in SWEEP_FILES if name.startswith("figures/")])
         frame = sweeps.table.flat(self.table, self.study)
         write_text(self.folder / "table.csv", csv_text(frame))
         write_netcdf(self.table, self.folder / "table.nc")
         write_json(self.folder / "summary.json", self.summary, indent=2)
         return sweeps.page.write_page(self)
+
+    def figures(self, ending: Literal["png", "pdf", "svg"] = "png") -> list[Path]:
+        """Draw every figure of the study into ``figures`` of its folder, as files with this ending; the paths."""
+        with study_folder(self.folder):
+            return list(sweeps.page.draw(self, ending))
 
     def __repr__(self) -> str:
         return f"Sweep({str(self.folder)!r}, {self.status()})"

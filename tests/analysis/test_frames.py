@@ -235,7 +235,7 @@ def test_many_discs_have_a_map_of_the_area_that_they_cover(monkeypatch):
     assert late[1:5, 1:6].mean() == pytest.approx(np.pi / 4, rel=0.05) and early[-1].max() == 0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_hundred_thousand_discs():
     rng = np.random.default_rng(2)
     still, ids = np.zeros(200_000), np.arange(200_000)

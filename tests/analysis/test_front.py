@@ -13,13 +13,17 @@ from lammps_jump.analysis.front import (
     analyse_front,
     back_wall,
     bulk_front,
+    figures,
     free_length,
     off_curve,
     quantile_front,
     rms,
+    section,
     stack_top,
 )
-from lammps_jump.analysis.report.headline import headline
+from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.report.headline import headline, verdict
+from lammps_jump.analysis.report.key_numbers import key_numbers
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import measured as reference_data
 from lammps_jump.physics import waves
@@ -30,6 +34,7 @@ WALLS = (Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above"))
 
 
 def context(walls=WALLS, **changes):
+    changes = {"water": True, **changes}
     return flow_context(domain=((-1.0, 100.0), (-1.0, 40.0)), x_range=(0.0, 100.0), walls=walls, **changes)
 
 
@@ -225,3 +230,33 @@ def test_a_flow_that_discs_enter_has_no_column():
     found = numbers(analyse_front(tracked(frames, context()), context()))
     assert found["position"] == pytest.approx(5) and found["column_base"] is found["column_depth"] is None
     assert found["ritter"] is found["martin_moyce"] is None
+
+
+@pytest.mark.parametrize("water", [False, True])
+def test_water_is_compared_with_where_that_is_asked_for_alone(water):
+    """A column of n² = 2, of which water's tables could say something."""
+    time, flow = np.linspace(0.05, 3, 60), context(water=water)
+    front = analyse_front(made_history(time, 4 + 10 * time, 8 * np.exp(-time), (4.0, 8.0)), flow)
+    found = {"front": numbers(front)}
+    assert found["front"]["ritter"]["front_speed"] == pytest.approx(2 * sqrt(8 * G))
+    assert verdict(found).startswith("A column collapses: its front runs at 10 m/s")
+    drawn = figures(front, Gathered(flow, None, None, {}, {}))
+    boxes, _ = key_numbers(found)
+    shown = [verdict(found), headline(found), *(f"{box.label} {box.value} {box.against}" for box in boxes)]
+    shown += [str(label) for label, _ in section(found["front"]).blocks[0].rows]
+    shown += [line.label for line in drawn["front"].panels[0].lines]
+    assert any("10" in box.value for box in boxes)
+    for name in ("Ritter", "Martin & Moyce"):
+        assert any(name in text for text in shown) is water
+    assert (drawn["martin_moyce"] is not None) is water
+
+
+def test_a_column_is_what_a_dump_without_a_jump_is_about():
+    front = {"position": 9.2, "time": 3.0, "speed": 3.6, "column_base": 2.0, "column_depth": 4.0}
+    jump = {"verdict": "no jump found", "headline": "No hydraulic jump to compare with Bélanger: no jump found."}
+    assert verdict({"jump": jump, "front": front}) == "A column collapses: its front runs at 3.6 m/s."
+    assert "jump" not in headline({"jump": jump, "front": front})
+    still = {**front, "speed": None}
+    assert verdict({"jump": jump, "front": still}) == "No hydraulic jump."
+    assert "collapsed" not in headline({"jump": jump, "front": still})
+    assert "jump" in verdict({"jump": {**jump, "verdict": "jump"}, "front": front})

@@ -141,10 +141,14 @@ def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
     assert "Its tail water is 20 % above Bélanger’s and its front stands." in content
 
 
+COLUMN = {"position": 30.0, "time": 5.0, "speed": 9.87, "column_base": 4.0, "ritter": {"front_speed": 21.7}}
+
+
 @pytest.mark.parametrize(
     ("summary", "said"),
     [
-        ({"front": {"position": 30.0, "time": 5.0, "speed": 9.87, "ritter": {"front_speed": 21.7}}}, "9.9 m/s; Ritter"),
+        ({"front": {**COLUMN, "martin_moyce": {"aspect": 2.0}}}, "runs at 9.9 m/s; Ritter’s would run at 22 m/s."),
+        ({"front": COLUMN}, "runs at 9.9 m/s."),
         ({"front": {"position": 30.0, "time": 5.0, "speed": None}}, "is at 30 m after 5 s."),
         ({"energy": {"conservative": True, "max_deviation": 0.012}}, "The energy stays within 1.2 % of"),
         ({"status": "failed", "message": "disc 7 is lost"}, "The run is failed."),
@@ -159,7 +163,7 @@ def test_verdict_in_a_sentence(summary, said):
 
 
 def test_every_quantity_has_its_definitions():
-    assert set(DEFINITIONS) == {*QUANTITIES, "stations"}
+    assert set(DEFINITIONS) == {*QUANTITIES, "stations", "water"}
 
 
 def test_text_is_made_safe(tmp_path):

@@ -26,12 +26,13 @@ from lammps_jump.units import shown
     ],
 )
 def test_a_difference_is_rounded_to_its_error(off, error, said):
-    jump = {"verdict": "jump", "tail": {"belanger_deviation": off, "belanger_deviation_error": error}}
+    jump = {"verdict": "jump", "at": "tail water", "belanger_deviation": off, "belanger_deviation_error": error}
     assert said in verdict({"jump": jump})
 
 
 def test_two_digits_end_without_a_point():
     front = {"position": 12.0, "speed": 12.04, "ritter": {"front_speed": 9.0}, "time": 1.0, "column_base": 1.0}
+    front["martin_moyce"] = {"aspect": 2.0}
     assert "runs at 12 m/s; Ritter’s would run at 9.0 m/s" in verdict({"front": front})
 
 

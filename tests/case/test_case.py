@@ -338,7 +338,8 @@ def test_the_seed_gives_another_jet():
         ).splitlines()
         for seed in (0, 7)
     ]
-    differ = [old for old, new in zip(*texts, strict=True) if old != new]
+    assert [lines[0].rpartition("run.seed = ")[2] for lines in texts] == ["0", "7"]
+    differ = [old for old, new in zip(*texts, strict=True) if old != new][1:]
     assert differ and all(line.startswith(("fix             inlet_", "fix             outlet_")) for line in differ)
 
 
@@ -358,3 +359,44 @@ def test_frames_are_close_enough_for_playing_unless_asked_otherwise(changes, int
     assert case.fields.output_interval == pytest.approx(interval)
     assert scene.output_steps * scene.time_step == pytest.approx(interval, rel=0.02)
     assert scene.steps <= 400 * scene.output_steps
+
+
+def test_a_front_is_held_against_water_where_the_case_says_so():
+    assert load_case(INPUTS / "dam_break.yaml").fields.analysis.front == "water"
+    assert load_case(INPUTS / "column_collapse.yaml").fields.analysis.front is True
+    with pytest.raises(CaseError, match=r"'watr' is not known; allowed is .*'water'"):
+        load_case(INPUTS / "dam_break.yaml", ["analysis.front=watr"])
+
+
+def test_a_description_tells_what_was_changed():
+    """Also of members of a study, whose case was read from a file that held some of the changes."""
+    own = load_case(INPUTS / "dam_break.yaml").fields.description
+    changes = {
+        "walls.structure.y": [-1, 4],
+        "analysis.energy": True,
+        "initial.0.jitter": 0.001,
+        "engine.name": "native",
+    }
+    case = load_case(INPUTS / "dam_break.yaml", changes)
+    assert case.fields.description == f"{own}; changed: walls.structure.y = [-1, 4]"
+    whole = f"{own}; changed: walls.structure.y = [-1, 4], discs.diameter = 20 cm, run.seed = 2"
+    seed = {"run.seed": 1}
+    for base in (case, parse_case(case.to_yaml())):
+        member = base.replace({"discs.diameter": "20 cm"}).replace(seed).replace({"run.seed": 2, "run.members": None})
+        assert member.fields.description == whole
+    assert member.replace({"description": "mine"}).replace(seed).fields.description == "mine; changed: run.seed = 1"
+    many = {"kind": "list", "positions": [[0.2 * k, 1] for k in range(100)]}
+    listed = case.replace({"walls.structure.x": [24, 26], "initial": [many]})
+    assert listed.fields.description.endswith("; 3 values changed")
+
+
+def test_the_description_of_a_scene_is_left_out_of_another_flow(tmp_path):
+    path, text = tmp_path / "mine.yaml", scene_text("dam_break")
+    for changed, said in (
+        (text.replace("[0, 12]", "[0, 8]"), True),
+        (text.replace("duration: 5", "duration: 1"), False),
+    ):
+        path.write_text(changed)
+        case = load_case(path)
+        assert bool(case.fields.description) is not said
+        assert ("is that of dam_break, another flow, and is left out" in str(case.check())) is said

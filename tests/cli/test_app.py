@@ -6,8 +6,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from functools import reduce
 
 import pytest
+import typer
+from typer.testing import CliRunner
+
+from lammps_jump.cli.app import app
 
 
 def test_commands_are_known_without_scene_and_engine():
@@ -30,3 +35,14 @@ def test_numpy_is_loaded_with_one_thread_of_its_own_unless_the_user_asks_for_mor
     environment = {name: text for name, text in os.environ.items() if name != "OPENBLAS_NUM_THREADS"} | given
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
     assert done.stdout.strip() == given.get("OPENBLAS_NUM_THREADS", "1")
+
+
+@pytest.mark.parametrize("width", [80, 100])
+@pytest.mark.parametrize("words", [(), ("kernels",)])
+def test_help_lists_the_whole_sentence_of_every_command(words, width):
+    group = reduce(lambda group, name: group.commands[name], words, typer.main.get_command(app))
+    listed = CliRunner().invoke(app, [*words, "--help"], terminal_width=width).output
+    assert max(map(len, listed.splitlines())) <= width
+    cut = [name for name, one in group.commands.items() if one.help.split(". ")[0] not in " ".join(listed.split())]
+    assert group.commands
+    assert not cut

@@ -222,63 +222,57 @@ def attempt(monkeypatch, capsys, folder: Path, *arguments: str) -> tuple[int, st
     return int(stop.value.code or 0), captured.err
 
 
-@pytest.mark.parametrize("old, new, named", [row[1:] for row in WRONG_CASES], ids=[row[0] for row in WRONG_CASES])
-def test_wrong_case_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
-    assert old in GOOD
-    (tmp_path / "case.yaml").write_text(GOOD.replace(old, new, 1))
-    extra = ["--kernel", "stock"] if "sign" in new else []
-    status, message = attempt(monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", *extra)
-    assert status == 2, message
-    for text in named:
-        assert text in message
-    assert "Traceback" not in message and message.count("\n") == 1, message
-    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"], "nothing may be written"
+def refused(what: str, named: list[str], status: int, message: str) -> None:
+    """Exit status 2 and one paragraph that holds these texts; `what` is told where that is not so."""
+    assert status == 2 and message.count("\n") == 1 and "Traceback" not in message, (what, message)
+    assert [text for text in named if text not in message] == [], (what, message)
 
 
-@pytest.mark.parametrize("assignment, named", ABSURD, ids=[row[0][:50] for row in ABSURD])
-def test_absurd_number_is_refused(monkeypatch, capsys, tmp_path, assignment, named):
+def test_wrong_cases_are_refused(monkeypatch, capsys, tmp_path):
+    for what, old, new, named in WRONG_CASES:
+        assert old in GOOD
+        (tmp_path / "case.yaml").write_text(GOOD.replace(old, new, 1))
+        extra = ["--kernel", "stock"] if "sign" in new else []
+        refused(what, named, *attempt(monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", *extra))
+        assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"], f"nothing may be written: {what}"
+
+
+def test_absurd_numbers_are_refused(monkeypatch, capsys, tmp_path):
     (tmp_path / "case.yaml").write_text(GOOD)
-    status, message = attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml", "--set", assignment)
-    assert status == 2 and message.count("\n") == 1, message
-    for text in named:
-        assert text in message
+    for assignment, named in ABSURD:
+        refused(assignment, named, *attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml", "--set", assignment))
 
 
-@pytest.mark.parametrize("old, new, named", [row[1:] for row in WRONG_POURS], ids=[row[0] for row in WRONG_POURS])
-def test_wrong_pour_is_refused(monkeypatch, capsys, tmp_path, old, new, named):
+def test_wrong_pours_are_refused(monkeypatch, capsys, tmp_path):
     inflow = next(line for line in GOOD.splitlines() if line.startswith("inflow"))
     good = GOOD.replace(inflow, POUR)
-    assert old in good
     parse_case(good).scene()
-    (tmp_path / "case.yaml").write_text(good.replace(old, new, 1))
-    status, message = attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml")
-    assert status == 2 and message.count("\n") == 1, message
-    for text in named:
-        assert text in message
+    for what, old, new, named in WRONG_POURS:
+        assert old in good
+        (tmp_path / "case.yaml").write_text(good.replace(old, new, 1))
+        refused(what, named, *attempt(monkeypatch, capsys, tmp_path, "check", "case.yaml"))
 
 
-@pytest.mark.parametrize(
-    "assignment, named",
-    [
-        ("contact.frction=0", ["--set contact.frction=0", "did you mean 'friction'"]),
-        ("contact.friction", ["path=value"]),
-        ("walls.sill.y=[-10,3]", ["walls", "no item 'sill'", "floor"]),
-        ("name.x=1", ["single value"]),
-        ("contact.friction=[", ["not YAML"]),
-        ("walls.²=1", ["walls", "no item '²'", "floor"]),
-        ("walls.99999999999999999999=1", ["walls", "no item", "floor"]),
-        ("discs=&a {diameter: *a}", ["--set discs=&a {diameter: *a}", "alias"]),
-        ("discs=" + 3000 * "[", ["--set discs=[", "deep"]),
-        ("contact.friction=-1", ["--set contact.friction=-1", ">= 0"]),
-    ],
-)
-def test_wrong_assignment_is_refused(monkeypatch, capsys, tmp_path, assignment, named):
+WRONG_ASSIGNMENTS = [
+    ("contact.frction=0", ["--set contact.frction=0", "did you mean 'friction'"]),
+    ("contact.friction", ["path=value"]),
+    ("walls.sill.y=[-10,3]", ["walls", "no item 'sill'", "floor"]),
+    ("name.x=1", ["single value"]),
+    ("contact.friction=[", ["not YAML"]),
+    ("walls.²=1", ["walls", "no item '²'", "floor"]),
+    ("walls.99999999999999999999=1", ["walls", "no item", "floor"]),
+    ("discs=&a {diameter: *a}", ["--set discs=&a {diameter: *a}", "alias"]),
+    ("discs=" + 3000 * "[", ["--set discs=[", "deep"]),
+    ("contact.friction=-1", ["--set contact.friction=-1", ">= 0"]),
+]
+
+
+def test_wrong_assignments_are_refused(monkeypatch, capsys, tmp_path):
     (tmp_path / "case.yaml").write_text(GOOD)
-    status, message = attempt(monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", "--set", assignment)
-    assert status == 2
-    for text in named:
-        assert text in message
-    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]
+    for assignment, named in WRONG_ASSIGNMENTS:
+        words = ("build-and-run", "case.yaml", "--set", assignment)
+        refused(assignment, named, *attempt(monkeypatch, capsys, tmp_path, *words))
+        assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"], assignment
 
 
 BOMB = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
@@ -293,7 +287,7 @@ BOMB = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
         ("name: a\ndiscs: &a [*a, *a]\n", ["case.yaml:2", "alias"]),
         ("name: a\n\ndiscs: " + 3000 * "[" + 3000 * "]", ["case.yaml:3", "deep"]),
         ("discs: " + 3000 * "{a: ", ["case.yaml:1", "deep"]),
-        (BOMB, ["case.yaml:", "1000000 values", "aliases"]),
+        (BOMB, ["case.yaml:", "300,000 values", "aliases"]),
         ("a0: &a0 [1]\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 3000)), ["case.yaml:", "deep"]),
         ("name: !!bool maybe\n", ["case.yaml:1", "name"]),
         ("name: !!int ''\n", ["case.yaml:1", "name"]),

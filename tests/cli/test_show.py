@@ -7,6 +7,7 @@ import pytest
 from made_up import INPUTS, call
 
 import lammps_jump as lj
+from lammps_jump.analysis import quantities
 
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native"}
 
@@ -38,6 +39,14 @@ def test_a_folder_without_a_report_is_refused(tmp_path, opened, monkeypatch, cap
     assert status == 2 and not out and "there is no report; `lammps-jump analyze" in error
 
 
+def test_the_page_of_a_study_is_opened(tmp_path, opened, monkeypatch, capsys):
+    (tmp_path / "study.yaml").touch()
+    status, _, error = call(monkeypatch, capsys, "show", tmp_path)
+    assert status == 2 and f"`lammps-jump sweep {tmp_path}` makes it" in error
+    (tmp_path / "sweep.html").touch()
+    assert call(monkeypatch, capsys, "show", tmp_path) == (0, f"{tmp_path / 'sweep.html'}\n", "")
+
+
 def test_two_runs_share_a_page(folders, opened, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert call(monkeypatch, capsys, "compare", *folders) == (0, "seed1_and_seed2.html\n", "")
@@ -54,3 +63,12 @@ def test_every_figure_is_drawn_when_asked(folders, opened, monkeypatch, capsys):
     drawn = {path.name for path in (folders[1] / "figures").iterdir()}
     assert status == 0 and {"depth_map.png", "forces.png", "energy.png", "snapshots.png"} <= drawn
     assert len(out.splitlines()) == len(drawn)
+
+
+def test_figures_are_drawn_as_vectors_when_asked(folders, opened, monkeypatch, capsys):
+    monkeypatch.setattr(quantities, "drawings", lambda gathered, results: {})  # the ten pictures alone
+    status, out, _ = call(monkeypatch, capsys, "figures", folders[0], "--format", "pdf")
+    assert (status, out) == (0, f"{folders[0]}/figures/snapshots.pdf\n")
+    assert (folders[0] / "figures/snapshots.pdf").read_bytes()[:5] == b"%PDF-"
+    status, _, error = call(monkeypatch, capsys, "figures", folders[0], "--format", "tiff")
+    assert status == 2 and "tiff" in error

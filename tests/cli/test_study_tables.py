@@ -69,3 +69,11 @@ def test_a_table_is_drawn_and_its_own_codes_are_shown(on_a_terminal, arguments):
     assert "──" in drawn and "|---" not in drawn, "a table, not its Markdown"
     # the command in the table is text, and it is the only one
     assert re.findall(r"\\x\w\w", drawn) == [r"\x1b"], drawn
+
+
+def test_members_of_a_case_collect_what_is_named(on_a_terminal, monkeypatch):
+    asked = {}
+    nothing = lj.sweep()
+    monkeypatch.setattr(lj, "sweep", lambda *_, **fields: asked.update(fields) or nothing)
+    on_a_terminal("build-and-run", "box.yaml", "--members", "2", "--collect", "energy.drift, energy.final")
+    assert (asked["members"], asked["collect"]) == ("2", ["energy.drift", "energy.final"])

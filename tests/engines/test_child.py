@@ -200,7 +200,12 @@ SUBREAPER = 36
 
 
 @pytest.mark.parametrize(
-    ("engine", "kernel", "ranks"), [("lammps", "stock", 1), ("native", "numba", 1), ("lammps", "stock", 2)]
+    ("engine", "kernel", "ranks"),
+    [
+        ("lammps", "stock", 1),
+        pytest.param("native", "numba", 1, marks=pytest.mark.long),
+        pytest.param("lammps", "stock", 2, marks=pytest.mark.long),
+    ],
 )
 def test_without_its_parent_a_run_is_saved_and_ends(endless, tmp_path, engine, kernel, ranks):
     libc = ctypes.CDLL(None)

@@ -39,10 +39,10 @@ def signalled(folder, engine: str, number: int, who: str = "first") -> str:
     ("number", "engine"),
     [
         (signal.SIGHUP, "native"),
-        (signal.SIGXCPU, "native"),
+        pytest.param(signal.SIGXCPU, "native", marks=pytest.mark.long),
         (signal.SIGUSR1, "stock"),
-        (signal.SIGQUIT, "compiled"),
-        (signal.SIGUSR2, "ranks"),
+        pytest.param(signal.SIGQUIT, "compiled", marks=pytest.mark.long),
+        pytest.param(signal.SIGUSR2, "ranks", marks=pytest.mark.long),
     ],
 )
 @pytest.mark.fault("signals")
@@ -61,9 +61,21 @@ def test_a_signal_saves_the_run_and_nothing_is_analysed(number, engine, plugin, 
         assert lj.open_run(folder).status == "interrupted" and (folder / "report.html").exists()
 
 
+LONG = pytest.mark.long
+
+
 @pytest.mark.lammps
-@pytest.mark.parametrize("engine", ["native", "stock", "ranks"])
-@pytest.mark.parametrize(("number", "told"), [(signal.SIGXCPU, "engine"), (signal.SIGUSR1, "all")])
+@pytest.mark.parametrize(
+    ("number", "told", "engine"),
+    [
+        (signal.SIGXCPU, "engine", "native"),
+        pytest.param(signal.SIGXCPU, "engine", "stock", marks=LONG),
+        pytest.param(signal.SIGXCPU, "engine", "ranks", marks=LONG),
+        pytest.param(signal.SIGUSR1, "all", "native", marks=LONG),
+        pytest.param(signal.SIGUSR1, "all", "stock", marks=LONG),
+        pytest.param(signal.SIGUSR1, "all", "ranks", marks=LONG),
+    ],
+)
 @pytest.mark.fault("signals")
 def test_signals_that_not_only_the_program_gets_end_the_run_in_order(engine, number, told, tmp_path):
     """The system tells each process of its limit of processor time; a batch system signals every process."""

@@ -81,7 +81,7 @@ def test_discs_balance(cell_size):
     assert result.ledger["residual"] == pytest.approx(0.0, abs=1e-3 * result.ledger["throughput"])  # promised
 
 
-@pytest.mark.parametrize("size", [0.5, 1.0, 2.0, 3.7])
+@pytest.mark.parametrize("size", [0.5, *(pytest.param(size, marks=pytest.mark.long) for size in (1.0, 2.0)), 3.7])
 @pytest.mark.parametrize(("law", "steps"), [("hooke", 3500), ("sign", 2850)])
 def test_cell_search_finds_the_same_contacts(size, law, steps):
     scene = channel(rotation=True, friction_law=law, integrator="leapfrog_extrapolated")

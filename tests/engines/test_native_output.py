@@ -158,14 +158,14 @@ def test_loops_run_uncompiled_to_the_same_bits(monkeypatch):
     )  # fmt: skip
     for engine in (NativeSimulation, CellSimulation):
         compiled = engine(scene)
-        compiled.run(150)
+        compiled.run(50)
         with monkeypatch.context() as patch:
             for module in (kernels, neighbours):
                 for name, function in list(vars(module).items()):
                     if hasattr(function, "py_func"):
                         patch.setattr(module, name, function.py_func)
             plain = engine(scene)
-            plain.run(150)
+            plain.run(50)
         assert np.array_equal(plain.positions, compiled.positions)
         assert np.array_equal(plain.spin, compiled.spin)
         assert plain.ledger == pytest.approx(compiled.ledger, rel=1e-9, abs=1e-9)  # sums in another order

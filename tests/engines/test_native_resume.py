@@ -296,6 +296,7 @@ def test_an_interrupted_run_starts_anew_where_that_is_asked_for(interrupted):
     assert not list(interrupted.glob("checkpoint*"))
 
 
+@pytest.mark.long
 def test_sigterm_ends_the_engine_politely_and_the_run_goes_on(tmp_path, monkeypatch, light, capsys):
     """The signal of a batch system; then `lammps-jump run FOLDER --resume`, and the frames to the last digit."""
     changes = ["run.duration=40", "run.output_interval=0.5"]

@@ -38,7 +38,7 @@ def command(scene: str, engine: str, folder, *more: str) -> list[object]:
 
 def kills() -> list[tuple[str, str, str, int]]:
     """Scene, engine, which process is killed, and step."""
-    if not LONG:  # tests/integration/test_killed.py has others
+    if not LONG:  # tests/integration/test_checkpoints.py has others
         return [("gate", "stock", "first", 200)]
     dice = random.Random(6)
     return [

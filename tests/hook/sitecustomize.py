@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What tests do at a step of an engine, set by the environment.
+"""What tests do at a step of an engine, set by the environment; and one cache of compiled code for all processes.
 
-Python runs this file when it starts with this folder on its path, as the children of `children.run_child` do, and as
-the engine's process that such a child starts. `conftest` runs it for the processes of the tests themselves. The program
-itself reads none of these variables.
+Python runs this file when it starts with this folder on its path, as all processes do that tests start. `conftest` runs
+it for the processes of the tests themselves. The program itself reads none of these variables.
 
 JUMP_TEST_SIGNAL : ``NUMBER@STEP@WHO``; the engine's process sends this signal at the first step from STEP on, and waits
     until it is asked to end. WHO is the process that gets it: ``first``, the ``engine`` itself, or ``all``.
@@ -13,8 +12,12 @@ JUMP_TEST_FULL : ``FIRST-LAST``; files of the engine's process cannot grow in th
 JUMP_TEST_PROCESS : the first process; set here.
 """
 
+import fcntl
+import importlib.util
 import os
 import resource
+import sys
+import threading
 import time
 
 signal_at, sleep = os.environ.get("JUMP_TEST_SIGNAL"), float(os.environ.get("JUMP_TEST_SLEEP", 0))
@@ -44,3 +47,49 @@ if signal_at or sleep or save_at or full:
                 stop_request.wait(LIMIT)
 
     step_hook.at_step = at_step
+
+
+threads, holding = threading.RLock(), []
+
+
+def one_at_a_time(method):
+    """The method of numba's cache, while no other process reads or writes the cache; one may call another."""
+
+    def call(cache, *arguments):
+        with threads:
+            if holding:
+                return method(cache, *arguments)
+            with open(os.path.join(os.environ["NUMBA_CACHE_DIR"], "lock"), "w") as file:
+                fcntl.flock(file, fcntl.LOCK_EX)
+                holding.append(file)
+                try:
+                    return method(cache, *arguments)
+                finally:
+                    holding.clear()
+
+    return call
+
+
+class SharedCache:
+    """Puts a lock around the cache when numba is imported; without it two processes can take each other's code."""
+
+    def find_spec(self, name, path=None, target=None):
+        if name != "numba.core.caching":
+            return None
+        sys.meta_path.remove(self)
+        spec = importlib.util.find_spec(name)
+        execute = spec.loader.exec_module
+
+        def exec_module(module):
+            execute(module)
+            for method in ("load", "save"):
+                kind = module.IndexDataCacheFile
+                setattr(kind, method, one_at_a_time(getattr(kind, method)))
+
+        spec.loader.exec_module = exec_module
+        return spec
+
+
+# a worker of pytest runs this file twice: as it starts, and by `conftest`
+if "NUMBA_CACHE_DIR" in os.environ and "SharedCache" not in {type(finder).__name__ for finder in sys.meta_path}:
+    sys.meta_path.insert(0, SharedCache())

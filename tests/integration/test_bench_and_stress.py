@@ -23,6 +23,7 @@ def silent(text):
     pass
 
 
+@pytest.mark.long
 def test_bench_of_the_energy_box(tmp_path):
     case, options = load_case(INPUTS / "energy_box_16.yaml", ("run.duration=4",)), {"quick": True, "say": silent}
     table = run_bench(case, out=tmp_path, **options)
@@ -37,6 +38,7 @@ def test_bench_of_the_energy_box(tmp_path):
     assert stored_table(INPUTS / "energy_box_16.yaml", tmp_path) == table
 
 
+@pytest.mark.long
 def test_bench_of_collisions(tmp_path):
     run_bench(None, out=tmp_path / "new", quick=True)
     assert (tmp_path / "new" / "bench_collision.png").is_file()
@@ -78,6 +80,7 @@ def test_periodic_crystal_brackets_the_limit():
     assert stress_limits.crystal_growth(0.2, 0.285, steps=8000)["growth"] > 1e3
 
 
+@pytest.mark.long
 def test_stress_quick(tmp_path):
     with Pool(2) as pool:
         study = Stress(Store(tmp_path / "stress.json"), pool, ["stock", "native"], silent, quick=True)
@@ -88,6 +91,7 @@ def test_stress_quick(tmp_path):
         assert all(bed["right"] for bed in study.beds(5000))
 
 
+@pytest.mark.long
 def test_sensitivity_and_calibration_smoke(tmp_path):
     text = run_sensitivity(tmp_path, quick=True, only="friction", say=silent)
     assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()

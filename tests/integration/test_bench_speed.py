@@ -50,6 +50,7 @@ def test_every_variant_starts_from_the_developed_discs():
     assert all(row.first_step == scene.size_steps for row in short.inlets)
 
 
+@pytest.mark.long
 @pytest.mark.lammps
 def test_bench_speed_of_a_jet(tmp_path):
     case = load_case(INPUTS / "quick_jump.yaml", {"contact.friction": 0.1, "run.duration": 1})

@@ -429,7 +429,7 @@ def flat(found):
     return [found] if values is None else [one for value in values for one in flat(value)]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("scene", sorted(path.stem for path in INPUTS.glob("*.yaml")))
 def test_report_of_a_scene(browser, tmp_path, scene):
     folder = tmp_path / scene

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from children import run_program
-from made_up import INPUTS, analysed_again, plugin_or_skip, run_case
+from made_up import INPUTS, analysed_again, call, plugin_or_skip, run_case
 
 import lammps_jump as lj
 from lammps_jump.case import load_case, parse_case
@@ -58,7 +58,13 @@ def numbers(tree):
         yield tree
 
 
-@pytest.mark.parametrize("name", scene_names())
+ALL_KINDS = {"quick_jump", "column_collapse"}
+"""Inlets, outlets and sizes; a gate. The native engine, the scripts and the other tests see the other scenes."""
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in ALL_KINDS else pytest.param(name, marks=pytest.mark.long) for name in scene_names()]
+)
 def test_every_scene_leaves_the_contract(name, tmp_path):
     settle = ["initial.0.settle=0.05"] if name in ("wave_structure", "column_collapse") else []
     job(name, tmp_path, "run.duration=0.2", "run.output_interval=0.05", *settle)
@@ -74,7 +80,7 @@ def test_every_scene_leaves_the_contract(name, tmp_path):
     assert (tmp_path / "forces.csv").exists() == bool(load_case(INPUTS / f"{name}.yaml").fields.probes.forces)
 
 
-@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+@pytest.mark.parametrize("kernel", [pytest.param("stock", marks=pytest.mark.long), "compiled"])
 def test_the_folder_runs_alone_elsewhere_with_the_same_dump(kernel, tmp_path):
     """Both scripts stand in the folder and name no place of this machine; `lmp` is told where the plugin is."""
     plugin = plugin_or_skip() if kernel == "compiled" else None
@@ -117,7 +123,7 @@ def test_energy_box_starts_at_5760_joules_and_stays_near(tmp_path):
     assert summary["energy"]["max_deviation"] < 0.03
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("fraction, bound", [(0.05, 0.03), (0.01, 0.002)])
 def test_energy_box_whole(tmp_path, fraction, bound):
     """The contract's bounds: 3 % at f = 0.05, 0.2 % at f = 0.01, elastic energy included."""
@@ -163,7 +169,7 @@ probes: {forces: [floor, left, right], interval: 0.5}
 """
 
 
-@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+@pytest.mark.parametrize("kernel", [pytest.param("stock", marks=pytest.mark.long), "compiled"])
 def test_floor_carries_the_weight_of_a_settled_tank(tmp_path, kernel):
     """N m g to 0.1 % (an identity of equilibrium), and the side walls push alike."""
     if kernel == "compiled":
@@ -245,6 +251,7 @@ def test_a_run_that_blows_up_is_reported(tmp_path):
     assert "nan" not in (tmp_path / "dump.lammpstrj").read_text().lower()
 
 
+@pytest.mark.long
 def test_two_ranks_balance_and_agree_with_one(tmp_path):
     results = {}
     for ranks in (1, 2):
@@ -270,10 +277,10 @@ def test_other_dump_formats_hold_the_same_frames(tmp_path, dump_format, name):
         assert text.sorted().x == pytest.approx(other.sorted().x, rel=1e-9)  # ten digits in text
 
 
-def test_command_line_exit_status(tmp_path):
+def test_command_line_exit_status(tmp_path, monkeypatch, capsys):
     case = INPUTS / "energy_box_7.yaml"
     options = ["--out", tmp_path / "run", "--set", "run.duration=0.5", "--kernel", "stock"]
-    status, output = run_program("build-and-run", case, *options, cwd=tmp_path)
+    status, output, _ = call(monkeypatch, capsys, "build-and-run", case, *options)
     assert status == 0
     assert "0 lost" in output and "report.html" in output
 
@@ -288,6 +295,7 @@ def test_build_then_run(tmp_path):
     assert summary["discs"]["lost"] == 0
 
 
+@pytest.mark.long
 def test_build_with_a_job_file(tmp_path):
     status, output = run_program(
         "build", INPUTS / "energy_box_7.yaml", "--out", tmp_path, "--kernel", "stock", "--slurm"
@@ -311,7 +319,7 @@ run: {duration: 3, time_step_fraction: 0.1, output_interval: 0.5}
 """
 
 
-@pytest.mark.parametrize("engine", ["stock", "compiled", "native"])
+@pytest.mark.parametrize("engine", [pytest.param("stock", marks=pytest.mark.long), "compiled", "native"])
 def test_poured_discs_all_come_and_stay(tmp_path, engine):
     """Places differ (each engine draws its own), the count does not; masses are the case's."""
     if engine == "compiled":
@@ -322,6 +330,7 @@ def test_poured_discs_all_come_and_stay(tmp_path, engine):
     assert summary["discs"] == {"inserted": 60, "present": 60, "removed": 0, "lost": 0}
 
 
+@pytest.mark.long
 def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
     job("quick_jump", tmp_path, "run.duration=1")
     whole = json.loads((tmp_path / "summary.json").read_text())
@@ -337,6 +346,7 @@ def test_killed_run_is_counted_from_what_it_wrote(tmp_path):
     assert any("cut off" in text for text in found["warnings"])
 
 
+@pytest.mark.long
 def test_film_of_a_run_with_forces(tmp_path):
     job("dam_break", tmp_path, "run.duration=0.1", "run.output_interval=0.02")
     for name in ("film.gif", "film.mp4"):

@@ -60,7 +60,13 @@ def whole(tmp_path_factory):
 
 @pytest.mark.parametrize(
     ("engine", "who"),
-    [("native", "all"), ("native", "engine"), ("stock", "all"), ("compiled", "engine"), ("ranks", "all")],
+    [
+        ("native", "all"),
+        pytest.param("native", "engine", marks=pytest.mark.long),
+        pytest.param("stock", "all", marks=pytest.mark.long),
+        pytest.param("compiled", "engine", marks=pytest.mark.long),
+        pytest.param("ranks", "all", marks=pytest.mark.long),
+    ],
 )
 @pytest.mark.fault("killed")
 def test_a_killed_run_goes_on_from_its_last_checkpoint(engine, who, whole, plugin, tmp_path):
@@ -95,6 +101,7 @@ def test_a_killed_run_goes_on_from_its_last_checkpoint(engine, who, whole, plugi
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("engine", ["native", "stock"])
 @pytest.mark.fault("killed")
 def test_without_a_checkpoint_it_starts_from_the_beginning_and_says_so(engine, whole, tmp_path):
@@ -110,11 +117,13 @@ def test_without_a_checkpoint_it_starts_from_the_beginning_and_says_so(engine, w
     assert "resumed_at" not in json.loads((two / "summary.json").read_text())
 
 
+@pytest.mark.long
 def test_a_folder_with_no_run_at_all_starts_one(tmp_path):
     status = run_program(*command(tmp_path / "run", "native"), "--resume", "-q")[0]
     assert status == 0 and lj.open_run(tmp_path / "run").status == "complete"
 
 
+@pytest.mark.long
 @pytest.mark.fault("flipped bits")
 def test_a_damaged_checkpoint_leads_to_the_one_before(whole, tmp_path):
     folder = tmp_path / "run"
@@ -130,6 +139,7 @@ def test_a_damaged_checkpoint_leads_to_the_one_before(whole, tmp_path):
     assert 1000 <= round(run.summary["resumed_at"][0] / run.scene.time_step) < 1100
 
 
+@pytest.mark.long
 @pytest.mark.fault("killed")
 def test_killed_again_and_again(whole, tmp_path):
     """A part that was killed goes on, is killed, goes on: the same bytes in the end."""

@@ -473,7 +473,7 @@ def run_on_ranks(folder, lines, ranks, steps=1000):
 
 
 # four ranks on three columns: parts thinner than a disc, so that discs of the rank after next come into reach
-@pytest.mark.parametrize("ranks, steps, columns", [(2, 1000, 9), (4, 150, 3)])
+@pytest.mark.parametrize("ranks, steps, columns", [(2, 1000, 9), pytest.param(4, 150, 3, marks=pytest.mark.long)])
 def test_ranks_equal_one(plugin, tmp_path, ranks, steps, columns):
     rows = (InletRow(2.5, 1.0, -12.0, 0.0, 0, 150, 0.999 * DIAMETER),)
     walls = (Block("ground", (-2.5, 1.2), (-3.0, 0.1)), Plane("left", "x", 0.0, "above"))

@@ -170,6 +170,7 @@ def test_a_jet_with_inflow_and_outflow_equals_the_stock_styles(run, rubbing):
     assert found["rmass"][settled] == pytest.approx(case.masses(case.diameters(ids[settled])), rel=1e-15)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="AVX is of x86-64")
 @pytest.mark.parametrize("more", [{"friction": 0.2, "rotation": True}, {"sizes": None}], ids=["sizes, spin", "equal"])
 def test_the_width_of_vectors_changes_no_bit(plugin, monkeypatch, request, more):
@@ -218,7 +219,13 @@ NATIVE = {
 }
 
 
-@pytest.mark.parametrize("name", NATIVE)
+SHORT_RUN = ("sign, spin", "hooke, spin, smooth touch")
+"""Every branch once; `test_compiled_kernel` has every law with equal discs."""
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in SHORT_RUN else pytest.param(name, marks=pytest.mark.long) for name in NATIVE]
+)
 def test_laws_that_stock_styles_lack_equal_the_native_engine(run, name):
     case = jet(**NATIVE[name])
     native = NativeSimulation(case)

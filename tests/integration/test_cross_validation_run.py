@@ -31,6 +31,7 @@ analysis: {bin_width: 0.4, front: true}
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scene", micro_scenes(), ids=lambda scene: scene.name)
 def test_stock_lammps_walks_the_native_engines_path(scene):
     check = check_scene(scene)
@@ -57,6 +58,7 @@ def study(tmp_path_factory):
     return folder / "out", arguments, first
 
 
+@pytest.mark.long
 def test_study_leaves_report_json_and_figures(study):
     folder, _, first = study
     assert first.exit_code == 0, first.output
@@ -78,6 +80,7 @@ def numbers_only(monkeypatch):
     monkeypatch.setattr(cross_validation.page, "draw_all", lambda chart, found, laws, folder: {})
 
 
+@pytest.mark.long
 def test_study_goes_on_where_it_was_interrupted(study, numbers_only):
     folder, arguments, _ = study
     members = sorted((folder / "runs").iterdir())
@@ -90,6 +93,7 @@ def test_study_goes_on_where_it_was_interrupted(study, numbers_only):
     assert not list(folder.rglob("dump.*"))  # what is compared does not need them
 
 
+@pytest.mark.long
 def test_exit_status_is_one_where_the_engines_differ(study, monkeypatch, numbers_only):
     """The native engine is handed a floor that is 5 % softer: both parts must notice."""
     from dataclasses import replace
@@ -109,7 +113,7 @@ def test_exit_status_is_one_where_the_engines_differ(study, monkeypatch, numbers
     assert "The engines differ" in outcome.output
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["energy_box_16", "dam_break", "quick_jump"])
 def test_the_scenes_agree(name, tmp_path):
     case = load_case(Path("inputs") / f"{name}.yaml")

@@ -20,12 +20,21 @@ from lammps_jump.engines.launch import Setting
 from lammps_jump.engines.launch import run as run_scene
 
 pytestmark = pytest.mark.lammps
+MANY = ("run.duration=0.2125", "run.output_interval=0.2125", "discs.diameter=0.05", "initial=[]")
 
 
 @pytest.fixture(autouse=True)
 def mpiexec():
     if program("mpiexec") is None:
         pytest.skip("the mpich wheel brings no mpiexec")
+
+
+LONG = pytest.mark.long
+SIGNALLED = [
+    pytest.param(1, signal.SIGINT, marks=LONG),
+    pytest.param(1, signal.SIGTERM, marks=LONG),
+    (2, signal.SIGTERM),
+]
 
 
 def run(name, folder, plugin, ranks, *changes, **options):
@@ -42,7 +51,7 @@ def frames(folder):
     ("name", "changes"),
     [
         ("dam_break", ("run.duration=0.0935", "run.output_interval=0.0935")),
-        ("quick_jump", ("run.duration=0.2125", "run.output_interval=0.2125", "discs.diameter=0.05", "initial=[]")),
+        pytest.param("quick_jump", MANY, marks=pytest.mark.long),
     ],
 )
 def test_a_thousand_steps_are_those_of_one_rank(plugin, tmp_path, name, changes):
@@ -57,6 +66,7 @@ def test_a_thousand_steps_are_those_of_one_rank(plugin, tmp_path, name, changes)
     assert max(np.abs(one.x - two.x).max(), np.abs(one.y - two.y).max()) < 1e-9 * scene.diameter
 
 
+@pytest.mark.long
 def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
     changes = ("run.duration=4", "initial=[]", "domain.x=[-1, 16]", "walls.floor.x=[-5, 9]", "walls.sill.x=[8, 9]")
     _, result = run("quick_jump", tmp_path, plugin, 2, *changes, "outflow=[{x_beyond: 13}, {y_below: -3}]")
@@ -68,6 +78,7 @@ def test_discs_balance_while_they_come_go_and_change_ranks(plugin, tmp_path):
     assert "processors      * 1 1" in script and "shift x" in script
 
 
+@pytest.mark.long
 def test_stock_discs_of_several_sizes_stay_in_the_plane(tmp_path):
     """Sharing the discs anew moved them by 1e-17 m in z, which ended the run."""
     scene = load_case(INPUTS / "quick_jump.yaml", ["run.duration=0.16"]).scene()
@@ -76,6 +87,7 @@ def test_stock_discs_of_several_sizes_stay_in_the_plane(tmp_path):
     assert result.steps == scene.steps > 900 and result.present > 30
 
 
+@pytest.mark.long
 def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
     scene, result = run("energy_box_16", tmp_path, plugin, 2, stop_at=2000)
     assert result.status == "interrupted" and "kept" in result.message
@@ -84,7 +96,7 @@ def test_a_stopped_run_on_two_ranks_keeps_its_frames(plugin, tmp_path):
     assert frames(tmp_path)
 
 
-@pytest.mark.parametrize(("ranks", "number"), [(1, signal.SIGINT), (1, signal.SIGTERM), (2, signal.SIGTERM)])
+@pytest.mark.parametrize(("ranks", "number"), SIGNALLED)
 def test_a_signal_ends_a_run_and_leaves_no_rank(plugin, tmp_path, ranks, number):
     """Ctrl-C, and SIGTERM of a batch system whose time is up: status 75, what there is is kept, nothing runs on."""
     options = ["--kernel", "compiled", "--ranks", ranks, "--set", "run.duration=20000", "--quiet"]

@@ -31,10 +31,12 @@ from lammps_jump.script.resume import continuation_text
 
 INPUTS = Path(__file__).parents[2] / "inputs"
 pytestmark = pytest.mark.lammps
+LONG = pytest.mark.long
 
 GATE = ("run.duration=0.25", "initial.0.settle=0.2", "run.output_interval=0.01", "contact.rotation=true")
 FRICTION = (*GATE, "contact.friction=0.1")
 COLLAPSE = ("run.duration=0.4", "run.output_interval=0.01")
+SIGN = (*COLLAPSE, "contact.friction=0.1", "contact.friction_law=sign")
 JUMP = (
     "run.duration=2",
     "initial=[]",
@@ -78,11 +80,11 @@ def apart(one, two) -> float:
     ("kernel", "dump_format", "name", "changes"),
     [
         ("stock", "text", "wave_structure", FRICTION),
-        ("compiled", "gz", "wave_structure", FRICTION),
-        ("compiled", "text", "dam_break", (*COLLAPSE, "contact.friction=0.1", "contact.friction_law=sign")),
-        ("stock", "binary", "quick_jump", JUMP),
+        pytest.param("compiled", "gz", "wave_structure", FRICTION, marks=LONG),
+        pytest.param("compiled", "text", "dam_break", SIGN, marks=LONG),
+        pytest.param("stock", "binary", "quick_jump", JUMP, marks=LONG),
         ("compiled", "binary", "quick_jump", JUMP),
-        ("compiled", "text", "quick_jump", (*JUMP, "discs.sizes=null", "contact.friction=0.1")),
+        pytest.param("compiled", "text", "quick_jump", (*JUMP, "discs.sizes=null", "contact.friction=0.1"), marks=LONG),
     ],
 )
 def test_continued_run_is_the_uninterrupted_one(kernel, dump_format, name, changes, tmp_path):
@@ -133,6 +135,7 @@ def log_rows(path: Path) -> list[str]:
     return [row for row in path.read_text().splitlines() if re.fullmatch(r"( +[\d.e+-]+){4,}\s*", row)]
 
 
+@pytest.mark.long
 def test_full_step_velocities_would_not_do(tmp_path):
     """The half step is no ornament: without it the first frames differ by more than the digits of the dump."""
     scene = scene_of("dam_break", *COLLAPSE)
@@ -152,7 +155,7 @@ def test_full_step_velocities_would_not_do(tmp_path):
 # --- what could not go on before ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+@pytest.mark.parametrize("kernel", ["stock", pytest.param("compiled", marks=LONG)])
 def test_a_pour_goes_on_with_the_discs_that_are_left(kernel, tmp_path):
     """fix pour keeps no state: the others come from a new random stream, and all are there in the end."""
     pour = Pour(x=(12.0, 20.0), y=(6.0, 8.0), count=300, volume_fraction=0.2, speed_down=1.0)
@@ -174,8 +177,14 @@ def test_a_pour_goes_on_with_the_discs_that_are_left(kernel, tmp_path):
     assert np.array_equal(ids[-1], np.arange(1, begun + 301))
 
 
-@pytest.mark.parametrize("stop", [1000, 3500])
-@pytest.mark.parametrize("kernel", ["stock", "compiled"])
+@pytest.mark.parametrize(
+    ("kernel", "stop"),
+    [
+        ("stock", 3500),
+        ("compiled", 1000),
+        *(pytest.param(*one, marks=LONG) for one in (("stock", 1000), ("compiled", 3500))),
+    ],
+)
 def test_a_gate_before_inlets_goes_on_closed_or_open(kernel, stop, tmp_path):
     shut = gate(Plane("gate", "x", 3.0, "below"), 3000)
     scene = scene_of("quick_jump", "run.duration=2", "contact.friction=0.1")
@@ -205,9 +214,9 @@ def test_a_gate_before_inlets_goes_on_closed_or_open(kernel, stop, tmp_path):
     ("kernel", "ranks", "name", "changes"),
     [
         ("stock", 1, "quick_jump", (*JUMP, "contact.friction=0.1", "contact.rotation=true")),
-        ("compiled", 1, "quick_jump", (*JUMP, "contact.friction=0.1")),
-        ("stock", 1, "wave_structure", FRICTION),
-        ("compiled", 2, "quick_jump", (*JUMP, "run.duration=0.4")),
+        pytest.param("compiled", 1, "quick_jump", (*JUMP, "contact.friction=0.1"), marks=LONG),
+        pytest.param("stock", 1, "wave_structure", FRICTION, marks=LONG),
+        pytest.param("compiled", 2, "quick_jump", (*JUMP, "run.duration=0.4"), marks=LONG),
     ],
 )
 def test_checkpoints_on_the_way_change_nothing(kernel, ranks, name, changes, tmp_path):
@@ -239,6 +248,7 @@ def test_an_end_asked_for_too_late_is_no_interruption(tmp_path):
 # --- ranks, and the whole job --------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_two_ranks_end_in_order_and_go_on(tmp_path):
     engine = {"kernel": "compiled", "plugin": plugin_of("compiled"), "ranks": 2}
     if program("mpiexec") is None:
@@ -268,6 +278,7 @@ def test_two_ranks_end_in_order_and_go_on(tmp_path):
     assert forces[0] == forces[1] == 1 + third.steps // window
 
 
+@pytest.mark.long
 def test_ranks_that_are_asked_by_their_file_end_in_order(tmp_path):
     """What a signal does: the file is there, and the ranks end at the next window."""
     engine = {"kernel": "compiled", "plugin": plugin_of("compiled"), "ranks": 2}

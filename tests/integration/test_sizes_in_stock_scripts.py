@@ -63,6 +63,7 @@ def test_every_disc_has_the_size_of_its_id(sizes, discs, tmp_path, monkeypatch):
         assert carried == pytest.approx(16, rel=0.03)  # a whole number of discs in 0.4 s
 
 
+@pytest.mark.long
 def test_a_pour_packs_alike_on_all_engines(tmp_path):
     """Places differ, because each engine draws its own; the sizes by id do not, nor does the packing beyond chance."""
     plugin = plugin_or_skip()

@@ -12,7 +12,7 @@ STARTS = 2
 MOST_DISC_STEPS = 6.4e8
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_jump_stands(tmp_path):
     """Over eight starts: front 0.009 +- 0.025 m/s, -0.37 +- 0.33 % from Bélanger (mean and deviation)."""
     changes = {"engine.name": "native", "analysis.figures": "none"}

@@ -9,7 +9,14 @@ from made_up import INPUTS
 import lammps_jump as lj
 from lammps_jump.analysis import contacts, quantities
 
-SHORT = {"run.duration": 0.6, "run.output_interval": 0.02, "engine.name": "native"}
+SHORT = {"run.duration": 0.6, "run.output_interval": 0.02, "engine.name": "native", "analysis.figures": "none"}
+
+
+KINDS = [
+    ("text", ["GrowingDump"]),
+    pytest.param("binary", ["GrowingDump"], marks=pytest.mark.long),
+    ("gz", ["Dump"]),
+]
 
 
 @pytest.fixture
@@ -23,7 +30,7 @@ def passes(monkeypatch):
     return read
 
 
-@pytest.mark.parametrize("kind, expected", [("text", ["GrowingDump"]), ("binary", ["GrowingDump"]), ("gz", ["Dump"])])
+@pytest.mark.parametrize("kind, expected", KINDS)
 def test_frames_are_read_once_with_the_same_results(tmp_path, passes, kind, expected):
     run = lj.load_case(INPUTS / "quick_jump.yaml", {**SHORT, "run.dump_format": kind}).run(tmp_path / "run")
     assert run.status == "complete" and passes == expected

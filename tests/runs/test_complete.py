@@ -36,6 +36,12 @@ def finished(case, tmp_path_factory):
     return case.run(tmp_path_factory.mktemp("complete") / "run").folder
 
 
+@pytest.fixture(scope="module")
+def engine_result(finished):
+    """What the engine said of the finished run."""
+    return lj.open_run(finished).result
+
+
 @pytest.fixture
 def folder(finished, tmp_path):
     return Path(shutil.copytree(finished, tmp_path / "run"))
@@ -118,16 +124,17 @@ DAMAGES = {
 
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.fault("wrong frames, discs or forces")
-def test_complete_is_not_written_for_what_is_not_whole(case, tmp_path, monkeypatch, damage):
+def test_complete_is_not_written_for_what_is_not_whole(case, finished, engine_result, tmp_path, monkeypatch, damage):
     """The dump of a disk that was full for a second, say, was called complete."""
     spoil, said = DAMAGES[damage]
     without_analysis(monkeypatch)
-    engine_run = engines.run
 
     def run(scene, folder, *arguments, **options):
-        result = engine_run(scene, folder, *arguments, **options)
+        """The finished run again, without its engine."""
+        for name in (DUMP, FORCES):
+            shutil.copy(finished / name, folder)
         spoil(folder, scene)
-        return result
+        return engine_result
 
     monkeypatch.setattr(start.engines, "run", run)
     with pytest.raises(lj.RunError, match="what it wrote is not whole") as caught:
@@ -183,22 +190,25 @@ def test_the_summary_holds_the_checksums(folder):
 # --- an analysis that failed or was killed ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "spoil",
-    [
-        lambda folder: os.truncate(folder / "report.html", 100),
-        lambda folder: (folder / "profiles.nc").write_bytes(b"garbage"),
-        lambda folder: (folder / "figures/depth_profile.png").unlink(),
-        lambda folder: set_in(folder / "summary.json", analysed=None),
-        lambda folder: set_in(folder / "summary.json", status="unchecked", analysed=None),
-        lambda folder: (folder / "summary.json").unlink(),
-        lambda folder: os.truncate(folder / "summary.json", 100),
-    ],
-)
-def test_a_result_that_is_not_whole_is_made_again(monkeypatch, capsys, folder, spoil):
+SPOILT = {
+    "figure gone": lambda folder: (folder / "figures/depth_profile.png").unlink(),
+    "page cut": lambda folder: os.truncate(folder / "report.html", 5),
+    "profiles garbage": lambda folder: (folder / "profiles.nc").write_bytes(b"garbage"),
+    "not analysed": lambda folder: set_in(folder / "summary.json", analysed=None),
+    "not checked": lambda folder: set_in(folder / "summary.json", status="unchecked", analysed=None),
+    "summary gone": lambda folder: (folder / "summary.json").unlink(),
+    "summary cut": lambda folder: os.truncate(folder / "summary.json", 100),
+}
+
+
+@pytest.mark.parametrize("name", SPOILT)
+def test_a_result_that_is_not_whole_is_made_again(monkeypatch, capsys, folder, name):
     """It was answered with 'already holds this run: nothing to do'."""
+    if name != "figure gone":
+        without_analysis(monkeypatch)
+        start.reanalyse(folder)
     whole, stamp = json.loads((folder / "summary.json").read_text()), (folder / DUMP).stat().st_mtime_ns
-    spoil(folder)
+    SPOILT[name](folder)
     status, output, _ = call(monkeypatch, capsys, "run", folder)
     assert status == 0 and "only its analysis is made" in output
     found = json.loads((folder / "summary.json").read_text())
@@ -257,7 +267,7 @@ start.reanalyse(Path(folder), ["analysis.bin_width=2"])
 """
 
 
-@pytest.mark.parametrize("place", ["report", "publish"])
+@pytest.mark.parametrize("place", [pytest.param("report", marks=pytest.mark.long), "publish"])
 @pytest.mark.fault("killed")
 def test_a_killed_analysis_is_made_again(folder, place):
     before = files(folder)
@@ -276,7 +286,15 @@ def test_a_killed_analysis_is_made_again(folder, place):
 
 
 @pytest.mark.lammps
-@pytest.mark.parametrize(("dump_format", "left"), [("gz", 0.5), ("gz", -8), ("binary", 0.5), ("text", 0.5)])
+@pytest.mark.parametrize(
+    ("dump_format", "left"),
+    [
+        pytest.param("gz", 0.5, marks=pytest.mark.long),
+        pytest.param("gz", -8, marks=pytest.mark.long),
+        pytest.param("binary", 0.5, marks=pytest.mark.long),
+        ("text", 0.5),
+    ],
+)
 @pytest.mark.fault("full disk")
 def test_a_dump_that_lammps_could_not_write_whole(tmp_path, monkeypatch, dump_format, left):
     """It looks at no error of its dump: 20 of 91 frames were a complete run. Without its last 8 bytes gzip fails."""

@@ -171,7 +171,7 @@ def test_live_view_shows_the_newest_frames_in_a_window(tmp_path, scene, screen, 
     assert np.array_equal(np.asarray(Image.open(tmp_path / "live.png")), np.round(255 * three).astype(np.uint8))
 
 
-@pytest.mark.parametrize(("mood", "pictures"), [("closed", 1), ("broken", 0)])
+@pytest.mark.parametrize(("mood", "pictures"), [("closed", 1), pytest.param("broken", 0, marks=pytest.mark.long)])
 def test_a_window_that_is_closed_or_fails_ends_no_run(tmp_path, scene, screen, monkeypatch, mood, pictures):
     monkeypatch.setattr(screen, "mood", mood)
     scene = replace(scene, steps=2 * scene.output_steps)

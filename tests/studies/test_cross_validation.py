@@ -71,6 +71,7 @@ class TestWelch:
         assert found.difference == pytest.approx(two.mean() - one.mean(), rel=1e-14)
         assert found.half_width == pytest.approx((interval.high - interval.low) / 2, rel=1e-6)
 
+    @pytest.mark.long
     def test_interval_covers_the_truth_as_often_as_it_says(self):
         rng = np.random.default_rng(2)
         inside = 0
@@ -113,6 +114,7 @@ def test_holm_against_the_worked_rule():
     assert np.isnan(adjusted["d"])
 
 
+@pytest.mark.long
 def test_false_alarms_over_curves_and_numbers_stay_below_the_family_error():
     rng = np.random.default_rng(4)
 

@@ -14,6 +14,7 @@ from lammps_jump.studies.bench.command import run_bench
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native"}
 
 
+@pytest.mark.long
 def test_phases_add_up_to_the_whole_command():
     found = timing.command_time(load_case(INPUTS / "quick_jump.yaml", SHORT))
     whole = found.pop("whole")

@@ -43,6 +43,7 @@ def test_what_is_there_is_run_again_only_where_that_is_asked_for(tmp_path, pool)
     assert len(said) == 4 and [one.message for one in again] == [one.message for one in first]
 
 
+@pytest.mark.long
 def test_the_setting_of_a_point_is_chosen_once(monkeypatch):
     chosen = []
     real = members.choose_setting

@@ -6,14 +6,18 @@ import re
 import shutil
 
 import numpy as np
+import pandas as pd
 import pytest
-from made_up import STUDY
+from made_up import INPUTS, STUDY, call
 
 import lammps_jump as lj
+from lammps_jump.analysis.draw.style import drawing
 from lammps_jump.analysis.report.coder import LETTERS
 from lammps_jump.analysis.report.page import Choice, Player, Section, render
 from lammps_jump.analysis.report.received import read_player
+from lammps_jump.case import load_case
 from lammps_jump.sweeps import Sweep, open_sweep, page, prepare, read_study, slurm, study_folder
+from lammps_jump.sweeps.words import heading, words
 
 MEMBERS = {
     **STUDY,
@@ -122,3 +126,43 @@ def test_members_of_points_keep_no_frames(tmp_path):
         (run,) = open_sweep(found.folder).runs
         assert (run.folder / "player.json").exists() == there == bool(page.players(found))
     assert len(list((tmp_path / "out/runs").iterdir())) == 1
+
+
+def made_up_study(tmp_path, values):
+    """A study of three heights of a sill, with numbers put in by hand: two for each height."""
+    case = {**load_case(INPUTS / "quick_jump.yaml").fields.model_dump(mode="json", exclude_none=True)}
+    fields = {"case": case, "axes": {"walls.sill.y.1": [0.6, 0.8, 1.0]}, "members": 2}
+    found = Sweep(read_study({**fields, "collect": ["jump.speed", "force.sill.peak"]}), tmp_path, starts=())
+    numbers = [{"jump.speed": value, "force.sill.peak": 9e4 + value} for value in values]
+    rows = [{"point": k // 2, "seed": 1 + k % 2, **pair} for k, pair in enumerate(numbers)]
+    frame = pd.DataFrame(rows).assign(**{"jump.speed_error": np.nan, "force.sill.peak_error": np.nan})
+    found.__dict__["values"] = frame
+    return found
+
+
+def test_axes_have_words_and_units_and_forces_are_in_kilonewtons(tmp_path):
+    found = made_up_study(tmp_path, [1.0, 1.1, 2.0, 2.1, 3.0, 3.1])
+    frame = page.summary_frame(found)
+    assert list(frame.columns)[:3] == ["height of the sill [m]", "jump.speed [m/s]", "force.sill.peak [kN/m]"]
+    assert frame["force.sill.peak [kN/m]"][0].startswith("90.0")
+    assert page.point_name(found.study, 1) == "height of the sill = 0.8 m"
+    with drawing() as (_, axes):
+        page.name_axis(axes, "walls.sill.y.1")
+        assert axes.get_xlabel() == "height of the sill [m]" and axes.texts[0].get_text() == "walls.sill.y.1"
+        assert axes.texts[0].get_fontsize() < axes.xaxis.label.get_fontsize()
+    assert heading("probes.interval") == words("probes.interval") == "probes.interval"
+
+
+def test_an_interval_wider_than_the_mean_is_told(tmp_path):
+    said = page.doubts(made_up_study(tmp_path, [1.0, 1.01, 1.0, -1.0, 3.0, 3.01]))
+    wide = [text for text in said if "wider than the mean" in text]
+    assert len(wide) == 1 and wide[0].startswith("height of the sill = 0.8 m: jump.speed: the interval over 2 members")
+
+
+@pytest.mark.parametrize("ending", ["pdf", "svg"])
+def test_figures_of_a_study_in_another_format(done, tmp_path, ending, monkeypatch, capsys):
+    folder = shutil.copytree(done.folder, tmp_path / "copy")
+    status, out, _ = call(monkeypatch, capsys, "figures", folder, "--format", ending)
+    assert (status, out) == (0, f"{folder}/figures/sweep_profiles.{ending}\n")
+    assert (folder / f"figures/sweep_profiles.{ending}").read_bytes()[:5] in (b"%PDF-", b"<?xml")
+    assert call(monkeypatch, capsys, "figures", folder, "--format", ending)[0] == 0  # replaces its own

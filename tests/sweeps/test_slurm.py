@@ -96,6 +96,7 @@ def test_a_task_asks_for_its_members(tmp_path, programs):
     assert (done.returncode, done.stdout) == (75, f"{found.folder} sweep . --member 6-8 --retry\n")
 
 
+@pytest.mark.long
 def test_it_is_submitted_from_its_folder(tmp_path, programs, study, monkeypatch, capsys):
     (tmp_path / "site.yaml").write_text("account: water\nenvironment: /opt/py\n")
     command = ["sweep", study, "--slurm", tmp_path / "site.yaml", "--out", tmp_path / "out", "--jobs", 2]
@@ -181,6 +182,7 @@ def test_members_that_until_asks_for_are_submitted(tmp_path, programs):
     assert slurm.submit(Sweep(read_study(fields), tmp_path / "out"), Site()) == ""
 
 
+@pytest.mark.long
 def test_a_signal_ends_a_task_and_the_same_call_goes_on(tmp_path):
     found = prepared(tmp_path / "out")
     words = "sweep", found.folder, "--member", "0-2"

@@ -39,7 +39,8 @@ def test_points_are_the_product_of_the_axes(study):
         "contact.friction": 0, "discs.diameter": 0.1, "run.output_interval": 0.2, "analysis.bin_width": 0.5,
     }  # fmt: skip
     assert found.case.fields.run.duration == 6
-    assert [item.heading for item in found.collect] == ["jump.y2 [m]", "force.sill.impulse [N s/m]", "jump.speed [m/s]"]
+    headings = ["jump.y2 [m]", "force.sill.impulse [kN s/m]", "jump.speed [m/s]"]
+    assert [item.heading for item in found.collect] == headings
 
 
 def test_what_was_read_is_written_and_read_again(study, tmp_path):
@@ -55,6 +56,8 @@ def test_only_what_is_collected_is_analysed(study):
     assert study().analysis["analysis.jump"] and not study().analysis["analysis.energy"]
     assert study(collect=["energy.drift"], until={}).analysis["analysis.jump"] is False
     assert study().analysis["analysis.figures"] == "none"
+    for path, asked in (("front.speed", True), ("front.martin_moyce.slope", "water")):
+        assert study(collect=[path], until={}).analysis["analysis.front"] == asked
 
 
 def test_without_a_word_the_numbers_of_the_screen_are_collected(study):

@@ -19,6 +19,8 @@ from lammps_jump.folders import locked
 from lammps_jump.sweeps import Sweep, open_sweep, prepare, slurm, study_folder
 from lammps_jump.sweeps.members import run_member
 
+SMALL = {**STUDY, "axes": {"run.time_step_fraction": [0.05, 0.1]}, "members": 1}
+"""Two points of one member, for studies that are ended on the way."""
 OUT_OF_THE_BOX = {**STUDY, "axes": {"walls.box.x": [[0, 2], [0, 20]]}, "collect": ["discs.present"]}
 """The second box is wider than the domain: its fast disc leaves the domain, and the run fails."""
 
@@ -31,6 +33,11 @@ def written(folder):
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     return lj.sweep(STUDY, tmp_path_factory.mktemp("study") / "box", jobs=1)
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    return lj.sweep(SMALL, tmp_path_factory.mktemp("small") / "box", jobs=1)
 
 
 def test_the_table_holds_what_the_runs_say(done):
@@ -75,26 +82,29 @@ def test_the_folder_is_the_store(done):
         assert not (run.folder / "report.html").exists()
 
 
-def test_nothing_is_run_twice_and_a_wider_study_takes_what_is_there(done, monkeypatch):
-    before = written(done.folder)
-    again = lj.sweep(done.folder, jobs=1)
-    assert written(done.folder) == before and again.table.equals(done.table)
+def test_nothing_is_run_twice_and_a_wider_study_takes_what_is_there(tmp_path):
+    study = {**STUDY, "axes": {"run.time_step_fraction": [0.05, 0.1], "discs.density": [500]}, "members": 1}
+    first = lj.sweep(study, tmp_path / "out", jobs=1)
+    before = written(first.folder)
+    again = lj.sweep(first.folder, jobs=1)
+    assert written(first.folder) == before and again.table.equals(first.table)
     heard = []
-    wider = lj.sweep(done.folder, jobs=1, members=3, progress=heard.append)
-    after = written(done.folder)
-    assert {name: after[name] for name in before} == before and heard[-1].done == heard[-1].total == 12
-    assert (wider.table["members"] == 3).all()
-    narrow = lj.sweep(done.folder, jobs=1, axes={"discs.density": [500]}, set={"run.time_step_fraction": 0.05})
-    assert written(done.folder) == after and narrow.table["members"].values.tolist() == [3]
-    lj.sweep(STUDY, done.folder, jobs=1)
+    wider = lj.sweep(first.folder, jobs=1, members=2, progress=heard.append)
+    after = written(first.folder)
+    assert {name: after[name] for name in before} == before and heard[-1].done == heard[-1].total == 4
+    assert (wider.table["members"] == 2).all()
+    narrow = lj.sweep(first.folder, jobs=1, axes={"discs.density": [500]}, set={"run.time_step_fraction": 0.05})
+    assert written(first.folder) == after and narrow.table["members"].values.tolist() == [2]
 
 
+@pytest.mark.long
 def test_points_that_differ_in_their_analysis_alone_have_runs_of_their_own(tmp_path):
     study = {**STUDY, "axes": {"analysis.bin_width": [0.5, 1.0]}, "members": 1}
     found = lj.sweep(study, tmp_path / "out", jobs=1)
     assert sorted(run.profiles.sizes["x"] for run in found.runs) == [2, 4]
 
 
+@pytest.mark.long
 def test_another_collect_analyses_again_and_does_not_run_again(done, tmp_path):
     study = {**STUDY, "axes": {}, "members": 1, "collect": ["discs.present"]}
     first = lj.sweep(study, tmp_path / "out", jobs=1)
@@ -122,38 +132,41 @@ def test_what_fails_is_told_left_out_and_run_again_when_asked(tmp_path, monkeypa
     assert changed and all(failure.folder.name in " ".join(changed) for failure in found.failed)
 
 
-def test_a_study_that_is_ended_goes_on_to_the_same_table(done, tmp_path):
+def test_a_study_that_is_ended_goes_on_to_the_same_table(small, tmp_path, monkeypatch, capsys):
     path, out = tmp_path / "study.yaml", tmp_path / "out"
-    path.write_text(yaml.safe_dump(STUDY, sort_keys=False))
-    command = ["sweep", path, "--out", out, "--jobs", "2", "--quiet"]
+    path.write_text(yaml.safe_dump(SMALL, sort_keys=False))
+    command = ["sweep", path, "--out", out, "--jobs", "1", "--quiet"]
     status, said = run_program(*command, signal_at=(signal.SIGINT, 100))
     assert status == lj.RunInterrupted.exit_status and "continues from there" in said
     assert not (out / "table.csv").exists()
-    assert run_program("sweep", out, "--status")[1].startswith("8 runs at 4 points: ")
-    assert run_program(*command)[0] == 0
-    assert (out / "table.csv").read_bytes() == (done.folder / "table.csv").read_bytes()  # to the last digit
+    capsys.readouterr()
+    assert call(monkeypatch, capsys, "sweep", out, "--status")[1].startswith("2 runs at 2 points: ")
+    assert call(monkeypatch, capsys, *command)[0] == 0
+    assert (out / "table.csv").read_bytes() == (small.folder / "table.csv").read_bytes()  # to the last digit
 
 
-def test_a_member_whose_process_is_killed_is_run_by_the_same_command(done, tmp_path):
+@pytest.mark.long
+def test_a_member_whose_process_is_killed_is_run_by_the_same_command(small, tmp_path):
     path, out = tmp_path / "study.yaml", tmp_path / "out"
-    path.write_text(yaml.safe_dump(STUDY, sort_keys=False))
+    path.write_text(yaml.safe_dump(SMALL, sort_keys=False))
     status, _ = run_program("sweep", path, "--out", out, "--jobs", "1", "--quiet", signal_at=(signal.SIGKILL, 100))
     assert status == -signal.SIGKILL
     assert run_program("sweep", path, "--out", out, "--quiet")[0] == 0
-    assert (out / "table.csv").read_bytes() == (done.folder / "table.csv").read_bytes()
+    assert (out / "table.csv").read_bytes() == (small.folder / "table.csv").read_bytes()
 
 
-def test_a_full_disk_is_told_and_the_same_command_goes_on(done, tmp_path):
+@pytest.mark.long
+def test_a_full_disk_is_told_and_the_same_command_goes_on(small, tmp_path):
     """A limit of the file size stands for a full disk, as in tests/faults."""
     path, out = tmp_path / "study.yaml", tmp_path / "out"
-    path.write_text(yaml.safe_dump(STUDY, sort_keys=False))
+    path.write_text(yaml.safe_dump(SMALL, sort_keys=False))
     command = [sys.executable, "-m", "lammps_jump", "sweep", path, "--out", out, "--jobs", "1", "--quiet"]
     for blocks in (1, 8):  # the study cannot be written; its runs cannot
         status, said = run_child(["bash", "-c", f'ulimit -f {blocks}; exec "$0" "$@"', *command])
         assert status in (1, 2) and "Traceback" not in said and "File too large" in said
     assert not any(state.stage == "done" for state in open_sweep(out).states.values())
     assert run_child(command)[0] == 0
-    assert (out / "table.csv").read_bytes() == (done.folder / "table.csv").read_bytes()
+    assert (out / "table.csv").read_bytes() == (small.folder / "table.csv").read_bytes()
 
 
 def test_two_sweeps_on_one_folder_are_refused(done):
@@ -180,18 +193,19 @@ def test_folders_of_others_are_refused(tmp_path, done):
         slurm.run_task(tmp_path, "0")
 
 
-def test_a_task_of_a_batch_system_runs_one_member(done, tmp_path, monkeypatch, capsys):
-    found = Sweep(done.study, tmp_path / "out")
+def test_a_task_of_a_batch_system_runs_one_member(small, tmp_path, monkeypatch, capsys):
+    found = Sweep(small.study, tmp_path / "out")
     with study_folder(found.folder):
         prepare(found)
     for number in range(len(found.members)):
         assert call(monkeypatch, capsys, "sweep", found.folder, "--member", number)[0] == 0
     status, out, _ = call(monkeypatch, capsys, "sweep", found.folder, "--status", "--table")
-    assert status == 0 and "8 done" in out and "| 0.05 | 500 |" in out
-    assert lj.sweep(found.folder, jobs=1).table.equals(done.table)
-    assert call(monkeypatch, capsys, "sweep", found.folder, "--member", 8)[0] == 2
+    assert status == 0 and "2 done" in out and "| 0.05 |" in out
+    assert lj.sweep(found.folder, jobs=1).table.equals(small.table)
+    assert call(monkeypatch, capsys, "sweep", found.folder, "--member", 2)[0] == 2
 
 
+@pytest.mark.long
 def test_members_are_added_until_the_interval_is_narrow(tmp_path):
     study = {**STUDY, "axes": {}, "members": 1, "until": {"force.box.impulse_x": "40%"}, "most_members": 6}
     found = lj.sweep(study, tmp_path / "out", jobs=1)

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Seeded defects, and whether the tests catch them: ``python tests/defects.py``, about a quarter of an hour.
+
+Each defect is one line of the program that is changed in a copy of the tree. The tests named beside it run first, and
+all other tests of the default run where none of those fails. ``--long`` then runs the tests marked ``long`` too, for
+what the default run did not catch. Numbers after the options choose defects.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).parents[1]
+COPIED = ("lammps_jump", "analysis", "inputs", "tests", "docs", "benchmarks")
+FILES = ("pyproject.toml", "Makefile", "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "LICENSE")
+
+
+class Defect(NamedTuple):
+    """A text that stands once in a file, what takes its place, and the tests (below ``tests/``) that run first."""
+
+    kind: str
+    file: str
+    old: str
+    new: str
+    tests: str
+
+
+CONTACT, JUMP, LAW = (f"lammps_jump/physics/{name}.py" for name in ("contact", "jump", "law"))
+LOOPS, LEDGER, INLETS, STATE = (
+    f"lammps_jump/engines/native/{name}.py" for name in ("loops", "ledger", "inlets", "state")
+)
+CHECKPOINT = "lammps_jump/engines/checkpoint.py"
+LAW_H, WALLS_CPP = (f"lammps_jump/engines/plugin/{name}" for name in ("contact_law.h", "fix_jump_step_walls.cpp"))
+PAIR_CPP = "lammps_jump/engines/plugin/pair_jump_disc_forces.cpp"
+STOCK, WRITE = "lammps_jump/script/stock.py", "lammps_jump/dump/write.py"
+FOLDERS, FILES_PY = "lammps_jump/folders.py", "lammps_jump/files.py"
+QUOTING, PROGRESS = "lammps_jump/quoting.py", "lammps_jump/cli/progress.py"
+PLUGIN_TESTS = "integration/test_compiled_kernel.py integration/test_compiled_sizes.py"
+NATIVE_TESTS = "contacts/test_contacts.py engines"
+
+DEFECTS = [
+    Defect("factor", CONTACT, "return density * diameter**2", "return density * diameter**2 * 0.7854", "physics"),
+    Defect("factor", CONTACT, "return 2.0 * damping_ratio(restitution) *", "return damping_ratio(restitution) *",
+           "physics"),
+    Defect("factor", CONTACT, "(pi / 2 - 3.0 * asin(xi))", "(pi / 2 - 2.0 * asin(xi))", "physics"),
+    Defect("sign", CONTACT, "2.0 * (sqrt(1.0 + xi**2) - xi)\n", "2.0 * (sqrt(1.0 + xi**2) + xi)\n", "physics"),
+    Defect("factor", CONTACT, "(damping_wall + 3.0 * damping) /", "(damping_wall + damping) /", "physics"),
+    Defect("power", JUMP, "1.0 + 8.0 * froude_1**2) - 1.0", "1.0 + 8.0 * froude_1) - 1.0", "physics"),
+    Defect("factor", JUMP, "** 3 / (4.0 * depth_1", "** 3 / (2.0 * depth_1", "physics"),
+    Defect("factor", JUMP, "- 1.5 * critical_depth(discharge", "- 1.0 * critical_depth(discharge", "physics"),
+    Defect("sign", LAW, "return -bound * min(max(slip", "return bound * min(max(slip", "physics/test_law.py"),
+    Defect("factor", LAW, "+ touch * touch / 3.0)", "+ touch * touch / 2.0)", "physics/test_law.py"),
+    Defect("time level", LOOPS, "uy[i] = 1.5 * new_y - 0.5 * old_y", "uy[i] = 1.5 * new_y - 0.5 * new_y", NATIVE_TESTS),
+    Defect("sign", LOOPS, "torque[j] -= (b - dent) * ft", "torque[j] += (b - dent) * ft", NATIVE_TESTS),
+    Defect("sign", LOOPS, "                fy[j] -= py", "                fy[j] += py", NATIVE_TESTS),
+    Defect("axis", LOOPS, "return b * (py - a), 0.0, b", "return b * (py - a), b, 0.0", NATIVE_TESTS),
+    Defect("factor", LEDGER, "return -0.5 * scene.time_step * np", "return -1.0 * scene.time_step * np",
+           "engines/test_native_ledger.py"),
+    Defect("factor", LEDGER, "kinetic += 0.5 * inertia(scene)", "kinetic += 0.25 * inertia(scene)",
+           "engines/test_native_ledger.py engines"),
+    Defect("off by one", INLETS, "// self.every + 1) * self.every", "// self.every + 2) * self.every",
+           "engines/test_native_inlets.py"),
+    Defect("factor", INLETS, "clear = (sqrt(v * v + 2 * g * height)", "clear = (sqrt(v * v + g * height)",
+           "engines/test_native_inlets.py"),
+    Defect("state lost", STATE, 'boundaries.rng.bit_generator.state = plain["random"]', "pass",
+           "engines/test_native_resume.py"),
+    Defect("state lost", STATE, '"rebuild_seconds", "_window_start")', '"rebuild_seconds")',
+           "engines/test_native_resume.py"),
+    Defect("missing flush", CHECKPOINT, "            flush(growing.path)", "            pass", "faults/test_power.py"),
+    Defect("not cut", CHECKPOINT, "os.truncate(folder / name, entry.size)", "pass", "engines/test_native_resume.py"),
+    Defect("kept too little", CHECKPOINT, "kept = {*states, *(before.state if before else ())}", "kept = {*states}",
+           "faults/test_power.py engines/test_checkpoint.py"),
+    Defect("missing flush", FILES_PY, "            file.write(data)\n        flush(new)\n",
+           "            file.write(data)\n", "faults/test_power.py faults/test_files.py"),
+    Defect("lock", FOLDERS, "fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)\n            taken",
+           "fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)\n            taken", "runs/test_lock.py"),
+    Defect("another's file", FOLDERS, "set(patterns) & set(marker.files if marker else ())", "set(patterns)",
+           "runs/test_ours.py runs"),
+    Defect("off by one", "lammps_jump/dump/check.py", "steps // self.scene.output_steps + 1",
+           "steps // self.scene.output_steps", "runs/test_complete.py"),
+    Defect("tolerance", "lammps_jump/dump/check.py", "NEAR = 0.01", "NEAR = 1e12", "runs/test_complete.py"),
+    Defect("digits", WRITE, "{low:.16e} {high:.16e}", "{low:.2e} {high:.2e}", "dump engines/test_native_output.py"),
+    Defect("status", "lammps_jump/runs/conclude.py", 'if stored.get("status") == "complete" and (changed',
+           'if stored.get("status") == "failed" and (changed', "runs/test_complete.py"),
+    Defect("exit status", "lammps_jump/errors.py", "exit_status = 75", "exit_status = 1", "engines runs"),
+    Defect("signal", "lammps_jump/engines/interrupts.py", "signal.SIGUSR2, signal.SIGXCPU)", "signal.SIGUSR2)",
+           "engines/test_interrupts.py"),
+    Defect("sign", STOCK, "vector {numbers(*scene.gravity)} 0", "vector {numbers(*(-g for g in scene.gravity))} 0",
+           "golden"),
+    Defect("axis", STOCK, 'if outlet.axis == "x" else', 'if outlet.axis == "y" else', "golden"),
+    Defect("off by one", "lammps_jump/engines/lammps/log.py", "0.5 * (previous[1] + summary.discs)",
+           "0.5 * (summary.discs + summary.discs)", "runs/test_while_running.py"),
+    Defect("factor", LAW_H, "0.75 * share : beyond", "0.5 * share : beyond", PLUGIN_TESTS),
+    Defect("sign", LAW_H, "vty -= dx * wr;", "vty += dx * wr;", PLUGIN_TESTS),
+    Defect("factor", WALLS_CPP, "behind.reach = 2.0 * reach - distance;", "behind.reach = reach - distance;",
+           PLUGIN_TESTS),
+    Defect("off by one", WALLS_CPP, "if (update->ntimestep >= wall.until)", "if (update->ntimestep > wall.until)",
+           PLUGIN_TESTS),
+    Defect("sign", WALLS_CPP, "* out.fy - (a.y", "* out.fy + (a.y", PLUGIN_TESTS),
+    Defect("sign", PAIR_CPP, "rims[c] = rim[i] + rim[j];", "rims[c] = rim[i] - rim[j];", PLUGIN_TESTS),
+    Defect("formula", "analysis/profiles.py", "(a * sqrt(1.0 - a * a) + asin(a)) / pi",
+           "(a * sqrt(1.0 - a) + asin(a)) / pi", "analysis/test_profiles.py"),
+    Defect("left out", "analysis/profiles.py", "np.where(some, height / safe, np.nan) - bed",
+           "np.where(some, height / safe, np.nan)", "analysis/test_profiles.py"),
+    Defect("off by one", "analysis/profiles.py", "(time >= window[0] - slack)", "(time >= window[0] + slack)",
+           "analysis/test_profiles.py analysis"),
+    Defect("sign", "analysis/energy.py", "potential = -mass * float", "potential = mass * float",
+           "analysis/test_energy.py"),
+    Defect("factor", "analysis/energy.py", "rotational = 0.25 * mass", "rotational = 0.5 * mass",
+           "analysis/test_energy.py"),
+    Defect("sign", "analysis/forces/impulse.py", "float(ends[a] - ends[b])", "float(ends[b] - ends[a])",
+           "analysis/test_forces.py"),
+    Defect("inverted", "analysis/front.py", '"T": sqrt(height / base) * tau', '"T": sqrt(base / height) * tau',
+           "analysis/test_front.py"),
+    Defect("off by one", "analysis/statistics.py", "np.var(block, axis=0) / (n - 1)", "np.var(block, axis=0) / n",
+           "analysis/test_profiles.py analysis"),
+    Defect("factor", "analysis/statistics.py", "** 2) * 2 / n / n", "** 2) * 2 / n", "analysis/test_jump.py"),
+    Defect("left out", "analysis/cell_grid.py", "(0, 1, -1, 0, 1)[neighbour]", "(0, 1, 0, 0, 1)[neighbour]",
+           "analysis/test_contacts.py"),
+    Defect("factor", "analysis/jump/head.py", "energy = 0.5 * (u * u", "energy = 1.0 * (u * u",
+           "analysis/test_budget.py"),
+    Defect("rate", "analysis/report/coder.py", "ahead > 1 else -(ones >> 5)", "ahead > 1 else -(ones >> 4)",
+           "analysis/test_player.py analysis"),
+    Defect("off by one", "lammps_jump/sweeps/table.py", "sd = x.std(ddof=1)", "sd = x.std(ddof=0)",
+           "sweeps/test_table.py"),
+    Defect("quantile", "lammps_jump/sweeps/table.py", "0.5 * (1 + confidence)", "confidence", "sweeps/test_table.py"),
+    Defect("quoting", QUOTING, '("=", "+", "-", "@")', '("=", "+", "-")', "faults/test_text.py"),
+    Defect("quoting", QUOTING, 'return visible(text).replace("$", r"\\$")', "return visible(text)",
+           "faults/test_text.py"),
+    Defect("factor", PROGRESS, "* (report.steps - report.step) / here", "* report.steps / here",
+           "runs/test_while_running.py"),
+    Defect("left out", PROGRESS, "self._bar.stop()", "pass", "runs/test_while_running.py cli"),
+]  # fmt: skip
+
+
+def copy_of_tree() -> Path:
+    """The tree in a folder that keeps its caches; the packages beside ``lammps_jump`` are found inside it there."""
+    tree = ROOT / ".pytest_cache" / "defects"
+    for name in COPIED:
+        shutil.rmtree(tree / name, ignore_errors=True)
+        shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__"), symlinks=True)
+    for name in FILES:
+        shutil.copy2(ROOT / name, tree)
+    for name in ("analysis", "inputs"):
+        (tree / "lammps_jump" / name).symlink_to(f"../{name}")
+    return tree
+
+
+def fails(tree: Path, tests: list[str], *options: str) -> str:
+    """The first of the tests (all where none are named) that fails, or what ended pytest; empty where all pass."""
+    paths = [f"tests/{name}" for name in tests]
+    command = [sys.executable, "-m", "pytest", "-x", "--tb=no", "-p", "no:cacheprovider", "-n", "0", *options, *paths]
+    done = subprocess.run(
+        command, cwd=tree, env={**os.environ, "PYTHONPATH": str(tree)}, capture_output=True, text=True
+    )
+    if done.returncode in (0, 5):
+        return ""
+    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    if not lines:
+        return f"pytest ended with {done.returncode}: {done.stdout[-300:]}"
+    return lines[0].split(" - ")[0].partition(" tests/")[2]
+
+
+class Changed:
+    """A defect in the copy while the block runs; dates of files come back, so that caches stay good."""
+
+    def __init__(self, tree: Path, defect: Defect):
+        self.path, self.before = tree / defect.file, ROOT / defect.file
+        text = self.path.read_text(encoding="utf-8")
+        assert text.count(defect.old) == 1, (defect.file, defect.old, text.count(defect.old))
+        self.text = text.replace(defect.old, defect.new)
+
+    def __enter__(self) -> None:
+        self.path.write_text(self.text, encoding="utf-8")
+
+    def __exit__(self, *error: object) -> None:
+        shutil.copy2(self.before, self.path)
+
+
+def verdict(tree: Path, defect: Defect, options: argparse.Namespace) -> str:
+    """How a defect was caught, in words; empty where it was not."""
+    with Changed(tree, defect):
+        found = fails(tree, defect.tests.split())
+        if not (found or options.first):
+            found = fails(tree, [], "-n", "2")
+        if found or not options.long:
+            return found
+        return f"long: {found}" if (found := fails(tree, [], "-n", "2", "-m", "long")) else ""
+
+
+def main() -> int:
+    """Print a line a defect, and the share that is caught; the status is 1 below 95 %."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--first", action="store_true", help="only the tests that are named beside the defect")
+    parser.add_argument("--long", action="store_true", help="also the long tests, where no other fails")
+    parser.add_argument("numbers", nargs="*", type=int)
+    options = parser.parse_args()
+    chosen = options.numbers or range(1, len(DEFECTS) + 1)
+    tree, caught, long = copy_of_tree(), [], 0
+    for k in chosen:
+        defect = DEFECTS[k - 1]
+        found = verdict(tree, defect, options)
+        print(f"{k:3} {defect.kind:15} {defect.file:52} {found or 'NOT CAUGHT'}", flush=True)
+        if found.startswith("long"):
+            long += 1
+        elif found:
+            caught.append(found)
+    if broken := fails(tree, [name for name in dict.fromkeys(caught) if not name.startswith("pytest ended")]):
+        sys.exit(f"this fails without a defect: {broken}")
+    print(f"{len(caught)} of {len(chosen)} caught by the default run, {long} more by the long one")
+    return 0 if len(caught) >= 0.95 * (len(caught) + long) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
