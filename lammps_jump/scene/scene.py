@@ -89,7 +89,7 @@ class Scene:
     positions, velocities : ndarray, shape (n, 2)
         Discs at the start, read-only; their ids are 1 … n in this order.
     walls : tuple of MovingWall
-        Each wall with its motion. A gate is a wall whose motion takes it away.
+        Each wall with its motion; a `Wall` given alone stands. A gate is a wall whose motion takes it away.
     probes : tuple of str
         Names of walls whose force is recorded every step and averaged over `probe_steps`.
     stations : Stations, optional
@@ -137,6 +137,11 @@ class Scene:
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        """Let a wall that is given alone stand."""
+        walls = (MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
+        object.__setattr__(self, "walls", tuple(walls))
 
     @property
     def radius(self) -> float:

@@ -16,6 +16,7 @@ import pytest
 from made_up import plugin_or_skip
 
 from lammps_jump.physics import contact
+from lammps_jump.scene.faces import MOST, touching
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Block, Box, Plane
 
@@ -184,16 +185,23 @@ class Record:
         """Unit normal at touch, from wall to disc 1, or from disc 2 to disc 1."""
         i = int(np.argmax(self.gap < 0))
         if self.scene.walls:
-            _, nx, ny = self.scene.walls[0].contacts(*self.x[i, 0])[0]
+            nx, ny = wall_normal(self.scene.permanent[0], *self.x[i, 0])
             return np.array([float(nx), float(ny)])
         r = self.x[i, 0] - self.x[i, 1]
         return r / np.hypot(*r)
 
 
+def wall_normal(wall, x, y):
+    """Unit normal at the nearest point of a wall."""
+    found, which, faces = np.empty((MOST, 4)), np.empty(MOST, np.int64), np.arange(len(wall.faces.codes))
+    touching(wall.faces.codes, wall.faces.shape, 0, faces, 0, faces.size, x, y, 10.0, found, which)
+    return found[0, 1:3]
+
+
 def gaps(scene: Scene, x: np.ndarray) -> np.ndarray:
     """Distance of surfaces at positions x (s, n, 2): of the first wall and disc 1, or of the two discs."""
     if scene.walls:
-        return scene.walls[0].distance(*x[:, 0].T) - scene.radius
+        return scene.permanent[0].distance(*x[:, 0].T) - scene.radius
     return np.hypot(*(x[:, 1] - x[:, 0]).T) - scene.diameter
 
 

@@ -43,7 +43,7 @@ def normal_impact(r) -> dict:
 def smooth_impact(r) -> dict:
     """One disc, frictionless wall: every face that is hit turns its normal velocity into -e of it."""
     e, v = r.case["restitution"], r.v[0, 0]
-    if isinstance(r.scene.walls[0], Box):
+    if isinstance(r.scene.permanent[0], Box):
         expected = -e * v
     else:
         n = r.normal()
