@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import profiles as profiles
 from . import quantities as quantities
+from . import report as report
 from .energy import Energy as Energy
 from .flow import Flow as Flow
 from .flow import from_scene as from_scene

@@ -12,7 +12,7 @@ from math import nan
 import numpy as np
 
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
-from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
+from lammps_jump.analysis.report.page import Section, Table, described, percent
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
 
@@ -168,7 +168,7 @@ def section(found: Mapping[str, float | None]) -> Section | None:
         rows += [("Largest deviation", percent(found["max_deviation"], 4)),
                  ("Drift over the record", percent(found["drift"], 4))]  # fmt: skip
     table = Table([*rows, *described(Energy, found, "kinetic", "potential", "elastic")])
-    return Section("Energy", [table, Text("Sums over all discs of a frame: exact for this run.")])
+    return Section("Energy", [table])
 
 
 def energy_chart(energy: Energy) -> Chart | None:

@@ -332,7 +332,7 @@ def section(found: Mapping) -> Section:
         size = f"{found['column_base']:.3g} × {found['column_depth']:.3g}"
         rows.append(("Column at the start, base × height [m]", size))
     rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
-    moyce, sure = found.get("martin_moyce"), ["One run has no errors for these numbers: repeat it from other starts."]
+    moyce = found.get("martin_moyce")
     if moyce and (ritter := found.get("ritter")):
         until = f"Ritter's front, holds until t = {ritter['valid_until']:.2g} s: RMS difference"
         rows.append((until, percent(ritter["rms"])))
@@ -341,8 +341,7 @@ def section(found: Mapping) -> Section:
         keys = ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ()
         rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, *keys)]
         rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
-        sure.append("Theory and table are exact.")
-    return Section("Front", [Table(rows), Text(" ".join(sure))])
+    return Section("Front", [Table(rows)])
 
 
 def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:

@@ -110,13 +110,19 @@ POWERS = str.maketrans({"^": None, "2": "²", "3": "³", "4": "⁴"})
 """Powers in units, as they are shown."""
 AT_LEAST = "at least "
 """Stands before an error that is a lower bound."""
-LARGE = 99.0
-"""Errors from here on are written as whole numbers: 100, not 1e+02."""
 ROUND_OFF = 1e-12
 """Errors below this share of a number are those of arithmetic and are not shown."""
 
 
-def shown(value: object, unit: str = "", error: float | None = None, *, digits: int = 4, bound: bool = False) -> str:
+def shown(
+    value: object,
+    unit: str = "",
+    error: float | None = None,
+    *,
+    digits: int = 4,
+    bound: bool = False,
+    alone: bool = False,
+) -> str:
     """A value as text, for the screen, the report, ``check`` and the docs.
 
     Parameters
@@ -126,11 +132,13 @@ def shown(value: object, unit: str = "", error: float | None = None, *, digits: 
     unit : str
         Put behind the number.
     error : float, optional
-        Standard error in the same unit. The value is rounded to the error's second digit.
+        In the same unit. It has two digits, and the value is rounded to the second of them.
     digits : int
         Significant digits of a number without an error.
     bound : bool
         The error is a lower bound; "at least" is put before it.
+    alone : bool
+        The error only rounds the value.
     """
     if value is None or (isinstance(value, float) and value != value):
         return ABSENT
@@ -139,11 +147,21 @@ def shown(value: object, unit: str = "", error: float | None = None, *, digits: 
     if not isinstance(value, int | float):
         return str(value)
     if error is not None and isfinite(error) and error > ROUND_OFF * abs(value):
-        sure = f"{error:.2g}" if error < LARGE else f"{error:.0f}"
-        text = f"{value:.{max(0, 1 - floor(log10(error)))}f} ± {AT_LEAST * bound}{sure}"
+        text = _to_digit_of(error, value) + ("" if alone else f" ± {AT_LEAST * bound}{two_digits(error)}")
     else:
         text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
     return f"{text} {unit.translate(POWERS)}" if unit else text
+
+
+def two_digits(error: float) -> str:
+    """An error as text."""
+    return _to_digit_of(error, error)
+
+
+def _to_digit_of(error: float, value: float) -> str:
+    """A value rounded to the second digit of an error."""
+    last = 1 - floor(log10(float(f"{error:.1e}")))
+    return f"{round(value, last) + 0.0:.{max(0, last)}f}"
 
 
 def is_bound(found: Mapping, key: str) -> bool:

@@ -58,10 +58,10 @@ def test_one_formatter_shows_every_value(arguments, text):
 
 
 def test_errors_of_every_size_are_told():
-    assert shown(3.4, "m", 0.06, bound=True) == "3.400 ± at least 0.06 m"
-    assert shown(3.4, error=0.06, bound=True) == "3.400 ± at least 0.06"
+    assert shown(3.4, "m", 0.06, bound=True) == "3.400 ± at least 0.060 m"
+    assert shown(3.4, error=0.06, bound=True) == "3.400 ± at least 0.060"
     assert shown(3.4, "m", bound=True) == "3.4 m"
-    assert shown(506.3, "kN/m", 99.6) == "506 ± 100 kN/m"
+    assert shown(506.3, "kN/m", 99.6) == "510 ± 100 kN/m"
     assert shown(6.0, "m", 1e-15) == "6 m"  # arithmetic, no error
     assert is_bound({"lower_bounds": ["y2"]}, "y2") and not is_bound({"lower_bounds": ["y2"]}, "y1")
     assert not is_bound({}, "y2")

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from lammps_jump.analysis.report.page import Section, Table, Text, with_error
+from lammps_jump.analysis.report.page import Section, Table, Text, cut
 
 ROWS = {
     "carried": "Carried by discs, in less out [m]",
@@ -54,7 +54,7 @@ def section(summary: Mapping) -> Section | None:
         text += " Frames give no budget here: there is no jump, the bed slopes, or friction takes energy."
     return Section(
         "Energy between stations",
-        [Text(text), Table(rows, ("", "ledger, exact for this run", "from frames, ± within this run"))],
+        [Table(rows, ("", "ledger, exact for this run", "from frames")), Text(text)],
     )
 
 
@@ -64,4 +64,4 @@ def _metres(head: float) -> str:
 
 def _of_frames(found: Mapping, key: str) -> str:
     error = f"{FRAME_ERRORS.get(key, key)}_error"
-    return with_error({key: found.get(key), f"{key}_error": found.get(error)}, key)
+    return cut({key: found.get(key), f"{key}_error": found.get(error)}, key)

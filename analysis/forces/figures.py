@@ -14,7 +14,7 @@ from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Map, Panel
 from lammps_jump.analysis.draw.depths import xt_map
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.report.page import Section, Table, Text, with_error
+from lammps_jump.analysis.report.page import Section, Table, Text, cut
 from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
@@ -51,15 +51,10 @@ def section(found: Mapping) -> Section:
     for name, values in found.items():
         if isinstance(values, dict) and "peak" in values:
             row = [None if values.get(key) is None else values[key] / scale for key, scale in scales.items()]
-            if values.get("peak_error") is not None:
-                row[0] = with_error(values, "peak", 1e3)
+            row[0] = cut(values, "peak", 1e3) if values.get("peak_error") is not None else row[0]
             rows.append((name, *row))
     heads = [f"{numbers[key].label} [{'k' * (scale > 1)}{numbers[key].unit}]" for key, scale in scales.items()]
-    sure = Text(
-        "Means and sums over every step. ± is within this run; one run has no error for a number without: repeat it "
-        "from other starts."
-    )
-    notes = [sure, *(Text(note) for note in found.get("notes") or [])]
+    notes = [Text(note) for note in found.get("notes") or []]
     return Section("Forces", [Table(rows, ("Structure", *heads)), *notes])
 
 
@@ -82,8 +77,7 @@ def _history_panel(name: str, force: Force) -> Panel:
         if force.wall.finite:
             lines.append(Line("oncoming, ρsu² + ρgs²/2", time, sign * table["oncoming"] / 1e3, "third"))
     if np.isfinite(force.peak):
-        label = f"peak {force.peak / 1e3:.0f} kN/m".replace("-", "−")
-        lines.append(Line(label, np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
+        lines.append(Line("peak", np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
     shown = np.concatenate([[0.0], *smooth.values()])
     ends = 1.2 * np.nanmin(shown), max(1.4 * np.nanmax(shown), 1e-9)
     return Panel(f"{name}: force [kN/m]", lines, ylim=ends)
@@ -112,7 +106,7 @@ def reflected_map(result: Forces, profiles: xr.Dataset) -> Map | None:
         return None
     good = np.isfinite(wave.position)
     ends = wave.time[good][[0, -1]]
-    label = f"fit {wave.speed:+.2f} ± {wave.speed_error:.2f} m/s; bore theory {wave.bore_speed:+.2f} m/s"
+    label = f"fit {wave.speed:+.2f} m/s; bore theory {wave.bore_speed:+.2f} m/s"
     shown = xt_map(profiles, "mass_depth", title=f"wave thrown back by {wave.structure}")
     front = Line("reflected front", wave.position[good], wave.time[good], "measured")
     return replace(shown, lines=(front, Line(label, wave.start + wave.speed * ends, ends, "theory")))

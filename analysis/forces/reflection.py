@@ -13,7 +13,7 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.jump.track import straight_motion
 from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
-from lammps_jump.units import Estimates, estimate, number
+from lammps_jump.units import Estimates, estimate, number, shown
 
 HALF = 0.5
 """The front stands where the velocity has fallen to this share of the highest velocity of the oncoming stream."""
@@ -42,11 +42,11 @@ class ReflectedWave(Estimates):
         """One sentence for the report."""
         if self.frames < 3:
             return f"No wave could be followed back from '{self.structure}'."
-        speed = f"{self.speed:+.2f} ± {self.speed_error:.2f} m/s"
+        speed = shown(self.speed, "m/s", self.speed_error, alone=True)
         return (
             f"The wave thrown back by '{self.structure}' runs at {speed}; the oncoming stream of "
             f"{self.oncoming_depth:.2f} m and {self.oncoming_velocity:.2f} m/s stopped by a wall would throw back a "
-            f"bore of {self.bore_depth:.2f} m at {self.bore_speed:+.2f} m/s (no errors of the stream from one run)."
+            f"bore of {self.bore_depth:.2f} m at {self.bore_speed:+.2f} m/s."
         )
 
 

@@ -33,8 +33,7 @@ def track_chart(jump: Jump) -> Chart | None:
         lines.append(Line("front of the compression", track.time, running_median(track.compression), "third"))
     if result.motion is not None:
         ends = np.array(result.window)
-        label = f"c = {result.motion.speed:+.3f} ± {result.motion.error:.3f} m/s (fit in the window)"
-        lines.append(Line(label, ends, result.motion.start + result.motion.speed * ends, "fit"))
+        lines.append(Line("fit in the window", ends, result.motion.start + result.motion.speed * ends, "fit"))
     return Chart(result.verdict, result.flow.time_axis, (Panel(PLACE, lines),), result.window)
 
 
@@ -73,10 +72,8 @@ def frame_chart(jump: Jump) -> Chart | None:
         Line("mass depth s", xi, depth, "second"),
     ]
     for state, name in ((result.upstream, "s₁"), (result.downstream, "s₂")):
-        text = f"{name} = {state.mass_depth:.2f} m, Fr = {state.froude_relative:.2f}"
-        lines.append(Line(text, np.array(state.zone), np.full(2, state.mass_depth), "fit"))
-    relations = ((f"Bélanger, {jump.of}", jump.belanger_y2),)
-    levels = {f"{label}: {value:.2f} m": value for label, value in relations if value > 0}
+        lines.append(Line(name, np.array(state.zone), np.full(2, state.mass_depth), "fit"))
+    levels = {f"Bélanger, {jump.of}": jump.belanger_y2} if jump.belanger_y2 > 0 else {}
     marks = {"toe": result.surface_toe, "end": result.surface_end}
     top = 1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2))
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -88,9 +85,7 @@ def frame_chart(jump: Jump) -> Chart | None:
         Panel("Depth [m]", lines, "", levels, marks, (), limits, (0.0, top), 1.8),
         Panel("Velocity [m/s]", speeds, marks=marks, xlim=limits),
     )
-    length = f"; thesis (4.27) {jump.length_theory:.1f} m" if isfinite(jump.length_theory) else ""
-    title = f"front's frame: length {jump.length:.1f} m{length}"
-    return Chart(title, "Distance from the front [m]", panels)
+    return Chart("front's frame", "Distance from the front [m]", panels)
 
 
 def balance_bars(jump: Jump) -> Bars | None:
@@ -127,13 +122,11 @@ def head_chart(profiles: xr.Dataset, jump: Jump) -> Chart | None:
         Line("with the mean velocity, z + s + u²/2g", x, bed + depth + uniform, "second"),
         Line("z + s (mass depth)", x, bed + depth, "third"),
     ]
-    levels, marks, found = {}, {}, ""
+    levels, marks = {}, {}
     if jump.local is not None:
-        local = jump.local
-        found = f"; front's frame: lost {local.energy_loss:.2f} m, Bélanger {local.energy_loss_theory:.2f} m"
         marks = {"toe": jump.toe, "end": jump.end}
     elif jump.inflow:
         head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)
-        levels = {f"inflow {head:.2f} m": head}
+        levels = {"inflow": head}
     panel = Panel("Energy head [m]", lines, "", levels, marks, ylim=(min(0.0, float(np.nanmin(bed))), None))
-    return Chart(f"energy head of the window{found}", PLACE, (panel,))
+    return Chart("energy head of the window", PLACE, (panel,))

@@ -5,10 +5,8 @@ What comes in less what goes out (carried by discs, and handed on by contacts) l
 the dashpots take (docs/theory.md).
 """
 
-# ruff: noqa: RUF001  (minus signs are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import nan
 
@@ -22,7 +20,7 @@ from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.law import normal_force, stored_energy, watching_law
-from lammps_jump.units import Estimates, estimate, number, shown
+from lammps_jump.units import Estimates, estimate, number
 
 from .frame import along_stream, growth_rate, move_along
 from .result import JumpResult
@@ -247,25 +245,3 @@ def no_budget(flow: Flow) -> str:
         return ""
     cause = "friction is not counted there" if flow.scene.coefficients.friction else "the bed slopes"
     return f"Frames give no head lost: {cause}. The native engine counts it at every step (probes.stations)."
-
-
-def sentence(found: Mapping) -> str:
-    """Budget in words; `found` as in ``summary.json``."""
-    if not found:
-        return ""
-    lost, taken, rest = (
-        shown(found[key], "m", found[f"{error}_error"])
-        for key, error in (("lost", "inflow"), ("dashpots", "dashpots"), ("residual", "residual"))
-    )
-    return (
-        f"Energy between stations {found['start']:+.1f} m and {found['stop']:+.1f} m from the toe, which move at "
-        f"{found['speed']:+.2f} m/s, as heads over the discharge of {found['discharge']:.2f} m²/s through them: discs "
-        f"carry in {found['carried']:.2f} m more than out, contacts hand on {found['contacts']:.2f} m, "
-        f"{found['storage']:.2f} m is stored. Lost: {lost}. The dashpots take {taken}; the difference is {rest} "
-        f"(± within this run, {found['frames']} frames; the single parts have no errors). In a case for the "
-        "native engine, which counts every step: "
-        "probes.stations = "
-    ).replace("-", "−") + (
-        f"{{x: [{found['x'][0]:.2f}, {found['x'][1]:.2f}], speed: {found['speed']:.3f}, window: "
-        f"[{found['window'][0]:.3g}, {found['window'][1]:.3g}]}}."
-    )

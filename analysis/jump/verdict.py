@@ -9,7 +9,7 @@ from math import isfinite
 from typing import Any
 
 from lammps_jump.analysis.report.headline import A_JUMP
-from lammps_jump.analysis.report.page import percent_of, with_error
+from lammps_jump.analysis.report.page import cut, percent_of, with_error
 from lammps_jump.units import AT_LEAST, is_bound
 
 from .certainty import starts_needed
@@ -44,7 +44,7 @@ def untimed(jump: Jump) -> Jump:
         return Jump(jump.verdict, jump.reason, headline(jump), measured=held, **known)
     said = (
         f"A step in depth is found in {jump.frames_found} of {jump.frames_in_window} frames: mass depth "
-        f"{_number(jump, 'y1', 'm')} before it, {_number(jump, 'y2', 'm')} behind. Without times "
+        f"{cut(vars(jump), 'y1', unit='m')} before it, {cut(vars(jump), 'y2', unit='m')} behind. Without times "
         "its speed, Froude number and head are not known, and nothing says that it is a hydraulic jump."
     )
     verdict = "marginal jump" if jump.verdict == "marginal jump" else "jump"
@@ -111,8 +111,8 @@ def belongs_to(jump: Jump) -> str:
     if stream is None or not isfinite(stream.compression):
         return f"{text}."
     return (
-        f"{text}. Contacts compress that stream from x = {stream.compression:.0f} m on: its Froude number is "
-        f"{stream.froude[0]:.2f} behind the inlet and {jump.local.froude:.2f} before the toe."
+        f"{text}. Contacts compress that stream from x = {stream.compression:.0f} m on: behind the inlet its "
+        f"Froude number is {stream.froude[0]:.2f}."
     )
 
 

@@ -14,7 +14,7 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.units import Number, numbers_of, shown
 
 from .headline import belongs
-from .page import Beside, Curve, Player, Section, Table, Text, heading, render, with_error
+from .page import Beside, Curve, Player, Section, Table, Text, cut, heading, render
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Side:
 def comparison(left: Side, right: Side) -> str:
     """The page of two runs."""
     names = left.name, right.name
-    heads = Beside([Text(name, "lead") for name in names])
+    heads = Beside([Text(name, "sure") for name in names])
     players = [side.player for side in (left, right) if side.player is not None]
     discs = [heads, Beside(players)] if len(players) == 2 else []
     both = [name for name in left.curves if name in right.curves]
@@ -51,14 +51,14 @@ def comparison(left: Side, right: Side) -> str:
     table = Table(list(_rows(left.summary, right.summary)), ("", *names, "difference"))
     sections = [
         Section("", discs),
-        Section("Numbers", [table, Text("± is one standard error within each run.", "small")]),
+        Section("Numbers", [table, Text("One run each; for error bars: their commands with --members 8.", "sure")]),
         Section("Curves", [heads, *pairs, Text(f"Of one run alone: {'; '.join(alone)}." if alone else "", "small")]),
     ]
     return render(" and ".join(names), sections, tab=" and ".join(names))
 
 
 def _rows(left: Mapping, right: Mapping) -> Iterator[tuple[str, str, str, str]]:
-    """Label, both numbers with their errors, and their difference with its error."""
+    """Label, both numbers and their difference, cut to their errors within the runs."""
     for name, quantity in QUANTITIES.items():
         first, second = (_parts(summary.get(name)) for summary in (left, right))
         for part in dict.fromkeys([*first, *second]):
@@ -79,12 +79,12 @@ def _parts(found: object) -> dict[str, Mapping]:
 
 def _row(part: str, number: Number, left: Mapping, right: Mapping) -> tuple[str, str, str, str]:
     key, unit = number.key, number.unit
-    texts = [with_error(side, key) if side.get(key) is not None else shown(None) for side in (left, right)]
+    texts = [cut(side, key) if side.get(key) is not None else shown(None) for side in (left, right)]
     values, errors = ([side.get(name) for side in (left, right)] for name in (key, f"{key}_error"))
     difference = shown(None)
     if all(isinstance(value, int | float) for value in values):
         error = hypot(*errors) if all(isinstance(error, float) for error in errors) else None
-        difference = shown(values[1] - values[0], error=error).replace("-", "−")
+        difference = shown(values[1] - values[0], error=error, alone=True).replace("-", "−")
     label = heading(number.meaning, unit)
     return (f"{part}: {label}" if part else label, *texts, difference)
 

@@ -2,7 +2,7 @@
 // Curves and bars as SVG, from the described numbers of the page. A curve over time shows the time of the player
 // (event "time" of the document, seconds), and a click on it asks for another one (event "seek").
 (() => {
-  const LEFT = 66, RIGHT = 14, TOP = 10, GAP = 18, BELOW = 40, STEP = 74;
+  const LEFT = 76, RIGHT = 14, TOP = 10, GAP = 18, BELOW = 40, STEP = 74;
   const charts = pageData.curves;
   const text = (value) => (value === 0 ? "0" : String(Number(value.toPrecision(4)))).replace("-", "\u2212");
 
@@ -37,6 +37,20 @@
     let low = 0, high = list.length - 1;
     while (high - low > 1) { const middle = (low + high) >> 1; if (list[middle] < value) low = middle; else high = middle; }
     return value - list[low] < list[high] - value ? low : high;
+  }
+
+  // Put a label where it hides no other one: at the first of some places that is free, else nowhere.
+  function putLabel(svg, attributes, content, places, taken) {
+    const made = add(svg, "text", attributes, content);
+    for (const place of places) {
+      for (const [key, value] of Object.entries(place)) made.setAttribute(key, value);
+      const { x, y, width, height } = made.getBBox();
+      const free = taken.every((box) => x > box.x + box.width || x + width < box.x || y > box.y + box.height || y + height < box.y);
+      if (!free || x < 0) continue;
+      taken.push({ x, y, width, height });
+      return;
+    }
+    made.remove();
   }
 
   const path = (points) => points.map((part) => "M" + part.map(([x, y]) => x.toFixed(1) + "," + y.toFixed(1)).join("L")).join("");
@@ -118,18 +132,21 @@
     if (own) add(svg, "text", { class: "name", x: (LEFT + right) / 2, y: height + 34, "text-anchor": "middle" }, panel.x || chart.x);
     const middle = (height + TOP) / 2;
     panel.y.split("\n").forEach((part, i, all) => {
-      add(svg, "text", { class: "name", transform: `translate(${(all.length > 1 ? 11 : 18) + 14 * i} ${middle}) rotate(-90)`, "text-anchor": "middle" }, part);
+      add(svg, "text", { class: "name", transform: `translate(${(all.length > 1 ? 11 : 16) + 16 * i} ${middle}) rotate(-90)`, "text-anchor": "middle" }, part);
     });
     const inside = add(svg, "g", { "clip-path": `url(#${name})` });
     for (const solid of panel.solids) add(inside, "polygon", { class: "wall", points: solid.map(([x, y]) => X(x) + "," + Y(y)).join(" ") });
+    const taken = [], rows = [11, 25, 39, 53];
     for (const [title, value] of panel.levels) {
-      const under = panel.levels.some(([, other]) => other > value && Y(value) - Y(other) < 32) || Y(value) < TOP + 16;
       add(inside, "line", { class: "curve-line theory", x1: LEFT, x2: right, y1: Y(value), y2: Y(value) });
-      add(svg, "text", { class: "theory", x: LEFT + 5, y: Y(value) + (under ? 14 : -4) }, title);
+      const heights = Y(value) < TOP + 16 ? [14] : [-4, 14];
+      const places = heights.flatMap((by) => [[LEFT + 5, "start"], [right - 5, "end"]].map(([x, side]) => ({ x, y: Y(value) + by, "text-anchor": side })));
+      putLabel(svg, { class: "theory" }, title, places, taken);
     }
     for (const [title, value] of panel.marks) {
       add(inside, "line", { class: "mark", x1: X(value), x2: X(value), y1: TOP, y2: height });
-      add(svg, "text", { x: X(value) + 4, y: TOP + 11 }, title);
+      const places = rows.flatMap((by) => [[4, "start"], [-4, "end"]].map(([side, anchor]) => ({ x: X(value) + side, y: TOP + by, "text-anchor": anchor })));
+      putLabel(svg, {}, title, places, taken);
     }
     for (const line of panel.lines) {
       const parts = pieces(line.x, line.y);
@@ -158,24 +175,24 @@
         if (!values[i]) return;
         const k = x === null ? -1 : nearest(line.x, x), inReach = k >= 0 && x >= Math.min(...line.x) - (x1 - x0) / 50 && x <= Math.max(...line.x) + (x1 - x0) / 50;
         const known = inReach && line.y[k] !== null;
-        values[i].textContent = known ? text(line.y[k]) + (line.error?.[k] ? " ± " + text(line.error[k]) : "") : "";
+        values[i].textContent = known ? text(line.y[k]) : "";
       });
     };
     return { svg, put: (x) => put(now, x), tell, place, own: panel.x, inside: (x) => Math.min(x1, Math.max(x0, x)) };
   }
 
   function drawBars(figure, chart, width) {
-    const rows = chart.bars.length, high = 24, half = Math.max(...chart.bars.map(([, value]) => Math.abs(value)), 1e-12);
-    const label = Math.min(300, width / 2), middle = (label + width) / 2, unit = (width - label) / 2 / (1.4 * half);
+    const narrow = width < 480, rows = chart.bars.length, high = narrow ? 42 : 24, above = narrow ? 18 : 0, half = Math.max(...chart.bars.map(([, value]) => Math.abs(value)), 1e-12);
+    const label = narrow ? 0 : Math.min(260, width / 2), middle = (label + width) / 2, unit = ((width - label) / 2 - 44) / half;
     const svg = add(figure, "svg", { width, height: rows * high + BELOW - 12, role: "img", "aria-label": chart.title });
     chart.bars.forEach(([name, value], i) => {
-      const y = i * high, long = Math.abs(value) * unit, side = value < 0 ? -1 : 1;
-      add(svg, "text", { x: label - 8, y: y + 16, "text-anchor": "end" }, name);
-      add(svg, "rect", { class: i === rows - 1 ? "bar sum" : "bar", x: middle - (value < 0 ? long : 0), y: y + 4, width: long, height: high - 8 });
+      const y = i * high + above, long = Math.abs(value) * unit, side = value < 0 ? -1 : 1;
+      add(svg, "text", narrow ? { x: 0, y: y - 4 } : { x: label - 8, y: y + 16, "text-anchor": "end" }, name);
+      add(svg, "rect", { class: i === rows - 1 ? "bar sum" : "bar", x: middle - (value < 0 ? long : 0), y: y + 4, width: long, height: 16 });
       add(svg, "text", { x: middle + side * (long + 5), y: y + 16, "text-anchor": value < 0 ? "end" : "start" }, (value < 0 ? "" : "+") + value.toFixed(1).replace("-", "\u2212"));
     });
     add(svg, "line", { class: "zero", x1: middle, x2: middle, y1: 0, y2: rows * high });
-    add(svg, "text", { class: "name", x: middle, y: rows * high + 18, "text-anchor": "middle" }, chart.x);
+    add(svg, "text", { class: "name", x: width, y: rows * high + 18, "text-anchor": "end" }, chart.x);
   }
 
   function draw(body, chart, number, width) {

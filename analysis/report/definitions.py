@@ -10,7 +10,6 @@ delivered   area of the discs that entered in the window over the time of their 
 refused     turns of the whole record at which the place of the disc was occupied
 depth, speed, momentum   means of the window from one to six depths behind the inlet, weight 1 − cos 2πs
 Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the laboratory
-± e         standard error within this run; counted discs have none
 """,
     "jump": """\
 front       where a sharp step between the mean depths would hold the same mass; c is its velocity
@@ -30,7 +29,7 @@ packing     area of the discs over that below the surface;  bulk density: ρ s/h
 density     ratio of the bulk densities, downstream over upstream
 roller      where the mean velocity of the surface discs is below the front's own
 parts       of the momentum balance: each over the downstream momentum function, 1 less 2
-± e         standard error within this run, from eight pieces of the window; "at least": one run cannot tell it
+errors      standard errors within this run, from eight pieces of the window; "at least": one run cannot tell it
 tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
 """,
     "stations": """\
@@ -56,7 +55,7 @@ dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside
     "force": """\
 peak          largest mean over 0.05 s, of the component with the larger impulse; per metre of width; in the window
               where discs flow in, after t = 0 elsewhere; start-up: the largest before the window
-± e           standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
+error         standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
 impulse       ∫ F dt after t = 0
 moment        about the foot of upright faces at the bed, anticlockwise positive
 identity      change of all discs' momentum against the impulse of walls, weight and discs that came and went

@@ -27,16 +27,17 @@ class Against(NamedTuple):
     """A measured number of a jump and the number of theory that it is held against: keys of ``summary.json: jump``."""
 
     key: str
+    label: str
     words: str
     theory: str
 
 
 COMPARED = (
-    Against("y2", "Bélanger", "belanger_y2"),
-    Against("speed", "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁), no error from one run", "mass.speed_from_mass"),
-    Against("length", "thesis (4.27)", "length_theory"),
-    Against("length", "USBR curve", "length_usbr"),
-    Against("head_lost", "Bélanger", "head_lost_theory"),
+    Against("y2", "sequent depth", "Bélanger", "belanger_y2"),
+    Against("speed", "front velocity", "from mass", "mass.speed_from_mass"),
+    Against("length", "jump length", "thesis (4.27)", "length_theory"),
+    Against("length", "jump length", "USBR", "length_usbr"),
+    Against("head_lost", "head lost", "Bélanger", "head_lost_theory"),
 )
 """What is measured of a jump and what theory says: the one comparison, for page, tiles and screen."""
 DISCS = (-0.2, 0.0)
@@ -44,14 +45,19 @@ DISCS = (-0.2, 0.0)
 
 
 def verdict(summary: Mapping) -> str:
-    """One short sentence on what happened, the title of a report; empty where there is nothing to be said."""
+    """One short sentence on what happened, the title of a report; empty where there is nothing to be said.
+
+    `summary` is that of a run, or of starts of one case, as of `rows.together`.
+    """
     status = summary.get("status") or "complete"
     if status != "complete":
         return f"The run is {status}."
     jump, front, energy = _parts(summary)
     said = ""
     if jump:
-        said = _jump(jump)
+        has, starts = summary.get("starts") or (1, 1)
+        said = _jump(jump, 2.0 if starts == 1 else 1.0)
+        said = said.replace(".", f" in {has} of {starts} starts.", 1) if has < starts else said
     elif front.get("position") is not None:
         said = _collapse(front)
     elif energy.get("conservative") and energy.get("max_deviation") is not None:
@@ -93,7 +99,8 @@ def _off(of: str, off: float, error: float | None) -> str:
     return f"its {of} is {abs(100 * off):.{digits}f} % {'above' if off > 0 else 'below'} Bélanger’s"
 
 
-def _jump(jump: Mapping) -> str:
+def _jump(jump: Mapping, errors: float) -> str:
+    """Verdict on a jump; its front stands within so many of its errors."""
     if jump["verdict"] == AT_SILL:
         return "A jump that ends at the sill: no level water to compare."
     if jump["verdict"] not in A_JUMP:
@@ -106,7 +113,7 @@ def _jump(jump: Mapping) -> str:
         but = ", which leaves that out," if left_out else ""
         said.append(_off(of, off, jump.get("belanger_deviation_error")) + but)
     speed, error = jump.get("speed"), jump.get("speed_error") or 0.0
-    if speed is not None and abs(speed) <= 2 * error:
+    if speed is not None and abs(speed) <= errors * error:
         said.append("its front stands")
     elif speed is not None:
         way = "upstream" if speed * ((jump.get("local") or {}).get("u1") or 1.0) < 0 else "downstream"

@@ -24,7 +24,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain, read_file, read_start
-from lammps_jump.units import ABSENT, AT_LEAST, POWERS, is_bound, numbers_of, shown
+from lammps_jump.units import ABSENT, AT_LEAST, POWERS, is_bound, numbers_of, shown, two_digits
 
 from .coder import digits_of, encode
 
@@ -39,7 +39,7 @@ Value = float | int | str | None
 
 
 class Text(NamedTuple):
-    """A paragraph; `kind` is '', 'lead', or 'verdict', 'warn', 'bad' for a box, which may start in bold."""
+    """A paragraph; `kind` is '', 'small', 'sure', or 'verdict', 'warn', 'bad' for a box, which may start in bold."""
 
     text: str
     kind: str = ""
@@ -54,10 +54,11 @@ class Mark(NamedTuple):
 
 
 class Table(NamedTuple):
-    """A table; columns that hold a number are aligned right."""
+    """A table; columns that hold a number are aligned right. With a summary it is folded away."""
 
     rows: Sequence[Sequence[Value | Mark]]
     header: Sequence[str] = ()
+    summary: str = ""
 
     @property
     def numeric(self) -> list[bool]:
@@ -67,7 +68,7 @@ class Table(NamedTuple):
 
 
 class Box(NamedTuple):
-    """One of the few numbers at the top, its standard error as text, and what it is compared with."""
+    """One of the few numbers at the top, half its interval as text, and what it is compared with."""
 
     label: str
     value: Value
@@ -129,11 +130,11 @@ class Choice(NamedTuple):
 class Beside(NamedTuple):
     """Blocks side by side, below each other on a narrow screen."""
 
-    blocks: Sequence[Text | Curve | Player]
+    blocks: Sequence[Text | Table | Curve | Player]
 
 
 class Section(NamedTuple):
-    """Part of a page under a heading; without a title the blocks follow what stands before."""
+    """Part of a page under a heading, in the list of contents; those without a title stand above that list."""
 
     title: str
     blocks: Sequence[Text | Table | Boxes | Items | Code | Picture | Curve | Player | Choice | Beside]
@@ -157,11 +158,13 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     steps = np.diff(np.concatenate(numbers)).astype(int)
     data = {"players": [player.header for player in players], "curves": shown}
     style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
+    kept = [section for section in full if section.blocks]
     return _template().render(
         title=title,
         tab=tab or title,
         name=name,
-        sections=[section for section in full if section.blocks],
+        first=[section for section in kept if not section.title],
+        sections=[section for section in kept if section.title],
         players=players,
         data=as_json(data) if players or curves else "",
         numbers=Markup(encode((steps, np.frexp(np.append(0, steps[:-1]))[1])) if curves else ""),
@@ -255,6 +258,17 @@ def heading(meaning: str, unit: str) -> str:
     return f"{first}{meaning[1:]}" + (f" [{unit.translate(POWERS)}]" if unit else "")
 
 
+def errors_of(result: type, found: Mapping) -> list[tuple[str, str]]:
+    """Rows (meaning with unit, standard error within this run) of a result's numbers that have one."""
+    numbers = numbers_of(result).values()
+    known = [(number, found.get(f"{number.key}_error")) for number in numbers if found.get(number.key) is not None]
+    return [
+        (heading(number.meaning, number.unit), f"{AT_LEAST * is_bound(found, number.key)}{two_digits(error)}")
+        for number, error in known
+        if error
+    ]
+
+
 def percent(share: float | None, digits: int = 1) -> str:
     """A share in per cent; with more than one digit its sign is shown."""
     if share is None:
@@ -262,21 +276,28 @@ def percent(share: float | None, digits: int = 1) -> str:
     return f"{100 * share:{'+' if digits > 1 else ''}.{digits}f} %"
 
 
-def percent_of(share: float | None, error: float | None = None, *, bound: bool = False) -> str:
-    """A share in per cent with its error, which may be a lower bound."""
+def percent_of(share: float | None, error: float | None = None, *, bound: bool = False, alone: bool = False) -> str:
+    """A share in per cent with its error, which may be a lower bound; `alone` shows it cut to the error."""
     if share is None or share != share:
         return ABSENT
-    sure = f" ± {AT_LEAST * bound}{100 * error:.1f}" if error is not None and isfinite(error) else ""
-    return f"{100 * share:+.1f}{sure} %".replace("-", "−")
+    if error is None or not isfinite(error) or not error:
+        return f"{100 * share:+.1f} %".replace("-", "−")
+    text = shown(100 * share, error=100 * error, bound=bound, alone=alone)
+    return f"{'+' * (share > 0)}{text} %".replace("-", "−")
 
 
-def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> str:
+def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "", *, alone: bool = False) -> str:
     """A number of ``summary.json`` with its standard error within this run, where it has one."""
     value, error = found[key], found.get(f"{key}_error")
     if value is None:
         return ABSENT
     error = None if error is None else error / scale
-    return shown(value / scale, unit, error, bound=is_bound(found, key)).replace("-", "−")
+    return shown(value / scale, unit, error, bound=is_bound(found, key), alone=alone).replace("-", "−")
+
+
+def cut(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> str:
+    """A number of ``summary.json``, cut to its standard error within this run."""
+    return with_error(found, key, scale, unit, alone=True)
 
 
 def picture_kind(path: Path) -> str:

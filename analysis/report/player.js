@@ -82,7 +82,8 @@ function setTime(p, time) {
   const now = Math.min(Math.max(time, p.run.times[0]), p.end);
   if (now === p.time && p.drawnAt === now) return;
   p.time = p.drawnAt = now;
-  draw(p);
+  if (follows(p)) showHome(p);
+  else draw(p);
   if (p.index === 0) tell("time", now);
 }
 
@@ -138,8 +139,8 @@ function listenToButtons(p) {
   on("on", "click", () => step(p, 1));
   on("rate", "change", () => tell("play", { on: p.playing, rate: Number(part(p, "rate").value) }));
   on("colour", "change", () => { p.colour = part(p, "colour").value; draw(p); });
-  on("out", "click", () => keepingPlace(p, () => zoom(p, 1 / 1.5)));
-  on("in", "click", () => keepingPlace(p, () => zoom(p, 1.5)));
+  on("out", "click", () => keepingPlace(p, () => zoomByKey(p, 1 / 1.5)));
+  on("in", "click", () => keepingPlace(p, () => zoomByKey(p, 1.5)));
   on("whole", "click", () => keepingPlace(p, () => showWhole(p)));
   on("save", "click", () => savePicture(p));
   part(p, "film").hidden = !filmKind(p);
@@ -177,8 +178,8 @@ function key(p, event) {
     ArrowDown: shift && move(0, -shift),
     Home: () => tell("seek", p.run.times[0]),
     End: () => tell("seek", p.end),
-    "+": each((one) => zoom(one, 1.5)),
-    "-": each((one) => zoom(one, 1 / 1.5)),
+    "+": each((one) => zoomByKey(one, 1.5)),
+    "-": each((one) => zoomByKey(one, 1 / 1.5)),
     0: each(showWhole),
   };
   if (!acts[event.key]) return;

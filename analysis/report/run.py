@@ -9,6 +9,13 @@ from pathlib import Path
 from shlex import quote
 
 from lammps_jump.analysis.budgets import stations
+from lammps_jump.analysis.budgets.inflow import Delivery
+from lammps_jump.analysis.forces.history import Force
+from lammps_jump.analysis.forces.reflection import ReflectedWave
+from lammps_jump.analysis.jump.head import Budget
+from lammps_jump.analysis.jump.section import certainty
+from lammps_jump.analysis.jump.summary import Jump, Local
+from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.errors import DumpError
 from lammps_jump.files import CURVES, FIGURES, read_json, write_text
@@ -16,9 +23,9 @@ from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
 from .definitions import DEFINITIONS
-from .headline import against_water, headline, verdict
-from .key_numbers import key_numbers
+from .headline import against_water, belongs, verdict
 from .page import (
+    Beside,
     Boxes,
     Code,
     Curve,
@@ -28,12 +35,14 @@ from .page import (
     Section,
     Table,
     Text,
+    errors_of,
     heading,
     picture,
     picture_kind,
     render,
 )
 from .player import STILL
+from .rows import MOST, rows_of, sure, tiles
 
 LARGEST = 5_000_000
 """Bytes of a report without its player; figures come first, the film only where it still fits."""
@@ -41,6 +50,12 @@ LARGEST = 5_000_000
 FILMS = ("animation.mp4", "animation.gif")
 LINKED = ("jump_track.png", "front.png", "forces.png", "energy.png")
 """Curves over time that stand below the player and show its time."""
+
+WITH_ERRORS = {
+    "inflow": Delivery, "jump": Jump, "jump.local": Local, "jump.budget": Budget, "jump.tail": Tail,
+    "force.*": Force, "force.reflected_wave": ReflectedWave,
+}  # fmt: skip
+"""Parts of ``summary.json`` that hold standard errors within this run."""
 
 REPEAT = """\
 lammps-jump build-and-run case.yaml --out again
@@ -89,8 +104,8 @@ def write_report(
         "name": ": ".join(filter(None, (name_of_run, summary.get("description")))),
     }
     before = [Section("", _lead(summary))]
-    after = [Section("", [Items(summary.get("warnings") or (), "Notes")])]
-    after += [
+    before.append(Section("", [Items(summary.get("warnings") or (), "Notes")]))
+    after = [
         _defined(key, quantity.section(summary[key]), summary)
         for key, quantity in QUANTITIES.items()
         if summary.get(key)
@@ -99,16 +114,15 @@ def write_report(
     numbers = numbers_of(Coefficients)
     values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
-    last = [
-        Section("The case", [Code(case_yaml, "case.yaml, every default filled in")]),
-        Section("", [Table(coefficients, ("Coefficients", "value", "unit"))]),
-        Section("What this case did not need", [Items(summary.get("skipped") or ())]),
-        _how(summary),
-    ]
+    folded = Table(coefficients if case_yaml else (), ("Coefficients", "value", "unit"), "Coefficients")
+    open_ = folded._replace(rows=() if case_yaml else coefficients, summary="")
+    case = [open_, folded, Code(case_yaml, "case.yaml, every default filled in"), Items(summary.get("skipped") or ())]
+    last = [_errors(summary), Section("The case", case), _how(summary)]
     room = LARGEST - len(render(title, [*before, *after, *last], **about).encode(errors="replace"))
     path, drawn, found = Path(folder) / name, curves(Path(folder)), _pictures(Path(folder), beside)
     if player:
-        before.append(Section("", [player, *(drawn.pop(name) for name in LINKED if name in drawn)]))
+        linked = [drawn.pop(name) for name in LINKED if name in drawn]
+        before.insert(1, Section("", [player, *([Beside(linked)] if linked else [])]))
     page = render(title, [*before, *after, _figures(found, room, player, drawn), *last], **about)
     try:
         write_text(path, page)
@@ -126,9 +140,38 @@ def _defined(key: str, section: Section | None, summary: Mapping) -> Section | N
 
 
 def _lead(summary: Mapping) -> list[Text | Boxes]:
-    numbers, sure = key_numbers(summary)
-    said = [Text(summary.get("message") or "", "bad"), Text(headline(summary), "lead")]
-    return [*said, Boxes(numbers), Text(sure, "small")]
+    rows = rows_of([summary], most=MOST + 1)
+    return [
+        Text(summary.get("message") or "", "bad"),
+        Boxes(tiles(rows)[:MOST]),
+        Text(sure(summary) if rows else "", "sure"),
+    ]
+
+
+def _errors(summary: Mapping) -> Section:
+    """Standard errors within this run, by the words of their numbers."""
+    jump = summary.get("jump") or {}
+    rows = [
+        (f"{name}: {label}" if name else label, error)
+        for part, result in WITH_ERRORS.items()
+        for name, found in _parts(summary, part)
+        for label, error in errors_of(result, found)
+    ]
+    said = certainty(jump) if jump.get("drift") and rows else ()
+    table = Table(rows, ("Number", "standard error"), f"Standard errors of {len(rows)} numbers")
+    return Section("Errors within this run", [table, *map(Text, said)])
+
+
+def _parts(summary: Mapping, path: str) -> list[tuple[str, Mapping]]:
+    """What stands at a path, with its name where it is one of several."""
+    part, _, key = path.partition(".")
+    found = summary.get(part) or {}
+    if key == "*":
+        return [(name, values) for name, values in found.items() if isinstance(values, Mapping) and "peak" in values]
+    found = (found.get(key) if key else found) or {}
+    if part == "jump" and not belongs("local.y1", summary.get(part) or {}):
+        return []
+    return [("", found)]
 
 
 def curves(folder: Path) -> dict[str, Curve]:
@@ -168,7 +211,7 @@ def _figures(given: Mapping[str, Path], room: int, player: Player | None, drawn:
         room -= len(block.source) + 200
         shown.insert(0 if path in films else len(shown), block)
     tail = f"Too large for this page, beside it in the run folder: {', '.join(left_out)}." if left_out else ""
-    return Section("Figures", [*drawn.values(), *shown, Text(tail)])
+    return Section("Figures", [Beside(list(drawn.values())), *shown, Text(tail)])
 
 
 def _command(summary: Mapping) -> list[Text | Code]:
@@ -200,8 +243,8 @@ def _how(summary: Mapping) -> Section:
     return Section(
         "How to repeat it",
         [
-            *_command(summary),
             Table([row for row in rows if row[1] is not None]),
+            *_command(summary),
             Code(json.dumps(summary, indent=1), "summary.json"),
         ],
     )

@@ -4,7 +4,9 @@
 const MARGIN = { left: 44, right: 2, legend: 30, caption: 50, depth: 104, axis: 24 };
 const NARROW = 640;
 const TALLEST = 460;
-const LOWEST = 170;
+const LOWEST = 90;
+// Height of the discs that a narrow screen zooms in for.
+const SHOWN = 150;
 const GROWN = 330;
 const NARROWEST = 420;
 // A disc is shown at most as large, in pixels.
@@ -23,7 +25,8 @@ function layOut(p) {
   const width = Math.max(240, p.element.clientWidth), [[x0, x1], [y0, y1]] = p.run.seen;
   const room = width - MARGIN.left - MARGIN.right, narrow = width < NARROW;
   p.whole = Math.min(room / (x1 - x0), TALLEST / (y1 - y0));
-  p.home = narrow ? Math.min(2 * p.whole, TALLEST / (y1 - y0)) : p.whole;
+  const closer = Math.max(2 * p.whole, Math.min(4 * p.whole, SHOWN / (y1 - y0)));
+  p.home = narrow ? Math.min(closer, TALLEST / (y1 - y0)) : p.whole;
   p.wide = Math.min(room, Math.max(NARROWEST, p.whole * (x1 - x0)));
   p.dots = Math.min(3, Math.max(1, window.devicePixelRatio || 1));
   p.sized = { width, height: 0 };
@@ -55,12 +58,36 @@ function takeColours(p) {
   p.pixels = asPixels(p.colours);
 }
 
-// The whole flow; on a narrow screen its last half, where a jump or a front arrives.
+// The whole flow; on a narrow screen the half around the front, which is followed.
 function showHome(p) {
-  const [[x0, x1], [y0, y1]] = p.run.seen, half = p.wide / p.home / 2;
-  const x = p.home > p.whole ? x1 - half : (x0 + x1) / 2;
+  const [[x0, x1], [y0, y1]] = p.run.seen;
+  const x = p.home > p.whole ? frontPlace(p)[0] : (x0 + x1) / 2;
   p.view = { x, y: (y0 + y1) / 2, scale: p.home, again: showHome };
   moveView(p, 0, 0);
+}
+
+function follows(p) {
+  return p.view.again === showHome && p.home > p.whole;
+}
+
+// Place of the front now, and mean height of the discs there. Bélanger's line begins at the front of a jump; where no
+// jump is found, it is that of the nearest frame with one; without any, the front of the discs.
+function frontPlace(p) {
+  const { sequent, times, seen: [[x0, x1], [y0, y1]] } = p.run, now = frameBefore(times, p.time);
+  discsAt(p.run, p.time, p.found);
+  const { count, x, y } = p.found, lines = sequent.map((line, k) => [Math.abs(k - now), line]).filter(([, line]) => line);
+  let front = (x0 + x1) / 2;
+  if (lines.length) front = lines.reduce((a, b) => (b[0] < a[0] ? b : a))[1][0];
+  else if (p.deep && count) front = Float64Array.from(x.subarray(0, count)).sort()[Math.floor(0.98 * (count - 1))];
+  let sum = 0, near = 0;
+  for (let k = 0; k < count; k++) if (Math.abs(x[k] - front) < 0.05 * (x1 - x0)) { sum += y[k]; near++; }
+  return [Math.min(Math.max(front, x0), x1), near ? sum / near : (y0 + y1) / 2];
+}
+
+// The buttons and keys zoom on the front, until the view is moved by hand.
+function zoomByKey(p, factor) {
+  if (factor > 1 && !p.view.hand) [p.view.x, p.view.y] = frontPlace(p);
+  zoom(p, factor);
 }
 
 function showWhole(p) {
@@ -70,10 +97,11 @@ function showWhole(p) {
 }
 
 function zoom(p, factor, x = p.view.x, y = p.view.y) {
+  const hand = p.view.hand || x !== p.view.x;
   const smallest = 2 * p.run.radii[0];
   const scale = Math.min(Math.max(p.view.scale * factor, p.whole), Math.max(p.whole, CLOSEST / smallest));
   const kept = p.view.scale / scale;
-  p.view = { x: x + (p.view.x - x) * kept, y: y + (p.view.y - y) * kept, scale };
+  p.view = { x: x + (p.view.x - x) * kept, y: y + (p.view.y - y) * kept, scale, hand };
   moveView(p, 0, 0);
 }
 
@@ -83,7 +111,7 @@ function moveView(p, right, down) {
   fitHeight(p);
   view.x = within(view.x - right / view.scale, run.seen[0], p.wide / view.scale / 2);
   view.y = within(view.y + down / view.scale, run.seen[1], p.high / view.scale / 2, true);
-  if (right || down) view.again = null;
+  if (right || down) Object.assign(view, { again: null, hand: true });
   paintBackground(p);
   draw(p);
 }

@@ -14,8 +14,8 @@ import lammps_jump as lj
 from lammps_jump import dump, runs, sweeps
 from lammps_jump.errors import CaseError
 
-from .options import Quiet, Sets, diameters, place, quantity, told
-from .run import print_summary
+from .options import Quiet, Sets, Verbose, diameters, place, quantity, told
+from .progress import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -50,6 +50,7 @@ def analyze(
     bin_width: Annotated[float | None, quantity("m", "Width of a profile bin, m.")] = None,
     set_: Sets = None,
     quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Depth profiles, jump, front, forces and figures of a run folder or of any dump."""
     guessed = {"--diameter": diameter, "--density": density, "--time-step": time_step}
@@ -65,7 +66,7 @@ def analyze(
         with told(quiet):
             runs.start.reanalyse(target, [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))])
         if not quiet:
-            print_summary(lj.open_run(target).summary, target)
+            print_summary(lj.open_run(target).summary, target, verbose=verbose)
         return
     if case is None and set_:
         raise CaseError(f"--set {set_[0]}: changes a case, but a bare dump has no case; name one with --case")
@@ -77,7 +78,7 @@ def analyze(
         path = dump.find_dump(*targets)
         summary, folder = runs.results.analyse_dump(path, loaded, diameter, density, bin_width, out, time_step)
     if not quiet:
-        print_summary(summary, folder)
+        print_summary(summary, folder, verbose=verbose)
 
 
 @app.command()

@@ -90,6 +90,7 @@ Accuracy = Annotated[
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; errors only.")]
+Verbose = Annotated[bool, typer.Option("--verbose", help="All numbers at the end, as in a pipe.")]
 QuietStudy = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no notes, only the results.")]
 Resume = Annotated[
     bool,

@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How far a run has come, on the screen: simulated time, discs in play, speed, time left; then its analysis."""
+"""How far a run has come, on the screen: simulated time, discs in play, speed, time left; then what it found."""
 
 from __future__ import annotations
 
+import shlex
+import shutil
 import sys
+import textwrap
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from math import isnan
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
+from lammps_jump import analysis
 from lammps_jump.engines.result import Progress
 
 if TYPE_CHECKING:
@@ -134,6 +139,78 @@ class StudyLine(ProgressLine):
             f"{report.done} of {report.total} runs done{failed}  {rate / 1e6:.1f} M disc-steps/s  "
             f"{_duration(left)} left",
         )
+
+
+MOST_LINES = 12
+WIDEST = 100
+"""Lines and columns of what a terminal shows at the end of a run."""
+
+
+def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = False) -> None:
+    """What a run or a bare dump found: on a terminal `ending`; in a pipe, or where asked for, all numbers."""
+    page = folder / "report.html"
+    if sys.stdout.isatty() and not verbose:
+        found = analysis.report.rows.rows_of([summary])
+        about = [analysis.report.rows.sure(summary)] if found else []
+        about += [_spent(summary)] if "discs" in summary else []
+        said = analysis.report.headline.verdict(summary)
+        place = folder if page.exists() else None
+        print("\n".join(ending(said, found, about, place, summary.get("warnings") or [])))
+        return
+    for line in analysis.main_numbers(summary):
+        print(line)
+    if "discs" in summary:
+        discs, seconds = summary["discs"], summary["wall_seconds"]
+        rate = summary.get("disc_steps_per_second") or 0.0
+        print(
+            f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
+            f"{discs['lost']} lost\n"
+            f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
+            f"analysis {seconds['analysis']:.2f} s"
+        )
+    for warning in summary.get("warnings", []):
+        print(f"note: {warning}")
+    if page.exists():
+        print(f"report: {page}")
+
+
+def _spent(summary: Mapping[str, Any]) -> str:
+    discs, seconds = summary["discs"], summary["wall_seconds"]
+    return (
+        f"time: {seconds['run']:.1f} s run, {seconds['analysis']:.1f} s analysis; discs: {discs['inserted']} in, "
+        f"{discs['removed']} out, {discs['present']} at the end"
+    )
+
+
+def ending(
+    said: str, rows: Sequence[Any], about: Sequence[str], folder: Path | None, notes: Sequence[str], width: int = 0
+) -> list[str]:
+    """The end of a run or study for a terminal: verdict, table, error bars, time, notes, command of the page.
+
+    Parameters
+    ----------
+    said : str
+        Verdict.
+    rows : sequence of Row
+        Of `analysis.report.rows`.
+    about : sequence of str
+        One line each: error bars; time and discs.
+    folder : Path or None
+        Holds the page.
+    notes : sequence of str
+        Those without room are counted.
+    width : int
+        Columns; by default those of the terminal, at most `WIDEST`.
+    """
+    wide = width or min(WIDEST, shutil.get_terminal_size().columns)
+    above = [*textwrap.wrap(said, wide), *(analysis.report.rows.table(rows, wide) if rows else [])]
+    above += [line for text in about for line in textwrap.wrap(text, wide)]
+    below = [f"page: lammps-jump show {shlex.quote(str(folder))}"] if folder is not None else []
+    told = [line for text in notes for line in textwrap.wrap(f"note: {text}", wide, subsequent_indent="  ")]
+    if len(above) + len(told) + len(below) > MOST_LINES:
+        count = f"{len(notes)} note{'s' * (len(notes) > 1)}"
+        told = [f"{count} on the page" if folder is not None else f"{count}: --verbose shows more"]
+    return [*above, *told, *below]
 
 
 def _duration(seconds: float) -> str:

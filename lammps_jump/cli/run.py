@@ -3,18 +3,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 import lammps_jump as lj
-from lammps_jump import analysis, cli, runs, script, sweeps
+from lammps_jump import cli, runs, script, sweeps
 from lammps_jump.errors import CaseError, RunError
 
 from . import options
-from .progress import ProgressLine
+from .progress import ProgressLine, print_summary
 from .studies import run_sweep, site_of, study_fields, submit
 
 app = typer.Typer(rich_markup_mode=None)
@@ -41,6 +40,7 @@ def build_and_run(
     until: options.Until = None,
     jobs: options.Jobs = None,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Check a case, write its script, run it, analyse it and write the report; several starts of it with --members."""
     at = site_of(site, slurm)
@@ -52,13 +52,14 @@ def build_and_run(
         place = out or Path(f"{runs.folder.default_folder(loaded)},members")
         fields = study_fields(members=members, until=until, collect=collect)
         if at is None:
-            return run_sweep(loaded, place, jobs=jobs, quiet=quiet, **fields)
+            return run_sweep(loaded, place, jobs=jobs, quiet=quiet, verbose=verbose, **fields)
         return submit(sweeps.Sweep(sweeps.read_study(loaded, **fields), place), at, jobs=jobs)
     if collect:
         raise CaseError(f"--collect {collect}: is for --members; one run writes all its numbers to summary.json")
     if at is not None:
         raise CaseError(f"--slurm: is for --members; for one run use `lammps-jump build {case} --slurm`, then sbatch")
-    return _run(loaded, out or runs.folder.default_folder(loaded), quiet=quiet, live=live, force=force, resume=resume)
+    folder = out or runs.folder.default_folder(loaded)
+    return _run(loaded, folder, quiet=quiet, verbose=verbose, live=live, force=force, resume=resume)
 
 
 @app.command()
@@ -92,12 +93,15 @@ def run(
     force: options.Force = False,
     resume: options.Resume = False,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Run a built folder and analyse it."""
-    _run(lj.open_run(folder).case, folder, quiet=quiet, force=force, resume=resume)
+    _run(lj.open_run(folder).case, folder, quiet=quiet, verbose=verbose, force=force, resume=resume)
 
 
-def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force: bool, resume: bool) -> None:
+def _run(
+    case: lj.Case, folder: Path, *, quiet: bool, verbose: bool, live: bool = False, force: bool, resume: bool
+) -> None:
     """Run a case, show its progress by a line, with `live` also by pictures, and print what it found."""
     if live and case.fields.run.dump_format != "text":
         raise CaseError(
@@ -116,23 +120,4 @@ def _run(case: lj.Case, folder: Path, *, quiet: bool, live: bool = False, force:
             line.finish()
     view.finish()
     if not quiet:
-        print_summary(done.summary, folder)
-
-
-def print_summary(summary: Mapping[str, Any], folder: Path) -> None:
-    """The verdict and the main numbers of a run or of a bare dump, and where to look."""
-    for line in analysis.main_numbers(summary):
-        print(line)
-    if "discs" in summary:
-        discs, seconds = summary["discs"], summary["wall_seconds"]
-        rate = summary.get("disc_steps_per_second") or 0.0
-        print(
-            f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
-            f"{discs['lost']} lost\n"
-            f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
-            f"analysis {seconds['analysis']:.2f} s"
-        )
-    for warning in summary.get("warnings", []):
-        print(f"note: {warning}")
-    if (folder / "report.html").exists():
-        print(f"report: {folder}/report.html")
+        print_summary(done.summary, folder, verbose=verbose)

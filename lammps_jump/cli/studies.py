@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +14,7 @@ from lammps_jump import script, studies, sweeps
 from lammps_jump.errors import CaseError
 
 from . import options
-from .progress import StudyLine
+from .progress import StudyLine, ending
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -44,6 +45,7 @@ def sweep(
         str | None, typer.Option(help="Run this member alone, or a range, 4-7, of a folder; for job files.")
     ] = None,
     quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Run a case at many points, several starts each; table, figures and page. Continues where it stopped."""
     if member is not None:
@@ -54,7 +56,7 @@ def sweep(
     given = study_fields(members=members, until=until, axis=axis, collect=collect, set_=set_)
     given |= {"most_members": most_members} if most_members else {}
     if not (status or table or at):
-        return run_sweep(study, out, jobs=jobs, retry=retry, quiet=quiet, **given)
+        return run_sweep(study, out, jobs=jobs, retry=retry, quiet=quiet, verbose=verbose, **given)
     read = sweeps.read_study(study, **given)
     found = sweeps.Sweep(read, out or sweeps.default_folder(study, read.case))
     if at:
@@ -96,7 +98,14 @@ def study_fields(
 
 
 def run_sweep(
-    study: Path | lj.Case, out: Path | None, *, jobs: int | None, quiet: bool, retry: bool = False, **given: Any
+    study: Path | lj.Case,
+    out: Path | None,
+    *,
+    jobs: int | None,
+    quiet: bool,
+    verbose: bool = False,
+    retry: bool = False,
+    **given: Any,
 ) -> None:
     """Run a study with a line of progress, and print its table; exit status 1 where a member failed."""
     line = StudyLine(quiet=quiet)
@@ -108,6 +117,10 @@ def run_sweep(
     if quiet:
         for failure in found.failed:
             print(f"{sweeps.page.point_name(found.study, failure.point)}, member {failure.seed}: {failure.message}")
+    elif sys.stdout.isatty() and not verbose and not found.study.axes and found.runs:
+        about = [sweeps.page.interval(found), found.status()]
+        lines = ending(sweeps.page.verdict_of(found), found.rows, about, found.folder, sweeps.page.doubts(found))
+        print("\n".join(lines))
     else:
         print(*(f"note: {text}\n" for text in sweeps.page.doubts(found)), sep="", end="")
         studies.table.show(sweeps.page.table_text(found))

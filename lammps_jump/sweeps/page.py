@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from itertools import starmap
 from math import inf, isfinite
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,11 +17,24 @@ import xarray as xr
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
-from lammps_jump.analysis.report.page import Choice, Code, Items, Player, Section, Table, Text, picture, render
+from lammps_jump.analysis.report.headline import verdict
+from lammps_jump.analysis.report.page import (
+    Boxes,
+    Choice,
+    Code,
+    Items,
+    Player,
+    Section,
+    Table,
+    Text,
+    picture,
+    render,
+)
 from lammps_jump.analysis.report.received import read_player
+from lammps_jump.analysis.report.rows import tiles, together
 from lammps_jump.files import PLAYER, write_text
 from lammps_jump.provenance import versions
-from lammps_jump.units import shown
+from lammps_jump.units import shown, two_digits
 
 from .study import Axis, Collected, Study
 from .table import DISAGREE
@@ -126,9 +140,8 @@ def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
                 panel.plot(axis.values, cells["mean"], dash, marker="o", ms=4, color=colour, label=", ".join(said))
                 if np.isfinite(cells["low"]).any():
                     panel.fill_between(axis.values, cells["low"], cells["high"], color=colour, alpha=0.18, lw=0)
-            panel.set(ylabel=item.heading)
+            panel.set(ylabel="\n".join(wrap(item.heading, 30)))
             name_axis(panel, axis.name)
-            panel.set_title(item.meaning if item.meaning != item.path else "")
         if others:
             panels[0][0].legend()
         return save(figure, path)
@@ -205,8 +218,8 @@ def doubts(found: Sweep) -> list[str]:
         if ", " in words
     ]
     said += [
-        f"{item.path}: members scatter more than single runs say of themselves (chi2/dof {chi2:.1f}): use the interval "
-        "over members."
+        f"{item.heading}: members scatter more than single runs say of themselves (chi2/dof {chi2:.1f}): use the "
+        "interval over members."
         for item in study.collect
         if (chi2 := frame[f"{item.path}_chi2"].median()) > DISAGREE
     ]
@@ -234,25 +247,38 @@ def point_name(study: Study, index: int) -> str:
     return ", ".join(f"{words(path)} = {shown(value, unit(path))}" for path, value in point) or study.case.name
 
 
+def interval(found: Sweep) -> str:
+    """What ± means."""
+    count = len(found.runs)
+    over = f"{count} starts" if not found.study.axes else "the starts of a point"
+    return f"± is the {100 * found.study.fields.confidence:g} % interval of the mean over {over} (Student's t)"
+
+
+def verdict_of(found: Sweep) -> str:
+    """The verdict on the starts of one case; of a study with axes its name."""
+    if found.study.axes or not found.summaries:
+        return f"Study: {found.study.case.name}"
+    return verdict(together(found.summaries, found.mean)) or found.study.case.name
+
+
 def sections(found: Sweep) -> list[Section]:
     """The parts of the page."""
-    study = found.study
-    share = f"{100 * study.fields.confidence:g} %"
-    about = study.case.fields.description or study.case.name
-    about += f"; varied: {', '.join(words(axis.name) for axis in study.axes)}" if study.axes else ""
-    lead = (
-        f"{about}. {found.status()}. ± is the {share} interval of the mean "
-        "over members, independent starts of the same case (Student's t); n counts the members that have the number."
-    )
+    study, boxes = found.study, tiles(found.rows) if not found.study.axes else []
+    varied = f" Varied: {', '.join(words(axis.name) for axis in study.axes)}." if study.axes else ""
     frame = summary_frame(found)
+    if boxes:
+        paths = {path for row in found.rows for path in (row.path, row.held)} | {"jump.belanger_deviation"}
+        top = [item.heading for item in study.collect if item.path in paths]
+        frame = frame[~frame["number"].isin(top)]
     return [
-        Section("", [Text(lead, "lead"), Items(doubts(found), "What to know")]),
+        Section("", [Boxes(boxes), Text(f"{interval(found)}. {found.status()}.{varied}", "sure")]),
         Section("", players(found)),
+        Section("", [Items(doubts(found), "What to know")]),
         Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *starmap(picture, draw(found).items())]),
-        Section("Members beside single runs", [Text(OWN_ERRORS), Table(*_own_errors(found))]),
+        Section("Errors within single runs", [Table(*_own_errors(found)), Text(OWN_ERRORS)]),
         Section("How to repeat it", [
+            Table([("Versions", ", ".join(f"{name} {text}" for name, text in versions().items()))]),
             Text(f"`lammps-jump sweep {found.folder}` goes on with this study, or does nothing where all is there."),
-            Text("Versions: " + ", ".join(f"{name} {text}" for name, text in versions().items())),
             Code(study.to_yaml(), "study.yaml"),
         ]),
     ]  # fmt: skip
@@ -271,13 +297,19 @@ def _own_errors(found: Sweep) -> tuple[list[list[Any]], list[str]]:
         for item in study.collect:
             numbers = [float(frame[f"{item.path}_{name}"][index]) for name in ("sd", "own_error", "chi2")]
             if isfinite(numbers[1]):
-                rows.append(
-                    [point_name(study, index), item.heading, *(item.scale * n for n in numbers[:2]), numbers[2]]
+                sd, own = (
+                    two_digits(number) if number > 0 else shown(number)
+                    for number in (item.scale * n for n in numbers[:2])
                 )
-    return rows, ["point", "number", "standard deviation of members", "stated by single runs", "chi2/dof"]
+                name = [point_name(study, index)] if study.axes else []
+                rows.append([*name, item.heading, sd, own, shown(numbers[2], digits=2)])
+    heads = ["number", "standard deviation of members", "standard error within a run", "chi2/dof"]
+    return rows, ["point", *heads] if study.axes else heads
 
 
 def write_page(found: Sweep) -> Path:
     """Write ``sweep.html`` and the figures."""
-    title = f"Study: {found.study.case.name}"
-    return write_text(found.folder / "sweep.html", render(title, sections(found)))
+    case = found.study.case
+    name = ": ".join(filter(None, (case.name, case.fields.description)))
+    page = render(verdict_of(found), sections(found), tab=f"{case.name}: study", name=name)
+    return write_text(found.folder / "sweep.html", page)

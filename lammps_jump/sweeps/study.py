@@ -16,6 +16,7 @@ import yaml
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
 from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.report.page import heading
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.case import load_case as read_case
 from lammps_jump.case.explain import explain
@@ -143,9 +144,10 @@ class Collected(NamedTuple):
 
     @property
     def heading(self) -> str:
-        """Path and unit, as shown."""
+        """What it is, in words, and its unit; of a force also the structure."""
         unit = f"k{self.unit}" if self.unit.startswith("N") else self.unit
-        return f"{self.path} [{unit}]" if unit else self.path
+        name = self.path.split(".")[1] if self.path.startswith("force.") else ""
+        return heading(f"{self.meaning}, {name}" if name else self.meaning, unit)
 
 
 @dataclass(frozen=True)

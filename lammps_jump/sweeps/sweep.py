@@ -11,11 +11,14 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
+from math import nan
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import lammps_jump.sweeps as sweeps
+from lammps_jump.analysis.report.rows import Row, rows_of
+from lammps_jump.analysis.statistics import Mean
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.exports import csv_text, write_netcdf
 from lammps_jump.engines.choice import usable_cores
@@ -179,6 +182,21 @@ class Sweep:
     def table(self) -> xr.Dataset:
         """Statistics over members (`table.STATISTICS`), with the axes as dimensions."""
         return sweeps.table.table_of(self.study, self.values)
+
+    @cached_property
+    def summaries(self) -> list[Mapping[str, Any]]:
+        """Summaries of the runs that are done."""
+        return [run.summary for run in self.runs]
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """The numbers that readers look for first: means over all runs, with the interval over starts."""
+        return rows_of(self.summaries, self.mean)
+
+    def mean(self, values: Sequence[float]) -> Mean:
+        """Mean of numbers and half its interval."""
+        found = sweeps.table.statistics(values, [nan] * len(values), self.study.fields.confidence)
+        return Mean(found["mean"], found["high"] - found["mean"])
 
     def needed(self) -> list[int]:
         """Members that each point would need for the intervals that ``until`` asks for; 0 where that cannot be told."""

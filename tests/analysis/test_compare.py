@@ -34,8 +34,8 @@ def test_numbers_stand_beside_each_other_with_their_difference(page):
     rows = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", page, re.S)]
     found = {row[0]: row[1:] for row in rows if row}
     (depth,) = (cells for label, cells in found.items() if label.startswith("Sequent depth, by mass"))
-    assert depth == ["3.000 ± 0.03", "3.500 ± 0.04", "0.500 ± 0.05"]
-    assert found["sill: Peak force [N/m]"] == ["1000 ± 30", "1000 ± 30", "0 ± 42"]
+    assert depth == ["3.000", "3.500", "0.500"]
+    assert found["sill: Peak force [N/m]"] == ["1000", "1000", "0"]
     assert not any("elocity of the front" in label for label in found)  # neither has it
 
 

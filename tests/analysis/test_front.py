@@ -23,7 +23,7 @@ from lammps_jump.analysis.front import (
 )
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.report.headline import headline, verdict
-from lammps_jump.analysis.report.key_numbers import key_numbers
+from lammps_jump.analysis.report.rows import rows_of, tiles
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import measured as reference_data
 from lammps_jump.physics import waves
@@ -241,7 +241,7 @@ def test_water_is_compared_with_where_that_is_asked_for_alone(water):
     assert found["front"]["ritter"]["front_speed"] == pytest.approx(2 * sqrt(8 * G))
     assert verdict(found).startswith("A column collapses: its front runs at 10 m/s")
     drawn = figures(front, Gathered(flow, None, None, {}, {}))
-    boxes, _ = key_numbers(found)
+    boxes = tiles(rows_of([found]))
     shown = [verdict(found), headline(found), *(f"{box.label} {box.value} {box.against}" for box in boxes)]
     shown += [str(label) for label, _ in section(found["front"]).blocks[0].rows]
     shown += [line.label for line in drawn["front"].panels[0].lines]

@@ -72,6 +72,7 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
     assert curves["jump_track"]["x"] == curves["front"]["x"] == "Step" and not curves["front"]["time"]
 
 
+@pytest.mark.long
 def test_a_given_time_step_is_as_good_as_times(tmp_path):
     for name in ("with", "without"):
         (tmp_path / name).mkdir()

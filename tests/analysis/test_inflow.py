@@ -87,8 +87,9 @@ def test_a_flow_without_rows_has_no_inflow():
 def test_the_section_says_what_came_of_the_discharge():
     found, _ = delivered()
     blocks = section(numbers(found)).blocks
-    assert blocks[0].text == f"{found.delivered:.4g} of 6 m²/s delivered; 0 of {found.turns} discs refused."
-    assert len(blocks[-1].rows) == 6
+    assert blocks[0].rows[0] == ("Discharge [m²/s]", 6.0, found.delivered)
+    assert blocks[0].rows[-1][-1] == f"0 of {found.turns}"
+    assert len(blocks[1].rows) == 6
 
 
 @pytest.mark.parametrize("changes", [(), ("discs.sizes=null",), ("discs.sizes=null", "inflow.schedule=thesis")])

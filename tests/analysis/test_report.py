@@ -8,6 +8,7 @@ import html
 import json
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +19,11 @@ from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.definitions import DEFINITIONS
 from lammps_jump.analysis.report.headline import verdict
-from lammps_jump.analysis.report.key_numbers import key_numbers
 from lammps_jump.analysis.report.page import SCRIPTS, Curve, Player, Section, Table, Text, render, text
+from lammps_jump.analysis.report.rows import ONE_DUMP, ONE_RUN, rows_of, sure, table, tiles, together
 from lammps_jump.analysis.report.run import LARGEST, write_report
+from lammps_jump.analysis.statistics import Mean
+from lammps_jump.cli.progress import ending
 from lammps_jump.errors import DumpError
 
 VOID = {"meta", "link", "img", "br", "!doctype"}
@@ -49,7 +52,7 @@ def page(path):
     parser = Balance()
     parser.feed(content)
     assert (parser.open, parser.wrong) == ([], [])
-    assert all(source.startswith("data:") for source in parser.sources)
+    assert all(source.startswith(("data:", "#part")) for source in parser.sources)
     assert "http://" not in content
     assert "https://" not in content
     return content
@@ -87,12 +90,12 @@ def test_everything_inside_one_file(tmp_path):
     }
     content = page(write_report(tmp_path, summary, "name: quick_jump\n"))
     for expected in ("near its limit", "2.56&thinsp;×&thinsp;10<sup>7</sup>", "friction: ks = 0", "video/mp4",
-                     "no frame holds a disc", "0.0200 %", "case.yaml", "1\u202f234"):  # fmt: skip
+                     "no frame holds a disc", "0.0200 %", "case.yaml", "1234 inserted"):  # fmt: skip
         assert expected in content, expected
     assert content.count("data:image/png") == 2
 
 
-def tiles(content):
+def tiles_of(content):
     """Label, value, and all behind it, of each number at the top."""
     found = re.findall(r"<div><dt>(.*?)</dt><dd><b>(.*?)</b>(.*?)</div>", content)
     return {label: (value, re.sub("<[^>]*>", "|", rest)) for label, value, rest in found}
@@ -110,20 +113,22 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
     force = {"sill": {"peak": 4200.0, "peak_error": 300.0, "hydrostatic": 2100.0, "mean_fx": 1.0}}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump, "force": force}))
     title = "A hydraulic jump. Its tail water is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
-    assert content.index(title) < content.index("Compare this − with that.") < content.index('class="numbers"')
-    assert tiles(content) == {
-        "Sequent depth, by mass": ("5.000", " ± 0.04† m||Bélanger 5.2 m|"),
-        "Velocity of the front": ("−1", " m/s|"),
-        "Length of the jump": ("7", " m|"),
-        "Peak force on the sill": ("4.20", " ± 0.3 kN/m||hydrostatic on its wetted face 2.1 kN/m|"),
+    assert content.index(title) < content.index('class="numbers"') < content.index(ONE_RUN)
+    assert "Compare this" not in content.partition("<pre>")[0]
+    assert tiles_of(content) == {
+        "Sequent depth": ("5.00", " m||Bélanger 5.20 m, −3.8 %|"),
+        "Front velocity": ("−1.00", " m/s|"),
+        "Jump length": ("7.00", " m|"),
+        "Peak force, sill": ("4.20", " kN/m||hydrostatic 2.10 kN/m, +100 %|"),
     }
-    sure = "± is one standard error within this run. † At least: one run cannot tell. Without ±: no error from one run;"
-    assert sure in content
+    errors = content.partition(">Errors within this run</h2>")[2].partition("<h2")[0]
+    assert "Sequent depth, by mass [m]" in errors and "at least 0.040" in errors and "sill: Peak force [N/m]" in errors
+    assert "±" not in content.partition("summary.json</summary>")[0]
     assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
     jump |= {"verdict": "no jump found"}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump}))
     assert "<h1>No hydraulic jump.</h1>" in content
-    assert tiles(content).keys() == {"Velocity of the front"}
+    assert tiles_of(content).keys() == {"Front velocity"}
 
 
 def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
@@ -137,7 +142,7 @@ def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(section, {})  # the sections want the whole of it
         content = page(write_report(tmp_path, summary))
-    assert list(tiles(content))[-1] == "Mean force on the sill" and len(tiles(content)) == 5
+    assert list(tiles_of(content))[-1] == "Mean force, sill" and len(tiles_of(content)) == 5
     assert "Its tail water is 20 % above Bélanger’s and its front stands." in content
 
 
@@ -253,32 +258,68 @@ def test_page_without_anything_to_draw_has_no_script():
     assert "<script" not in render("plain", [Section("", [Text("words")])])
 
 
-def test_a_number_without_an_error_is_said_to_have_none():
-    """Fronts, forces and energies of one run; the jump and the inflow have tests of their own."""
-    moyce = dict.fromkeys(("aspect", "slope", "slope_of_table"), 3.0) | {"comparable": False}
-    front = dict.fromkeys(("column_base", "column_depth", "position", "position_99", "column_height"), 4.0)
-    front |= {"speed": 9.9, "arrival_time": None, "martin_moyce": moyce}
-    force = {"structure": {"peak": 3e5, "peak_time": 4.4, "impulse": 2e5}}
-    energy = dict.fromkeys(("initial", "final", "kinetic", "potential", "elastic"), 1.0)
-    for key, found, said in (
-        ("front", front, "One run has no errors for these numbers"),
-        ("force", force, "one run has no error for a number without"),
-        ("energy", energy, "exact for this run"),
-    ):
-        texts = [block.text for block in QUANTITIES[key].section(found).blocks if isinstance(block, Text)]
-        assert said in " ".join(texts), key
+JUMP = {key: None for key in numbers(Jump("", ""))} | {"verdict": "jump", "length": 4.0, "length_error": 0.1}
+JUMP |= {"y2": 3.5, "y2_error": 0.02, "belanger_y2": 3.6, "belanger_deviation": -0.028, "speed": -0.634}
+JUMP |= {"at": "tail water", "length_theory": 20.0, "length_usbr": 19.0, "head_lost": 2.8, "head_lost_theory": 2.6}
+JUMP |= {"mass": {"speed_from_mass": -0.63}}
 
 
-def test_boxes_have_the_errors_of_both_numbers_and_say_what_one_run_cannot_tell():
-    jump = {key: None for key in numbers(Jump("", ""))} | {"verdict": "jump", "length": 4.0, "length_error": 0.1}
-    jump |= {"y2": 3.5, "y2_error": 0.02, "belanger_y2": 3.6, "belanger_y2_error": 0.03, "lower_bounds": ["y2"]}
-    jump |= {"length_theory": 20.0, "length_theory_error": 0.1}
-    summary = {"jump": jump}
-    boxes, sure = key_numbers(summary)
-    tail, length = boxes
-    assert "† At least" in sure
-    assert (tail.value, tail.error, tail.unit) == ("3.500", "0.02†", "m") and "3.600 ± 0.03 m" in tail.against
-    assert length.unit == "m" and length.against == "thesis (4.27) 20.00 ± 0.1 m"
-    assert "Without ±" not in sure
-    assert "Without ±" in key_numbers({"jump": jump | {"length_error": None, "length_theory_error": None}})[1]
-    assert key_numbers(summary | {"jump": jump | {"verdict": "locked heap"}})[0] == []
+def test_one_run_has_no_error_bars_and_starts_have_one_interval():
+    """Mean and half interval as the caller takes them: here of two values, half their distance."""
+    one = rows_of([{"jump": JUMP}])
+    assert [row.numbers() for row in one] == [
+        ("3.50 m", "Bélanger 3.60 m", "−2.8 %"),
+        ("−0.634 m/s", "from mass −0.630 m/s", "−0.004 m/s"),
+        ("4.00 m", "thesis (4.27) 20.0 m", "−80 %"),
+        ("4.00 m", "USBR 19.0 m", "−79 %"),
+        ("2.80 m", "Bélanger 2.60 m", "+7.7 %"),
+    ]
+    assert sure({}) == ONE_RUN and sure({"given": {}}) == ONE_DUMP
+    starts = [{"jump": JUMP | {"y2": 3.45}}, {"jump": JUMP | {"y2": 3.55}}]
+    mean = lambda values: Mean(sum(values) / 2, abs(values[1] - values[0]) / 2 if len(values) > 1 else float("nan"))  # noqa: E731
+    several = rows_of(starts, mean)
+    assert several[0].numbers() == ("3.500 ± 0.050 m", "Bélanger 3.60 m", "−2.8 ± 1.4 %")
+    box = tiles(several)[0]
+    assert (box.value, box.error, box.unit) == ("3.500", "0.050", "m")
+    found = together([*starts, {"jump": JUMP | {"verdict": "locked heap"}}], mean)
+    assert found["starts"] == (2, 3) and found["jump"]["y2_error"] == pytest.approx(0.05)
+    assert verdict(found).startswith("A hydraulic jump in 2 of 3 starts. Its tail water")
+    assert [row.measured.value for row in rows_of([{"jump": JUMP | {"verdict": "locked heap"}}])] == [-0.634]
+
+
+@pytest.mark.parametrize("width", [100, 80])
+def test_the_end_of_a_run_is_twelve_lines(width):
+    rows = rows_of([{"jump": JUMP, "force": {"a_wall_with_a_rather_long_name": {"peak": 1e5, "hydrostatic": 2e4}}}])
+    said = "A hydraulic jump that still fills the channel. Its depth is 18 % below Bélanger’s. Its front moves up."
+    about, notes = [ONE_RUN, "time: 12.9 s run"], ["word " * 60, "another"]
+    lines = ending(said, rows, about, Path("runs/x y"), notes, width)
+    assert len(lines) <= 12 and max(map(len, lines)) <= width
+    assert lines[-2:] == ["2 notes on the page", "page: lammps-jump show 'runs/x y'"]
+    assert ending("", rows, about, None, ["short"], width)[-1] == "note: short"
+    assert len(table(rows, width)) == 6 and table(rows, width)[0].split() == ["measured", "theory", "difference"]
+
+
+def test_flows_without_a_jump_have_rows_of_their_own():
+    front = {"position": 32.8, "time": 5.0, "speed": 10.2, "arrival_time": 2.4, "martin_moyce": {"aspect": 3.0}}
+    front["ritter"] = {"front_speed": 21.7}
+    force = {"back": {"peak": -4.5e5, "hydrostatic": 7.0e5}}
+    rows = rows_of([{"front": front, "force": force}])
+    assert [row.label for row in rows] == [
+        "front after 5 s", "mean speed of the front", "peak force, back", "arrival at the first obstacle",
+    ]  # fmt: skip
+    assert [row.off() for row in rows] == ["", "−53 %", "−36 %", ""]
+    energy = {"conservative": True, "max_deviation": 0.012, "drift": -0.003, "initial": 5760.0, "final": 5705.0}
+    energy |= {"kinetic": 5705.0, "potential": 0.0}
+    box = rows_of([{"energy": energy}])
+    assert len(box) == 5 and box[0].numbers() == ("1.20 %", "exact: 0", "") and box[2].off() == "−1.0 %"
+    assert rows_of([{"energy": energy | {"conservative": False}}]) == []
+
+
+def test_evidence_has_contents_and_tables_before_prose(tmp_path):
+    front = dict.fromkeys(("column_base", "column_depth", "position", "speed"), 4.0) | {"position_99": 5.0}
+    front |= dict.fromkeys(("column_height", "arrival_time"))
+    content = page(write_report(tmp_path, {"name": "x", "front": front, "coefficients": {"mass": 4.0}}, "name: x\n"))
+    listed = re.findall(r'<a href="#(part\d)">(.*?)</a>', content)
+    assert listed == re.findall(r'<h2 id="(part\d)">(.*?)</h2>', content) and len(listed) == 3
+    for section in content.split("<h2")[1:]:
+        assert "<table" not in section.partition("<p>")[2]

@@ -57,6 +57,7 @@ def test_two_runs_share_a_page(folders, opened, tmp_path, monkeypatch, capsys):
     assert call(monkeypatch, capsys, "compare", *folders, "--out", "other.html")[1] == "other.html\n"
 
 
+@pytest.mark.long
 def test_every_figure_is_drawn_when_asked(folders, opened, monkeypatch, capsys):
     assert {path.name for path in (folders[1] / "figures").iterdir()} == {"depth_profile.png", "snapshots.png"}
     status, out, _ = call(monkeypatch, capsys, "figures", folders[1])

@@ -43,7 +43,9 @@ def on_a_terminal(tmp_path, monkeypatch):
     ):  # fmt: skip
         monkeypatch.setattr(place, name, lambda *_, **__: TABLE)
     monkeypatch.setattr(sweeps.page, "doubts", lambda _: [])
-    unrun = SimpleNamespace(failed=(), folder=tmp_path, status=lambda: "nothing was run")
+    unrun = SimpleNamespace(
+        failed=(), runs=[], study=SimpleNamespace(axes=[]), folder=tmp_path, status=lambda: "nothing was run"
+    )
     monkeypatch.setattr(lj, "sweep", lambda *_, **__: unrun)
 
     def written(*arguments: str) -> str:

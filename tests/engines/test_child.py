@@ -136,7 +136,7 @@ def test_the_process_serves_one_run_after_another(scene, tmp_path, engine):
     assert (tmp_path / "a/dump.lammpstrj").read_bytes() == (tmp_path / "b/dump.lammpstrj").read_bytes()
 
 
-@pytest.mark.parametrize("engine", SETTINGS)
+@pytest.mark.parametrize("engine", ["lammps", pytest.param("native", marks=pytest.mark.long)])
 def test_a_killed_process_is_a_failed_run(endless, tmp_path, engine):
     prepare_worker(engine)
     [child] = children._idle[engine]

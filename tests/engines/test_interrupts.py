@@ -68,10 +68,10 @@ LONG = pytest.mark.long
 @pytest.mark.parametrize(
     ("number", "told", "engine"),
     [
-        (signal.SIGXCPU, "engine", "native"),
+        pytest.param(signal.SIGXCPU, "engine", "native", marks=LONG),
         pytest.param(signal.SIGXCPU, "engine", "stock", marks=LONG),
         pytest.param(signal.SIGXCPU, "engine", "ranks", marks=LONG),
-        pytest.param(signal.SIGUSR1, "all", "native", marks=LONG),
+        (signal.SIGUSR1, "all", "native"),
         pytest.param(signal.SIGUSR1, "all", "stock", marks=LONG),
         pytest.param(signal.SIGUSR1, "all", "ranks", marks=LONG),
     ],

@@ -165,6 +165,7 @@ def test_mutants_are_analysed_or_refused(whole, tmp_path, tried):
     tried(MUTANTS)
 
 
+@pytest.mark.long
 def test_a_bare_dump_of_a_young_jump(tmp_path):
     """Few discs stand in front of it: none need be connected to the bed that is guessed."""
     changes = ["initial=[]", "run.duration=3", "discs.sizes=null", "analysis.jump=false"]

@@ -40,6 +40,38 @@ PIXEL = """((x, y) => {
   return String(p.context.getImageData(...at, 1, 1).data.slice(0, 3));
 })"""
 
+OVERLAPS = """(() => {
+  const drawn = [], write = CanvasRenderingContext2D.prototype.fillText, found = [];
+  for (const p of players) {
+    const boxes = [];
+    CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+      const wide = this.measureText(text).width, left = x - { left: 0, center: wide / 2, right: wide }[this.textAlign];
+      boxes.push({ text, left, right: left + wide, top: y - 5, bottom: y + 5, end: p.sized.width });
+    };
+    draw(p);
+    drawn.push(boxes);
+  }
+  CanvasRenderingContext2D.prototype.fillText = write;
+  for (const svg of document.querySelectorAll("figure.curve svg")) {
+    const end = svg.getBoundingClientRect().right;
+    drawn.push([...svg.querySelectorAll("text")].map((one) => {
+      const { left, right, top, bottom } = one.getBoundingClientRect();
+      return { text: one.textContent, left, right, top: top + 2, bottom: bottom - 2, end };
+    }));
+  }
+  for (const boxes of drawn) {
+    boxes.forEach((a, k) => {
+      if (a.left < -1 || a.right > a.end + 1) found.push(`${a.text} is cut`);
+      for (const b of boxes.slice(k + 1)) {
+        const apart = a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom;
+        if (!apart) found.push(`${a.text} on ${b.text}`);
+      }
+    });
+  }
+  return found;
+})()"""
+"""Texts of curves and players that lie on each other or leave their picture."""
+
 LARGEST = {"quick_jump": 700_000, "stable_jump": 3_000_000, "hydraulic_jump_graded": 3_000_000}
 """Bytes of the page of a scene."""
 
@@ -185,9 +217,9 @@ def test_zoom_pan_and_the_values_of_a_disc(made):
     x, y = place_of(made, "canvas")
     before = made.run(STATE)["x"]
     mouse(made, "mousePressed", x, y - 80, button="left", clickCount=1)
-    mouse(made, "mouseMoved", x - 60, y - 80, button="left", buttons=1)
-    mouse(made, "mouseReleased", x - 60, y - 80, button="left", clickCount=1)
-    assert made.run(STATE)["x"] == pytest.approx(before + 60 / (1.5 * home))
+    mouse(made, "mouseMoved", x + 60, y - 80, button="left", buttons=1)
+    mouse(made, "mouseReleased", x + 60, y - 80, button="left", clickCount=1)
+    assert made.run(STATE)["x"] == pytest.approx(before - 60 / (1.5 * home))
     key(made, "0")
     assert made.run(STATE)["scale"] == pytest.approx(home)
     left, top, wide = made.run(
@@ -370,8 +402,9 @@ def test_many_discs_are_shown_as_packing(browser, tmp_path, monkeypatch):
 def test_phone(browser, tmp_path):
     page = Page(browser, made_report(tmp_path), width=390, height=800, scale=2, phone=True)
     assert page.run("document.documentElement.scrollWidth") == 390
+    assert page.run("document.querySelector('canvas').getBoundingClientRect().bottom") < 800  # on the first screen
     state = page.run(STATE)
-    assert state["scale"] == pytest.approx(2 * page.run("players[0].whole"))
+    assert state["scale"] >= 2 * page.run("players[0].whole")
     key(page, "0")
     assert page.run(STATE)["scale"] == pytest.approx(page.run("players[0].whole"))
     page.run("layOut(players[0])")  # as for another size
@@ -429,6 +462,33 @@ def flat(found):
     return [found] if values is None else [one for value in values for one in flat(value)]
 
 
+def test_the_front_is_in_view_and_zoomed_on(browser, tmp_path):
+    page = Page(browser, made_report(tmp_path), width=390, height=800, phone=True)
+    within = "Math.abs(frontPlace(players[0])[0] - players[0].view.x) <= players[0].wide / players[0].view.scale / 2"
+    for time in (0, 1, 2):
+        assert page.run(f"tell('seek', {time}); {within}")
+    page.run("tell('seek', 1)")
+    key(page, "+")
+    key(page, "+")
+    assert page.run("players[0].view.x") == pytest.approx(page.run("frontPlace(players[0])[0]"))
+    page.run("moveView(players[0], 30, 0)")
+    at = page.run("players[0].view.x")
+    key(page, "+")
+    assert page.run("players[0].view.x") == pytest.approx(at)  # moved by hand: it stays there
+    page.close()
+
+
+def overlaps(browser, path):
+    """Texts that lie on each other or are cut, at the begin, middle and end, on a desktop and on a phone."""
+    found = []
+    for width in (1280, 390):
+        page = Page(browser, path, width=width, height=900, phone=width == 390)
+        for share in (0, 0.5, 1):
+            found += page.run(f"tell('seek', {share} * players[0].end); {OVERLAPS}")
+        page.close()
+    return sorted(set(found))
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("scene", sorted(path.stem for path in INPUTS.glob("*.yaml")))
 def test_report_of_a_scene(browser, tmp_path, scene):
@@ -453,4 +513,9 @@ def test_report_of_a_scene(browser, tmp_path, scene):
     assert size - len(text) <= 400_000 and size <= LARGEST.get(scene, size)
     curves_agree(page, folder)
     assert page.troubles() == []
+    assert overlaps(browser, folder / "report.html") == []
+    words = page.run(
+        "[...document.querySelectorAll('p, .verdict, .warn li')].map((p) => p.innerText.split(' ').length)"
+    )
+    assert max(words) <= 60
     page.close()

@@ -43,6 +43,9 @@ CONTRACT_KEYS = {
 }
 
 
+FORMATS = [("gz", "dump.lammpstrj.gz"), pytest.param("binary", "dump.lammpsbin", marks=pytest.mark.long)]
+
+
 def job(name: str, folder: Path, *assignments: str, kernel: str = "stock", **options):
     return run_case(INPUTS / f"{name}.yaml", folder, [f"engine.kernel={kernel}", *assignments], **options)
 
@@ -265,7 +268,7 @@ def test_two_ranks_balance_and_agree_with_one(tmp_path):
     assert np.abs(results[1].y - results[2].y).max() < 1e-9 * 0.2
 
 
-@pytest.mark.parametrize("dump_format, name", [("gz", "dump.lammpstrj.gz"), ("binary", "dump.lammpsbin")])
+@pytest.mark.parametrize("dump_format, name", FORMATS)
 def test_other_dump_formats_hold_the_same_frames(tmp_path, dump_format, name):
     frames = {}
     for kind, file in (("text", "dump.lammpstrj"), (dump_format, name)):

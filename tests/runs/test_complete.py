@@ -267,7 +267,8 @@ start.reanalyse(Path(folder), ["analysis.bin_width=2"])
 """
 
 
-@pytest.mark.parametrize("place", [pytest.param("report", marks=pytest.mark.long), "publish"])
+@pytest.mark.long
+@pytest.mark.parametrize("place", ["report", "publish"])
 @pytest.mark.fault("killed")
 def test_a_killed_analysis_is_made_again(folder, place):
     before = files(folder)

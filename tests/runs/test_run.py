@@ -63,7 +63,7 @@ def test_public_names():
     )
 
 
-@pytest.mark.parametrize("eager", ["", "1"])
+@pytest.mark.parametrize("eager", ["", pytest.param("1", marks=pytest.mark.long)])
 def test_importing_costs_nothing_and_every_lazy_name_is_there(eager):
     code = "import sys, lammps_jump; print(len({'numpy', 'yaml', 'pydantic', 'matplotlib'} & set(sys.modules)))"
     environment = {**os.environ, "EAGER_IMPORT": eager}
@@ -110,6 +110,7 @@ def test_check_tells_coefficients_theory_and_skips(case):
     assert json.loads(json.dumps(found.as_data()))["name"] == "quick_jump" and "time step" in str(found)
 
 
+@pytest.mark.long
 def test_lines_of_the_design(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     shutil.copytree(INPUTS, "inputs")
@@ -226,14 +227,18 @@ def test_export_writes_what_other_programs_read(finished, tmp_path, capsys):
         export(folder)
 
 
+@pytest.mark.long
 def test_notebook_runs(tmp_path, monkeypatch, capsys):
     """Its five cells one after the other, as a person runs them, in a folder of their own."""
     cells = [cell for cell in json.loads(NOTEBOOK.read_text())["cells"] if cell["cell_type"] == "code"]
-    assert len(cells) == 5
+    assert len(cells) == 6
     monkeypatch.chdir(tmp_path)
     shutil.copytree(INPUTS, "inputs")
     namespace: dict = {}
-    for cell in cells:
+    for cell in cells[:-1]:
         exec("".join(cell["source"]), namespace)
+    monkeypatch.setattr(lj, "sweep", lambda case, folder, members: (case.name, folder, members))  # seconds
+    exec("".join(cells[-1]["source"]), namespace)
+    assert namespace["starts"] == ("quick_jump", "runs/notebook_starts", 3)
     plt.close("all")
     assert "y2" in capsys.readouterr().out

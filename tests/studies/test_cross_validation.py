@@ -247,6 +247,7 @@ class TestEnsembles:
         one, two = (start.scene() for start in starts)
         assert one.inlets == two.inlets and one.sizes == two.sizes
 
+    @pytest.mark.long
     def test_members_are_kept_and_found_again_until_something_changes(self, tmp_path):
         said = []
         with Pool(1) as pool:
@@ -264,6 +265,7 @@ class TestEnsembles:
         assert first.run["present"] == 9 and first.found["impulse on floor, y"].values[0] < 0
         assert len(list((tmp_path / "runs").iterdir())) == 2
 
+    @pytest.mark.long
     def test_energy_of_a_member_is_conserved_but_for_the_dashpots(self, tmp_path):
         with Pool(1) as pool:
             study = _study(tmp_path, [], pool, "contact.restitution=1", "run.time_step_fraction=0.02")

@@ -143,8 +143,12 @@ def made_up_study(tmp_path, values):
 def test_axes_have_words_and_units_and_forces_are_in_kilonewtons(tmp_path):
     found = made_up_study(tmp_path, [1.0, 1.1, 2.0, 2.1, 3.0, 3.1])
     frame = page.summary_frame(found)
-    assert list(frame.columns)[:3] == ["height of the sill [m]", "jump.speed [m/s]", "force.sill.peak [kN/m]"]
-    assert frame["force.sill.peak [kN/m]"][0].startswith("90.0")
+    assert list(frame.columns)[:3] == [
+        "height of the sill [m]",
+        "Velocity of the front [m/s]",
+        "Peak force, sill [kN/m]",
+    ]
+    assert frame["Peak force, sill [kN/m]"][0].startswith("90.0")
     assert page.point_name(found.study, 1) == "height of the sill = 0.8 m"
     with drawing() as (_, axes):
         page.name_axis(axes, "walls.sill.y.1")

@@ -39,7 +39,7 @@ def test_points_are_the_product_of_the_axes(study):
         "contact.friction": 0, "discs.diameter": 0.1, "run.output_interval": 0.2, "analysis.bin_width": 0.5,
     }  # fmt: skip
     assert found.case.fields.run.duration == 6
-    headings = ["jump.y2 [m]", "force.sill.impulse [kN s/m]", "jump.speed [m/s]"]
+    headings = ["Sequent depth, by mass [m]", "Impulse, sill [kN s/m]", "Velocity of the front [m/s]"]
     assert [item.heading for item in found.collect] == headings
 
 

@@ -53,7 +53,7 @@ def test_the_table_holds_what_the_runs_say(done):
     assert len(found) == 2 and found[0] != found[1]  # another start is another sample
     assert float(cell.sel(statistic="mean")) == pytest.approx(np.mean(found), rel=1e-14)
     assert float(cell.sel(statistic="se")) == pytest.approx(np.std(found, ddof=1) / np.sqrt(2), rel=1e-12)
-    assert "8 done" in done.status() and not done.failed and "max_deviation" in done._repr_html_()
+    assert "8 done" in done.status() and not done.failed and "Largest |E" in done._repr_html_()
 
 
 def test_the_folder_is_the_store(done):
