@@ -97,7 +97,7 @@ def test_a_caller_that_wants_an_end_is_asked_until_it_says_so(scene, monkeypatch
 
 def test_the_first_signal_asks_and_a_later_one_kills(scene, monkeypatch):
     child, ended = fake_child(monkeypatch), []
-    monkeypatch.setattr(children, "end", lambda: ended.append(True))
+    monkeypatch.setattr(child, "end", lambda: ended.append(True))
     monkeypatch.setattr(children, "ONE_SIGNAL", float("inf"))
     child.run(job(scene), lambda report: child.signalled(15, None), None)  # nine at once, as from `timeout`
     assert child.process.told() == ["stop 1"] and not ended

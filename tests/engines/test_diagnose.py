@@ -27,8 +27,9 @@ def said(tmp_path, step, places):
         ([(1.0, 1.0), (1.19, 1.0), (1.0, 0.04)], "disc 3 and wall 'box' near (1, 0.04) by 0.06 m"),
         ([(1.0, 1.0), (1.19, 1.0), (0.4, 0.35)], "disc 3 and wall 'step' near (0.4, 0.35) by 0.05 m"),
         ([(1.0, 1.0), (1.12, 1.0), (1.0, 0.04)], "discs 1 and 2 near (1, 1) by 0.08 m"),
-        # a centre inside a block feels no force
-        ([(1.0, 1.0), (1.19, 1.0), (0.2, 0.2)], "discs 1 and 2 near (1, 1) by 0.01 m"),
+        # a centre inside a block is pushed out, from one radius deep at most
+        ([(1.0, 1.0), (1.19, 1.0), (0.2, 0.25)], "disc 3 and wall 'step' near (0.2, 0.25) by 0.15 m"),
+        ([(1.0, 1.0), (1.19, 1.0), (0.2, 0.15)], "discs 1 and 2 near (1, 1) by 0.01 m"),
     ],
 )
 def test_the_deepest_overlap_is_named(tmp_path, places, culprit):

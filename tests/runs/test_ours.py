@@ -20,7 +20,7 @@ from lammps_jump.files import text_of
 from lammps_jump.folders import MARKER_FILE, Marker, clear, read_marker, write_marker
 from lammps_jump.runs import start
 from lammps_jump.runs.folder import default_folder
-from lammps_jump.runs.results import packed
+from lammps_jump.runs.results import flow_of, packed
 from lammps_jump.runs.state import is_analysed
 
 SHORT = {"run.duration": 0.1, "run.output_interval": 0.02, "engine.name": "native", "analysis.jump": False}
@@ -152,7 +152,7 @@ def test_pipes_in_a_folder_are_not_waited_for(folder, name):
 def track(path: Path) -> None:
     """The table of the jump is left out of a page where it cannot be read."""
     run = lj.open_run(path.parent)
-    player = make_player(packed(run.case, path.parent), path.parent)
+    player = make_player(packed(flow_of(run.case), path.parent), path.parent)
     assert player is not None and set(player.header["sequent"]) == {None}
     text_of(path)
 
