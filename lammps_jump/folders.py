@@ -72,7 +72,7 @@ def read_marker(folder: Path) -> Marker | None:
 
 
 def require_ours(folder: Path, wanted: Marker) -> None:
-    """SetupError where a folder is not ours and holds files of our names, or is ours and holds something else."""
+    """Raise SetupError if unmarked files carry the names of a run, or if a marked folder holds something else."""
     found = read_marker(folder)
     if found is not None:
         if found.kind != wanted.kind:

@@ -157,7 +157,7 @@ def _read(source: CaseSource, changes: Changes, default_name: str) -> ReadCase:
 
 
 def _json_text(value: object) -> str:
-    """A value as JSON, which is YAML too; CaseError where it is none of a case."""
+    """A value as JSON, which is YAML too; CaseError if a case cannot hold the value."""
     try:
         return json.dumps(plain(value))
     except (TypeError, ValueError):

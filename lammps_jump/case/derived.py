@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from itertools import combinations
 from math import inf
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene import Block, InletRow, Interval, Scene, Wall
-from lammps_jump.scene.chains import boxes
+from lammps_jump.scene.chains import boxes, flush
 from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow
@@ -249,7 +250,18 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
         )
     if isinstance(case.inflow, RowsInflow) and case.analysis.jump and case.gravity:
         found += _jump_doubts(case, case.inflow)
-    return found
+    return found + _flush(case.walls)
+
+
+def _flush(walls: tuple[Wall, ...]) -> list[str]:
+    """Sentences on two walls whose faces go on in one line."""
+    pairs = ((one, two, flush(one.faces, two.faces)) for one, two in combinations(walls, 2))
+    return [
+        f"walls '{one.name}' and '{two.name}' meet flush at ({at[0]:g}, {at[1]:g}) m: a disc there feels both, up to "
+        "twice the force; make them one wall"
+        for one, two, at in pairs
+        if at
+    ]
 
 
 def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:

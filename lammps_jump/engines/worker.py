@@ -137,7 +137,7 @@ def _watch_processor_time() -> None:
 
 
 def main() -> None:
-    """Run the worker; the parent hears signals, and asks. A limit of processor time is told to each process alone."""
+    """Run the worker. The parent receives signals and requests a stop; each process receives its own XCPU."""
     for number in SIGNALS:
         if number != signal.SIGXCPU:
             signal.signal(number, signal.SIG_IGN)

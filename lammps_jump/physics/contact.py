@@ -48,7 +48,7 @@ def angular_frequency(stiffness: float, effective_mass: float) -> float:
 
 
 def critical_time_step(stiffness: float, mass: float) -> float:
-    """Step that the undamped two-disc contact just bears, s: 2/omega with m_eff = m/2 (thesis 3.24)."""
+    """Largest stable step of an undamped contact of two discs, s: 2/omega with m_eff = m/2 (thesis 3.24)."""
     return 2.0 / angular_frequency(stiffness, mass / 2.0)
 
 

@@ -30,7 +30,7 @@ log = logging.getLogger(__name__)
 """Says what is done, and notes; the command line prints it."""
 StopCallback = Callable[[], bool]
 Watchers = tuple[ProgressCallback | None, StopCallback | None]
-"""What is told how far a run has come, and what is asked whether it is to end."""
+"""Progress and stop callbacks."""
 
 
 def start(

@@ -50,7 +50,7 @@ def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = 
     ResumeError
         The run that is to go on is of another case, or one that failed and would fail again.
     DumpError
-        Its summary is none.
+        ``summary.json`` is not the summary of a run.
     """
     require_ours(folder, marker_of(case, setting))
     marker = read_marker(folder)

@@ -348,3 +348,24 @@ def outline(chain: Chain) -> np.ndarray:
             angles = (begin + face.sweep * i / ARC_STEPS for i in range(1, ARC_STEPS))
             corners += [_on(face.centre, face.radius, angle) for angle in angles]
     return np.array(corners if chain.closed else [*corners, chain.points[-1], *corners[:0:-1]])
+
+
+FLUSH = 1e-6
+"""Distance of two ends over which they count as one, m; also a share of their coordinates."""
+
+
+def flush(one: Faces, two: Faces) -> Point | None:
+    """Place where a face of one wall goes on in the line of a face of another, m: discs there feel both.
+
+    Faces that look down are left out. None: there is no such place.
+    """
+    for before, after in ((one, two), (two, one)):
+        if ENDLESS in (before.codes[0, AT_START], after.codes[0, AT_START]):
+            continue
+        ends, starts = before.shape[:, None, [X1, Y1]], after.shape[None, :, [X0, Y0]]
+        near = np.abs(ends - starts).max(axis=2) <= FLUSH * np.maximum(1.0, np.abs(ends).max(axis=2))
+        along = (before.shape[:, None, [TX1, TY1]] * after.shape[None, :, [TX0, TY0]]).sum(axis=2) > cos(SMOOTH_TURN)
+        up = before.shape[:, None, TX1] > -0.5
+        for face in np.argwhere(near & along & up)[:1, 0]:
+            return float(before.shape[face, X1]), float(before.shape[face, Y1])
+    return None

@@ -12,7 +12,7 @@ from .scene import Scene, Stations
 from .walls import Interval
 
 TOLD = 1e-3
-"""Relative change of an asked time from which on it is told; the duration is not changed by more where that can be."""
+"""Relative change of a requested time above which a note is printed; the duration changes by less where it can."""
 WIDEST = 0.02
 """Largest relative change of the frame interval that is tried to keep the duration."""
 WINDOW_WEIGHT = 0.1

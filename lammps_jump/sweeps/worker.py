@@ -21,7 +21,7 @@ from multiprocessing.connection import Connection
 from lammps_jump.errors import JumpError
 
 _pipe: Connection | None = None
-"""To the parent, of a worker; a process that is none has no parent to talk to."""
+"""Connection of a worker to its parent; None in a process that is not a worker."""
 
 
 def tell(news: object) -> None:

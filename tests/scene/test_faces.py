@@ -6,9 +6,9 @@ from math import acos, asin, cos, hypot, pi, radians, sin, tan
 import numpy as np
 import pytest
 
-from lammps_jump.scene.chains import Chain, circle, lay
+from lammps_jump.scene.chains import Chain, circle, flush, lay
 from lammps_jump.scene.faces import MOST, grid_of, list_near, touching
-from lammps_jump.scene.walls import Block, Box
+from lammps_jump.scene.walls import Block, Box, Plane
 
 R = 0.1
 
@@ -142,3 +142,12 @@ def test_the_sides_of_a_sheet_push_away_from_it():
     assert at(sheet, -0.3 * R, 0.5).tolist() == [pytest.approx([0.3 * R, -1.0, 0.0])]
     ((gap, nx, ny),) = at(sheet, 0.3 * R, 1.0 + 0.4 * R)
     assert (gap, nx, ny) == pytest.approx((0.5 * R, 0.6, 0.8)) and acos(ny) > 0
+
+
+def test_two_walls_that_meet_flush_are_found():
+    """Each pushes on its own, so that a disc over the joint feels twice the force; not at a corner, nor a step."""
+    left, step = Block("left", (-1.0, 0.0), (-1.0, 0.0)), Block("step", (0.0, 1.0), (-1.0, 0.5))
+    assert flush(left.faces, Block("right", (0.0, 1.0), (-1.0, 0.0)).faces) == (0.0, 0.0)
+    assert flush(left.faces, step.faces) is None  # their undersides are no matter
+    assert flush(left.faces, Block("apart", (0.1, 1.0), (-1.0, 0.0)).faces) is None
+    assert flush(left.faces, Plane("ground", "y", 0.0, "above").faces) is None

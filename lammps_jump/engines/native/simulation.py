@@ -229,7 +229,7 @@ class NativeSimulation:
         return self._elastic_and_worst(known, begin)[0] if self._ledger_on else 0.0
 
     def _give_sizes(self) -> None:
-        """Discs that still have the largest diameter get their own; the books take the difference as brought in."""
+        """Give discs of the largest diameter their own; the energy balance counts the difference as inflow."""
         d, boundaries = self.discs, self.boundaries
         known = boundaries.sized
         own = 0.5 * self.scene.diameters(np.arange(known + 1, boundaries.inserted + 1))
