@@ -406,8 +406,10 @@ function sequentNow(p) {
 function drawSequent(p, [from, to, depth], height) {
   const x0 = MARGIN.left + column(p, from), x1 = MARGIN.left + column(p, to), y = height(depth);
   drawLine(p, [[x0, y], [x1, y]], p.ink.theory, 1.5, [5, 4]);
-  const right = Math.min(Math.max(x0, x1), MARGIN.left + p.wide);
-  write(p, `Bélanger ${depth.toFixed(2)} m`, right, y - 10, { align: "right", colour: p.ink.theory });
+  const left = Math.min(x0, x1), right = Math.min(Math.max(x0, x1), MARGIN.left + p.wide);
+  // before the front, where the stream is low; above the line where there is no room
+  const [x, up] = left - MARGIN.left > 110 ? [left - 8, 0] : [right, 10];
+  write(p, `Bélanger ${depth.toFixed(2)} m`, x, y - up, { align: "right", colour: p.ink.theory });
 }
 
 function drawDistances(p, bottom) {
