@@ -11,7 +11,9 @@ from __future__ import annotations
 
 from cmath import phase
 from dataclasses import dataclass
+from functools import cached_property
 from math import acos, asin, atan2, exp, log, nan, pi, sqrt
+from typing import NamedTuple
 
 from lammps_jump.units import number
 
@@ -211,6 +213,15 @@ def wall_stable_fraction(
     return limit(xi) / omega / critical_time_step(stiffness, mass)
 
 
+class WallLaw(NamedTuple):
+    """Contact of a nominal disc with a wall: stiffness (N/m), gamma_n and gamma_t (1/s), friction coefficient."""
+
+    stiffness: float
+    gamma_normal: float
+    gamma_tangential: float
+    friction: float
+
+
 @dataclass(frozen=True)
 class Coefficients:
     """Everything the engines need of a contact, in SI; made once by `derive`.
@@ -270,6 +281,11 @@ class Coefficients:
         """The same at walls."""
         return self.gamma_tangential_wall / self.gamma_normal_wall if self.gamma_normal_wall else nan
 
+    @cached_property
+    def wall_law(self) -> WallLaw:
+        """Contact with a wall that has no numbers of its own."""
+        return WallLaw(self.stiffness_wall, self.gamma_normal_wall, self.gamma_tangential_wall, self.friction)
+
     def restitution_of_pair(self, ratio: float, integrator: str) -> float:
         """Mean restitution, in steps, of two discs whose diameter is `ratio` times the nominal one (sharp touch).
 
@@ -293,6 +309,59 @@ SMOOTH_SHARE = 0.5
 
 The factor with the least largest error over impact speeds of 0.05 … 2 v0, widths of 1 … 4 steps, e = 0.1 … 0.6 and
 f = 0.05 … 0.2 takes 0.33 … 0.71 of it, most of them near a half (docs/kernels.md)."""
+
+
+class Scheme(NamedTuple):
+    """What turns restitution and friction into dashpots: of the step and the law, see `derive`."""
+
+    time_step: float
+    integrator: str
+    correct_restitution: bool
+    rotation: bool
+    tangential_damping: float | None = None
+    touch: str = "sharp"
+
+
+def _side(
+    stiffness: float, effective_mass: float, restitution: float, friction: float, scheme: Scheme
+) -> dict[str, float]:
+    """Coefficients of a pair or at a wall."""
+    frequency, factor = angular_frequency(stiffness, effective_mass), 1.0
+    dashpot = damping(restitution, stiffness, effective_mass)
+    if scheme.correct_restitution and scheme.integrator == "velocity_verlet":
+        share = SMOOTH_SHARE if scheme.touch == "smooth" else 1.0
+        factor -= share * (1.0 - lagged_correction(restitution, frequency * scheme.time_step))
+    gamma = scheme.tangential_damping
+    if gamma is None:
+        gamma = TANGENTIAL_RATE / (3.0 if scheme.rotation else 1.0) * frequency
+    return {
+        "stiffness": stiffness,
+        "damping": dashpot,
+        "correction": factor,
+        "gamma_normal": factor * dashpot / effective_mass,
+        "gamma_tangential": gamma if friction else 0.0,
+        "omega": frequency,
+    }
+
+
+def own_wall_law(
+    coefficients: Coefficients, own: tuple[float | None, float | None, float | None], scheme: Scheme
+) -> WallLaw:
+    """Contact with a wall that has numbers of its own.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Of the scene: what the wall takes where it has none of its own.
+    own : (float or None, float or None, float or None)
+        Stiffness (N/m), restitution and friction coefficient of the wall.
+    scheme : Scheme
+    """
+    c = coefficients
+    defaults = c.stiffness_wall, c.restitution, c.friction
+    stiffness, restitution, friction = (b if a is None else a for a, b in zip(own, defaults, strict=True))
+    found = _side(stiffness, c.mass, restitution, friction, scheme)
+    return WallLaw(stiffness, found["gamma_normal"], found["gamma_tangential"], friction)
 
 
 def derive(
@@ -342,25 +411,9 @@ def derive(
     least = disc_mass(density, smallest or diameter)
     critical = critical_time_step(stiffness, least)
     time_step = time_step_fraction * critical
-    rate = TANGENTIAL_RATE / (3.0 if rotation else 1.0)
-    share = SMOOTH_SHARE if touch == "smooth" else 1.0
-
-    def side(k: float, effective_mass: float) -> dict[str, float]:
-        """Coefficients of a pair or at a wall."""
-        frequency, factor, dashpot = angular_frequency(k, effective_mass), 1.0, damping(restitution, k, effective_mass)
-        if correct_restitution and integrator == "velocity_verlet":
-            factor -= share * (1.0 - lagged_correction(restitution, frequency * time_step))
-        gamma = rate * frequency if tangential_damping is None else tangential_damping
-        return {
-            "stiffness": k,
-            "damping": dashpot,
-            "correction": factor,
-            "gamma_normal": factor * dashpot / effective_mass,
-            "gamma_tangential": gamma if friction else 0.0,
-            "omega": frequency,
-        }
-
-    pair, wall = side(stiffness, mass / 2), side(stiffness_wall, mass)
+    scheme = Scheme(time_step, integrator, correct_restitution, rotation, tangential_damping, touch)
+    pair = _side(stiffness, mass / 2, restitution, friction, scheme)
+    wall = _side(stiffness_wall, mass, restitution, friction, scheme)
     xi, omega = damping_ratio(restitution), pair["omega"]
     load = peak_force(impact_speed, xi, omega, mass / 2)
     return Coefficients(

@@ -212,6 +212,20 @@ def _chain_rows(
     return rows, numbers, run + 1
 
 
+def moved(faces: Faces, pose: tuple[float, float, float], about: Point) -> Faces:
+    """Faces of a wall that is displaced by ``pose[:2]`` (m) and turned by ``pose[2]`` (rad) about a point (m)."""
+    shape = faces.shape.copy()
+    c, s = cos(pose[2]), sin(pose[2])
+    for x, y, ox, oy, px, py in (
+        *((column, column + 1, *about, pose[0], pose[1]) for column in (X0, X1, CX)),
+        *((column, column + 1, 0.0, 0.0, 0.0, 0.0) for column in (TX0, TX1)),
+    ):
+        dx, dy = faces.shape[:, x] - ox, faces.shape[:, y] - oy
+        shape[:, x], shape[:, y] = ox + px + c * dx - s * dy, oy + py + s * dx + c * dy
+    shape[:, PHI] += pose[2]
+    return faces._replace(shape=shape)
+
+
 def boxes(faces: Faces, *, deep: bool = True) -> np.ndarray:
     """Smallest box of each face, (xlo, xhi, ylo, yhi), m, shape (faces, 4).
 

@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a wall moves: its pose is a pure function of the step."""
+"""How a wall moves: its pose is a pure function of the step. A wall where it is at a step is a `Placed` one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from functools import cached_property
+from math import cos, inf, sin
 from typing import NamedTuple
 
-from .walls import Wall
+import numpy as np
+
+from .chains import Chain, Faces, moved
+from .tracks import COLUMNS, KINDS, Loaded, pose_py, track_of
+from .walls import Interval, Wall
 
 
 class Pose(NamedTuple):
@@ -18,21 +23,55 @@ class Pose(NamedTuple):
     angle: float = 0.0
 
 
+STILL = Pose()
+
+
 @dataclass(frozen=True)
 class Motion:
-    """A wall that stands, until it is taken away.
+    """Where a wall is at each step; without fields it stands.
 
     Attributes
     ----------
     gone : float
         First step whose forces no longer feel the wall; infinite: it stays.
+    kind : Translate, Rotate, Oscillate, Table or Loaded, optional
+        How it moves (`lammps_jump.scene.tracks`); None: it stands.
+    about : (float, float)
+        Point of the wall, where the case has it, m: it turns about it, and its moment is taken about it.
+    ease : float
+        Time that a change of velocity takes where `kind` gives none, s.
+    start : int
+        Step of t = 0.
+    time_step : float
+        s.
     """
 
     gone: float = inf
+    kind: KINDS | None = None
+    about: tuple[float, float] = (0.0, 0.0)
+    ease: float = 0.0
+    start: int = 0
+    time_step: float = 1.0
 
-    def pose(self, step: int) -> Pose | None:
-        """Pose at a step; None once the wall is gone."""
-        return Pose() if step < self.gone else None
+    @property
+    def load(self) -> Loaded | None:
+        """Mass and force of a wall that the discs push; its pose is state of the run."""
+        return self.kind if isinstance(self.kind, Loaded) else None
+
+    @cached_property
+    def track(self) -> np.ndarray:
+        """The way as rows of polynomials and sines, shape (rows, 21), read-only."""
+        if self.kind is None:
+            return np.empty((0, COLUMNS))
+        track = track_of(self.kind.corners(self.ease if self.kind.ease is None else self.kind.ease), self.kind.wave())
+        track.setflags(write=False)
+        return track
+
+    def pose(self, step: float) -> Pose | None:
+        """Pose at a step; None once the wall is gone. A loaded wall has that of the start."""
+        if step >= self.gone:
+            return None
+        return Pose(*map(float, pose_py(self.track, 0, len(self.track), (step - self.start) * self.time_step)))
 
     def next_change(self, step: int) -> float:
         """First step after `step` at which the wall is taken away; infinite if it stays."""
@@ -47,6 +86,90 @@ class MovingWall(NamedTuple):
 
     wall: Wall
     motion: Motion = STANDS
+
+    def at(self, step: float, pose: Pose | None = None) -> Wall | None:
+        """The wall where it is at a step; None once it is gone. `pose`: that of a loaded wall."""
+        now = self.motion.pose(step)
+        if now is None or self.motion.kind is None:
+            return None if now is None else self.wall
+        before = self.motion.pose(step - 1)
+        rate = [(b - a) / self.motion.time_step for a, b in zip(before or now, now, strict=True)]
+        return Placed(self.wall, pose or now, self.motion.about, Pose(*rate) if pose is None else STILL)
+
+
+@dataclass(frozen=True)
+class Placed(Wall):
+    """A wall that moves, where it is at one step.
+
+    Parameters
+    ----------
+    body : Wall
+        Where the case has it.
+    pose : Pose
+    about : (float, float)
+        Its point of turning where the case has it, m.
+    rate : Pose
+        Velocity (m/s, m/s, rad/s) over the step before.
+    """
+
+    body: Wall
+    pose: Pose
+    about: tuple[float, float]
+    rate: Pose = STILL
+
+    def __post_init__(self) -> None:
+        for attribute in ("name", "kind", "hollow", "deep", "parts", "friction", "restitution", "stiffness"):
+            object.__setattr__(self, attribute, getattr(self.body, attribute))
+
+    def chains(self) -> tuple[Chain, ...]:
+        """The chains of the body, moved."""
+        return tuple(
+            Chain(tuple(map(self._out, chain.points)), chain.bends, chain.closed, chain.endless)
+            for chain in self.body.chains()
+        )
+
+    def _out(self, point: tuple[float, float]) -> tuple[float, float]:
+        x, y = self.outward(np.array(point[0]), np.array(point[1]))
+        return float(x), float(y)
+
+    @cached_property
+    def faces(self) -> Faces:
+        """The faces of the body, moved."""
+        return moved(self.body.faces, self.pose, self.about)
+
+    @property
+    def moment_point(self) -> tuple[float, float]:
+        """The point of turning, moved, m."""
+        return self.about[0] + self.pose.x, self.about[1] + self.pose.y
+
+    def inward(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points (m) as the frame has them in which the wall stands."""
+        (ox, oy), (px, py, angle) = self.about, self.pose
+        c, s, dx, dy = cos(angle), sin(angle), x - ox - px, y - oy - py
+        return ox + c * dx + s * dy, oy - s * dx + c * dy
+
+    def outward(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points of the frame in which the wall stands (m), where they are."""
+        (ox, oy), (px, py, angle) = self.about, self.pose
+        c, s, dx, dy = cos(angle), sin(angle), x - ox, y - oy
+        return ox + px + c * dx - s * dy, oy + py + s * dx + c * dy
+
+    def velocity(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Velocity of the wall at points, m/s."""
+        mx, my = self.moment_point
+        return self.rate.x - self.rate.angle * (y - my), self.rate.y + self.rate.angle * (x - mx)
+
+    def room(self, axis: str) -> Interval:
+        """As the body, of walls that are only shifted; no bound else."""
+        if self.pose.angle:
+            return -inf, inf
+        low, high = self.body.room(axis)
+        shift = self.pose["xy".index(axis)]
+        return low + shift, high + shift
+
+    def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
+        """Those of the body, moved."""
+        return tuple(np.column_stack(self.outward(*corners.T)) for corners in self.body.outline(x, y))
 
 
 def gate(wall: Wall, step: int) -> MovingWall:

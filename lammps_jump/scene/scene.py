@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isinf
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lammps_jump.physics.contact import Coefficients
+from lammps_jump.physics.contact import Coefficients, WallLaw
 
-from .motion import MovingWall
+from .motion import MovingWall, Pose
 from .sizes import Sizes
 from .walls import Interval, Wall
 
@@ -99,6 +100,8 @@ class Scene:
     size_steps : int
         A disc that an inlet or a pour inserts has the largest diameter. At the end of the next step that is a multiple
         of this number it gets its own.
+    own_laws : mapping of str to WallLaw
+        Contact of walls that have numbers of their own, by name.
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     steps : int
@@ -134,6 +137,7 @@ class Scene:
     touch_width: float = 0.0
     sizes: Sizes | None = None
     size_steps: int = 1
+    own_laws: Mapping[str, WallLaw] = field(default_factory=dict)
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
@@ -214,7 +218,7 @@ class Scene:
 
     @property
     def permanent(self) -> tuple[Wall, ...]:
-        """The same without their motion."""
+        """The same where the case has them, without their motion."""
         return tuple(one.wall for one in self.standing)
 
     @property
@@ -222,9 +226,25 @@ class Scene:
         """Walls that are taken away."""
         return tuple(one for one in self.walls if not isinf(one.motion.gone))
 
-    def walls_at(self, step: float) -> tuple[Wall, ...]:
-        """Walls that are there at a step."""
-        return tuple(wall for wall, motion in self.walls if step < motion.gone)
+    def walls_at(self, step: float, loaded: Mapping[str, Pose] | None = None) -> tuple[Wall, ...]:
+        """Walls that are there at a step, where they are; `loaded`: poses of walls that the discs push, by name."""
+        poses = loaded or {}
+        found = (one.at(step, poses.get(one.wall.name)) for one in self.walls)
+        return tuple(wall for wall in found if wall is not None)
+
+    def wall_law(self, name: str) -> WallLaw:
+        """Contact with the wall of that name."""
+        return self.own_laws.get(name, self.coefficients.wall_law)
+
+    @property
+    def rubs(self) -> bool:
+        """Whether anything has friction."""
+        return self.coefficients.friction > 0 or any(law.friction > 0 for law in self.own_laws.values())
+
+    @property
+    def moves(self) -> bool:
+        """Whether any wall moves."""
+        return any(motion.kind is not None for _, motion in self.walls)
 
     def wall(self, name: str) -> Wall:
         """The wall of that name; KeyError for an unknown one."""

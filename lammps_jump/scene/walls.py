@@ -7,7 +7,7 @@ unless a wall knows better. Distances are of disc centres: a disc of radius R to
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import inf
 from typing import Annotated, Any, ClassVar, Literal
@@ -16,9 +16,10 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from lammps_jump.quoting import LONGEST_NAME
-from lammps_jump.units import Metre
+from lammps_jump.units import Metre, Plain, Stiffness
 
 from .chains import Chain, Faces, boxes, distance, grounds, lay, outline
+from .tracks import KINDS as KINDS_OF_MOTION
 
 Interval = tuple[float, float]
 
@@ -48,15 +49,38 @@ def _in_a_file(schema: dict[str, Any], wall: type) -> None:
     """JSON schema of a wall in a case file: its kind comes first and must be given."""
     kind = schema["properties"].pop("kind")
     del kind["default"]
-    schema["properties"] = {"kind": kind, **schema["properties"]}
+    own = {name: schema["properties"].pop(name) for name in (part.name for part in fields(_Own))}
+    schema["properties"] = {"kind": kind, **schema["properties"], **own}
     schema["required"] = ["kind", *schema["required"]]
     schema["description"] = (wall.__doc__ or "").splitlines()[0]
 
 
-class Wall:
+Motions = Annotated[KINDS_OF_MOTION, Field(discriminator="kind")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Own:
+    """What any wall may have of its own: numbers of its contacts, and a motion."""
+
+    friction: Annotated[Annotated[Plain, Field(ge=0, le=1000)] | None, Field(description="default: of contact")] = (
+        field(default=None, repr=False)
+    )
+    restitution: Annotated[Annotated[Plain, Field(ge=1e-6, le=1)] | None, Field(description="default: of contact")] = (
+        field(default=None, repr=False)
+    )
+    stiffness: Annotated[
+        Annotated[Stiffness, Field(ge=1e-6, le=1e24)] | None, Field(description="default: contact.stiffness_wall")
+    ] = field(default=None, repr=False)
+    motion: Annotated[Motions | None, Field(description="how it moves; null: it stands")] = field(
+        default=None, repr=False
+    )
+
+
+class Wall(_Own):
     """What every wall answers. A new wall is a frozen dataclass with `kind`, `name` and fields, and `chains`."""
 
-    __pydantic_config__ = ConfigDict(extra="forbid", json_schema_extra=_in_a_file)
+    __pydantic_config__ = ConfigDict(extra="forbid", serialize_by_alias=True, json_schema_extra=_in_a_file)
+    kind: str
     name: str
     hollow: ClassVar[bool] = False
     """Whether the discs are inside the outline."""
@@ -89,6 +113,17 @@ class Wall:
     def finite(self) -> bool:
         """Whether the wall ends in every direction."""
         return bool(np.isfinite(self.extent).all())
+
+    @property
+    def own_law(self) -> tuple[float | None, float | None, float | None]:
+        """Stiffness (N/m), restitution and friction coefficient of its own; all None: those of the scene."""
+        return self.stiffness, self.restitution, self.friction
+
+    @property
+    def pivot_point(self) -> tuple[float, float]:
+        """Point that it turns about where its motion names none, m: the centre; 0 where the wall has no end."""
+        x, y = (0.5 * (low + high) if np.isfinite(low + high) else 0.0 for low, high in self.extent)
+        return x, y
 
     @property
     def moment_point(self) -> tuple[float, float]:

@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Kinds of motion of a wall, and the track that engines follow.
+
+A new kind is a frozen dataclass with `kind`, fields and `corners` (or `wave`), named in `KINDS`. Engines and analysis
+know none of the kinds: they take the rows of `track_of`, which `pose_py` evaluates.
+
+A corner is a change of velocity dV. Eased over tau it is the ramp dV (3 u^2 - 2 u^3), u = (t - t_corner)/tau, so that
+the pose is a polynomial of fourth degree there. A wave adds a sine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import cos, inf, isinf, pi, radians, sin
+from typing import Annotated, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from pydantic import ConfigDict, Field
+
+from lammps_jump.units import Degree, DegreePerSecond, KilogramPerMetre, Metre, MetrePerSecond, NewtonPerMetre, Second
+
+Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
+Speed = Annotated[MetrePerSecond, Field(ge=-1e6, le=1e6)]
+Turn = Annotated[Degree, Field(ge=-1e6, le=1e6)]
+Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
+Force = Annotated[NewtonPerMetre, Field(ge=-1e15, le=1e15)]
+Point = tuple[Coordinate, Coordinate]
+Row = tuple[Moment, Coordinate, Coordinate, Turn]
+
+BEGIN, X, Y, ANGLE, WAVE_X, WAVE_Y, WAVE_ANGLE, RATE, PHASE = 0, 1, 6, 11, 16, 17, 18, 19, 20
+"""Columns of a track: time at which the row begins (s); coefficients of three polynomials of the time since, of degree
+0 to 4 (m, m, rad); amplitudes of a sine (m, m, rad), its angular frequency (rad/s) and phase (rad)."""
+COLUMNS = 21
+
+
+class Corner(NamedTuple):
+    """A change of velocity (m/s, m/s, rad/s) at a time (s), spread over `ease` seconds."""
+
+    time: float
+    change: tuple[float, float, float]
+    ease: float
+
+
+class Wave(NamedTuple):
+    """Amplitude (m, m, rad) times the sine of rate (time - begin) + phase, less its first value, until an end."""
+
+    amplitude: tuple[float, float, float]
+    rate: float
+    phase: float
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What motions of a case file have in common; `begin` is ``from`` there."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", validate_by_name=True, validate_by_alias=True, serialize_by_alias=True
+    )
+    turns: ClassVar[bool] = False
+    about: Annotated[Point | None, Field(description="point that it turns about; default the pivot")] = field(
+        default=None, kw_only=True
+    )
+    begin: Annotated[Moment, Field(alias="from", description="it stands before")] = field(default=0.0, kw_only=True)
+    until: Annotated[Moment | None, Field(description="it stands from then on; null: it goes on")] = field(
+        default=None, kw_only=True
+    )
+    ease: Annotated[
+        Annotated[Second, Field(ge=0, le=1e6)] | None,
+        Field(description="time that a change of velocity takes; default 10 pi/omega of a contact"),
+    ] = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if self.until is not None and self.until <= self.begin:
+            raise ValueError(f"until is {self.until:g} s; allowed is a time behind from ({self.begin:g} s)")
+
+    @property
+    def end(self) -> float:
+        """Time from which on the wall stands again, s, apart from ease; infinite: never."""
+        return inf if self.until is None else self.until
+
+    def corners(self, ease: float) -> list[Corner]:
+        """Changes of velocity, each spread over `ease` seconds."""
+        return []
+
+    def wave(self) -> Wave | None:
+        """The sine, if there is one."""
+        return None
+
+    def _steady(self, velocity: tuple[float, float, float], ease: float) -> list[Corner]:
+        """One velocity from begin to end."""
+        vx, vy, turn = velocity
+        found = [Corner(self.begin, velocity, ease)]
+        return found if isinf(self.end) else [*found, Corner(self.end, (-vx, -vy, -turn), ease)]
+
+
+@dataclass(frozen=True)
+class Translate(Kind):
+    """Steady motion along a straight line."""
+
+    kind: Literal["translate"] = field(default="translate", kw_only=True, repr=False)
+    velocity: tuple[Speed, Speed]
+
+    def corners(self, ease: float) -> list[Corner]:
+        """Start and end."""
+        return self._steady((*self.velocity, 0.0), ease)
+
+
+@dataclass(frozen=True)
+class Rotate(Kind):
+    """Steady turning about a point; degrees per second, counter-clockwise positive."""
+
+    kind: Literal["rotate"] = field(default="rotate", kw_only=True, repr=False)
+    rate: Annotated[DegreePerSecond, Field(ge=-1e6, le=1e6)]
+
+    turns = True
+
+    def corners(self, ease: float) -> list[Corner]:
+        """Start and end."""
+        return self._steady((0.0, 0.0, radians(self.rate)), ease)
+
+
+@dataclass(frozen=True)
+class Oscillate(Kind):
+    """Harmonic motion: amplitude (sin(2 pi (t - from)/period + phase) - sin phase), phase in degrees.
+
+    It begins and ends suddenly unless `ease` is given. That moves what follows by the speed there times ease/2.
+    """
+
+    kind: Literal["oscillate"] = field(default="oscillate", kw_only=True, repr=False)
+    period: Annotated[Second, Field(ge=1e-9, le=1e9)]
+    amplitude: Point = (0.0, 0.0)
+    angle: Annotated[Turn, Field(description="amplitude of the turn")] = 0.0
+    phase: Turn = 0.0
+
+    @property
+    def turns(self) -> bool:  # type: ignore[override]  # depends on its fields
+        """Whether its angle oscillates."""
+        return self.angle != 0
+
+    def wave(self) -> Wave:
+        """The sine."""
+        amplitude = (*self.amplitude, radians(self.angle))
+        return Wave(amplitude, 2 * pi / self.period, radians(self.phase), self.begin, self.end)
+
+    def corners(self, ease: float) -> list[Corner]:
+        """Where `ease` is given: take the sudden velocities of both ends away, and bring them in slowly."""
+        wave, found = self.wave(), []
+        for time, sign in ((self.begin, 1.0), (self.end, -1.0)) if self.ease else ():
+            if not isinf(time):
+                speed = sign * wave.rate * cos(wave.rate * (time - wave.begin) + wave.phase)
+                x, y, angle = (speed * part for part in wave.amplitude)
+                found += [Corner(time, (-x, -y, -angle), 0.0), Corner(time, (x, y, angle), self.ease or 0.0)]
+        return found
+
+
+@dataclass(frozen=True)
+class Table(Kind):
+    """Straight lines from the start place through rows of time, displacement and turn: [t, x, y, angle]."""
+
+    kind: Literal["table"] = field(default="table", kw_only=True, repr=False)
+    points: Annotated[
+        tuple[Row, ...], Field(min_length=1, description="or file: motion.csv, with columns t, x, y, angle")
+    ]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        first = self.points[0]
+        if first[0] < self.begin:
+            raise ValueError(f"points: the first t is {first[0]:g} s; allowed is from ({self.begin:g} s) or later")
+        if first[0] == self.begin and any(first[1:]):
+            raise ValueError(f"points: at t = from = {first[0]:g} s the wall is where the case has it: write 0, 0, 0")
+        for (before, *_), (after, *_) in pairwise(self._rows()):
+            if after <= before:
+                raise ValueError(f"points: t {after:g} s follows {before:g} s; times must grow")
+
+    def _rows(self) -> list[Row]:
+        there = self.points[0][0] == self.begin
+        return list(self.points) if there else [(self.begin, 0.0, 0.0, 0.0), *self.points]
+
+    @property
+    def turns(self) -> bool:  # type: ignore[override]  # depends on its fields
+        """Whether an angle is not 0."""
+        return any(row[3] for row in self.points)
+
+    def corners(self, ease: float) -> list[Corner]:
+        """A change of velocity at each row; the way ends at `until`."""
+        found, old, last = [], (0.0, 0.0, 0.0), self.begin
+        for (t, *place), (later, *target) in pairwise(self._rows()):
+            if t >= self.end:
+                break
+            x, y, turn = ((b - a) / (later - t) for a, b in zip(place, target, strict=True))
+            new = x, y, radians(turn)
+            found.append(Corner(t, (new[0] - old[0], new[1] - old[1], new[2] - old[2]), ease))
+            old, last = new, min(later, self.end)
+        return [*found, Corner(last, (-old[0], -old[1], -old[2]), ease)]
+
+
+@dataclass(frozen=True)
+class Loaded(Kind):
+    """A lid: mass times acceleration is the force of the discs on it plus the force given; it has no weight else."""
+
+    kind: Literal["load"] = field(default="load", kw_only=True, repr=False)
+    mass: Annotated[KilogramPerMetre, Field(ge=1e-9, le=1e15, description="per metre of width")]
+    force: tuple[Force, Force]
+    axis: Annotated[Literal["x", "y", "both"], Field(description="where it can move")] = "y"
+
+
+KINDS = Translate | Rotate | Oscillate | Table | Loaded
+"""Motions that a case file may name."""
+
+
+def track_of(corners: list[Corner], wave: Wave | None) -> np.ndarray:
+    """Rows of a track, shape (rows, 21); before the first row a wall is where the case has it."""
+    times = {corner.time + part for corner in corners for part in (0.0, corner.ease)}
+    if wave is not None:
+        times |= {wave.begin, wave.end} - {inf}
+    track = np.zeros((len(times), COLUMNS))
+    for row, begin in zip(track, sorted(times), strict=True):
+        row[BEGIN] = begin
+        for corner in corners:
+            way = _way(begin, corner)
+            for axis, change in zip((X, Y, ANGLE), corner.change, strict=True):
+                row[axis : axis + 5] += change * way
+        if wave is not None and begin >= wave.begin:
+            over = begin >= wave.end
+            now = wave.rate * ((wave.end if over else begin) - wave.begin) + wave.phase
+            row[RATE], row[PHASE] = wave.rate, now
+            for axis, column, amplitude in zip(
+                (X, Y, ANGLE), (WAVE_X, WAVE_Y, WAVE_ANGLE), wave.amplitude, strict=True
+            ):
+                row[axis] += amplitude * (sin(now) * over - sin(wave.phase))
+                row[column] = 0.0 if over else amplitude
+    return track
+
+
+def _way(begin: float, corner: Corner) -> np.ndarray:
+    """Coefficients, of the time since `begin`, of the way that a change of velocity of 1 makes; shape (5,).
+
+    The way is s^3/tau^2 - s^4/(2 tau^3) up to s = tau behind the corner, and s - tau/2 beyond.
+    """
+    s, tau = begin - corner.time, corner.ease
+    if s < 0:
+        return np.zeros(5)
+    if begin >= corner.time + tau:
+        return np.array([s - 0.5 * tau, 1.0, 0.0, 0.0, 0.0])
+    a, b = 1 / tau**2, -0.5 / tau**3
+    return np.array([a * s**3 + b * s**4, 3 * a * s**2 + 4 * b * s**3, 3 * a * s + 6 * b * s**2, a + 4 * b * s, b])
+
+
+def pose_py(track, first, last, time):
+    """Pose (m, m, rad) at a time (s), by the rows ``first … last - 1`` of a track; zero before the first row.
+
+    The plugin does the same operations in the same order (``faces.h``).
+    """
+    row = first - 1
+    while row + 1 < last and track[row + 1, BEGIN] <= time:
+        row += 1
+    if row < first:
+        return 0.0, 0.0, 0.0
+    s = time - track[row, BEGIN]
+    x = y = angle = 0.0
+    for power in range(4, -1, -1):
+        x = x * s + track[row, X + power]
+        y = y * s + track[row, Y + power]
+        angle = angle * s + track[row, ANGLE + power]
+    if track[row, RATE] != 0.0:
+        wave = sin(track[row, RATE] * s + track[row, PHASE])
+        x += wave * track[row, WAVE_X]
+        y += wave * track[row, WAVE_Y]
+        angle += wave * track[row, WAVE_ANGLE]
+    return x, y, angle
