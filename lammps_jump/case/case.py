@@ -23,8 +23,9 @@ from lammps_jump.scene.scene import Scene
 from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
+from .tables import read_tables
 from .templates import described, of_another_case
-from .text import CaseSource, override, parse_source, read_source, read_tables
+from .text import CaseSource, override, parse_source, read_source
 from .to_scene import build_scene
 
 Changes = Mapping[str, object] | Iterable[str]

@@ -82,11 +82,12 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
 
 
 def fields_of(model: type) -> dict[str, FieldInfo]:
-    """Fields of a pydantic model or of a dataclass, by name."""
+    """Fields of a pydantic model or of a dataclass, by their names in a case."""
     if issubclass(model, BaseModel):
         return model.model_fields
     hints = get_type_hints(model, include_extras=True)
-    return {item.name: FieldInfo.from_annotation(hints[item.name]) for item in fields(model)}
+    found = {item.name: FieldInfo.from_annotation(hints[item.name]) for item in fields(model)}
+    return {field.alias or name: field for name, field in found.items()}
 
 
 def _tag(model: type) -> str | None:

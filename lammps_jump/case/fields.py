@@ -7,17 +7,8 @@ from math import sqrt
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    field_validator,
-    model_validator,
-)
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic.functional_validators import field_validator, model_validator
 
 from lammps_jump import units
 from lammps_jump.physics.inlet import LEAST_GAP

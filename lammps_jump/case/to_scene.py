@@ -22,6 +22,7 @@ from lammps_jump.scene import (
     Stations,
     Wall,
 )
+from lammps_jump.scene.motion import largest_speed, way
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
 from . import checks, walls
@@ -168,7 +169,7 @@ def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Sce
     scene = replace(scene, own_laws=walls.own_laws(case, scene, given))
     notes = walls.check_own_laws(case, source, scene, given)
     moving = [walls.moving(item, source, scene) for item in given]
-    speed = max([_largest_speed(case, scene), *(walls.largest_speed(one, scene) for one in moving)])
+    speed = max([_largest_speed(case, scene), *(largest_speed(one, *walls.span(scene)) for one in moving)])
     scene = replace(scene, domain=_domain(case, source, scene, speed, moving))
     scene = replace(scene, outlets=_outlets(case, source, scene, speed))
     gates = walls.shut_gates(case, scene)
@@ -320,7 +321,7 @@ def _domain(
         domain = case.domain.x, case.domain.y
     else:
         closed = any(wall.hollow for wall, _ in moving)
-        ways = [walls.way(one, scene) for one in moving]
+        ways = [way(one, *walls.span(scene)) for one in moving]
         margin = 2 * scene.largest if closed else 10 * scene.largest + speed * min(case.run.duration, 3.0)
         ends = (_ends(case, axis, scene, ways) for axis in "xy")
         domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
@@ -334,7 +335,7 @@ def _ends(case: CaseFields, axis: str, scene: Scene, ways: list[tuple[Interval, 
     values = [*scene.positions[:, index], *(getattr(row, axis) for row in scene.inlets)]
     if isinstance(case.inflow, PourInflow):
         values += getattr(case.inflow, axis)
-    values += [end for way in ways for end in way[index] if math.isfinite(end)]
+    values += [end for box in ways for end in box[index] if math.isfinite(end)]
     outlets = (pair for item in case.outflow for pair in item.model_dump(exclude_none=True).items())
     return values + [at for name, at in outlets if name.startswith(axis)]
 

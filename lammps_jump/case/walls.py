@@ -14,9 +14,9 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.scene import Block, Interval, MovingWall, Plane, Scene, Wall, gate
 from lammps_jump.scene.chains import boxes, flush, open_ends, tight_bend, vertices
-from lammps_jump.scene.motion import Motion
+from lammps_jump.scene.motion import Motion, largest_speed, way
 from lammps_jump.scene.shapes import ArcTo, PlaceError
-from lammps_jump.scene.tracks import Translate, fastest, poses
+from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Circle, Line, Polygon
 
 from .fields import CaseFields, Column
@@ -208,37 +208,9 @@ def moving(item: CaseWall, source: CaseSource, scene: Scene) -> MovingWall:
     return MovingWall(wall, Motion(inf, kind, about, ease, scene.settle_steps, scene.time_step))
 
 
-def way(one: MovingWall, scene: Scene) -> tuple[Interval, Interval]:
-    """Smallest rectangle (x, y) around a wall and its whole way, m; that of a lid is not known and left out."""
-    wall, motion = one
-    if motion.kind is None or motion.load:
-        return wall.extent
-    places = poses(motion.track, scene.time(0), scene.time(scene.steps))
-    low, high = places.min(axis=0), places.max(axis=0)
-    if low[2] == high[2] == 0.0:
-        (x0, x1), (y0, y1) = wall.extent
-        return (x0 + low[0], x1 + high[0]), (y0 + low[1], y1 + high[1])
-    found = np.concatenate([corners for corners in wall.outline(*wall.extent)]) - motion.about
-    if high[2] - low[2] >= 2 * pi:
-        radius = np.hypot(*found.T).max()
-        ends = [(at + a - radius, at + b + radius) for at, a, b in zip(motion.about, low, high, strict=False)]
-        return ends[0], ends[1]
-    c, s = np.cos(places[:, 2:]), np.sin(places[:, 2:])
-    x = motion.about[0] + places[:, :1] + c * found[:, 0] - s * found[:, 1]
-    y = motion.about[1] + places[:, 1:2] + s * found[:, 0] + c * found[:, 1]
-    return (float(x.min()), float(x.max())), (float(y.min()), float(y.max()))
-
-
-def largest_speed(one: MovingWall, scene: Scene) -> float:
-    """Largest speed of a point of a wall, m/s; 0 of a lid, whose way is not known."""
-    wall, motion = one
-    if motion.kind is None or motion.load:
-        return 0.0
-    speed, rate = fastest(motion.track, scene.time(0), scene.time(scene.steps))
-    if not rate:
-        return speed
-    corners = np.concatenate([part for part in wall.outline(*wall.extent)]) - motion.about
-    return speed + rate * float(np.hypot(*corners.T).max())
+def span(scene: Scene) -> Interval:
+    """Times of the first and the last step, s."""
+    return scene.time(0), scene.time(scene.steps)
 
 
 def reachable(one: MovingWall, scene: Scene) -> bool:
@@ -249,7 +221,7 @@ def reachable(one: MovingWall, scene: Scene) -> bool:
     if one.motion.kind is None:
         box = boxes(one.wall.faces, deep=False)
     else:
-        box = np.array([[end for pair in way(one, scene) for end in pair]])
+        box = np.array([[end for pair in way(one, *span(scene)) for end in pair]])
     near = (box[:, 0] - reach < xhi) & (box[:, 1] + reach > xlo) & (box[:, 2] - reach < yhi) & (box[:, 3] + reach > ylo)
     return bool(near.any())
 
@@ -319,7 +291,7 @@ def wall_doubts(walls: Sequence[MovingWall], scene: Scene) -> list[str]:
 
 def _speed_doubt(one: MovingWall, scene: Scene) -> list[str]:
     """Speed at which discs may pass through a moving wall."""
-    wall, speed = one.wall, largest_speed(one, scene)
+    wall, speed = one.wall, largest_speed(one, *span(scene))
     limit = 0.5 * scene.diameter * contact.angular_frequency(scene.wall_law(wall.name).stiffness, scene.mass)
     if wall.deep or speed <= SLOW * limit:
         return []
@@ -377,7 +349,7 @@ def told(one: MovingWall, scene: Scene) -> str:
     kind = one.motion.kind
     if kind is not None:
         end = "" if kind.until is None else f" until {kind.until:g} s"
-        speed = largest_speed(one, scene)
+        speed = largest_speed(one, *span(scene))
         pace = f", at up to {speed:.3g} m/s" if speed else ""
         parts.append(f"motion {kind.kind} from {kind.begin:g} s{end}{pace}")  # type: ignore[attr-defined]
     return "; ".join(parts)
