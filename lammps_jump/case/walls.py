@@ -276,7 +276,7 @@ def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], scene: Scene) -
 
 def wall_doubts(walls: Sequence[MovingWall], scene: Scene) -> list[str]:
     """Sentences on walls: too fast for the discs, bent too tightly, ends that meet or nearly meet."""
-    found = [text for one in walls for text in (*_speed_doubt(one, scene), *_bend_doubt(one.wall, scene))]
+    found = [text for one in walls for text in _doubts_of(one, scene)]
     for one, two in combinations([one.wall for one in walls], 2):
         if one.motion != two.motion:
             continue
@@ -287,6 +287,25 @@ def wall_doubts(walls: Sequence[MovingWall], scene: Scene) -> list[str]:
                 + (", or give both the same join" if isinstance(one, Line) and isinstance(two, Line) else "")
             )
     return found + _gap_doubts([one.wall for one in walls], scene.smallest)
+
+
+def _doubts_of(one: MovingWall, scene: Scene) -> list[str]:
+    """Sentences on one wall."""
+    return [*_speed_doubt(one, scene), *_bend_doubt(one.wall, scene), *_behind_doubt(one.wall, scene)]
+
+
+def _behind_doubt(wall: Wall, scene: Scene) -> list[str]:
+    """Discs at the start that a line with ends does not push, because they are behind it."""
+    if not len(scene.positions) or not open_ends(wall.faces):
+        return []
+    behind = int((wall.distance(*scene.positions.T) < -scene.smallest / 2).sum())
+    if not behind:
+        return []
+    discs = "1 disc starts" if behind == 1 else f"{behind} discs start"
+    return [
+        f"{discs} behind line '{wall.name}', which pushes discs on its left alone: they do not feel it; if they should, "
+        "reverse its points, or take sheet: true"
+    ]
 
 
 def _speed_doubt(one: MovingWall, scene: Scene) -> list[str]:
