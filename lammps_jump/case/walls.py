@@ -303,8 +303,8 @@ def _behind_doubt(wall: Wall, scene: Scene) -> list[str]:
         return []
     discs = "1 disc starts" if behind == 1 else f"{behind} discs start"
     return [
-        f"{discs} behind line '{wall.name}', which pushes discs on its left alone: they do not feel it; if they should, "
-        "reverse its points, or take sheet: true"
+        f"{discs} behind line '{wall.name}', which pushes discs on its left alone: they do not feel it; if they "
+        "should, reverse its points, or take sheet: true"
     ]
 
 
