@@ -57,7 +57,7 @@ def contact_coefficients(
 ) -> contact.Coefficients:
     """Contact coefficients of a case, with its own step or another (as a share of 2/omega)."""
     _, impact_speed, stiffness = _stiffness(case)
-    return contact.derive(
+    given = contact.Contact(
         **case.discs.model_dump(exclude={"sizes"}),
         **case.contact.model_dump(include=LAW),
         stiffness=stiffness,
@@ -67,6 +67,7 @@ def contact_coefficients(
         integrator=integrator,
         smallest=sizes.smallest if sizes else None,
     )
+    return contact.derive(given)
 
 
 def _coefficients(case: CaseFields, integrator: str, sizes: Sizes | None) -> contact.Coefficients:

@@ -295,26 +295,11 @@ The factor with the least largest error over impact speeds of 0.05 … 2 v0, wid
 f = 0.05 … 0.2 takes 0.33 … 0.71 of it, most of them near a half (docs/kernels.md)."""
 
 
-def derive(
-    *,
-    density: float,
-    diameter: float,
-    restitution: float,
-    friction: float,
-    stiffness: float,
-    stiffness_wall: float,
-    impact_speed: float,
-    time_step_fraction: float,
-    integrator: str,
-    correct_restitution: bool,
-    rotation: bool,
-    tangential_damping: float | None = None,
-    touch: str = "sharp",
-    smallest: float | None = None,
-) -> Coefficients:
-    """All contact coefficients of a case, of nominal discs.
+@dataclass(frozen=True)
+class Contact:
+    """What a case says of its contacts, of nominal discs.
 
-    Parameters
+    Attributes
     ----------
     density, diameter : float
         kg/m^3, m.
@@ -338,19 +323,39 @@ def derive(
         Smallest diameter, m, where discs are not equal: its pairs set the time step and the limits of stability. The
         correction of the dashpot is that of nominal pairs for all, so that one damping ratio holds for every contact.
     """
-    mass = disc_mass(density, diameter)
-    least = disc_mass(density, smallest or diameter)
-    critical = critical_time_step(stiffness, least)
-    time_step = time_step_fraction * critical
-    rate = TANGENTIAL_RATE / (3.0 if rotation else 1.0)
-    share = SMOOTH_SHARE if touch == "smooth" else 1.0
+
+    density: float
+    diameter: float
+    restitution: float
+    friction: float
+    stiffness: float
+    stiffness_wall: float
+    impact_speed: float
+    time_step_fraction: float
+    integrator: str
+    correct_restitution: bool
+    rotation: bool
+    tangential_damping: float | None = None
+    touch: str = "sharp"
+    smallest: float | None = None
+
+
+def derive(given: Contact) -> Coefficients:
+    """All contact coefficients of a case, of nominal discs."""
+    restitution, friction, integrator = given.restitution, given.friction, given.integrator
+    mass = disc_mass(given.density, given.diameter)
+    least = disc_mass(given.density, given.smallest or given.diameter)
+    critical = critical_time_step(given.stiffness, least)
+    time_step = given.time_step_fraction * critical
+    rate = TANGENTIAL_RATE / (3.0 if given.rotation else 1.0)
+    share = SMOOTH_SHARE if given.touch == "smooth" else 1.0
 
     def side(k: float, effective_mass: float) -> dict[str, float]:
         """Coefficients of a pair or at a wall."""
         frequency, factor, dashpot = angular_frequency(k, effective_mass), 1.0, damping(restitution, k, effective_mass)
-        if correct_restitution and integrator == "velocity_verlet":
+        if given.correct_restitution and integrator == "velocity_verlet":
             factor -= share * (1.0 - lagged_correction(restitution, frequency * time_step))
-        gamma = rate * frequency if tangential_damping is None else tangential_damping
+        gamma = rate * frequency if given.tangential_damping is None else given.tangential_damping
         return {
             "stiffness": k,
             "damping": dashpot,
@@ -360,9 +365,9 @@ def derive(
             "omega": frequency,
         }
 
-    pair, wall = side(stiffness, mass / 2), side(stiffness_wall, mass)
+    pair, wall = side(given.stiffness, mass / 2), side(given.stiffness_wall, mass)
     xi, omega = damping_ratio(restitution), pair["omega"]
-    load = peak_force(impact_speed, xi, omega, mass / 2)
+    load = peak_force(given.impact_speed, xi, omega, mass / 2)
     return Coefficients(
         mass=mass,
         restitution=restitution,
@@ -372,20 +377,20 @@ def derive(
         damping_ratio=xi,
         time_step=time_step,
         critical_time_step=critical,
-        time_step_fraction=time_step_fraction,
+        time_step_fraction=given.time_step_fraction,
         stable_fraction=min(
             stable_fraction(xi * pair["correction"], integrator),
             wall_stable_fraction(
-                stiffness,
-                stiffness_wall,
+                given.stiffness,
+                given.stiffness_wall,
                 least,
-                pair["correction"] * damping(restitution, stiffness, least / 2),
-                wall["correction"] * damping(restitution, stiffness_wall, least),
+                pair["correction"] * damping(restitution, given.stiffness, least / 2),
+                wall["correction"] * damping(restitution, given.stiffness_wall, least),
                 integrator,
             ),
         ),
         contact_duration=contact_duration(restitution, omega),
         contact_steps=contact_duration(restitution, omega) / time_step,
         slip_speed=friction * load / (mass / 2 * pair["gamma_tangential"]) if friction else 0.0,
-        largest_overlap=largest_overlap(impact_speed, restitution, omega),
+        largest_overlap=largest_overlap(given.impact_speed, restitution, omega),
     )
