@@ -11,7 +11,9 @@ from __future__ import annotations
 
 from cmath import phase
 from dataclasses import dataclass
+from functools import cached_property
 from math import acos, asin, atan2, exp, log, nan, pi, sqrt
+from typing import NamedTuple
 
 from lammps_jump.units import number
 
@@ -211,6 +213,15 @@ def wall_stable_fraction(
     return limit(xi) / omega / critical_time_step(stiffness, mass)
 
 
+class WallLaw(NamedTuple):
+    """Contact of a nominal disc with a wall: stiffness (N/m), gamma_n and gamma_t (1/s), friction coefficient."""
+
+    stiffness: float
+    gamma_normal: float
+    gamma_tangential: float
+    friction: float
+
+
 @dataclass(frozen=True)
 class Coefficients:
     """Everything the engines need of a contact, in SI; made once by `derive`.
@@ -269,6 +280,11 @@ class Coefficients:
     def tangential_ratio_wall(self) -> float:
         """The same at walls."""
         return self.gamma_tangential_wall / self.gamma_normal_wall if self.gamma_normal_wall else nan
+
+    @cached_property
+    def wall_law(self) -> WallLaw:
+        """Contact with a wall that has no numbers of its own."""
+        return WallLaw(self.stiffness_wall, self.gamma_normal_wall, self.gamma_tangential_wall, self.friction)
 
     def restitution_of_pair(self, ratio: float, integrator: str) -> float:
         """Mean restitution, in steps, of two discs whose diameter is `ratio` times the nominal one (sharp touch).
