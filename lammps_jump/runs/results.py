@@ -7,6 +7,7 @@ import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -87,10 +88,10 @@ def flow_of(case: ReadCase) -> Flow:
     )
 
 
-def prepare(case: ReadCase) -> None:
+def load(case: ReadCase) -> None:
     """Load what loads on first use: loops that read dumps and sum over discs, 0.2 s; matplotlib, 0.2 s; the page."""
     if has_page(case):
-        assert drawing.snapshots and drawing.style
+        import_module("lammps_jump.analysis.draw.snapshots")
         page.render("", ())
     nothing = np.zeros(0)
     skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
