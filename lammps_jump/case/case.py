@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
-from lammps_jump.provenance import short_hash
+from lammps_jump.identity import case_key
 from lammps_jump.quoting import echoed, plain_name
 from lammps_jump.scene.scene import Scene
 
@@ -57,7 +57,7 @@ class ReadCase:
     @cached_property
     def hash(self) -> str:
         """Twelve hex digits, equal for cases that give the same run: name, description and analysis are left out."""
-        return short_hash(self.core)
+        return case_key(self.core)
 
     @cached_property
     def core(self) -> dict[str, Any]:

@@ -24,9 +24,9 @@ from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.errors import DumpError, RunError, RunInterrupted
 from lammps_jump.files import checksum, write_text
 from lammps_jump.folders import clear, publish, staging
+from lammps_jump.identity import analysis_key
 
 from .ahead import Ahead
-from .engine import analysis_key
 from .folder import case_text
 from .state import outputs_of
 from .summary import compose, write_summary
@@ -209,7 +209,7 @@ class Conclusion:
         if not path.exists() or path.read_text() != text:
             write_text(path, text)
         files = {name: checksum(folder / name) for name in names}
-        self._write(summary, None if trouble else {"key": analysis_key(self.case, self.outputs), "files": files})
+        self._write(summary, None if trouble else {"key": analysis_key(self.case.rest, self.outputs), "files": files})
         return trouble
 
     def _judge(self, check: FrameCheck, warnings: list[str], trouble: str) -> None:
