@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from lammps_jump import engines, runs
-from lammps_jump.case.case import ReadCase, load_case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
 from lammps_jump.files import RANKS_FILE, RESULT_FILES
@@ -158,7 +158,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
             f"{folder}: was not made by lammps-jump (there is no {MARKER_FILE}), so nothing is written to it; "
             f"`lammps-jump analyze DUMP --case {path} --out OTHER` analyses its dump"
         )
-    case, setting, notes = choose_setting(load_case(path, changes))
+    case, setting, notes = choose_setting(ReadCase.load(path, changes))
     if found := difference(case, None, marker):
         raise CaseError(
             f"{path}: was changed after the run ({found}); put it back, or run the changed case in another folder"
