@@ -106,7 +106,7 @@ def _run(
         result, steady = _run_engine(case, folder, setting, checkpoint, watch)
         if checkpoint is not None:
             clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-        Conclusion(case, folder, setting, result, steady, before, notes, watch[0]).first(ahead)
+        Conclusion(case, folder, setting, result, steady, before, notes, watch[0], ahead).conclude()
 
 
 def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:
@@ -176,7 +176,8 @@ def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str,
     with _files_at_risk(folder):
         result = result_of(case, folder, stored, setting)
         before = {**(stored.get("wall_seconds") or {}), "analysis": 0.0}
-        Conclusion(case, folder, setting, result, stored.get("stopped_when_steady") or "", before, notes).again(stored)
+        steady = stored.get("stopped_when_steady") or ""
+        Conclusion(case, folder, setting, result, steady, before, notes, stored=stored).conclude()
 
 
 def _run_engine(
