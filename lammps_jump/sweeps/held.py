@@ -58,7 +58,7 @@ class Listed(BaseModel, strict=True):
 
 
 def read_points(folder: Path) -> Listed | None:
-    """The ``points.json`` of a study; None where there is none.
+    """The ``points.json`` of a study; None if the file is missing.
 
     Raises
     ------
@@ -165,7 +165,7 @@ class Held:
         return Mean(found["mean"], found["high"] - found["mean"])
 
     def needed(self) -> list[int]:
-        """Members that each point would need for the intervals that ``until`` asks for; 0 where that cannot be told."""
+        """Members that each point would need for the intervals of ``until``; 0 if their scatter is not known."""
         needed = [
             [sweeps.table.members_needed(found, share) or 0 for found in sweeps.table.records(self.table, path)]
             for path, share in self.study.fields.until.items()
@@ -173,7 +173,7 @@ class Held:
         return [max(counts) for counts in zip([0] * len(self.study.points), *needed, strict=True)]
 
     def wider(self) -> Self | None:
-        """The study with more members of points whose intervals are wider than ``until`` allows; None where none is.
+        """The study with more members at points whose intervals are wider than ``until`` allows; None if no point is.
 
         A point at most doubles its members, and has ``table.FIRST`` at least.
         """
@@ -212,7 +212,7 @@ class Held:
         return f"{len(self.starts)} runs{points}: {said}"
 
     def _begun(self) -> list[Member] | None:
-        """The members that have a run folder, found by ``points.json``; None where all were read, or it does not tell.
+        """The members that have a run folder, found by ``points.json``; None if all were read or are not listed.
 
         A member takes milliseconds to be made of its case: of a large study most are not needed.
         """
