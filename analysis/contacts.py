@@ -14,7 +14,7 @@ from numba import njit
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.physics.law import contact_force, normal_force, stored_energy, watching_law
-from lammps_jump.physics.slip import SIGN_RAMP
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
 from lammps_jump.scene.faces import touching as touching_faces
 from lammps_jump.scene.walls import Wall
@@ -223,8 +223,9 @@ def whole_forces(
     if friction is not None and scene.rotation and "omegaz" in frame.columns:
         rim = np.append(frame.column("omegaz") * flow.radii(frame), 0.0)
     slope = None
-    if friction is not None and scene.friction_law == "sign":
-        slope = 1.0 / max(SIGN_RAMP * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
+    ramp = FRICTION_LAWS[scene.friction_law].ramp
+    if friction is not None and ramp is not None:
+        slope = 1.0 / max(ramp * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
     return _whole_forces(u, v, rim, *contacts, friction, slope, flow.touch_width)
 
 

@@ -10,7 +10,7 @@ from math import inf
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact, jump
-from lammps_jump.scene import Block, InletRow, Interval, Scene, Sizes, Wall
+from lammps_jump.scene import InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.scene.chains import boxes, flush
 from lammps_jump.units import numbers_of
 
@@ -272,9 +272,9 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
         return [f"the inflow is subcritical (Fr = {number:.3g}), so that no jump forms; Fr must be above 1"]
     y2 = y1 * jump.belanger(number)
     steps = [
-        (wall.x[0], wall.y[1] - inflow.y)
-        for wall in case.walls
-        if isinstance(wall, Block) and wall.x[0] > inflow.x and wall.y[1] > inflow.y
+        (x[0], y[1] - inflow.y)
+        for x, y in (wall.extent for wall in case.walls if wall.finite and not wall.hollow)
+        if x[0] > inflow.x and y[1] > inflow.y
     ]
     outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None]
     end, sill = min(steps or outlets, default=(inf, 0.0))

@@ -30,7 +30,7 @@ class Motion:
 
     gone: float = inf
 
-    def pose(self, step: int) -> Pose | None:
+    def pose(self, step: float) -> Pose | None:
         """Pose at a step; None once the wall is gone."""
         return Pose() if step < self.gone else None
 

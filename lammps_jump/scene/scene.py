@@ -253,7 +253,7 @@ class Scene(Measures):
 
     def walls_at(self, step: float) -> tuple[Wall, ...]:
         """Walls that are there at a step."""
-        return tuple(wall for wall, motion in self.walls if step < motion.gone)
+        return tuple(wall for wall, motion in self.walls if motion.pose(step) is not None)
 
     def wall(self, name: str) -> Wall:
         """The wall of that name; KeyError for an unknown one."""
