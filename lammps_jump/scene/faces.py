@@ -15,10 +15,13 @@ compare the two. This module is the one of `scene` that imports numba.
 from __future__ import annotations
 
 from math import atan2, floor, inf, pi, sqrt
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+
+from lammps_jump.physics.law import watching
 
 from .chains import (
     AFTER,
@@ -405,17 +408,22 @@ def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, n
     return row, count
 
 
-_ends = njit(cache=True)(_ends_py)
-_at_joint = njit(cache=True)(_at_joint_py)
-_in_front = njit(cache=True)(_in_front_py)
-_candidate = njit(cache=True)(_candidate_py)
-_tangent = njit(cache=True)(_tangent_py)
-_apart = njit(cache=True)(_apart_py)
-_out_of_reach = njit(cache=True)(_out_of_reach_py)
-_plain = njit(cache=True)(_plain_py)
-_behind = njit(cache=True)(_behind_py)
-_away = njit(cache=True)(_away_py)
-_mark_cells = njit(cache=True)(_mark_cells_py)
-_select = njit(cache=True)(_select_py)
-touching = njit(cache=True)(_touching_py)
-list_near = njit(cache=True)(_list_near_py)
+def _compiled(function):
+    """The compiled function; its cache on the disk expires when a constant of ``chains.py`` changes."""
+    return watching(njit(cache=True)(function), Path(__file__).with_name("chains.py"))
+
+
+_ends = _compiled(_ends_py)
+_at_joint = _compiled(_at_joint_py)
+_in_front = _compiled(_in_front_py)
+_candidate = _compiled(_candidate_py)
+_tangent = _compiled(_tangent_py)
+_apart = _compiled(_apart_py)
+_out_of_reach = _compiled(_out_of_reach_py)
+_plain = _compiled(_plain_py)
+_behind = _compiled(_behind_py)
+_away = _compiled(_away_py)
+_mark_cells = _compiled(_mark_cells_py)
+_select = _compiled(_select_py)
+touching = _compiled(_touching_py)
+list_near = _compiled(_list_near_py)
