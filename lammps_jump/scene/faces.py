@@ -26,6 +26,7 @@ from lammps_jump.physics.law import watching
 from .chains import (
     AFTER,
     ARC,
+    ARC_LENGTH,
     AT_END,
     AT_START,
     BEFORE,
@@ -36,6 +37,7 @@ from .chains import (
     ENDLESS,
     FREE,
     KIND,
+    LENGTH,
     LOOP,
     PHI,
     RADIUS,
@@ -295,6 +297,24 @@ def _select_py(codes, shape, near, first, last, px, py, radius, found, which):
     return kept
 
 
+def _foot_at_py(codes, shape, f, px, py):
+    """Arc length of the foot of a point on a face, m, counted along the chain from its start.
+
+    It names a place of the wall whatever the faces: a contact that goes on over a joint changes it by its way alone.
+    """
+    before, behind = _ends(codes, shape, f, px, py)
+    if before:
+        return shape[f, ARC_LENGTH]
+    if behind:
+        return shape[f, ARC_LENGTH] + shape[f, LENGTH]
+    tx, ty = shape[f, TX0], shape[f, TY0]
+    if codes[f, KIND] == SEGMENT:
+        return shape[f, ARC_LENGTH] + tx * (px - shape[f, X0]) + ty * (py - shape[f, Y0])
+    dx, dy, rho = px - shape[f, CX], py - shape[f, CY], shape[f, RADIUS]
+    out = ty * dx - tx * dy if rho > 0.0 else tx * dy - ty * dx  # along the radius at the start
+    return shape[f, ARC_LENGTH] + abs(rho) * atan2(tx * dx + ty * dy, out)
+
+
 def _away_py(codes, shape, f, px, py):
     """Distance of a point to a face, m; negative behind it, where its foot is inside."""
     before, behind = _ends(codes, shape, f, px, py)
@@ -422,6 +442,7 @@ _apart = _compiled(_apart_py)
 _out_of_reach = _compiled(_out_of_reach_py)
 _plain = _compiled(_plain_py)
 _behind = _compiled(_behind_py)
+foot_at = _compiled(_foot_at_py)
 _away = _compiled(_away_py)
 _mark_cells = _compiled(_mark_cells_py)
 _select = _compiled(_select_py)

@@ -10,7 +10,7 @@ import pytest
 from lammps_jump.scene import chains as shapes
 from lammps_jump.scene import faces as rule
 from lammps_jump.scene.chains import Chain, circle, flush, lay
-from lammps_jump.scene.faces import MOST, grid_of, list_near, touching
+from lammps_jump.scene.faces import MOST, foot_at, grid_of, list_near, touching
 from lammps_jump.scene.walls import Block, Box, Plane
 
 R = 0.1
@@ -137,6 +137,28 @@ def test_points_of_an_arc_lie_at_their_distance_from_it():
         assert found[:, 1] == pytest.approx(0.4 * R)
         sign = -1 if inside else 1
         np.testing.assert_allclose(found[:, 2:], sign * np.column_stack([np.cos(angle), np.sin(angle)]), atol=1e-12)
+
+
+def test_the_foot_of_a_contact_is_its_place_along_the_chain():
+    """Segment, arc to the left, segment, arc to the right: feet of points beside each place of the chain."""
+    wall = (Chain(((0, 0), (1, 0), (2, 1), (2, 1.5), (3, 2.5)), (0.0, 1.0, 0.0, -1.0)),)
+    flat = lay([(wall, False)])
+    quarter = pi / 2
+    places = {  # by arc length: point on the chain and normal there
+        0.3: ((0.3, 0.0), (0.0, 1.0)),
+        1.0 + 0.2: ((1.0 + sin(0.2), 1.0 - cos(0.2)), (-sin(0.2), cos(0.2))),
+        1.0 + quarter + 0.1: ((2.0, 1.1), (-1.0, 0.0)),
+        1.5 + quarter + 0.7: ((3.0 - cos(0.7), 1.5 + sin(0.7)), (-cos(0.7), sin(0.7))),
+    }
+    found, which = np.empty((MOST, 4)), np.empty(MOST, np.int64)
+    for sigma, ((x, y), (nx, ny)) in places.items():
+        for away in (0.9 * R, -0.5 * R):
+            px, py = x + away * nx, y + away * ny
+            near = np.arange(len(flat.codes))
+            assert touching(flat.codes, flat.shape, 0, near, 0, len(near), px, py, R, found, which) == 1
+            assert foot_at(flat.codes, flat.shape, which[0], px, py) == pytest.approx(sigma, abs=1e-14)
+    # beyond the ends of a face its foot is the end
+    assert foot_at(flat.codes, flat.shape, 0, 1.4, 0.1) == 1.0 and foot_at(flat.codes, flat.shape, 0, -0.2, 0.1) == 0.0
 
 
 def test_the_sides_of_a_sheet_push_away_from_it():
