@@ -99,6 +99,8 @@ class Scene:
     size_steps : int
         A disc that an inlet or a pour inserts has the largest diameter. At the end of the next step that is a multiple
         of this number it gets its own.
+    slots : int
+        Contacts that a disc remembers; 0: the contact law has no memory.
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     steps : int
@@ -134,6 +136,7 @@ class Scene:
     touch_width: float = 0.0
     sizes: Sizes | None = None
     size_steps: int = 1
+    slots: int = 0
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
