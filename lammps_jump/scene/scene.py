@@ -101,6 +101,8 @@ class Scene:
         of this number it gets its own.
     slots : int
         Contacts that a disc remembers; 0: the contact law has no memory.
+    contact_output : bool
+        The native engine writes the contacts of each frame with their forces (`lammps_jump.dump.contacts`).
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     steps : int
@@ -137,6 +139,7 @@ class Scene:
     sizes: Sizes | None = None
     size_steps: int = 1
     slots: int = 0
+    contact_output: bool = False
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())

@@ -375,6 +375,26 @@ class NativeSimulation:
         d = self.discs
         return np.full(d.n, self.scene.radius) if d.radius is None else self._by_id(d.radius[: d.n])
 
+    def contacts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts now with the forces of the step, as `loops.contacts` lists them; wall w is that of the scene."""
+        scene, d, room, count = self.scene, self.discs, 3 * self.discs.n + 64, -1
+        at_step = *energies.velocities(scene, d), None if d.omega is None else energies.spin(scene, d)
+        seen = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
+        seen = seen if self.step else at_step
+        law = self._law, self._friction, kernels.slope(d.n, seen[0], seen[1], self._sign), self._touch
+        while count < 0:
+            who, found = np.empty((room, 2), np.int64), np.empty((room, 5))
+            count = kernels.contacts(
+                d.ids, *self._list(), d.x, d.y, d.radius, *seen, *at_step, self.walls.faces, self.walls.near, *law, who,
+                found,
+            )  # fmt: skip
+            room *= 2
+        names = [wall.name for wall, _ in scene.walls]
+        numbers = np.array([0, *(-1 - names.index(name) for name in self.walls.names)])
+        other = who[:count, 1]
+        other[:] = np.where(other < 0, numbers[np.maximum(-other, 0)], other)
+        return who[:count], found[:count]
+
     def energy(self) -> Energy:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now."""
         return energies.energy_of(self.scene, self.discs, self._elastic())
