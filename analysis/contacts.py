@@ -15,8 +15,9 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.physics.law import contact_force, normal_force, stored_energy, watching_law
 from lammps_jump.physics.slip import SIGN_RAMP
-from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
+from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.faces import touching as touching_faces
+from lammps_jump.scene.near import Grid, grid_of, list_near
 from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs

@@ -16,6 +16,7 @@ import pytest
 
 from lammps_jump.engines import plugin as plugin_package
 from lammps_jump.scene import faces as rule
+from lammps_jump.scene import near
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import SMOOTH_TURN, Chain, boxes, circle
 from lammps_jump.scene.motion import MovingWall
@@ -110,11 +111,11 @@ def points_near(wall, generator):
 def expected_contacts(wall, points, radius):
     """Contacts of every point with the wall: a list of arrays with rows of gap and normal."""
     flat = wall.faces
-    near = np.arange(len(flat.codes))
+    every = np.arange(len(flat.codes))
     found, which = np.empty((rule.MOST, 4)), np.empty(rule.MOST, np.int64)
     answer = []
     for x, y in points:
-        kept = rule.touching(flat.codes, flat.shape, flat.deep[0], near, 0, len(near), x, y, radius, found, which)
+        kept = rule.touching(flat.codes, flat.shape, flat.deep[0], every, 0, len(every), x, y, radius, found, which)
         answer.append(found[:kept, :3].copy())
     return answer
 
@@ -176,7 +177,7 @@ def test_constants_of_the_plugin_are_those_of_the_package():
     value = {
         name: re.search(rf" {name} = ([^;]+);", header)[1] for name in ("MOST", "FEW", "MOST_CELLS", "SMOOTH_TURN")
     }
-    assert (int(value["MOST"]), int(value["FEW"])) == (rule.MOST, rule.FEW)
-    assert float(value["MOST_CELLS"]) == rule.MOST_CELLS
+    assert (int(value["MOST"]), int(value["FEW"])) == (rule.MOST, near.FEW)
+    assert float(value["MOST_CELLS"]) == near.MOST_CELLS
     assert float(value["SMOOTH_TURN"]) * pi / 180.0 * (1 + 1e-6) == rule.SAME_TURN
     assert radians(float(value["SMOOTH_TURN"])) == SMOOTH_TURN

@@ -9,8 +9,10 @@ import pytest
 
 from lammps_jump.scene import chains as shapes
 from lammps_jump.scene import faces as rule
+from lammps_jump.scene import near
 from lammps_jump.scene.chains import Chain, circle, flush, lay
-from lammps_jump.scene.faces import MOST, foot_at, grid_of, list_near, touching
+from lammps_jump.scene.faces import MOST, foot_at, touching
+from lammps_jump.scene.near import grid_of, list_near
 from lammps_jump.scene.walls import Block, Box, Plane
 
 R = 0.1
@@ -181,7 +183,8 @@ def test_two_walls_that_meet_flush_are_found():
 def test_what_is_compiled_expires_with_the_constants_of_chains():
     """numba watches a function's own file alone, and compiles constants of other files into it."""
     status = Path(shapes.__file__).stat()
-    compiled = [value for value in vars(rule).values() if hasattr(value, "py_func")]
-    assert touching in compiled and len(compiled) > 10
+    compiled = [value for file in (rule, near) for value in vars(file).values() if hasattr(value, "py_func")]
+    assert touching in compiled and list_near in compiled and len(compiled) > 10
     for function in compiled:
         assert (status.st_mtime, status.st_size) in function._cache._cache_file._source_stamp, function
+    assert rule.away._cache._cache_file._source_stamp in list_near._cache._cache_file._source_stamp

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Contact of a disc with a wall of faces: which faces push, from where, and how they are found.
 
-   lammps_jump/scene/faces.py holds the same rule and states it; tests compare the two. The operations and their order are
-   the same, so that both find the same contacts to the last bit. */
+   lammps_jump/scene/faces.py and near.py hold the same rule and state it; tests compare the two. The operations and their
+   order are the same, so that both find the same contacts to the last bit. */
 
 #ifndef JUMP_FACES_H
 #define JUMP_FACES_H
