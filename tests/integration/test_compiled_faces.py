@@ -172,6 +172,27 @@ def test_the_plugins_rule_is_the_packages(evaluate, wall):
     assert [fx, fy, mz] == pytest.approx([*-force.sum(axis=0), moment], abs=1e-12 * total)
 
 
+def test_at_the_border_of_face_and_joint_the_plugin_has_one_contact(evaluate):
+    """20,000 points within 1e-17 to 1e-8 d of the normals at eighty joints, convex and smooth, in front."""
+    rng, count = np.random.default_rng(9), 20_000
+    turns = np.tile([-1e-6, -0.02, -0.06, 0.01, 0.05], 16)
+    angle = np.append(0.0, np.cumsum(turns))
+    ends = np.cumsum(np.vstack([(-8.0, 0.0), D * np.column_stack([np.cos(angle), np.sin(angle)])]), axis=0)
+    which = rng.integers(len(turns), size=count)
+    at = angle[which + rng.integers(2, size=count)]  # the normal of the face before, or of that behind
+    away = rng.uniform(0.01, 0.99, count) * 0.5 * D
+    off = D * 10.0 ** rng.uniform(-17, -8, count) * rng.choice([-1, 1], count)
+    points = ends[which + 1] + (away * [-np.sin(at), np.cos(at)] + off * [np.cos(at), np.sin(at)]).T
+    wall = Drawn("joints", (Chain(tuple(map(tuple, ends))),))
+    contacts = expected_contacts(wall, points, 0.5 * D)
+    assert {len(rows) for rows in contacts} == {1}
+    gap, nx, ny = np.array([rows[0] for rows in contacts]).T
+    force, _ = evaluate(wall, points)
+    # none would be 0, two twice as much
+    expected = STIFFNESS * (0.5 * D - gap) * np.array([nx, ny])
+    assert np.abs(force - expected.T).max() < 1e-12 * STIFFNESS * D
+
+
 def test_constants_of_the_plugin_are_those_of_the_package():
     header = (Path(plugin_package.__file__).parent / "faces.h").read_text()
     value = {
