@@ -177,11 +177,27 @@ def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, w
     touch = 0
     for p in range(first, last):
         f = near[p]
-        if _out_of_reach(codes, shape, f, px, py, radius, -radius):
-            continue
-        place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+        place = NOWHERE
+        if codes[f, KIND] == SEGMENT:  # as `_candidate`, without a call: most faces near a disc have no candidate
+            tx, ty, dx, dy = shape[f, TX0], shape[f, TY0], px - shape[f, X0], py - shape[f, Y0]
+            line = tx * dy - ty * dx
+            if line >= radius or line <= -radius:
+                continue
+            start, end = codes[f, AT_START], codes[f, AT_END]
+            if tx * dx + ty * dy <= 0.0 and start != ENDLESS:
+                if start != FREE and start != CORNER:
+                    continue
+            elif tx * (px - shape[f, X1]) + ty * (py - shape[f, Y1]) >= 0.0 and end != ENDLESS:
+                g = codes[f, AFTER]
+                if end != FREE and end != CORNER:
+                    if shape[g, TX0] * (px - shape[g, X0]) + shape[g, TY0] * (py - shape[g, Y0]) > 0.0:
+                        continue
+            else:
+                place, gap, nx, ny = INSIDE, line, -ty, tx
         if place == NOWHERE:
-            continue
+            place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+            if place == NOWHERE:
+                continue
         away = abs(gap)
         if away < abs(nearest) or (away == abs(nearest) and gap > nearest):
             nearest = gap
@@ -278,9 +294,9 @@ def _away_py(codes, shape, f, px, py):
     return min(first, _at_joint(shape, f, True, True, px, py)[0] if behind else inf)
 
 
-def _compiled(function):
+def _compiled(function, **options):
     """The compiled function; its cache on the disk expires when a constant of ``chains.py`` changes."""
-    return watching(njit(cache=True)(function), Path(__file__).with_name("chains.py"))
+    return watching(njit(cache=True, **options)(function), Path(__file__).with_name("chains.py"))
 
 
 _ends = _compiled(_ends_py)
@@ -295,3 +311,5 @@ foot_at = _compiled(_foot_at_py)
 away = _compiled(_away_py)
 _select = _compiled(_select_py)
 touching = _compiled(_touching_py)
+# for the one loop that calls it at each step: the call takes a quarter of the time
+touching_inline = _compiled(_touching_py, inline="always")

@@ -31,6 +31,7 @@ from numba import njit
 from lammps_jump.physics.law import contact_force, stored_energy, watching_law
 from lammps_jump.scene.chains import TX0, TY0, X0, Y0
 from lammps_jump.scene.faces import touching as wall_contacts
+from lammps_jump.scene.faces import touching_inline
 
 DONE, HELD, OLD = 0, 1, 2
 
@@ -290,7 +291,7 @@ def _wall_forces_py(
             count, gap, nx, ny = 1, 0.0, 0.0, 0.0
             several = plain[row] == 0
             if several:
-                count = wall_contacts(
+                count = touching_inline(
                     codes, shape, deep[wall], listed, last[row], last[row + 1], x[i], y[i], own, found, which
                 )
             else:

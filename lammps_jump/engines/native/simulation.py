@@ -118,8 +118,8 @@ class NativeSimulation:
         """Walls that are there now; sums of the window go on, also those of one that has just been taken away."""
         if hasattr(self, "walls"):
             self._carry_window_over()
-        # within R + skin: enough even for half a skin moved before and half after
-        reach = 0.5 * self.scene.largest + self.skin
+        # from where the discs were when their list was made, they have moved by half a skin at most
+        reach = 0.5 * (self.scene.largest + self.skin)
         self.walls = Walls(self.scene.walls_at(self.step), self.scene.largest, reach)
 
     def _carry_window_over(self) -> None:
@@ -271,7 +271,7 @@ class NativeSimulation:
             self._check_overlap()
 
     def _list_walls(self) -> None:
-        self.walls.list_discs(self.discs.n, self.discs.x, self.discs.y)
+        self.walls.list_discs(self.discs.n, self.discs.x0, self.discs.y0)
 
     def _list_newcomers(self, before: int) -> int:
         """Complete the lists for discs that have rows of their own, from row `before` on; their first row."""
