@@ -151,6 +151,10 @@ class Scene(Measures):
     size_steps : int
         A disc that an inlet or a pour inserts has the largest diameter. At the end of the next step that is a multiple
         of this number it gets its own.
+    slots : int
+        Contacts that a disc remembers; 0: the contact law has no memory.
+    contact_output : bool
+        The native engine writes the contacts of each frame with their forces (`lammps_jump.dump.contacts`).
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     steps : int
@@ -186,6 +190,8 @@ class Scene(Measures):
     touch_width: float = 0.0
     sizes: Sizes | None = None
     size_steps: int = 1
+    slots: int = 0
+    contact_output: bool = False
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())

@@ -30,7 +30,7 @@ from numba import njit
 
 from lammps_jump.physics.law import contact_force, stored_energy, watching_law
 from lammps_jump.scene.chains import TX0, TY0, X0, Y0
-from lammps_jump.scene.faces import touching
+from lammps_jump.scene.faces import touching, touching_inline
 
 
 class Law(NamedTuple):
@@ -297,7 +297,7 @@ def _wall_forces_py(
             count, gap, nx, ny = 1, 0.0, 0.0, 0.0
             several = plain[row] == 0
             if several:
-                count = touching(
+                count = touching_inline(
                     codes, shape, deep[wall], listed, last[row], last[row + 1], x[i], y[i], own, found, which
                 )
             else:
@@ -489,6 +489,78 @@ def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near
     return pairs + walls, worst, where, met
 
 
+def _contacts_py(
+    ids, rows, owner, start, neighbours, x, y, radius, ux, uy, turned, vx, vy, omega, faces, near, law, friction,
+    inverse_eps, touch, who, found,
+):  # fmt: skip
+    """List the contacts with their forces: the number of contacts, or -1 where `who` and `found` are too short.
+
+    Forces are those of the step: with the velocities ux, uy (m/s) and `turned` (rad/s) that they saw. The power that
+    dashpots and friction take is with those at the step, vx, vy and `omega`: dt times their sum is what the energy
+    balance books for the kick. ``who[k]`` takes the id of the disc that the force acts on and that of the other, or
+    -1 - wall; ``found[k]`` the point (m), the force (N per m of width) and the power (W per m of width).
+    """
+    count = 0
+    for row in range(rows):
+        i = row if owner is None else owner[row]
+        a = 0.5 * law.diameter if radius is None else radius[i]
+        for p in range(start[row], start[row + 1]):
+            j = neighbours[p]
+            b = a if radius is None else radius[j]
+            dx, dy = x[i] - x[j], y[i] - y[j]
+            r2 = dx * dx + dy * dy
+            if r2 >= (a + b) * (a + b):
+                continue
+            if count == who.shape[0]:
+                return -1
+            r = sqrt(r2)
+            nx, ny, overlap = dx / r, dy / r, a + b - r
+            size = 1.0 if radius is None else _pair_size(a, b)
+            numbers = (law.stiffness, law.damping * size, law.tangential * size)
+            rim = turn = 0.0
+            if omega is not None:
+                dent = 0.0 if radius is None else 0.5 * overlap
+                rim = a * turned[i] + b * turned[j]
+                turn = (a - dent) * omega[i] + (b - dent) * omega[j]
+            slip = (ux[i] - ux[j], uy[i] - uy[j])
+            px, py, rub, dash = contact_force(overlap, (nx, ny), slip, rim, numbers, friction, inverse_eps, touch)
+            sx, sy = vx[i] - vx[j], vy[i] - vy[j]
+            who[count, 0], who[count, 1] = ids[i], ids[j]
+            way = a - 0.5 * overlap
+            _put(found[count], x[i] - way * nx, y[i] - way * ny, px, py, nx, ny, sx, sy, dash, rub, turn)
+            count += 1
+    for wall in range(faces.deep.size):
+        for row in range(near.rows[wall], near.rows[wall + 1]):
+            i = near.discs[row]
+            a = 0.5 * law.diameter if radius is None else radius[i]
+            several = touching(
+                faces.codes, faces.shape, faces.deep[wall], near.faces, near.last[row], near.last[row + 1], x[i], y[i],
+                a, near.found, near.which,
+            )  # fmt: skip
+            if count + several > who.shape[0]:
+                return -1
+            size = 1.0 if radius is None else a
+            numbers = (law.stiffness_wall, law.damping_wall * size, law.tangential_wall * size)
+            rim = turn = 0.0
+            if omega is not None:
+                rim, turn = a * turned[i], a * omega[i]
+            for contact in range(several):
+                gap, nx, ny = near.found[contact, 0], near.found[contact, 1], near.found[contact, 2]
+                px, py, rub, dash = contact_force(
+                    a - gap, (nx, ny), (ux[i], uy[i]), rim, numbers, friction, inverse_eps, touch
+                )
+                who[count, 0], who[count, 1] = ids[i], -1 - wall
+                _put(found[count], x[i] - gap * nx, y[i] - gap * ny, px, py, nx, ny, vx[i], vy[i], dash, rub, turn)
+                count += 1
+    return count
+
+
+def _put_py(row, x, y, px, py, nx, ny, sx, sy, dash, rub, turn):
+    """A row of `found`: point, force, and the power of dashpot and friction at this slip and turn of the rims, m/s."""
+    row[0], row[1], row[2], row[3] = x, y, px, py
+    row[4] = -dash * (nx * sx + ny * sy) - rub * (nx * sy - ny * sx - turn)
+
+
 def _give_sizes_py(
     known, new, n, ids, x, y, radius, vx, vy, fx, fy, omega, torque, motion, dash_x, dash_y, slide_x, slide_y,
 ):  # fmt: skip
@@ -541,4 +613,6 @@ _cell_pairs = njit(cache=True)(_cell_pairs_py)
 advance = watching_law(njit(cache=True)(_advance_py), touching)
 cell_pairs = _cell_pairs
 elastic = watching_law(njit(cache=True)(_elastic_py), touching)
+_put = njit(cache=True)(_put_py)
+contacts = watching_law(njit(cache=True)(_contacts_py), touching)
 give_sizes = njit(cache=True)(_give_sizes_py)

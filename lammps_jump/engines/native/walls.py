@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lammps_jump.scene.chains import Faces, lay
-from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
+from lammps_jump.scene.faces import MOST
+from lammps_jump.scene.near import Grid, grid_of, list_near
 from lammps_jump.scene.walls import Wall
 
 from .loops import Near

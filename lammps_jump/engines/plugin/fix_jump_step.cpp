@@ -102,8 +102,9 @@ void FixJumpStep::init()
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
   if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
   sized = 0;
-  for (auto &wall : walls)
-    wall.near.prepare(wall.faces, 0.5 * pair->largest, NEAR_MARGIN * pair->diameter, pair->diameter);
+  const bool many = std::any_of(walls.begin(), walls.end(), [](const Wall &w) { return w.faces.faces.size() > jump::FEW; });
+  near_margin = (many ? NEAR_MARGIN_OF_MANY : NEAR_MARGIN) * pair->diameter;
+  for (auto &wall : walls) wall.near.prepare(wall.faces, 0.5 * pair->largest, near_margin, pair->diameter);
   friction = jump::friction_of(mu, gamma_t, pair->sign, pair->spin);
   law = jump::make_law(k, gamma, gamma_t, mu, pair->mass, 0.5 * pair->diameter, pair->width);
 }

@@ -117,8 +117,10 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
       const int i = near.discs[r], first = near.last[r], count = near.last[r + 1] - first;
       const double x = disc[i].x, y = disc[i].y;
       if (SIZES) reach = pair->radii[i];
-      const jump::Face &face = wall.faces.faces[near.near[first]];
-      if (count == 1 && face.kind == jump::SEGMENT) {    // most rows; the same as below
+      const int *const listed = &near.near[first];
+      const int only = count == 1 ? listed[0] : wall.faces.deep ? -1 : wall.faces.only(listed, count, x, y, reach);
+      if (only >= 0 && wall.faces.faces[only].kind == jump::SEGMENT) {    // most rows; the same as below
+        const jump::Face &face = wall.faces.faces[only];
         const double gap = face.off_line(x, y);
         if (gap >= reach) continue;
         if (gap > ON_FACE && face.is_beside(x, y)) {
@@ -127,7 +129,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
           continue;
         }
       }
-      const int contacts = wall.faces.touching(&near.near[first], count, x, y, reach, found);
+      const int contacts = wall.faces.touching(listed, count, x, y, reach, found);
       for (int c = 0; c < contacts; c++) {
         const auto &at = found[c];
         if (at.gap > ON_FACE) {
@@ -147,7 +149,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
 
 void FixJumpStep::post_force(int)
 {
-  if (near_order != pair->order || update->setupflag || !(near_moved < NEAR_MARGIN * pair->diameter)) find_near();
+  if (near_order != pair->order || update->setupflag || !(near_moved < near_margin)) find_near();
   law.eps = jump::SIGN_RAMP * pair->largest_speed;
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
   jump::with_branch(friction, pair->touch, [&](auto f, auto t) {
