@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import ceil, log2
 
 from lammps_jump.files import DUMP_NAMES
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
@@ -26,8 +27,8 @@ def lacking(scene: Scene) -> str:
     """What the styles of LAMMPS lack of a scene, as the case says it; empty where they do."""
     if scene.touch == "smooth":
         return "'touch: smooth'"
-    if scene.friction_law == "sign" and scene.coefficients.friction > 0:
-        return "'friction_law: sign'"
+    if scene.coefficients.friction > 0 and not FRICTION_LAWS[scene.friction_law].in_stock:
+        return f"'friction_law: {scene.friction_law}'"
     return next((f"wall like '{wall.name}', a {type(wall).__name__}" for wall in unwritten(scene)), "")
 
 
