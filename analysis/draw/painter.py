@@ -19,7 +19,7 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.walls import Interval, Wall
 
-from .chart import thin
+from .chart import parts_of, thin
 from .scope import disc_speeds
 
 PAPER = (255, 255, 255)
@@ -73,7 +73,7 @@ def blank(view: View) -> np.ndarray:
 
 
 def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates: tuple[Wall, ...] = ()) -> None:
-    """Walls as grey solids, what has no thickness as bars; of gates without end a bar behind the face."""
+    """Walls as grey solids, sheets as bars; of open lines and of gates without end a bar behind the faces."""
     solid = np.zeros(picture.shape[:2], bool)
     for wall in (*walls, *(gate for gate in gates if gate.finite)):
         solid |= _solid(wall, view)
@@ -100,11 +100,14 @@ def _solid(wall: Wall, view: View) -> np.ndarray:
     """Pixels whose centre is in the solid of a wall, or near one of its faces without thickness."""
     wide = tuple((low - (high - low), high + (high - low)) for low, high in (view.x, view.y))
     turns, bars = np.zeros((view.height, view.width + 1), bool), np.zeros((view.height, view.width), bool)
-    for polygon in wall.outline(*wide):
+    outlines, lines = parts_of(wall, *wide)
+    for polygon in outlines:
         if thin(polygon):
             _mark_near(polygon, view, bars)
         else:
             _mark_turns(polygon, view, turns)
+    for line in lines:
+        _mark_near(line, view, bars, behind=True)
     return bars | (np.logical_xor.accumulate(turns, axis=1)[:, :-1] ^ wall.hollow)
 
 
@@ -119,9 +122,9 @@ def _mark_turns(polygon: np.ndarray, view: View, turns: np.ndarray) -> None:
         turns[rows, np.clip(np.ceil(crossing - 0.5), 0, view.width).astype(int)] ^= True
 
 
-def _mark_near(polygon: np.ndarray, view: View, bars: np.ndarray) -> None:
-    """Mark the pixels within half a bar of a line."""
-    half = 0.5 * BAR / view.scale
+def _mark_near(polygon: np.ndarray, view: View, bars: np.ndarray, *, behind: bool = False) -> None:
+    """Mark the pixels within half a bar of a line; within a whole one, right of it, if they are to be `behind`."""
+    near = (1.0 if behind else 0.5) * BAR / view.scale
     for (x0, y0), (x1, y1) in pairwise(polygon):
         columns = _pixels(view.column([x0, x1]), view.width)
         rows = _pixels(view.row([y0, y1]), view.height)
@@ -129,7 +132,8 @@ def _mark_near(polygon: np.ndarray, view: View, bars: np.ndarray) -> None:
         square = (x1 - x0) ** 2 + (y1 - y0) ** 2
         along = np.clip(((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / (square or 1.0), 0.0, 1.0)
         off = np.hypot(x - x0 - along * (x1 - x0), y - y0 - along * (y1 - y0))
-        bars[rows, columns] |= off <= half
+        right = (x1 - x0) * (y - y0) <= (y1 - y0) * (x - x0)
+        bars[rows, columns] |= (off <= near) & (right | (not behind))
 
 
 def _pixels(ends: np.ndarray, size: int) -> slice:

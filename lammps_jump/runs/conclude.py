@@ -170,7 +170,7 @@ class Conclusion:
     def _analyse(self, stored: Mapping[str, Any], ahead: Ahead | None = None) -> str:
         """Check and analyse, for the first time with `ahead`; what the analysis could not do, in words."""
         folder, note, trouble = self.folder, self.result.message if ahead is None else "", ""
-        check, flow = FrameCheck(self.case.scene()), runs.results.flow_of(self.case)
+        check, flow = FrameCheck(self.case.scene()), runs.results.flow_of(self.case, folder)
         packer = runs.results.packer_for(self.case, flow)
         with staging(folder) as stage:
             try:

@@ -70,8 +70,8 @@ class Found:
         return {name: quantities.QUANTITIES[name].summary(result) for name, result in self.results.items()}
 
 
-def flow_of(case: ReadCase) -> Flow:
-    """The flow of a case, with the bins and the window that it asks for.
+def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
+    """The flow of a case, with the bins and the window that it asks for; `folder` is that of its run.
 
     The contacts of a frame are found once for all who have the same flow.
     """
@@ -84,6 +84,7 @@ def flow_of(case: ReadCase) -> Flow:
         inflow_depth=rows.depth if rows else None,
         inflow_speed=rows.velocity if rows else None,
         water=asked.front == "water",
+        folder=folder,
     )
 
 
@@ -137,7 +138,7 @@ def analyse(
 
 def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
     """Every analysis of a run folder, whether the case asks for it or not; nothing is written."""
-    gathered = quantities.collect(flow_of(case), read_dump(folder), [folder], quantities.QUANTITIES)
+    gathered = quantities.collect(flow_of(case, folder), read_dump(folder), [folder], quantities.QUANTITIES)
     results = {name: quantity.analyse(gathered) for name, quantity in quantities.QUANTITIES.items()}
     known = {name: result for name, result in results.items() if result is not None}
     return Found(gathered, known, tuple(dict.fromkeys(gathered.warnings)))
@@ -234,7 +235,8 @@ def _flow(
 ) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is not None:
-        return from_scene(case.scene(), bin_width=bin_width, water=case.fields.analysis.front == "water")
+        water = case.fields.analysis.front == "water"
+        return from_scene(case.scene(), bin_width=bin_width, water=water, folder=path.parent)
     known = {"diameter": diameter, "density": density or 1000.0, "time_step": time_step, "bin_width": bin_width}
     return from_dump(open_dump(path), **known)
 

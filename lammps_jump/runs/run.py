@@ -293,7 +293,7 @@ class Run:
         if path is None:
             require_replaceable(self.folder, "report.html")
         with nullcontext() if path else locked(self.folder):
-            packer = runs.results.packed(runs.results.flow_of(self.case), self.folder)
+            packer = runs.results.packed(runs.results.flow_of(self.case, self.folder), self.folder)
             return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
 
     def compare(self, other: Run, path: str | Path) -> Path:
@@ -307,7 +307,7 @@ class Run:
             The page cannot be written.
         """
         return _compare(
-            [(run.folder, run.summary, runs.results.flow_of(run.case)) for run in (self, other)], Path(path)
+            [(run.folder, run.summary, runs.results.flow_of(run.case, run.folder)) for run in (self, other)], Path(path)
         )
 
     def __repr__(self) -> str:
@@ -331,7 +331,7 @@ def compare_folders(first: Path, second: Path, path: Path) -> Path:
             sides.append((folder, runs.results.summary_of_dump(folder), runs.results.flow_of_dump(folder)))
         else:
             run = open_run(folder)
-            sides.append((folder, run.summary, runs.results.flow_of(run.case)))
+            sides.append((folder, run.summary, runs.results.flow_of(run.case, folder)))
     return _compare(sides, path)
 
 

@@ -64,7 +64,7 @@ def test_walls_and_gates_are_closed_polygons(tmp_path):
     shut = gate(Block("gate", (5, 5), (0, 3)), 2000)
     walls = (*WALLS, Box("box", (0, 29), (-3, 9)), Plane("lid", "y", 9, "below"), shut)
     found = header(tmp_path, walls=walls, time_step=1e-3)
-    assert [(wall["name"], wall["hollow"], len(wall["points"])) for wall in found["walls"]] == [
+    assert [(wall["name"], wall["hollow"], *map(len, wall["outlines"])) for wall in found["walls"]] == [
         ("floor", False, 4), ("sill", False, 4), ("box", True, 4), ("lid", False, 4),
     ]  # fmt: skip
     assert [(gate["name"], gate["until"]) for gate in found["gates"]] == [("gate", pytest.approx(2.0))]
