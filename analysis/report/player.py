@@ -15,7 +15,7 @@ from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.errors import DumpError
 from lammps_jump.files import text_of
 from lammps_jump.physics.jump import sequent_depth
-from lammps_jump.scene.motion import STILL, MovingWall
+from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.walls import Interval
 
 from .frames import FramePacker
@@ -89,7 +89,7 @@ def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval
         return shape
     pushed = packer.flow.poses.at if motion.load and packer.flow.poses else lambda time: {}
     steps = [(time, packer.flow.step_at(time)) for time in packer.times]
-    poses = [pushed(time).get(wall.name) or motion.pose(step) or STILL for time, step in steps]
+    poses = [pushed(time).get(wall.name) or motion.pose(step) or Pose() for time, step in steps]
     fine = int(3 - np.floor(np.log10(packer.q)))  # thousandths of a quantum of the discs
     ways = (np.round(way, places) for way, places in zip(np.array(poses).T, (fine, fine, 6), strict=True))
     return {**shape, "about": motion.about, **dict(zip(("x", "y", "angle"), ways, strict=True))}

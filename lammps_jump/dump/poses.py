@@ -67,7 +67,7 @@ class PoseFile:
                 size = os.fstat(file.fileno()).st_size
                 if size > MOST_POSES:
                     raise DumpError(
-                        f"{self.path}: has {size} bytes; at most {MOST_POSES} are read: write fewer frames."
+                        f"{self.path}: has {size} bytes, at most {MOST_POSES} are read; write fewer frames."
                     )
                 file.seek(self._read)
                 data = file.read(max(0, size - self._read))
@@ -92,8 +92,8 @@ class PoseFile:
                 raise ValueError
         except (ValueError, TypeError, KeyError):
             raise DumpError(
-                f"{self.path}, line {self._line}: {line[:60]!r} is no row of {POSES_HEADER}: allowed are finite numbers, "
-                f"growing times and the walls {', '.join(self._times)}."
+                f"{self.path}, line {self._line}: {line[:60]!r} is no row of {POSES_HEADER}: allowed are finite "
+                f"numbers, growing times and the walls {', '.join(self._times)}."
             ) from None
         times.append(time)
         self._poses[name].append(pose)

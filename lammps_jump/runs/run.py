@@ -25,7 +25,7 @@ from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
 from .summary import compose, read_summary
-from .view import case_html, number_table
+from .view import case_html, number_table, write_preview
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -104,6 +104,7 @@ class Case(ReadCase):
     """
 
     run = run  # a method too: case.run(folder, …)
+    preview = write_preview
 
     def _repr_html_(self) -> str:
         return case_html(self.name, self.scene())
