@@ -6,15 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
-from typing import NamedTuple
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyArrowPatch, PathPatch, Polygon, Rectangle
+from matplotlib.patches import PathPatch, Polygon, Rectangle
 from matplotlib.path import Path as Way
-from matplotlib.patheffects import withStroke
 
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.quoting import figure_text
@@ -23,13 +20,9 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Wall, rectangle
 
 from .chart import parts_of, thin
-from .labels import Label, place_labels
+from .labels import DOTS, HIGHEST, NARROWEST, Drawing
 from .style import BLACK, BLUE, GREY, RED, WALL, style
 
-WIDEST, NARROWEST, HIGHEST, DOTS = 1320, 640, 640, 120
-"""Pixels of what is shown: most and least width, most height; and those of an inch."""
-LEFT, RIGHT, BELOW, ABOVE = 70, 20, 60, 44
-"""Pixels around the axes."""
 FLATTEST, TALLEST = 0.26, HIGHEST / NARROWEST
 """Least and most height of what is shown, in its lengths."""
 DISC, RIM = "#a9c4e4", "#4f7cb3"
@@ -57,78 +50,6 @@ class Region:
     y: Interval
 
 
-class _Named(NamedTuple):
-    """A label that waits for its place."""
-
-    text: str
-    place: tuple[float, float]
-    colour: str
-    on: tuple[Interval, Interval]
-
-
-class _Drawing:
-    """A drawing to scale that grows: what is put in is drawn at once, but for labels, which are placed at the end."""
-
-    def __init__(self, x: Interval, y: Interval):
-        self.x, self.y = x, y
-        self.scale = min(WIDEST / (x[1] - x[0]), HIGHEST / (y[1] - y[0]))
-        wide, high = self.scale * (x[1] - x[0]), self.scale * (y[1] - y[0])
-        size = wide + LEFT + RIGHT, high + ABOVE + BELOW
-        self.figure = Figure(figsize=(size[0] / DOTS, size[1] / DOTS), dpi=DOTS)
-        self.canvas = FigureCanvasAgg(self.figure)
-        self.axes = self.figure.add_axes((LEFT / size[0], BELOW / size[1], wide / size[0], high / size[1]))
-        self.axes.set(xlim=x, ylim=y, xlabel="x [m]", ylabel="y [m]")
-        self.axes.grid(False)
-        self.size = wide, high
-        self.labels: list[_Named] = []
-        self.busy: list[tuple[float, float, float, float]] = []
-
-    def label(self, text: str, x: float, y: float, colour: str = BLACK, *, on: tuple[Interval, Interval] | None = None):
-        """A text for a point, m; in the middle of the rectangle `on` instead, if it fits there."""
-        place = float(np.clip(x, *self.x)), float(np.clip(y, *self.y))
-        self.labels.append(_Named(figure_text(text), place, colour, on or ((0.0, 0.0), (0.0, 0.0))))
-
-    def keep_free(self, x: Interval, y: Interval) -> None:
-        """No label had better cover this rectangle, m."""
-        ends = np.array([x[0] - self.x[0], x[1] - self.x[0], y[0] - self.y[0], y[1] - self.y[0]])
-        self.busy.append(tuple((ends * self.scale).tolist()))
-
-    def arrow(self, points: np.ndarray, colour: str, width: float = 1.6, head: float = 13.0) -> None:
-        """An arrow along points, shape (n, 2), m."""
-        look = {"arrowstyle": "-|>", "mutation_scale": head, "capstyle": "butt", "joinstyle": "miter"}
-        self.axes.add_patch(FancyArrowPatch(path=Way(points), color=colour, lw=width, zorder=5, **look))
-        (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
-        pad = 3 / self.scale
-        self.keep_free((x0 - pad, x1 + pad), (y0 - pad, y1 + pad))
-
-    def write_labels(self) -> None:
-        """Place all labels; where one stands away from its point, a line leads there."""
-        halo = [withStroke(linewidth=2.5, foreground="white")]
-        look = {"fontsize": 8.5, "path_effects": halo, "va": "bottom", "zorder": 8}
-        texts = [self.axes.text(0, 0, one.text, color=one.colour, **look) for one in self.labels]
-        renderer = self.canvas.get_renderer()
-        sizes = [text.get_window_extent(renderer) for text in texts]
-        asked = []
-        for one, size in zip(self.labels, sizes, strict=True):
-            fits = bool((self.scale * np.ptp(one.on, axis=1) > (size.width + 4, size.height)).all())
-            x, y = np.mean(one.on, axis=1) if fits else one.place
-            asked.append(
-                Label((x - self.x[0]) * self.scale, (y - self.y[0]) * self.scale, size.width, size.height, fits)
-            )
-        places = place_labels(asked, *self.size, self.busy)
-        for text, label, place in zip(texts, asked, places, strict=True):
-            if place is None:
-                text.remove()  # the table of the page names it
-                continue
-            left, low = place
-            text.set_position((self.x[0] + left / self.scale, self.y[0] + low / self.scale))
-            near = np.clip(label.x, left, left + label.wide), np.clip(label.y, low, low + label.high)
-            if hypot(near[0] - label.x, near[1] - label.y) > 10:
-                ends = [np.array(self.x[:1]) + np.array([label.x, near[0]]) / self.scale,
-                        np.array(self.y[:1]) + np.array([label.y, near[1]]) / self.scale]  # fmt: skip
-                self.axes.plot(*ends, color=text.get_color(), lw=0.7, zorder=7, scalex=False, scaley=False)
-
-
 def preview(scene: Scene, regions: Sequence[Region] = (), *, sequent: float | None = None) -> Figure:
     """Picture of a scene before it is run.
 
@@ -142,7 +63,7 @@ def preview(scene: Scene, regions: Sequence[Region] = (), *, sequent: float | No
     """
     walls = [(one, _way(one, scene)) for one in scene.walls]
     with style():
-        drawing = _Drawing(*_shown(scene, walls, regions, sequent))
+        drawing = Drawing(*_shown(scene, walls, regions, sequent))
         _draw_domain(drawing, scene)
         _draw_discs(drawing, scene, regions)
         for one, way in sorted(walls, key=lambda pair: not pair[0].wall.hollow):
@@ -224,7 +145,7 @@ def _proportioned(x: Interval, y: Interval) -> tuple[Interval, Interval]:
     return (x[0] - more, x[1] + more), y
 
 
-def _draw_domain(drawing: _Drawing, scene: Scene) -> None:
+def _draw_domain(drawing: Drawing, scene: Scene) -> None:
     (x0, x1), (y0, y1) = scene.domain
     drawing.axes.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, ec=GREY, ls=(0, (2, 3)), lw=1.0, zorder=0))
 
@@ -233,7 +154,7 @@ def _span(ends: Interval) -> str:
     return f"{ends[0]:.4g} … {ends[1]:.4g}".replace("-", "\N{MINUS SIGN}")
 
 
-def _draw_discs(drawing: _Drawing, scene: Scene, regions: Sequence[Region]) -> None:
+def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> None:
     """Discs at the start, with the mean velocity of those of a region."""
     x, y = scene.positions.T
     every = -(-len(x) // MOST_DISCS) or 1
@@ -261,7 +182,7 @@ def _draw_discs(drawing: _Drawing, scene: Scene, regions: Sequence[Region]) -> N
         drawing.label(f"pour, {pour.count} discs", float(np.mean(pour.x)), pour.y[1], BLUE)
 
 
-def _draw_movers(drawing: _Drawing, scene: Scene, regions: Sequence[Region]) -> None:
+def _draw_movers(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> None:
     """Arrows of single discs that move at the start."""
     speed = np.hypot(*scene.velocities.T)
     movers = np.flatnonzero(speed > 0)
@@ -273,7 +194,7 @@ def _draw_movers(drawing: _Drawing, scene: Scene, regions: Sequence[Region]) -> 
     drawing.label(f"{speed.max():.3g} m/s", *scene.positions[movers[speed[movers].argmax()]], BLUE)
 
 
-def _draw_wall(drawing: _Drawing, wall: Wall) -> None:
+def _draw_wall(drawing: Drawing, wall: Wall) -> None:
     wide = [(low - (high - low), high + (high - low)) for low, high in (drawing.x, drawing.y)]
     outlines, lines = parts_of(wall, *wide)
     sheets = [part for part in outlines if thin(part)]
@@ -299,7 +220,7 @@ def _band(line: np.ndarray, width: float) -> np.ndarray:
     return np.stack([line[:-1] + aside, line[1:] + aside], axis=1).reshape(-1, 2)
 
 
-def _draw_way(drawing: _Drawing, one: MovingWall, way: list[Pose]) -> None:
+def _draw_way(drawing: Drawing, one: MovingWall, way: list[Pose]) -> None:
     """Poses along the way, faded, and an arrow from the start to where the wall is farthest from it."""
     corners = _corners(one.wall, drawing.x, drawing.y)
     ways = np.array([np.column_stack(_at(one, pose).outward(*corners.T)) for pose in way])
@@ -329,7 +250,7 @@ def _apart(ways: np.ndarray, pose: np.ndarray) -> np.ndarray:
     return np.hypot(*np.moveaxis(ways - pose, -1, 0)).max(axis=1)
 
 
-def _draw_traffic(drawing: _Drawing, scene: Scene) -> None:
+def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
     """Inlet rows with arrows as long as they are fast, and outlets."""
     if scene.inlets:
         fastest = max(abs(row.vx) for row in scene.inlets) or 1.0
@@ -357,7 +278,7 @@ def _draw_traffic(drawing: _Drawing, scene: Scene) -> None:
         drawing.label(f"outlet {outlet.axis} = {outlet.at:g} m".replace("-", "\N{MINUS SIGN}"), *place)
 
 
-def _draw_sequent(drawing: _Drawing, scene: Scene, sequent: float) -> None:
+def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
     """The depth to expect, above the longest stretch where the bed is lowest."""
     flow = from_scene(replace(scene, walls=tuple(one for one in scene.walls if one.motion.kind is None)))
     x = np.linspace(*flow.x_range, 400)
@@ -375,7 +296,7 @@ def _draw_sequent(drawing: _Drawing, scene: Scene, sequent: float) -> None:
     )
 
 
-def _name_wall(drawing: _Drawing, one: MovingWall, scene: Scene) -> None:
+def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
     """The name of a wall and what becomes of it, on its solid or beside its edge."""
     wall, motion = one
     text = wall.name if motion.kind is None else f"{wall.name} ({motion.kind.kind})"

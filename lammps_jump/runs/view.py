@@ -94,13 +94,13 @@ def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]
         folder.mkdir(parents=True, exist_ok=True)
     draw.save(draw.preview.preview(scene, regions, sequent=sequent), picture)
     page, data = report.page, base64.b64encode(read_file(picture, MOST_PICTURE)).decode()
-    caption = "At the start. Dashed shapes and arrows: where walls move. Lengths are to scale."
+    caption = "At the start, to scale" + ("; dashed shapes and red arrows: how walls move" if scene.moves else "")
     first = [page.Picture(caption, f"data:{page.PNG};base64,{data}"), page.Items(scene.warnings, "Doubtful")]
     walls = page.Table([_wall_row(one, scene) for one in scene.walls], ("Wall", "kind", "x [m]", "y [m]", "motion"))
     rows = [(label, value, unit) for _, group in found.tables for _, label, value, unit in group]
     numbers = page.Table(rows, ("Number", "value", "unit"), "All numbers that follow from the case")
     title = f"{case.name}: before the run"
-    sections = [report.Section("", first), report.Section("", [walls, numbers, page.Items(scene.skipped)])]
+    sections = [report.Section("", first), report.Section("", [walls, numbers])]
     text = report.render(title, sections, tab=f"{case.name}: preview", name=scene.description)
     with writes(path):
         return write_text(path, text), picture
