@@ -107,7 +107,7 @@ def _solid(wall: Wall, view: View) -> np.ndarray:
         else:
             _mark_turns(polygon, view, turns)
     for line in lines:
-        _mark_near(line, view, bars, behind=True)
+        _mark_behind(line, view, bars)
     return bars | (np.logical_xor.accumulate(turns, axis=1)[:, :-1] ^ wall.hollow)
 
 
@@ -122,18 +122,35 @@ def _mark_turns(polygon: np.ndarray, view: View, turns: np.ndarray) -> None:
         turns[rows, np.clip(np.ceil(crossing - 0.5), 0, view.width).astype(int)] ^= True
 
 
-def _mark_near(polygon: np.ndarray, view: View, bars: np.ndarray, *, behind: bool = False) -> None:
-    """Mark the pixels within half a bar of a line; within a whole one, right of it, if they are to be `behind`."""
-    near = (1.0 if behind else 0.5) * BAR / view.scale
-    for (x0, y0), (x1, y1) in pairwise(polygon):
-        columns = _pixels(view.column([x0, x1]), view.width)
-        rows = _pixels(view.row([y0, y1]), view.height)
-        x, y = _centres(view, rows, columns)
-        square = (x1 - x0) ** 2 + (y1 - y0) ** 2
-        along = np.clip(((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / (square or 1.0), 0.0, 1.0)
-        off = np.hypot(x - x0 - along * (x1 - x0), y - y0 - along * (y1 - y0))
-        right = (x1 - x0) * (y - y0) <= (y1 - y0) * (x - x0)
-        bars[rows, columns] |= (off <= near) & (right | (not behind))
+def _mark_near(polygon: np.ndarray, view: View, bars: np.ndarray) -> None:
+    """Mark the pixels within half a bar of a line."""
+    for start, end in pairwise(polygon):
+        rows, columns, along, across = _beside(start, end, view)
+        off = np.hypot(across, along - np.clip(along, 0.0, np.hypot(*(end - start))))
+        bars[rows, columns] |= off <= 0.5 * BAR / view.scale
+
+
+def _mark_behind(line: np.ndarray, view: View, bars: np.ndarray) -> None:
+    """Mark the pixels of a bar right of an open line, where it has no discs."""
+    ways = np.diff(line, axis=0)
+    left = np.append(np.append(False, ways[:-1, 0] * ways[1:, 1] > ways[:-1, 1] * ways[1:, 0]), False)
+    for k, (start, end) in enumerate(pairwise(line)):
+        rows, columns, along, across = _beside(start, end, view)
+        over = along - np.clip(along, 0.0, np.hypot(*ways[k]))
+        # behind a turn to the left the bars of both faces would leave a gap
+        there = (over == 0) | ((over < 0) & left[k]) | ((over > 0) & left[k + 1])
+        bars[rows, columns] |= there & (across <= 0) & (np.hypot(over, across) <= BAR / view.scale)
+
+
+def _beside(start: np.ndarray, end: np.ndarray, view: View) -> tuple[slice, slice, np.ndarray, np.ndarray]:
+    """Rows and columns of the pixels around a face, and how far they are along it and left of it, m."""
+    columns = _pixels(view.column([start[0], end[0]]), view.width)
+    rows = _pixels(view.row([start[1], end[1]]), view.height)
+    x, y = _centres(view, rows, columns)
+    long = np.hypot(*(end - start))
+    tx, ty = (end - start) / long if long > 0 else (1.0, 0.0)
+    dx, dy = x - start[0], y - start[1]
+    return rows, columns, tx * dx + ty * dy, tx * dy - ty * dx
 
 
 def _pixels(ends: np.ndarray, size: int) -> slice:

@@ -308,8 +308,8 @@ function inDiscs(p, drawing) {
 function drawMoving(p, wall) {
   const path = wallPath(p, wall);
   Object.assign(p.context, { fillStyle: p.ink.solid, strokeStyle: p.ink.edge, lineWidth: 2 });
-  p.context.fill(path, "evenodd");
   p.context.stroke(path);
+  p.context.fill(path, "evenodd");
   drawLines(p, wall, p.context);
 }
 
