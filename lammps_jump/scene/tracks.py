@@ -207,6 +207,10 @@ class Loaded(Kind):
     force: tuple[Force, Force]
     axis: Annotated[Literal["x", "y", "both"], Field(description="where it can move")] = "y"
 
+    def __post_init__(self) -> None:
+        if self.until is not None or self.ease is not None or self.about is not None:
+            raise ValueError("a load takes no until, ease or about: it is held until from, and free then")
+
 
 KINDS = Translate | Rotate | Oscillate | Table | Loaded
 """Motions that a case file may name."""

@@ -12,22 +12,22 @@ from .loops import Law, Motion
 
 
 def law_of(scene: Scene) -> Law:
-    """Contact law of a scene."""
+    """Contact law of two discs."""
     c, mass = scene.coefficients, scene.mass
     if scene.sizes is None:
-        return Law(
-            scene.diameter,
-            c.stiffness,
-            0.5 * mass * c.gamma_normal,
-            c.stiffness_wall,
-            mass * c.gamma_normal_wall,
-            0.5 * mass * c.gamma_tangential,
-            mass * c.gamma_tangential_wall,
-        )
-    root = sqrt(mass) / scene.radius
-    pair, wall = root * c.damping_by_root_mass, root * c.damping_by_root_mass_wall
-    rub = (c.tangential_ratio * pair, c.tangential_ratio_wall * wall) if c.friction else (0.0, 0.0)
-    return Law(scene.largest, c.stiffness, pair, c.stiffness_wall, wall, *rub)
+        return Law(scene.diameter, c.stiffness, 0.5 * mass * c.gamma_normal, 0.5 * mass * c.gamma_tangential)
+    pair = sqrt(mass) / scene.radius * c.damping_by_root_mass
+    return Law(scene.largest, c.stiffness, pair, c.tangential_ratio * pair if c.friction else 0.0)
+
+
+def wall_numbers(scene: Scene, name: str) -> tuple[float, float, float, float]:
+    """Stiffness (N/m), dashpot and slope of the viscous ramp (N s/m, or of a radius of 1 m), friction of a wall."""
+    law, mass = scene.wall_law(name), scene.mass
+    if scene.sizes is None:
+        return law.stiffness, mass * law.gamma_normal, mass * law.gamma_tangential, law.friction
+    damping = sqrt(mass) / scene.radius * (law.gamma_normal * sqrt(mass))
+    ramp = law.gamma_tangential / law.gamma_normal * damping if law.friction else 0.0
+    return law.stiffness, damping, ramp, law.friction
 
 
 def motion_of(scene: Scene, skin: float) -> Motion:

@@ -49,7 +49,7 @@ class Discs:
             "omega torque": scene.rotation,
             "uomega": scene.rotation and extrapolated,
             "dash_x dash_y": ledger,
-            "slide_x slide_y": ledger and scene.coefficients.friction > 0,
+            "slide_x slide_y": ledger and scene.rubs,
             "radius": scene.sizes is not None,
         }
         self.names = (*self.ALWAYS, *(name for names, kept in optional.items() if kept for name in names.split()))

@@ -95,8 +95,11 @@ def energy_of_leaving(scene: Scene, discs, leaving: np.ndarray) -> tuple[float, 
     return free, 0.5 * inertia(scene) * float((share**2 * discs.omega[chosen] ** 2).sum())
 
 
-def half_work(scene: Scene, discs) -> np.ndarray:
-    """Energy that (dashpots, friction) take in the first half of this step's kick, J per m, shape (2,)."""
+def half_work(scene: Scene, discs, work: np.ndarray) -> np.ndarray:
+    """What is due at a step besides the sums `work`, J per m, shape (3,): of dashpots, friction and moving walls.
+
+    That of discs is what they lose in the first half of this step's kick. Of walls, half of this step is too much.
+    """
     n, (half, half_turn) = discs.n, half_kicks(scene, discs)
     wx, wy = discs.vx[:n] + 0.5 * half * discs.fx[:n], discs.vy[:n] + 0.5 * half * discs.fy[:n]
     lost = float(discs.dash_x[:n] @ wx + discs.dash_y[:n] @ wy)
@@ -106,10 +109,12 @@ def half_work(scene: Scene, discs) -> np.ndarray:
         if discs.omega is not None:
             turn = discs.omega[:n] + 0.5 * half_turn * discs.torque[:n]
             slid += float(discs.torque[:n] @ turn)
-    return -0.5 * scene.time_step * np.array([lost, slid])
+    return -0.5 * scene.time_step * np.array([lost, slid, 0.0]) - 0.5 * work[3:]
 
 
-def close(start: Energy, now: Energy, exchanged: dict[str, float], work: np.ndarray) -> dict[str, float]:
+def close(
+    start: Energy, now: Energy, exchanged: dict[str, float], work: np.ndarray, *, walls_move: bool = False
+) -> dict[str, float]:
     """The energy ledger, J per m of width.
 
     Present energy (kinetic, gravitational, elastic), the energy at the start (`initial`), `brought_in`, `carried_out`,
@@ -118,10 +123,11 @@ def close(start: Energy, now: Energy, exchanged: dict[str, float], work: np.ndar
     dissipated - initial - brought in is therefore the error of the time integration of springs and weight alone. It
     is of second order: at first touch the spring overworks by k (v dt)^2 / 12 in the mean over entry phases, at parting
     it gives the same back at the lower speed, h^2 (1 - e^2) / 6 of a collision's energy with h = omega dt.
+    Moving walls add `work_of_walls`, with the velocity centred on the step, to what is brought in.
     `throughput` is what to measure it against: kinetic and elastic energy at the start, the change of the gravitational
     energy, and what came in.
     """
-    dashpots, friction = (float(w) for w in work)
+    dashpots, friction, walls = (float(w) for w in work)
     found = {
         "initial": start.total,
         "kinetic": now.kinetic,
@@ -132,9 +138,11 @@ def close(start: Energy, now: Energy, exchanged: dict[str, float], work: np.ndar
         "dissipated_friction": friction,
     }
     gone = found["carried_out"] + found["released_by_gates"] + dashpots + friction
-    found["residual"] = now.total + gone - start.total - found["brought_in"]
+    if walls_move:
+        found["work_of_walls"] = walls
+    found["residual"] = now.total + gone - start.total - found["brought_in"] - walls
     moved = abs(start.gravitational - now.gravitational)
-    found["throughput"] = start.kinetic + start.elastic + moved + abs(found["brought_in"])
+    found["throughput"] = start.kinetic + start.elastic + moved + abs(found["brought_in"]) + abs(walls)
     return found
 
 

@@ -22,7 +22,7 @@ v_n = v_(n-1/2) + dt F_n / (2 m).
 
 from __future__ import annotations
 
-from math import sqrt
+from math import cos, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +31,7 @@ from numba import njit
 from lammps_jump.physics.law import contact_force, stored_energy, watching_law
 from lammps_jump.scene.chains import TX0, TY0, X0, Y0
 from lammps_jump.scene.faces import touching as wall_contacts
+from lammps_jump.scene.tracks import pose_py
 
 DONE, HELD, OLD = 0, 1, 2
 
@@ -38,16 +39,14 @@ DONE, HELD, OLD = 0, 1, 2
 class Law(NamedTuple):
     """Contact law in the engines' units: force = stiffness overlap + damping (m_eff gamma) velocity.
 
-    `diameter` is that of equal discs. `damping` and `tangential` are of a contact, or of a size of 1 m.
+    `diameter` is that of equal discs. `damping` and `tangential` are of a pair, or of a size of 1 m. Those of walls
+    stand in `Near.numbers`.
     """
 
     diameter: float
     stiffness: float
     damping: float
-    stiffness_wall: float
-    damping_wall: float
     tangential: float
-    tangential_wall: float
 
 
 class Motion(NamedTuple):
@@ -78,6 +77,8 @@ class Near(NamedTuple):
 
     Attributes
     ----------
+    numbers : ndarray, shape (walls, 4)
+        Stiffness, dashpot, slope of the viscous ramp (as in `Law`) and friction coefficient of each wall.
     about : ndarray, shape (walls, 2)
         Point that the moment on each wall is taken about, m.
     rows : ndarray of int64, shape (walls + 1,)
@@ -93,6 +94,7 @@ class Near(NamedTuple):
         Room for the contacts of one disc (`scene.faces.touching`).
     """
 
+    numbers: np.ndarray
     about: np.ndarray
     rows: np.ndarray
     discs: np.ndarray
@@ -101,6 +103,93 @@ class Near(NamedTuple):
     faces: np.ndarray
     found: np.ndarray
     which: np.ndarray
+
+
+class Moves(NamedTuple):
+    """Walls that move: their tracks, and where they are.
+
+    Attributes
+    ----------
+    track, first : ndarray
+        Rows of wall w: ``track[first[w]:first[w + 1]]`` (`lammps_jump.scene.tracks`); none of a wall that stands.
+    moving : ndarray of int64, shape (walls,)
+        0 stands, 1 follows its track, 2 is pushed by the discs.
+    centre : ndarray, shape (walls, 2)
+        Point of turning where the case has it, m.
+    now : ndarray, shape (walls, 11)
+        Pose at the step (m, m, rad), cosine and sine of its angle, velocity over the step before and centred over two.
+    listed : ndarray, shape (walls, 3)
+        Pose for which the discs near it were listed.
+    far : ndarray, shape (walls,)
+        Largest distance of a face from the centre, m.
+    lid : ndarray, shape (walls, 6)
+        Of pushed walls: mass (kg/m), force (N/m) along x and y, 1 or 0 for the axes free to move, time of the release.
+    pushed : ndarray, shape (walls, 6)
+        Of pushed walls: displacement (m), velocity of the half step (m/s), force of the discs at the step (N/m).
+    clock : ndarray, shape (4,)
+        Step at the call, step of t = 0, time step (s), and half the skin (m).
+    """
+
+    track: np.ndarray
+    first: np.ndarray
+    moving: np.ndarray
+    centre: np.ndarray
+    now: np.ndarray
+    listed: np.ndarray
+    far: np.ndarray
+    lid: np.ndarray
+    pushed: np.ndarray
+    clock: np.ndarray
+
+
+def _place_walls_py(moves, step):
+    """Put the moving walls where they are at a step; True where one has gone over half the skin since it was listed."""
+    old = False
+    now, dt = moves.now, moves.clock[2]
+    for w in range(moves.moving.size):
+        if moves.moving[w] == 0:
+            continue
+        if moves.moving[w] == 1:
+            time = (step - moves.clock[1]) * dt
+            a, b = moves.first[w], moves.first[w + 1]
+            before, here = pose(moves.track, a, b, time - dt), pose(moves.track, a, b, time)
+            behind = pose(moves.track, a, b, time + dt)
+            for c in range(3):
+                now[w, c] = here[c]
+                now[w, 5 + c] = (here[c] - before[c]) / dt
+                now[w, 8 + c] = 0.5 * (behind[c] - before[c]) / dt
+            now[w, 3], now[w, 4] = cos(here[2]), sin(here[2])
+        else:
+            for c in range(2):
+                now[w, c] = moves.pushed[w, c]
+                now[w, 5 + c] = moves.pushed[w, 2 + c]
+        dx, dy = now[w, 0] - moves.listed[w, 0], now[w, 1] - moves.listed[w, 1]
+        turned = moves.far[w] * abs(now[w, 2] - moves.listed[w, 2]) if now[w, 2] != moves.listed[w, 2] else 0.0
+        if not (sqrt(dx * dx + dy * dy) + turned <= moves.clock[3]):
+            old = True
+    return old
+
+
+def _drift_lids_py(moves, step):
+    """Kick and drift of the walls that discs push, as of discs, to a step; a first kick is half a step long."""
+    dt = moves.clock[2]
+    for w in range(moves.moving.size):
+        if moves.moving[w] == 2 and (step - moves.clock[1]) * dt > moves.lid[w, 5]:
+            first = (step - 1 - moves.clock[1]) * dt <= moves.lid[w, 5]
+            for c in range(2):
+                if moves.lid[w, 3 + c] > 0.0:
+                    force = moves.pushed[w, 4 + c] + moves.lid[w, 1 + c]
+                    moves.pushed[w, 2 + c] += (0.5 * dt if first else dt) * force / moves.lid[w, 0]
+                    moves.pushed[w, c] += dt * moves.pushed[w, 2 + c]
+
+
+def _see_lid_py(moves, wall):
+    """Velocity of a wall that discs push at a step, with the force of that step."""
+    free = moves.now[wall, 5] != 0.0 or moves.now[wall, 6] != 0.0
+    for c in range(2):
+        force = moves.pushed[wall, 4 + c] + moves.lid[wall, 1 + c]
+        half = 0.5 * moves.clock[2] * force / moves.lid[wall, 0]
+        moves.now[wall, 8 + c] = moves.pushed[wall, 2 + c] + half if free and moves.lid[wall, 3 + c] > 0.0 else 0.0
 
 
 def _slope_py(n, ux, uy, sign):
@@ -270,33 +359,55 @@ def _pair_forces_py(
 
 def _wall_forces_py(
     x, y, radius, ux, uy, omega, fx, fy, torque, faces, near, law, friction, sign, touch,
-    dash_x, dash_y, slide_x, slide_y, wall_sum,
+    dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
 ):  # fmt: skip
     """Add the forces of walls to the discs that `near` lists a wall at a time; the opposite to ``wall_sum``.
 
-    ``wall_sum[wall]`` collects the force on the wall and its moment about ``near.about[wall]`` (fx, fy, moment),
-    counter-clockwise positive, acting at the contact point.
+    ``wall_sum[wall]`` collects the force on the wall, its moment about ``near.about[wall]`` (where the wall is now),
+    counter-clockwise positive, acting at the contact point, and the power of the wall on the discs (fx, fy, moment,
+    power). Power is that of the velocity centred on the step, so that its sum over steps is the energy that discs gain.
+    ``work[2]`` takes that sum times the step. Dashpots and friction dissipate at the velocity against the wall, so that
+    ``work[0]`` and ``work[1]`` take what they do on it. ``work[3:6]`` holds this step's part of the three.
     """
     codes, shape, deep = faces.codes, faces.shape, faces.deep
     found, which = near.found, near.which
     discs, plain, last, listed = near.discs, near.plain, near.last, near.faces
-    k, damping, ct = law.stiffness_wall, law.damping_wall, law.tangential_wall
+    rub = None if friction is None else 0.0
+    centre_x = centre_y = 0.0
+    now = near.found[0]
+    if moves is not None:
+        work[3] = work[4] = work[5] = 0.0
     for wall in range(deep.size):
+        k, damping, ct = near.numbers[wall, 0], near.numbers[wall, 1], near.numbers[wall, 2]
+        if friction is not None:
+            rub = near.numbers[wall, 3]
         x_ref, y_ref = near.about[wall, 0], near.about[wall, 1]
         wall_x = wall_y = moment = 0.0
+        lost_x = lost_y = lost_turn = slid_x = slid_y = slid_turn = 0.0
+        moving = False
+        if moves is not None:
+            moving = moves.moving[wall] > 0
+        if moving:
+            centre_x, centre_y = moves.centre[wall, 0], moves.centre[wall, 1]
+            now = moves.now[wall]
+            x_ref, y_ref = x_ref + now[0], y_ref + now[1]
         for row in range(near.rows[wall], near.rows[wall + 1]):
             i = discs[row]
             own = 0.5 * law.diameter if radius is None else radius[i]
             count, gap, nx, ny = 1, 0.0, 0.0, 0.0
+            px, py = x[i], y[i]
+            if moving:  # into the frame in which the wall stands
+                dx, dy = px - centre_x - now[0], py - centre_y - now[1]
+                px, py = centre_x + now[3] * dx + now[4] * dy, centre_y - now[4] * dx + now[3] * dy
             several = plain[row] == 0
             if several:
                 count = wall_contacts(
-                    codes, shape, deep[wall], listed, last[row], last[row + 1], x[i], y[i], own, found, which
+                    codes, shape, deep[wall], listed, last[row], last[row + 1], px, py, own, found, which
                 )
             else:
                 face = listed[last[row]]
                 nx, ny = -shape[face, TY0], shape[face, TX0]
-                gap = ny * (y[i] - shape[face, Y0]) + nx * (x[i] - shape[face, X0])
+                gap = ny * (py - shape[face, Y0]) + nx * (px - shape[face, X0])
                 if gap >= own or (gap <= -own and deep[wall] == 0):
                     continue
             for contact in range(count):
@@ -305,8 +416,13 @@ def _wall_forces_py(
                 size = 1.0 if radius is None else own
                 rim = 0.0 if omega is None else own * omega[i]
                 numbers = (k, damping * size, ct * size)
+                slip_x, slip_y = ux[i], uy[i]
+                if moving:
+                    nx, ny = now[3] * nx - now[4] * ny, now[4] * nx + now[3] * ny
+                    slip_x -= now[5] - now[7] * (y[i] - gap * ny - centre_y - now[1])
+                    slip_y -= now[6] + now[7] * (x[i] - gap * nx - centre_x - now[0])
                 px, py, ft, dashpot = contact_force(
-                    own - gap, (nx, ny), (ux[i], uy[i]), rim, numbers, friction, sign, touch
+                    own - gap, (nx, ny), (slip_x, slip_y), rim, numbers, rub, sign, touch
                 )
                 if friction is not None:
                     if omega is not None:
@@ -317,6 +433,14 @@ def _wall_forces_py(
                 if dash_x is not None:
                     dash_x[i] += dashpot * nx
                     dash_y[i] += dashpot * ny
+                    if moving:
+                        arm_x, arm_y = x[i] - gap * nx - centre_x - now[0], y[i] - gap * ny - centre_y - now[1]
+                        lost_x += dashpot * nx
+                        lost_y += dashpot * ny
+                        lost_turn += dashpot * (arm_x * ny - arm_y * nx)
+                        slid_x -= ft * ny
+                        slid_y += ft * nx
+                        slid_turn += ft * (arm_x * nx + arm_y * ny)
                 fx[i] += px
                 fy[i] += py
                 wall_x -= px
@@ -325,19 +449,33 @@ def _wall_forces_py(
         wall_sum[wall, 0] += wall_x
         wall_sum[wall, 1] += wall_y
         wall_sum[wall, 2] += moment
+        if moving:
+            moves.pushed[wall, 4], moves.pushed[wall, 5] = wall_x, wall_y
+            if moves.moving[wall] == 2:
+                _see_lid(moves, wall)
+            dt, vx, vy, turn = moves.clock[2], now[8], now[9], now[10]
+            power = -(wall_x * vx + wall_y * vy + moment * turn)
+            wall_sum[wall, 3] += power
+            work[3] += dt * (lost_x * vx + lost_y * vy + lost_turn * turn)
+            work[4] += dt * (slid_x * vx + slid_y * vy + slid_turn * turn)
+            if moves.moving[wall] == 1:  # the energy of a lid is part of the whole
+                work[5] += dt * power
+    if moves is not None:
+        for c in range(3):
+            work[c] += work[3 + c]
 
 
 def _advance_py(
     steps, pending, hold, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
     owner, start, neighbours, grid, faces, near, law, motion, friction, sign, touch,
-    dash_x, dash_y, slide_x, slide_y, work, wall_sum,
+    dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
 ):  # fmt: skip
     """Up to `steps` steps; returns (steps done, state): DONE, HELD or OLD.
 
-    Starts with the forces of the step it stands at where `pending`. Stops after a drift, before its forces, where the
-    list has become too old (OLD), and after the last drift where `hold` (HELD): discs come and go between drift and
-    forces. With a `grid` the pairs are searched anew every step (`_cell_pairs`); OLD then means that a disc is outside
-    the grid or `neighbours` is short.
+    `moves` is None where all walls stand. Starts with the forces of the step it stands at where `pending`. Stops after
+    a drift, before its forces, where the list has become too old (OLD), and after the last drift where `hold` (HELD):
+    discs come and go between drift and forces. With a `grid` the pairs are searched anew every step (`_cell_pairs`);
+    OLD then means that a disc is outside the grid or `neighbours` is short.
     """
     done = 0
     while True:
@@ -349,6 +487,10 @@ def _advance_py(
                 dash_x, dash_y, slide_x, slide_y, work,
             )  # fmt: skip
             done += 1
+            if moves is not None:
+                _drift_lids(moves, moves.clock[0] + done)
+                if _place_walls(moves, moves.clock[0] + done):
+                    moved += 1
             if moved > 0:
                 return done, OLD
             if hold and done == steps:
@@ -370,7 +512,7 @@ def _advance_py(
         )  # fmt: skip
         _wall_forces(
             x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
-            friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, wall_sum,
+            friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
         )  # fmt: skip
 
 
@@ -445,7 +587,7 @@ def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
     return first[cells]
 
 
-def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near, law, touch, ids, known):
+def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near, law, touch, ids, known, moves):
     """Elastic energy (J per m of width), largest overlap (m), its disc and wall; with `ids`, of ids above `known`.
 
     Rows of the list before `begin` are left out. Each contact stores stiffness times
@@ -473,13 +615,18 @@ def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near
             if ids is not None and ids[i] <= known:
                 continue
             own = half if radius is None else radius[i]
+            px, py = x[i], y[i]
+            if moves is not None and moves.moving[wall] > 0:
+                now, cx, cy = moves.now[wall], moves.centre[wall, 0], moves.centre[wall, 1]
+                dx, dy = px - cx - now[0], py - cy - now[1]
+                px, py = cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
             count = wall_contacts(
-                faces.codes, faces.shape, faces.deep[wall], near.faces, near.last[row], near.last[row + 1], x[i], y[i],
+                faces.codes, faces.shape, faces.deep[wall], near.faces, near.last[row], near.last[row + 1], px, py,
                 own, near.found, near.which,
             )  # fmt: skip
             for contact in range(count):
                 overlap = own - near.found[contact, 0]
-                walls += law.stiffness_wall * stored_energy(overlap, touch)
+                walls += near.numbers[wall, 0] * stored_energy(overlap, touch)
                 if overlap > worst:
                     worst, where, met = overlap, i, wall
     return pairs + walls, worst, where, met
@@ -532,9 +679,14 @@ _power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_pow
 _power_of_torque = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_of_torque_py)
 _kick_drift = njit(cache=True, error_model="numpy")(_kick_drift_py)
 _pair_forces = watching_law(njit(cache=True)(_pair_forces_py))
+pose = njit(cache=True)(pose_py)
+_place_walls = watching_law(njit(cache=True)(_place_walls_py), pose)
+_see_lid = njit(cache=True)(_see_lid_py)
+_drift_lids = njit(cache=True)(_drift_lids_py)
 _wall_forces = watching_law(njit(cache=True)(_wall_forces_py), wall_contacts)
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
-advance = watching_law(njit(cache=True)(_advance_py), wall_contacts)
+advance = watching_law(njit(cache=True)(_advance_py), wall_contacts, pose)
 cell_pairs = _cell_pairs
+place_walls = _place_walls
 elastic = watching_law(njit(cache=True)(_elastic_py), wall_contacts)
 give_sizes = njit(cache=True)(_give_sizes_py)

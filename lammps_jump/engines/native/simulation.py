@@ -62,7 +62,8 @@ class NativeSimulation:
     disc_steps : int
         Sum over steps of the discs in play.
     forces : list of (step, wall name, fx, fy, moment)
-        Window means of the force on each probed wall (N per m of width), moment (N) about its reference point.
+        Window means of the force on each probed wall (N per m of width), moment (N) about its reference point. Where
+        walls move, the power of the wall on the discs (W/m) stands behind them.
     rebuilds : int
         Neighbour lists made, in `rebuild_seconds` of wall time.
 
@@ -85,8 +86,8 @@ class NativeSimulation:
         self.disc_steps = 0
         self.rebuilds = 0
         self.rebuild_seconds = 0.0
-        self.forces: list[tuple[int, str, float, float, float]] = []
-        self._friction = scene.coefficients.friction if scene.coefficients.friction > 0 else None
+        self.forces: list[tuple] = []
+        self._friction = scene.coefficients.friction if scene.rubs else None
         self._sign = SIGN_RAMP if self._friction is not None and scene.friction_law == "sign" else None
         self._touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
         self._law = law_of(scene)
@@ -95,7 +96,8 @@ class NativeSimulation:
         self._weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
         self._motion = motion_of(scene, self.skin)
         self._ledger_on = ledger
-        self._work = np.zeros(2)
+        self._work = np.zeros(6)
+        self._columns = 4 if scene.moves else 3
         self.stations = energies.StationLedger(scene, ledger)
         self._exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
         self.boundaries = OpenBoundaries(scene)
@@ -108,7 +110,7 @@ class NativeSimulation:
         self._compute_forces()
         self._start_half_step_back()
         self.walls.sums[:] = 0.0
-        self._start_work = self._half_work()
+        self._start_work = self._work[:3] + self._half_work()
         self._start_energy = self.energy()
         self._see_stations()
 
@@ -118,9 +120,7 @@ class NativeSimulation:
         """Walls that are there now; sums of the window go on, also those of one that has just been taken away."""
         if hasattr(self, "walls"):
             self._carry_window_over()
-        # within R + skin: enough even for half a skin moved before and half after
-        reach = 0.5 * self.scene.largest + self.skin
-        self.walls = Walls(self.scene.walls_at(self.step), self.scene.largest, reach)
+        self.walls = Walls(self.scene, self.step, self.skin)
 
     def _carry_window_over(self) -> None:
         for name, row in zip(self.walls.names, self.walls.sums, strict=True):
@@ -186,11 +186,12 @@ class NativeSimulation:
 
     def _kernel(self, steps: int, pending: bool, hold: bool) -> tuple[int, int]:
         d = self.discs
+        self.walls.place(self.step)
         return kernels.advance(
             steps, pending, hold, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega,
             d.torque, d.uomega, *self._list()[1:], self._grid, self.walls.faces, self.walls.near, self._law,
-            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y, self._work,
-            self.walls.sums,
+            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+            self.walls.moves, self._work, self.walls.sums,
         )  # fmt: skip
 
     def _list(self) -> tuple:
@@ -271,6 +272,7 @@ class NativeSimulation:
             self._check_overlap()
 
     def _list_walls(self) -> None:
+        self.walls.place(self.step)
         self.walls.list_discs(self.discs.n, self.discs.x, self.discs.y)
 
     def _list_newcomers(self, before: int) -> int:
@@ -284,6 +286,7 @@ class NativeSimulation:
         ids = (None, 0) if known is None else (d.ids, known)
         return kernels.elastic(
             begin, *self._list(), d.x, d.y, d.radius, self.walls.faces, self.walls.near, self._law, self._touch, *ids,
+            self.walls.moves,
         )  # fmt: skip
 
     def _elastic(self) -> float:
@@ -337,8 +340,8 @@ class NativeSimulation:
         steps = self.step - self._window_start
         self._carry_window_over()
         for name in self.scene.probes:
-            mean = self._carried.get(name, np.zeros(3)) / steps
-            self.forces.append((self.step, name, *(float(v) for v in mean)))
+            mean = self._carried.get(name, np.zeros(4)) / steps
+            self.forces.append((self.step, name, *(float(v) for v in mean[: self._columns])))
         self.walls.sums[:] = 0.0
         self._carried = {}
         self._window_start = self.step
@@ -376,17 +379,20 @@ class NativeSimulation:
         return np.full(d.n, self.scene.radius) if d.radius is None else self._by_id(d.radius[: d.n])
 
     def energy(self) -> Energy:
-        """Kinetic (spin included), gravitational (-m g . x) and elastic energy now."""
-        return energies.energy_of(self.scene, self.discs, self._elastic())
+        """Kinetic (spin included), gravitational (-m g . x) and elastic energy now, with that of loaded walls."""
+        self.walls.place(self.step)
+        found = energies.energy_of(self.scene, self.discs, self._elastic())
+        kinetic, place = self.walls.lid_energy()
+        return Energy(found.kinetic + kinetic, found.gravitational + place, found.elastic)
 
     def _half_work(self) -> np.ndarray:
-        return energies.half_work(self.scene, self.discs) if self._ledger_on else np.zeros(2)
+        return energies.half_work(self.scene, self.discs, self._work) if self._ledger_on else np.zeros(3)
 
     @property
     def ledger(self) -> dict[str, float] | None:
         """Energy ledger since the start, J per m of width (see `ledger.close`); None where it is not kept."""
         if not self._ledger_on:
             return None
-        work = self._work + self._half_work() - self._start_work
-        found = energies.close(self._start_energy, self.energy(), self._exchanged, work)
+        work, moves = self._work[:3] + self._half_work() - self._start_work, self.walls.moves is not None
+        found = energies.close(self._start_energy, self.energy(), self._exchanged, work, walls_move=moves)
         return found | self.stations.heads(self.step)

@@ -59,10 +59,17 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
             list_discs=d.neighbours[: d.start[d.n]],
             wall_sum=simulation.walls.sums,
             **near,
+            **_moves(simulation),
             **{name: getattr(simulation, attribute) for name, attribute in ARRAYS.items()},
             stations=simulation.stations.sums,
             **arrays,
         )
+
+
+def _moves(simulation: NativeSimulation) -> dict[str, np.ndarray]:
+    """What moving walls have that is no function of the step."""
+    moves = simulation.walls.moves
+    return {} if moves is None else {"moves_pushed": moves.pushed, "moves_listed": moves.listed}
 
 
 def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimulation:
@@ -95,6 +102,8 @@ def _loaded(scene: Scene, path: Path, ledger: bool) -> NativeSimulation:
         for name, attribute in ARRAYS.items():
             getattr(simulation, attribute)[:] = stored[name]
         simulation.walls.sums[:] = stored["wall_sum"]
+        for name, array in _moves(simulation).items():
+            array[:] = stored[name]
         simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
         simulation.stations.sums[:] = stored["stations"]
     simulation._carried = {name: np.array(row) for name, row in plain["carried"].items()}

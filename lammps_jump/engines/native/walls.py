@@ -4,15 +4,46 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lammps_jump.scene.chains import Faces, lay
+from lammps_jump.scene.chains import Faces, boxes, lay
 from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
-from lammps_jump.scene.walls import Wall
+from lammps_jump.scene.motion import MovingWall, Pose
+from lammps_jump.scene.scene import Scene
 
-from .loops import Near
+from .constants import wall_numbers
+from .loops import Moves, Near, place_walls
+
+FOLLOWS, LID = 1, 2
+"""How a wall moves: along its track, or pushed by the discs (`Moves.moving`)."""
+
+
+def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> Moves:
+    """The tracks of walls, some of which move."""
+    count = len(walls)
+    track = [one.motion.track for one in walls]
+    moving = [0 if one.motion.kind is None else LID if one.motion.load else FOLLOWS for one in walls]
+    lid = np.zeros((count, 6))
+    for row, load in zip(lid, (one.motion.load for one in walls), strict=True):
+        if load is not None:
+            row[:] = load.mass, *load.force, load.axis != "y", load.axis != "x", load.begin
+    centre = np.array([one.motion.about for one in walls], float).reshape(-1, 2)
+    clock = np.array([0.0, scene.settle_steps, scene.time_step, 0.5 * skin])
+    return Moves(
+        np.concatenate(track), np.cumsum([0, *map(len, track)]), np.array(moving), centre,
+        np.zeros((count, 11)) + np.eye(11)[3], np.zeros((count, 3)),
+        np.array([_far(faces, wall, *centre[wall]) for wall in range(count)]), lid, np.zeros((count, 6)), clock,
+    )  # fmt: skip
+
+
+def _far(faces: Faces, wall: int, x: float, y: float) -> float:
+    """Largest distance of a wall's faces from a point, m; infinite of a wall without end."""
+    own = boxes(faces, deep=False)[faces.first[wall] : faces.first[wall + 1]]
+    corners = np.abs(own - [x, x, y, y]).max(axis=0, initial=0.0)
+    return float(np.hypot(corners[:2].max(), corners[2:].max())) if np.isfinite(corners).all() else inf
 
 
 class Walls:
@@ -20,41 +51,90 @@ class Walls:
 
     Parameters
     ----------
-    walls : tuple of Wall
-    cell : float
-        Side of the cells that find faces, m.
-    reach : float
-        Distance from a face up to which discs are listed, m.
+    scene : Scene
+    step : int
+        Step at which they are looked at.
+    skin : float
+        Of the neighbour list, m.
 
     Attributes
     ----------
     names : list of str
     faces : Faces
     near : Near
-    sums : ndarray, shape (walls, 3)
-        Force on each wall (N per m of width) and moment (N), summed over steps.
+    moves : Moves or None
+        None where all walls stand.
+    sums : ndarray, shape (walls, 4)
+        Force on each wall (N per m of width), moment (N) and power on the discs (W/m), summed over steps.
     """
 
-    def __init__(self, walls: tuple[Wall, ...], cell: float, reach: float):
+    def __init__(self, scene: Scene, step: int, skin: float):
+        there = [one for one in scene.walls if step < one.motion.gone]
+        walls = [one.wall for one in there]
         self.names = [wall.name for wall in walls]
         self.faces: Faces = lay([(wall.chains(), wall.deep) for wall in walls])
-        self._grid: Grid = grid_of(self.faces, cell, reach)
-        self.sums = np.zeros((len(walls), 3))
-        about = np.array([wall.moment_point for wall in walls]).reshape(-1, 2)
+        # within R + skin: enough even for half a skin moved before and half after; a wall moves half a skin by itself
+        self.moves = _moves(there, self.faces, scene, skin) if any(one.motion.kind for one in there) else None
+        self._grid: Grid = grid_of(self.faces, scene.largest, 0.5 * scene.largest + (1.5 if self.moves else 1) * skin)
+        self.sums = np.zeros((len(walls), 4))
+        about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
-        none, found = np.empty(0, np.int64), np.empty((MOST, 4))
         self.near = Near(
-            about, rows, np.empty(0, np.int32), np.empty(0, np.int8), last, none, found, np.empty(MOST, np.int64)
-        )
+            np.array([wall_numbers(scene, name) for name in self.names]).reshape(-1, 4),
+            np.array(about, float).reshape(-1, 2), rows, np.empty(0, np.int32), np.empty(0, np.int8), last,
+            np.empty(0, np.int64), np.empty((MOST, 4)), np.empty(MOST, np.int64),
+        )  # fmt: skip
+        self.place(step)
+
+    def place(self, step: int) -> None:
+        """Put the walls where they are at a step."""
+        if self.moves is not None:
+            self.moves.clock[0] = step
+            place_walls(self.moves, step)
+
+    def poses(self) -> dict[str, Pose]:
+        """Poses of the walls that discs push, by name."""
+        if self.moves is None:
+            return {}
+        walls = zip(self.names, self.moves.moving, self.moves.pushed, strict=True)
+        return {name: Pose(float(row[0]), float(row[1])) for name, moving, row in walls if moving == LID}
+
+    def lid_energy(self) -> tuple[float, float]:
+        """Kinetic energy of the walls that discs push, and that of their place in the force on them, J/m."""
+        kinetic = place = 0.0
+        if self.moves is None:
+            return kinetic, place
+        step, start, dt, _ = self.moves.clock
+        for row, (mass, fx, fy, free_x, free_y, begin), moving in zip(
+            self.moves.pushed, self.moves.lid, self.moves.moving, strict=True
+        ):
+            if moving != LID or (step - start) * dt <= begin:
+                continue
+            for free, load, displacement, speed, push in zip(
+                (free_x, free_y), (fx, fy), row[:2], row[2:4], row[4:], strict=True
+            ):
+                kinetic += free * 0.5 * mass * (speed + 0.5 * dt * (push + load) / mass) ** 2
+                place -= free * load * displacement
+        return float(kinetic), float(place)
+
+    def _inward(self, wall: int, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Discs as the frame has them in which a wall stands; its pose is then that of the list."""
+        if self.moves is None or not self.moves.moving[wall]:
+            return x, y
+        (cx, cy), now = self.moves.centre[wall], self.moves.now[wall]
+        self.moves.listed[wall] = now[:3]
+        dx, dy = x - cx - now[0], y - cy - now[1]
+        return cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
 
     def list_discs(self, n: int, x: np.ndarray, y: np.ndarray) -> None:
         """List the discs near each wall; `x` and `y` (m) are of the first n discs."""
         row = count = 0
         for wall in range(len(self.names)):
+            seen_x, seen_y = self._inward(wall, x, y)
             while True:
                 found = list_near(
-                    n, x, y, wall, self.faces.codes, self.faces.shape, self.faces.deep, self._grid, self.near.discs,
-                    self.near.plain, self.near.last, self.near.faces, row, count,
+                    n, seen_x, seen_y, wall, self.faces.codes, self.faces.shape, self.faces.deep, self._grid,
+                    self.near.discs, self.near.plain, self.near.last, self.near.faces, row, count,
                 )  # fmt: skip
                 if found[1] >= 0:
                     break
