@@ -28,7 +28,8 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] =
     # an unknown key often explains a missing one: say the unknown key first
     problems.sort(key=lambda problem: problem["type"] not in UNKNOWN)
     first = problems[0]
-    path = _data_path(first["loc"], source.data)
+    path = _data_path(first["loc"], source.whole)
+    path += getattr(first.get("ctx", {}).get("error"), "path", ())  # of a `PlaceError`
     more = f" ({len(problems) - 1} more after this one)" if len(problems) > 1 else ""
     return CaseError(f"{source.place(path)}: {_sentence(first, path, model)}{more}")
 
@@ -51,6 +52,9 @@ def _data_path(location: tuple, data: Any) -> PathKey:
 def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     kind, context, value = problem["type"], problem.get("ctx", {}), problem.get("input")
     if kind in UNKNOWN:
+        known = (getattr(item, "NO_FIELDS", {}).get(str(path[-1])) for item in _models_at(problem["loc"][:-1], model))
+        if hint := next(filter(None, known), None):
+            return f"unknown field; {hint}"
         return f"unknown field; {nearest(str(path[-1]), list(_fields(_models_at(problem['loc'][:-1], model))))}"
     if kind == "missing":
         return "is required and not there; `lammps-jump new hydraulic_jump` shows a whole case"
@@ -78,11 +82,12 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
 
 
 def fields_of(model: type) -> dict[str, FieldInfo]:
-    """Fields of a pydantic model or of a dataclass, by name."""
+    """Fields of a pydantic model or of a dataclass, by their names in a case."""
     if issubclass(model, BaseModel):
         return model.model_fields
     hints = get_type_hints(model, include_extras=True)
-    return {item.name: FieldInfo.from_annotation(hints[item.name]) for item in fields(model)}
+    found = {item.name: FieldInfo.from_annotation(hints[item.name]) for item in fields(model)}
+    return {field.alias or name: field for name, field in found.items()}
 
 
 def _tag(model: type) -> str | None:

@@ -93,6 +93,8 @@ class Scene:
         Each wall with its motion; a `Wall` given alone stands. A gate is a wall whose motion takes it away.
     probes : tuple of str
         Names of walls whose force is recorded every step and averaged over `probe_steps`.
+    groups : tuple of (str, tuple of str)
+        Names of groups and of their walls, whose forces are summed; the walls need not be in `probes`.
     stations : Stations, optional
         Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
@@ -125,6 +127,7 @@ class Scene:
     pours: tuple[Pour, ...] = ()
     outlets: tuple[Outlet, ...] = ()
     probes: tuple[str, ...] = ()
+    groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     stations: Stations | None = None
     steps: int = 0
     settle_steps: int = 0
