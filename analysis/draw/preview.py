@@ -113,7 +113,7 @@ def _shown(
         poses = way[:: SAMPLES // 20] or [Pose()]
         extents = [np.array(_at(one, pose).extent if way else one.wall.extent).T for pose in poses]
         low, high = np.min([ends[0] for ends in extents], axis=0), np.max([ends[1] for ends in extents], axis=0)
-        solid = one.wall.finite and not one.wall.hollow
+        solid = one.wall.finite and not one.wall.hollow and all(chain.closed for chain in one.wall.chains())
         points += [[(low[0], high[1]), high]] if solid else [[low, high]]
         far += [low] if solid else []
     for outlet in scene.outlets:
