@@ -78,7 +78,7 @@ RUN_FILES = (
 """What the engines read and write in a run folder (names and patterns)."""
 EXPORTS = {
     "csv": ("profiles.csv", "profiles_mean.csv"),
-    "vtk": ("discs[0-9].vtp", "discs.pvd", "fields.vti"),
+    "vtk": ("discs[0-9].vtp", "discs.pvd", "fields.vti", "walls.vtp", "walls[0-9].vtp", "walls.pvd"),
     "pictures": ("picture[0-9].dat",),
 }
 """Names of the files that an export of each kind writes."""

@@ -225,23 +225,6 @@ def thinned(line: Line, most: int = MOST_POINTS) -> Line:
     return line._replace(x=line.x[kept], y=y[kept], error=None if line.error is None else line.error[kept])
 
 
-def parts_of(wall: Wall, x: Interval, y: Interval) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """What draws a wall: closed polygons (even-odd; sheets have no area), and open lines with the discs on their left.
-
-    Each of shape (corners, 2), m, within x and y where the wall has no end.
-    """
-    if not np.isfinite(wall.extent).all():
-        return list(wall.outline(x, y)), []
-    open_ = [not chain.closed for chain in wall.chains()]
-    outlines = wall.outline(x, y)
-    if len(outlines) != len(open_):  # a wall that knows better how it looks
-        return list(outlines), []
-    closed = [polygon for polygon, apart in zip(outlines, open_, strict=True) if not apart]
-    # the outline of an open chain goes there and back
-    lines = [polygon[: len(polygon) // 2 + 1] for polygon, apart in zip(outlines, open_, strict=True) if apart]
-    return closed, lines
-
-
 def shown_walls(walls: Sequence[Wall], x: Interval, y: Interval) -> list[np.ndarray]:
     """Outlines of the solid walls, cut to what is shown."""
     outlines = [outline for wall in walls if not wall.hollow for outline in wall.outline(x, y)]
@@ -263,10 +246,3 @@ def _cut(polygon: np.ndarray, x: Interval, y: Interval) -> np.ndarray:
                 kept.append(corner)
         polygon = np.array(kept, float).reshape(-1, 2)
     return polygon
-
-
-def thin(polygon: np.ndarray) -> bool:
-    """Whether a closed polygon has no area: an open chain of faces, or a sheet."""
-    x, y = (polygon - polygon[0]).T
-    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
-    return area <= 1e-9 * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)

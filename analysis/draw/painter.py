@@ -17,9 +17,8 @@ from numba import njit
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame
-from lammps_jump.scene.walls import Interval, Wall
+from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
 
-from .chart import parts_of, thin
 from .scope import disc_speeds
 
 PAPER = (255, 255, 255)

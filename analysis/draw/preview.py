@@ -17,9 +17,8 @@ from lammps_jump.analysis.flow import from_scene
 from lammps_jump.quoting import figure_text
 from lammps_jump.scene.motion import MovingWall, Placed, Pose
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Interval, Wall, rectangle
+from lammps_jump.scene.walls import Interval, Wall, parts_of, rectangle, thin
 
-from .chart import parts_of, thin
 from .labels import DOTS, HIGHEST, NARROWEST, Drawing
 from .style import BLACK, BLUE, GREY, RED, WALL, style
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.analysis.draw.chart import parts_of
 from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
@@ -16,7 +15,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import text_of
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.motion import MovingWall, Pose
-from lammps_jump.scene.walls import Interval
+from lammps_jump.scene.walls import Interval, parts_of
 
 from .frames import FramePacker
 from .page import Player, picture, picture_kind

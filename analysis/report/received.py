@@ -139,7 +139,7 @@ def read_player(path: Path) -> Player:
     odds = np.full(KINDS * OF_A_KIND * SLOTS, 2048)
     if not right or not _is_whole(digits_of(stored.frames), *counts, odds):
         raise ValueError(f"{path}: holds no packed frames")
-    return Player(header.model_dump(), stored.frames)
+    return Player(header.model_dump(exclude_unset=True), stored.frames)
 
 
 def _shrink_py(digits, state, start, size, step):

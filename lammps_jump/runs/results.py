@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +25,7 @@ from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
 from lammps_jump.case.case import ReadCase, load_case, parse_case
 from lammps_jump.dump.check import IdCheck
+from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
@@ -306,6 +307,19 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     if written != destination:
         log.info(f"note: {drawing.film.NO_FFMPEG}")
     return written
+
+
+def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list[Path]:
+    """Write what lies in a folder of a run, or of a dump's results, for other programs; see `dump.export`."""
+    if "vtk" not in kinds or not (place / "profiles.nc").is_file():
+        return write_exports(place, kinds, out)
+    if is_of_a_dump(place):
+        flow = flow_of_dump(place)
+    elif (place / "case.yaml").is_file():
+        flow = flow_of(load_case(require_case(place)), place)
+    else:
+        return write_exports(place, kinds, out)
+    return write_exports(place, kinds, out, walls_at=flow.walls_at, room=flow.scene.domain)
 
 
 def draw(found: Found, folder: Path, name: str) -> Figure:
