@@ -111,8 +111,12 @@ def _wall_row(one: MovingWall, scene: Scene) -> tuple[str, ...]:
     wall, motion = one
     moves = "stands"
     if motion.kind is not None:
-        given = {part.name: getattr(motion.kind, part.name) for part in fields(motion.kind) if part.name != "kind"}
-        told = (f"{MOTION_WORDS.get(name, name)} {_plain(value)}" for name, value in given.items() if value is not None)
+        given = {part.name: (getattr(motion.kind, part.name), part.default) for part in fields(motion.kind)}
+        told = (
+            f"{MOTION_WORDS.get(name, name)} {_plain(value)}"
+            for name, (value, default) in given.items()
+            if value != default
+        )
         moves = f"{motion.kind.kind}: {', '.join(told)}"
     if isfinite(motion.gone):
         moves = f"opens at t = {scene.time(int(motion.gone)):.4g} s" + (f"; {moves}" if motion.kind else "")
