@@ -319,7 +319,8 @@ def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list
         flow = flow_of(load_case(require_case(place)), place)
     else:
         return write_exports(place, kinds, out)
-    return write_exports(place, kinds, out, walls_at=flow.walls_at, room=flow.scene.domain)
+    x, y = ((low - 0.05 * (high - low), high + 0.05 * (high - low)) for low, high in flow.scene.domain)
+    return write_exports(place, kinds, out, walls_at=flow.walls_at, room=(x, y))
 
 
 def draw(found: Found, folder: Path, name: str) -> Figure:
