@@ -15,6 +15,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene import InletRow, Interval, MovingWall, Scene, Sizes, Wall
+from lammps_jump.scene.chains import open_ends
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
@@ -324,7 +325,10 @@ def _check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, do
 def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, diameters, allowed: float) -> None:
     if not len(positions):
         return
-    depth = diameters / 2 - wall.distance(positions[:, 0], positions[:, 1])
+    gap = wall.distance(positions[:, 0], positions[:, 1])
+    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
+        gap = np.where(gap < -diameters / 2, np.inf, gap)
+    depth = diameters / 2 - gap
     worst = int(np.argmax(depth))
     if depth[worst] > allowed * (1 + 1e-9):
         raise source.error(
@@ -337,7 +341,7 @@ def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, 
 def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:
     for number, row in enumerate(inlets):
         distance = float(wall.distance(np.array([row.x]), np.array([row.y]))[0])
-        if distance < largest / 2 * (1 - 1e-6):
+        if distance < largest / 2 * (1 - 1e-6) and not (distance < -largest / 2 and open_ends(wall.faces)):
             raise source.error(
                 f"inflow: row {number + 1} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
                 f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"

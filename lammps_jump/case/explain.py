@@ -35,12 +35,12 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] =
 
 
 def _data_path(location: tuple, data: Any) -> PathKey:
-    """Pydantic's location without the tags of discriminated unions and the branches of unions."""
+    """Pydantic's location without the tags of discriminated unions, some of which begin with <, and of branches."""
     path: list[str | int] = []
     here = data
     for position, part in enumerate(location):
         last = position == len(location) - 1
-        if isinstance(here, dict) and (part in here or (last and part != here.get("kind"))):
+        if isinstance(here, dict) and (part in here or (last and part != here.get("kind") and str(part)[:1] != "<")):
             path.append(part)
             here = here.get(part)
         elif isinstance(here, list) and isinstance(part, int):
@@ -73,9 +73,8 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
         letters = "letters, digits and _" if path[0] == "walls" else "letters, digits, _ . and -"
         return f"{echoed(value)} is not a usable name; {letters} are allowed"
     if kind in ("tuple_type", "list_type", "too_long", "too_short", "missing_argument"):
-        return (
-            f"{echoed(value)} does not fit: {problem['msg'].lower()}; a pair is written [low, high], a list with dashes"
-        )
+        written = "point is written [x, y]" if "points" in path else "pair is written [low, high]"
+        return f"{echoed(value)} does not fit: {problem['msg'].lower()}; a {written}, a list with dashes"
     if kind in ("model_type", "model_attributes_type", "dataclass_type", "dict_type"):
         return f"{echoed(value)} is a single value; this field is a group of fields (`lammps-jump new` shows one)"
     return f"{echoed(value)} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
@@ -86,7 +85,13 @@ def fields_of(model: type) -> dict[str, FieldInfo]:
     if issubclass(model, BaseModel):
         return model.model_fields
     hints = get_type_hints(model, include_extras=True)
-    found = {item.name: FieldInfo.from_annotation(hints[item.name]) for item in fields(model)}
+    declared = {
+        name: depth
+        for depth, base in reversed(list(enumerate(model.__mro__)))
+        for name in vars(base).get("__annotations__", {})
+    }
+    own_first = sorted((item.name for item in fields(model)), key=declared.__getitem__)
+    found = {name: FieldInfo.from_annotation(hints[name]) for name in own_first}
     return {field.alias or name: field for name, field in found.items()}
 
 

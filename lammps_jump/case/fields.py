@@ -172,10 +172,10 @@ class Lift(Strict):
 
 
 def _lift(value: Any) -> str:
-    return "lift" if isinstance(value, dict | Lift) else "gate"
+    return "<lift>" if isinstance(value, dict | Lift) else "<gate>"
 
 
-Gate = Annotated[Annotated[bool, Tag("gate")] | Annotated[Lift, Tag("lift")], Discriminator(_lift)]
+Gate = Annotated[Annotated[bool, Tag("<gate>")] | Annotated[Lift, Tag("<lift>")], Discriminator(_lift)]
 
 
 class Column(Strict):

@@ -164,7 +164,8 @@ def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Sce
     pour = case.inflow if isinstance(case.inflow, PourInflow) else None
     pours = (Pour(**pour.model_dump(exclude={"kind"})),) if pour else ()
     scene = replace(scene, inlets=inlets, size_steps=raster if inlets else POUR_RASTER, pours=pours)
-    given = walls.joined(case, source) + walls.lifted(case)
+    theirs = walls.joined(case, source)
+    given = theirs + walls.lifted(case)
     walls.check_bends(source, given, scene)
     scene = replace(scene, own_laws=walls.own_laws(case, scene, given))
     notes = walls.check_own_laws(case, source, scene, given)
@@ -175,9 +176,8 @@ def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Sce
     gates = walls.shut_gates(case, scene)
     notes += walls.wall_doubts(moving, scene)
     moving += map(MovingWall, _inlet_back(case, scene.largest))
-    fields = {item.wall.name: item.field for item in given if item.field.startswith("walls")}
-    own = checks.check_names(case, source, [wall for wall, _ in (*moving, *gates) if wall.name not in fields])
-    checks.check_places(case, source, scene, (*moving, *gates), fields)
+    own = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
+    checks.check_places(case, source, scene, (*moving, *gates), {item.wall.name: item.field for item in theirs})
     checks.check_pour(case, source, scene.domain, scene.largest)
     names = [one.wall.name for one in moving]
     probes = _probes(case, source, names)

@@ -276,7 +276,7 @@ def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], scene: Scene) -
 
 def wall_doubts(walls: Sequence[MovingWall], scene: Scene) -> list[str]:
     """Sentences on walls: too fast for the discs, bent too tightly, ends that meet or nearly meet."""
-    found = [text for one in walls for text in (*_speed_doubt(one, scene), *_bend_doubt(one.wall, scene))]
+    found = [text for one in walls for text in _doubts_of(one, scene)]
     for one, two in combinations([one.wall for one in walls], 2):
         if one.motion != two.motion:
             continue
@@ -287,6 +287,22 @@ def wall_doubts(walls: Sequence[MovingWall], scene: Scene) -> list[str]:
                 + (", or give both the same join" if isinstance(one, Line) and isinstance(two, Line) else "")
             )
     return found + _gap_doubts([one.wall for one in walls], scene.smallest)
+
+
+def _doubts_of(one: MovingWall, scene: Scene) -> list[str]:
+    """Sentences on one wall."""
+    return [*_speed_doubt(one, scene), *_bend_doubt(one.wall, scene), *_behind_doubt(one.wall, scene)]
+
+
+def _behind_doubt(wall: Wall, scene: Scene) -> list[str]:
+    """A line that pushes no disc, because all start behind it: it may run the wrong way."""
+    places = np.array([*scene.positions, *((row.x, row.y) for row in scene.inlets)]).reshape(-1, 2)
+    if not len(places) or not open_ends(wall.faces) or (wall.distance(*places.T) > -scene.smallest / 2).any():
+        return []
+    return [
+        f"all discs start behind line '{wall.name}', which pushes discs on its left alone: if they should feel it, "
+        "reverse its points, or take sheet: true"
+    ]
 
 
 def _speed_doubt(one: MovingWall, scene: Scene) -> list[str]:

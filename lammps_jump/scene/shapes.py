@@ -10,7 +10,7 @@ from math import asin, hypot, pi, sin, sqrt
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
-from pydantic import ConfigDict, Discriminator, Field, Tag
+from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag
 
 from lammps_jump.units import Metre
 
@@ -32,27 +32,36 @@ class PlaceError(ValueError):
         self.path = path
 
 
+def _some_radius(value: float) -> float:
+    if abs(value) < LEAST_RADIUS:
+        raise ValueError(
+            f"{value:g} m is no radius; allowed is {LEAST_RADIUS:g} m or more (turns left) or {-LEAST_RADIUS:g} m or "
+            "less (turns right): for a straight line write the point alone, [x, y]"
+        )
+    return value
+
+
+Radius = Annotated[
+    Metre,
+    Field(ge=-1e6, le=1e6, description="above 0: it turns left; below 0: right"),
+    AfterValidator(_some_radius),
+]
+
+
 @dataclass(frozen=True)
 class ArcTo:
     """End of an arc that begins at the point before; of the two arcs, the shorter one."""
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
     arc_to: GivenPoint
-    radius: Annotated[Metre, Field(ge=-1e6, le=1e6, description="above 0: it turns left; below 0: right")]
-
-    def __post_init__(self) -> None:
-        if abs(self.radius) < LEAST_RADIUS:
-            raise ValueError(
-                f"radius is {self.radius:g} m; allowed is {LEAST_RADIUS:g} m or more (turns left) or "
-                f"{-LEAST_RADIUS:g} m or less (turns right): for a straight line write the point alone, [x, y]"
-            )
+    radius: Radius
 
 
 def _form(value: Any) -> str:
-    return "arc" if isinstance(value, dict | ArcTo) else "point"
+    return "<arc>" if isinstance(value, dict | ArcTo) else "<point>"
 
 
-Vertex = Annotated[Annotated[GivenPoint, Tag("point")] | Annotated[ArcTo, Tag("arc")], Discriminator(_form)]
+Vertex = Annotated[Annotated[GivenPoint, Tag("<point>")] | Annotated[ArcTo, Tag("<arc>")], Discriminator(_form)]
 """A point, or the end of an arc."""
 Points = Annotated[
     tuple[Vertex, ...],
@@ -107,7 +116,7 @@ def drawn(given: Sequence[Point | ArcTo], *, least: int, ring: bool = False) -> 
         or meets itself; with the index of the point.
     """
     if len(given) < least:
-        raise PlaceError(("points",), f"has {len(given)} points; allowed are {least} or more")
+        raise PlaceError(("points",), f"{len(given)} given; needed are {least} or more, or file: a table of x and y")
     if isinstance(given[0], ArcTo):
         raise PlaceError(("points", 0), "an arc needs a point where it begins; write the first one as [x, y]")
     corners = [item.arc_to if isinstance(item, ArcTo) else item for item in given]
