@@ -15,8 +15,8 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene import InletRow, Interval, MovingWall, Scene, Sizes, Wall
-from lammps_jump.scene.chains import open_ends
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
+from lammps_jump.scene.shapes import open_ends
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
 from .packing import deepest_overlap, disc_count
@@ -339,10 +339,14 @@ def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, 
 
 
 def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:
-    for number, row in enumerate(inlets):
-        distance = float(wall.distance(np.array([row.x]), np.array([row.y]))[0])
-        if distance < largest / 2 * (1 - 1e-6) and not (distance < -largest / 2 and open_ends(wall.faces)):
+    if not inlets:
+        return
+    distances = wall.distance(*np.array([(row.x, row.y) for row in inlets]).T)
+    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
+        distances = np.where(distances < -largest / 2, np.inf, distances)
+    for number, (row, distance) in enumerate(zip(inlets, distances.tolist(), strict=True), 1):
+        if distance < largest / 2 * (1 - 1e-6):
             raise source.error(
-                f"inflow: row {number + 1} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
+                f"inflow: row {number} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
                 f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"
             )

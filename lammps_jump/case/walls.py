@@ -13,9 +13,9 @@ import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.scene import Block, Interval, MovingWall, Plane, Scene, Wall, gate
-from lammps_jump.scene.chains import boxes, flush, open_ends, tight_bend, vertices
+from lammps_jump.scene.chains import boxes
 from lammps_jump.scene.motion import Motion, largest_speed, way
-from lammps_jump.scene.shapes import ArcTo, PlaceError
+from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend, vertices
 from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Circle, Line, Polygon
 

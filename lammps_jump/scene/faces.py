@@ -56,6 +56,8 @@ MOST = 16
 """Contacts of a disc with one wall, at most: the deepest ones."""
 SAME_TURN = SMOOTH_TURN * (1 + 1e-6)
 """Turn between two contacts of a run up to which they are one, rad; a little above the limit of a smooth joint."""
+TIE = 1e-9
+"""Radii by which a face behind must be nearer than one in front: round-off parts the two faces of a sheet."""
 FEW = 8
 """Faces up to which a wall is searched without a grid."""
 MOST_CELLS = 1_000_000
@@ -202,7 +204,7 @@ def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, w
     """
     if deep == 1:
         return _behind(codes, shape, near, first, last, px, py, radius, found, which)
-    nearest = deepest = inf
+    nearest = deepest = lowest = inf
     touch = 0
     for p in range(first, last):
         f = near[p]
@@ -212,8 +214,10 @@ def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, w
         if place == NOWHERE:
             continue
         away = abs(gap)
-        if away < abs(nearest) or (away == abs(nearest) and gap > nearest):
-            nearest = gap
+        if gap < 0.0:
+            away += TIE * radius
+        if away < lowest:
+            nearest, lowest = gap, away
             if gap < 0.0:
                 found[0, 0], found[0, 1], found[0, 2] = gap, nx, ny
                 which[0] = f

@@ -6,8 +6,9 @@ from math import acos, asin, cos, hypot, pi, radians, sin, tan
 import numpy as np
 import pytest
 
-from lammps_jump.scene.chains import Chain, circle, flush, lay
+from lammps_jump.scene.chains import Chain, circle, lay
 from lammps_jump.scene.faces import MOST, grid_of, list_near, touching
+from lammps_jump.scene.shapes import flush
 from lammps_jump.scene.walls import Block, Box, Plane
 
 R = 0.1

@@ -19,6 +19,8 @@ enum Place { NOWHERE, INSIDE, BEGIN, END };
 
 constexpr int MOST = 16;                                              // contacts of a disc with one wall
 constexpr double SMOOTH_TURN = 5.0;                                   // degrees
+/** Radii by which a face behind must be nearer than one in front. */
+constexpr double TIE = 1e-9;
 constexpr double SAME_TURN = SMOOTH_TURN * M_PI / 180.0 * (1 + 1e-6);
 constexpr int FEW = 8;                                                // faces up to which a wall has no grid
 constexpr double MOST_CELLS = 1e6;
@@ -89,15 +91,16 @@ class WallFaces {
   int touching(const int *near, int count, double px, double py, double radius, FaceContact *found) const
   {
     if (deep) return behind(near, count, px, py, radius, found);
-    double nearest = HUGE_VAL, deepest = HUGE_VAL;
+    double nearest = HUGE_VAL, deepest = HUGE_VAL, lowest = HUGE_VAL;
     int touch = 0;
     for (int p = 0; p < count; p++) {
       if (faces[near[p]].out_of_reach(px, py, radius, -radius)) continue;
       const FaceContact c = candidate(near[p], px, py);
       if (c.place == NOWHERE) continue;
-      const double off = std::fabs(c.gap);
-      if (off < std::fabs(nearest) || (off == std::fabs(nearest) && c.gap > nearest)) {
+      const double off = c.gap < 0.0 ? std::fabs(c.gap) + TIE * radius : c.gap;
+      if (off < lowest) {
         nearest = c.gap;
+        lowest = off;
         if (c.gap < 0.0) found[0] = c;
       }
       if (c.gap >= 0.0 && c.gap < radius) {
