@@ -47,7 +47,9 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     number, notes = choose_ranks(ranks, scene)
     if kernel == "stock":
         if missing := lacking(scene):
-            raise SetupError(f"kernel stock: {missing} is not in stock LAMMPS; use the compiled kernel")
+            raise SetupError(
+                f"kernel stock: stock LAMMPS has no {missing}; set engine.kernel to compiled, or engine.name to native"
+            )
         return Setting(ranks=number), notes
     try:
         return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes

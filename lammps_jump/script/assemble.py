@@ -14,7 +14,7 @@ from lammps_jump.scene.scene import Scene
 
 from . import plugin as compiled
 from . import stock
-from .walls import number
+from .numbers import number
 
 Section = tuple[str, list[str]]
 """Title and commands of a part of a script."""

@@ -12,8 +12,9 @@ from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
+from .numbers import number, numbers
 from .probes import stock_probes
-from .walls import fix_names, granular_law, number, numbers, stock_gates, stock_walls, unwritten
+from .walls import fix_names, granular_law, stock_gates, stock_walls, unwritten
 
 DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
@@ -23,12 +24,12 @@ probes, gates = stock_probes, stock_gates
 
 
 def lacking(scene: Scene) -> str:
-    """What the styles of LAMMPS lack of a scene, as the case says it; empty where they do."""
+    """What the styles of LAMMPS lack of a scene, with the field that asks for it; empty where they write all of it."""
     if scene.touch == "smooth":
         return "'touch: smooth'"
-    if scene.friction_law == "sign" and scene.coefficients.friction > 0:
+    if scene.friction_law == "sign" and scene.rubs:
         return "'friction_law: sign'"
-    return next((f"wall like '{wall.name}', a {type(wall).__name__}" for wall in unwritten(scene)), "")
+    return unwritten(scene)
 
 
 def settings(scene: Scene, ranks: int) -> list[str]:
@@ -109,7 +110,7 @@ def contact_law(scene: Scene) -> list[str]:
     """
     c = scene.coefficients
     if scene.sizes:
-        law = granular_law(scene, c.stiffness, c.damping_ratio * c.correction, c.tangential_ratio)
+        law = granular_law(c.stiffness, c.damping_ratio * c.correction, c.tangential_ratio, c.friction)
         return ["pair_style      granular", f"pair_coeff      * * {law}"]
     rub = f"{numbers(c.gamma_tangential, c.friction)} 1" if c.friction else "0 0 0"
     return [
