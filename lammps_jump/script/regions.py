@@ -27,8 +27,10 @@ MOST_ROWS = 200
 """Rows of a track: LAMMPS reads all of them at every step, 1 us each."""
 ROUNDING = 1e-4
 """Radius of the circle at a convex vertex, in diameters: trajectories are off by 1.2 times as much."""
-OVERHANG = 1e-12
-"""What that circle is larger, and what faces are shorter at a concave vertex, in diameters: beyond round-off."""
+OVERHANG = 16 * np.finfo(float).eps
+"""What that circle is larger, and what faces are shorter at a concave vertex, as a share of coordinates: round-off.
+
+A disc feels face and circle at once over a way of some 1e-5 d beside the joint, which grows with the root of this."""
 THICKNESS = 1.5
 """Thickness of a polyline's rectangles, in radii of that circle: their ends lie inside it."""
 LEAST_TURN = 1e-4
@@ -143,7 +145,8 @@ def polyline(wall: Wall, scene: Scene) -> list[str]:
     """Commands of the region of a standing polyline, ``solid_NAME``."""
     chain = chain_of(wall)
     faces = faces_of_chain(chain)
-    rho, tiny = ROUNDING * scene.diameter, OVERHANG * scene.diameter
+    rho = ROUNDING * scene.diameter
+    tiny = OVERHANG * max(scene.diameter, np.abs([face.start for face in faces]).max())
     turns = [turn(faces[i - 1], face) if i or chain.closed else 0.0 for i, face in enumerate(faces)]
     _check_joints(wall, chain, faces, turns)
     cuts = [rho * tan(-0.5 * angle) if angle < 0 else tiny for angle in turns]
@@ -286,6 +289,17 @@ def clock(scene: Scene) -> list[str]:
             for name, shift in (("now", "-v_back"), ("before", "-1"), ("after", "+1"))
         ),
     ]
+
+
+def first_forces(scene: Scene, kernel: str) -> list[str]:
+    """Commands that compute the forces of the present step anew, with the velocities of walls that move.
+
+    A region's velocity is the way since it was looked at last. The first ``run 0`` therefore looks at the step before.
+    """
+    now = "run             0 post no"
+    if kernel != "stock" or not scene.moves:
+        return [now]
+    return ["variable        back equal 1", now, "variable        back equal 0", now]
 
 
 def check_motion(moving: MovingWall) -> None:

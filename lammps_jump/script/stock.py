@@ -14,6 +14,7 @@ from lammps_jump.scene.sizes import ID_STEP
 
 from .numbers import number, numbers
 from .probes import stock_probes
+from .regions import first_forces
 from .walls import fix_names, granular_law, stock_gates, stock_walls, unwritten
 
 DATA_FILE = "discs.data"
@@ -272,7 +273,7 @@ def schedule(scene: Scene, gates: list[str], sizes: list[str], kernel: str) -> l
     change = [*(f"unfix           {name}" for name in fix_names(gates)), *inlets(scene, sizes)]
     rest = f"run             {scene.steps - first}"
     if len(scene.positions):
-        change = [*half_step(scene, kernel, "-"), *change, "run             0 post no", *half_step(scene, kernel)]
+        change = [*half_step(scene, kernel, "-"), *change, *first_forces(scene, kernel), *half_step(scene, kernel)]
         return [*gates, f"run             {first}", *change, f"{rest} pre no"]
     # without a disc LAMMPS knows no cutoff and makes too many bins
     bins = f"neigh_modify    binsize {number(0.5 * (scene.largest + scene.skin))}"
