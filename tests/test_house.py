@@ -33,11 +33,39 @@ LARGEST_FILE = 300
 """Lines of code; docstrings, comments and blank lines do not count."""
 LOOPS = {"lammps_jump/engines/native/loops.py"}
 """Jitted loops may be longer."""
+MOST_PARAMETERS = 8
+"""Parameters of a function, keyword-only ones, ``*args`` and ``**kwargs`` included; options of a command are free."""
 MOST_FILES = 12
 """Python files of a folder, ``__init__.py`` included."""
 
 LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
+LONG_CALLS = {
+    "analysis/contacts.py:_touch_wall_py": 13,
+    "analysis/contacts.py:_whole_forces_py": 14,
+    "analysis/jump/head.py:_contact_fields_py": 17,
+    "analysis/profiles.py:_bin_frame_py": 10,
+    "analysis/profiles.py:_surface_frame_py": 10,
+    "lammps_jump/dump/rows.py:_parse_rows_py": 9,
+    "lammps_jump/engines/native/ledger.py:_between_py": 32,
+    "lammps_jump/engines/native/lists.py:_pair_list_py": 10,
+    "lammps_jump/engines/native/lists.py:_sort_py": 12,
+    "lammps_jump/engines/native/loops.py:_advance_py": 34,
+    "lammps_jump/engines/native/loops.py:_cell_pairs_py": 9,
+    "lammps_jump/engines/native/loops.py:_elastic_py": 14,
+    "lammps_jump/engines/native/loops.py:_give_sizes_py": 18,
+    "lammps_jump/engines/native/loops.py:_kick_drift_py": 21,
+    "lammps_jump/engines/native/loops.py:_pair_forces_py": 21,
+    "lammps_jump/engines/native/loops.py:_power_py": 9,
+    "lammps_jump/engines/native/loops.py:_wall_forces_py": 20,
+    "lammps_jump/scene/faces.py:_behind_py": 10,
+    "lammps_jump/scene/faces.py:_list_near_py": 14,
+    "lammps_jump/scene/faces.py:_mark_cells_py": 11,
+    "lammps_jump/scene/faces.py:_select_py": 10,
+    "lammps_jump/scene/faces.py:_touching_py": 11,
+}
+"""Jitted loops over `MOST_PARAMETERS`, with their parameters today: numba keeps a branch on a field of a tuple, and
+drops one on an argument that is None."""
 FULL_FOLDERS: dict[str, int] = {}
 """Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()
@@ -205,6 +233,44 @@ def shrinks(found: dict[str, int], known: dict[str, int]) -> None:
 def test_files_are_small():
     sizes = {file: lines_of_code((ROOT / file).read_text()) for file in trees() if file not in LOOPS}
     shrinks(over(sizes, LARGEST_FILE), LARGE_FILES)
+
+
+def is_command(function: ast.FunctionDef) -> bool:
+    """Whether a function is a command of the command line, whose options are its parameters."""
+    calls = [one.func for one in function.decorator_list if isinstance(one, ast.Call)]
+    return any(isinstance(one, ast.Attribute) and one.attr == "command" for one in calls)
+
+
+def parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """How many parameters a function has."""
+    given = function.args
+    named = [*given.posonlyargs, *given.args, *given.kwonlyargs]
+    return len(named) + sum(one is not None for one in (given.vararg, given.kwarg))
+
+
+def test_functions_have_few_parameters():
+    counts = {
+        f"{file}:{node.name}": parameters(node)
+        for file, tree in trees().items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not is_command(node)
+        if parameters(node) > MOST_PARAMETERS
+    }
+    shrinks(counts, LONG_CALLS)
+    jitted = {
+        node.args[0].id
+        for tree in trees().values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Call)
+        if getattr(node.func.func, "id", "") == "njit"
+    }
+    assert {name.partition(":")[2] for name in LONG_CALLS} <= jitted
+
+
+def test_how_parameters_are_counted():
+    (function,) = ast.parse("def f(a, /, b, *c, d=1, **e): ...").body
+    assert parameters(function) == 5 and not is_command(function)
+    assert is_command(ast.parse("@app.command('x')\ndef f(): ...").body[0])
 
 
 def test_folders_are_small():

@@ -13,7 +13,7 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
-from lammps_jump.scene import InletRow, Interval, MovingWall, Scene, Sizes, Wall
+from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
@@ -200,7 +200,7 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
     return notes
 
 
-def adapted(case: CaseFields, scene: Scene) -> tuple[str, ...]:
+def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) -> tuple[str, ...]:
     """Sentences on asked values that whole steps have changed."""
     dt, settle = scene.time_step, case.settling[0]
     asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
@@ -210,7 +210,7 @@ def adapted(case: CaseFields, scene: Scene) -> tuple[str, ...]:
         asked["probes.interval"] = case.probes.interval, scene.probe_steps * dt
     if not isinstance(case.inflow, RowsInflow):
         return told(asked)
-    carried = sum(scene.discharges)
+    carried = sum(scene.discharges_of(inlets))
     return told(asked) + told({"discharge of the inflow": (case.inflow.velocity * case.inflow.depth, carried)}, "m^2/s")
 
 
@@ -256,10 +256,13 @@ def check_stability(
 
 
 def check_places(
-    case: CaseFields, source: CaseSource, scene: Scene, walls: tuple[Wall, ...], gates: tuple[MovingWall, ...]
+    source: CaseSource,
+    scene: Beginning,
+    inlets: tuple[InletRow, ...],
+    walls: tuple[Wall, ...],
+    gates: tuple[MovingWall, ...],
 ) -> None:
-    """Refuse discs and inlets outside the domain or in a wall, and discs that overlap by more than d/n."""
-    _check_in_domain(case, source, scene.positions, scene.inlets, scene.domain)
+    """Refuse discs and inlets in a wall, and discs that overlap by more than d/n."""
     positions, allowed = scene.positions, 0.5 * scene.overlap_limit
     diameters = scene.diameters(np.arange(1, len(positions) + 1))
     found = deepest_overlap(positions, diameters)
@@ -272,12 +275,13 @@ def check_places(
         )
     for index, wall in enumerate(walls):
         _check_discs_free_of(wall, f"walls.{index}", source, positions, diameters, allowed)
-        _check_inlets_free_of(wall, source, scene.inlets, scene.largest)
+        _check_inlets_free_of(wall, source, inlets, scene.largest)
     for gate in gates:
         _check_discs_free_of(gate.wall, "initial", source, positions, diameters, allowed)
 
 
-def _check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
+def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
+    """Refuse discs and inlets outside the domain."""
     for axis, label in enumerate("xy"):
         low, high = domain[axis]
         outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from itertools import combinations
 from math import inf
@@ -10,7 +11,7 @@ from math import inf
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene import Block, InletRow, Interval, Scene, Wall
+from lammps_jump.scene import Block, InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.scene.chains import boxes, flush
 from lammps_jump.units import numbers_of
 
@@ -301,10 +302,10 @@ def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:
     return bool(near.any())
 
 
-def skipped(case: CaseFields, walls: tuple[Wall, ...], scene: Scene) -> tuple[str, ...]:
-    """Sentences: what the engines leave out because the scene does not need it."""
+def skipped(case: CaseFields, walls: tuple[Wall, ...], kept: Collection[Wall], sizes: Sizes | None) -> tuple[str, ...]:
+    """Sentences: what the engines leave out because the scene does not need it, such as walls that are not `kept`."""
     law, friction = case.contact, case.contact.friction
-    columns = "z, vz, " + ("" if scene.sizes else "radius, ") + "mass, type, forces"
+    columns = "z, vz, " + ("" if sizes else "radius, ") + "mass, type, forces"
     columns += "" if law.rotation and friction else ", spin"
     texts = {
         "friction terms: friction is 0": friction == 0,
@@ -312,16 +313,14 @@ def skipped(case: CaseFields, walls: tuple[Wall, ...], scene: Scene) -> tuple[st
         "spin: contact.rotation is false, discs do not turn": not law.rotation,
         "spin: without friction nothing turns a disc": law.rotation and friction == 0,
         "gravity: it is 0": case.gravity == 0,
-        **{
-            f"wall '{wall.name}': nothing inside the domain can reach it": wall not in scene.permanent for wall in walls
-        },
+        **{f"wall '{wall.name}': nothing inside the domain can reach it": wall not in kept for wall in walls},
         "walls: there are none": not walls,
         "inlet: no inflow": case.inflow is None,
         "outlet: no outflow": not case.outflow,
         "z constraint: nothing pushes out of the plane": True,
         "tangential springs: the laws here have no history": True,
         f"dump columns {columns}: no analysis reads them": True,
-        "wall forces: no probe asks for them": not scene.probes,
+        "wall forces: no probe asks for them": not case.probes.forces,
         "stress fields: analysis.fields is false": case.run.dump_format == "text" and not case.analysis.fields,
     }
     return tuple(text for text, holds in texts.items() if holds)

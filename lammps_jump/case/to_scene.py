@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
 from lammps_jump.scene import (
+    Beginning,
     Block,
     InletRow,
     Interval,
@@ -21,7 +21,6 @@ from lammps_jump.scene import (
     Scene,
     Sizes,
     Stations,
-    Wall,
     gate,
 )
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
@@ -58,7 +57,7 @@ def contact_coefficients(
 ) -> contact.Coefficients:
     """Contact coefficients of a case, with its own step or another (as a share of 2/omega)."""
     _, impact_speed, stiffness = _stiffness(case)
-    return contact.derive(
+    given = contact.Contact(
         **case.discs.model_dump(exclude={"sizes"}),
         **case.contact.model_dump(include=LAW),
         stiffness=stiffness,
@@ -68,6 +67,7 @@ def contact_coefficients(
         integrator=integrator,
         smallest=sizes.smallest if sizes else None,
     )
+    return contact.derive(given)
 
 
 def _coefficients(case: CaseFields, integrator: str, sizes: Sizes | None) -> contact.Coefficients:
@@ -110,74 +110,73 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
-    scene, walls = _with_walls(_discs_and_steps(case, source), case, source)
-    return replace(
-        scene,
-        skipped=skipped(case, walls, scene),
-        warnings=(*scene.warnings, *checks.check_stop(case, source), *doubts(case, _stiffness(case)[1], scene.inlets)),
-        adapted=checks.adapted(case, scene),
+    begun, warnings = _beginning(case, source)
+    inlets, raster = _inlets(case, source, begun)
+    speed = _largest_speed(case, begun, inlets)
+    domain = _domain(case, source, begun, inlets, speed)
+    outlets = _outlets(case, source, begun, domain, speed)
+    walls, gates = case.walls + _inlet_back(case, begun.largest), _gates(case, begun, domain)
+    checks.check_names(case, source, walls, gates)
+    checks.check_in_domain(case, source, begun.positions, inlets, domain)
+    checks.check_places(source, begun, inlets, walls, gates)
+    checks.check_pour(case, source, domain, begun.largest)
+    probes = _probes(case, source, walls)
+    kept = [wall for wall in walls if reachable(wall, domain, begun.largest) or wall.name in probes]
+    law, pour = case.contact, case.inflow if isinstance(case.inflow, PourInflow) else None
+    sharp = law.touch == "sharp"
+    _, impact_speed, _ = _stiffness(case)
+    return Scene(
+        **vars(begun),
+        name=case.name,
+        description=case.description,
+        density=case.discs.density,
+        gravity=_gravity(case),
+        friction_law=law.friction_law,
+        rotation=law.rotation and law.friction > 0,
+        integrator=_integrator(case),
+        domain=domain,
+        walls=(*map(MovingWall, kept), *gates),
+        inlets=inlets,
+        pours=(Pour(**pour.model_dump(exclude={"kind"})),) if pour else (),
+        outlets=outlets,
+        probes=probes,
+        stations=_stations(case, source, begun, inlets, outlets),
+        seed=case.run.seed,
+        skin=case.engine.skin or 0.3 * begun.diameter,
+        touch=law.touch,
+        touch_width=0.0 if sharp else law.touch_width or TOUCH_STEPS * impact_speed * begun.time_step,
+        size_steps=raster if inlets else POUR_RASTER,
+        skipped=skipped(case, walls, kept, begun.sizes),
+        warnings=(*warnings, *checks.check_stop(case, source), *doubts(case, impact_speed, inlets)),
+        adapted=checks.adapted(case, begun, inlets),
     )
 
 
-def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
-    """The discs at the start, their contacts and the steps of the run; without walls, inlets, outlets and domain."""
+def _integrator(case: CaseFields) -> str:
+    return INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
+
+
+def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[str]]:
+    """The discs at the start, their contact and the steps of the run; and what to beware of."""
     checks.check_engine(case, source)
-    integrator = INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
-    sizes = disc_sizes(case)
+    integrator, sizes = _integrator(case), disc_sizes(case)
     coefficients = _coefficients(case, integrator, sizes)
-    penetration, impact_speed, _ = _stiffness(case)
     warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
     warnings += checks.check_sizes(case, source, sizes)
-    d, dt, law = case.discs.diameter, coefficients.time_step, case.contact
-    steps, settle = _steps(case, source, dt, sizes)
+    steps, settle = _steps(case, source, coefficients.time_step, sizes)
     positions, velocities = _discs(case, source, coefficients, sizes)
-    return Scene(
-        name=case.name,
-        description=case.description,
-        diameter=d,
-        density=case.discs.density,
-        gravity=_gravity(case),
+    return Beginning(
+        diameter=case.discs.diameter,
+        sizes=sizes,
         coefficients=coefficients,
-        friction_law=law.friction_law,
-        rotation=law.rotation and law.friction > 0,
-        integrator=integrator,
-        domain=((math.nan, math.nan), (math.nan, math.nan)),
+        overlap_limit=2 * case.discs.diameter / _stiffness(case)[0],
         positions=_frozen(positions),
         velocities=_frozen(velocities),
-        walls=(),
         steps=settle + steps.run,
         settle_steps=settle,
         output_steps=steps.output,
         probe_steps=steps.probe,
-        seed=case.run.seed,
-        skin=case.engine.skin or 0.3 * d,
-        overlap_limit=2 * d / penetration,
-        touch=law.touch,
-        touch_width=0.0 if law.touch == "sharp" else law.touch_width or TOUCH_STEPS * impact_speed * dt,
-        sizes=sizes,
-        warnings=tuple(warnings),
-    )
-
-
-def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Scene, tuple[Wall, ...]]:
-    """The scene with inlets, outlets, domain, and the walls in its reach; and all walls that the case has."""
-    inlets, raster = _inlets(case, source, scene)
-    pour = case.inflow if isinstance(case.inflow, PourInflow) else None
-    pours = (Pour(**pour.model_dump(exclude={"kind"})),) if pour else ()
-    scene = replace(scene, inlets=inlets, size_steps=raster if inlets else POUR_RASTER, pours=pours)
-    speed = _largest_speed(case, scene)
-    scene = replace(scene, domain=_domain(case, source, scene, speed))
-    scene = replace(scene, outlets=_outlets(case, source, scene, speed))
-    gates = _gates(case, scene)
-    walls = case.walls + _inlet_back(case, scene.largest)
-    checks.check_names(case, source, walls, gates)
-    checks.check_places(case, source, scene, walls, gates)
-    checks.check_pour(case, source, scene.domain, scene.largest)
-    probes = _probes(case, source, walls)
-    kept = [wall for wall in walls if reachable(wall, scene.domain, scene.largest) or wall.name in probes]
-    return replace(
-        scene, walls=(*map(MovingWall, kept), *gates), probes=probes, stations=_stations(case, source, scene)
-    ), walls
+    ), warnings
 
 
 def _gravity(case: CaseFields) -> tuple[float, float]:
@@ -188,12 +187,12 @@ def _gravity(case: CaseFields) -> tuple[float, float]:
     return case.gravity * math.sin(angle), -case.gravity * math.cos(angle)
 
 
-def _largest_speed(case: CaseFields, scene: Scene) -> float:
+def _largest_speed(case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...]) -> float:
     """Largest speed that the case implies, m/s: at the start, at the inlet, of an impact, of a column's fall."""
     columns = [item.y[1] - item.y[0] for item in case.initial if isinstance(item, Column)]
     falls = [math.sqrt(2 * case.gravity * height) for height in columns]
-    start = float(np.hypot(*scene.velocities.T).max(initial=0.0))
-    return max([*(row.vx for row in scene.inlets), _stiffness(case)[1], start, *falls])
+    start = float(np.hypot(*begun.velocities.T).max(initial=0.0))
+    return max([*(row.vx for row in inlets), _stiffness(case)[1], start, *falls])
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:
@@ -233,17 +232,17 @@ def _inlet_back(case: CaseFields, largest: float) -> tuple[Plane, ...]:
     return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * largest, "above"),)
 
 
-def _gates(case: CaseFields, scene: Scene) -> tuple[MovingWall, ...]:
+def _gates(case: CaseFields, begun: Beginning, domain: tuple[Interval, Interval]) -> tuple[MovingWall, ...]:
     """Gates of settling columns. A gate with discs beyond it is a block without thickness, which both sides feel."""
     gates = []
     for index, item in enumerate(case.initial):
-        if not (isinstance(item, Column) and item.gate and scene.settle_steps):
+        if not (isinstance(item, Column) and item.gate and begun.settle_steps):
             continue
         name, x = f"gate_{index}" if index else "gate", item.x[1]
-        if scene.positions[:, 0].max(initial=x) > x:
-            gates.append(gate(Block(name, (x, x), scene.domain[1]), scene.settle_steps))
+        if begun.positions[:, 0].max(initial=x) > x:
+            gates.append(gate(Block(name, (x, x), domain[1]), begun.settle_steps))
         else:
-            gates.append(gate(Plane(name, "x", x, "below"), scene.settle_steps))
+            gates.append(gate(Plane(name, "x", x, "below"), begun.settle_steps))
     return tuple(gates)
 
 
@@ -265,12 +264,12 @@ def _discs(
     return np.concatenate(positions), np.concatenate(velocities)
 
 
-def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[InletRow, ...], int]:
+def _inlets(case: CaseFields, source: CaseSource, begun: Beginning) -> tuple[tuple[InletRow, ...], int]:
     """Rows of the inflow, and the raster of their steps."""
-    inflow, d, dt = case.inflow, scene.diameter, scene.time_step
+    inflow, d, dt = case.inflow, begun.diameter, begun.time_step
     if not isinstance(inflow, RowsInflow):
         return (), 1
-    largest, mean_square = scene.largest, scene.mean_square
+    largest, mean_square = begun.largest, begun.mean_square
     if inflow.depth < d * (1 - 1e-9):
         raise source.error(
             f"inflow.depth: {inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
@@ -288,7 +287,7 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
             f"in every {slowest:.3g} steps; allowed are {checks.MOST_STEPS:.0e}: raise it or lower the stiffness"
         )
     if inflow.schedule == "thesis":
-        if scene.sizes:
+        if begun.sizes:
             raise source.error(
                 "inflow.schedule: 'thesis' is for equal discs; allowed is exact where discs.sizes is given"
             )
@@ -302,9 +301,9 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
             largest=largest,
             profile=inflow.profile,
             least_gap=inflow.spacing,
-            coarsest=COARSEST_RASTER if scene.sizes else 1,
+            coarsest=COARSEST_RASTER if begun.sizes else 1,
         )
-    first = (scene.settle_steps // plan.raster + 1) * plan.raster
+    first = (begun.settle_steps // plan.raster + 1) * plan.raster
     rows = zip(plan.heights, seeded_speeds(plan.speeds, case.run.seed), plan.steps, strict=True)
     return tuple(
         InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, 0.999 * largest)
@@ -312,23 +311,25 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
     ), plan.raster
 
 
-def _domain(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -> tuple[Interval, Interval]:
+def _domain(
+    case: CaseFields, source: CaseSource, begun: Beginning, inlets: tuple[InletRow, ...], speed: float
+) -> tuple[Interval, Interval]:
     """The given domain, or one around all that the case names."""
     if case.domain is not None:
         domain = case.domain.x, case.domain.y
     else:
         closed = any(wall.hollow for wall in case.walls)
-        margin = 2 * scene.largest if closed else 10 * scene.largest + speed * min(case.run.duration, 3.0)
-        ends = (_ends(case, axis, scene) for axis in "xy")
+        margin = 2 * begun.largest if closed else 10 * begun.largest + speed * min(case.run.duration, 3.0)
+        ends = (_ends(case, axis, begun, inlets) for axis in "xy")
         domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
     checks.check_domain(case, source, domain)
     return domain
 
 
-def _ends(case: CaseFields, axis: str, scene: Scene) -> list[float]:
+def _ends(case: CaseFields, axis: str, begun: Beginning, inlets: tuple[InletRow, ...]) -> list[float]:
     """Coordinates that a domain must hold, m."""
     index = "xy".index(axis)
-    values = [*scene.positions[:, index], *(getattr(row, axis) for row in scene.inlets)]
+    values = [*begun.positions[:, index], *(getattr(row, axis) for row in inlets)]
     if isinstance(case.inflow, PourInflow):
         values += getattr(case.inflow, axis)
     values += [end for wall in case.walls for end in wall.extent[index] if math.isfinite(end)]
@@ -336,20 +337,22 @@ def _ends(case: CaseFields, axis: str, scene: Scene) -> list[float]:
     return values + [at for name, at in outlets if name.startswith(axis)]
 
 
-def _outlets(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -> tuple[Outlet, ...]:
+def _outlets(
+    case: CaseFields, source: CaseSource, begun: Beginning, domain: tuple[Interval, Interval], speed: float
+) -> tuple[Outlet, ...]:
     outlets = []
     for index, item in enumerate(case.outflow):
         ((field, at),) = item.model_dump(exclude_none=True).items()
         axis = field[0]
         side = "above" if field in ("x_beyond", "y_above") else "below"
-        low, high = scene.domain[0 if axis == "x" else 1]
+        low, high = domain[0 if axis == "x" else 1]
         room = high - at if side == "above" else at - low
-        if room <= scene.largest:
+        if room <= begun.largest:
             raise source.error(
                 f"outflow.{index}.{field}: {at:g} m leaves no room before the edge of the domain ([{low:g}, "
                 f"{high:g}]); discs need a few metres to be taken out in: widen domain or move the outlet"
             )
-        every = max(1, min(scene.output_steps, int(room / (MAX_SPEED_MARGIN * speed * scene.time_step))))
+        every = max(1, min(begun.output_steps, int(room / (MAX_SPEED_MARGIN * speed * begun.time_step))))
         outlets.append(Outlet(axis, at, side, every))
     return tuple(outlets)
 
@@ -365,12 +368,15 @@ def _probes(case: CaseFields, source: CaseSource, walls) -> tuple[str, ...]:
     return tuple(dict.fromkeys(case.probes.forces))
 
 
-def _stations(case: CaseFields, source: CaseSource, scene: Scene) -> Stations | None:
+def _stations(
+    case: CaseFields, source: CaseSource, begun: Beginning, inlets: tuple[InletRow, ...], outlets: tuple[Outlet, ...]
+) -> Stations | None:
     """The stations of the energy ledger."""
     asked = case.probes.stations
     if asked is None:
         return None
+    places = (*(row.x for row in inlets), *(line.at for line in outlets if line.axis == "x"))
     try:
-        return plan_stations(asked.x, asked.speed, asked.window, scene)
+        return plan_stations(asked.x, asked.speed, asked.window, begun, places)
     except ValueError as error:
         raise source.error(f"probes.stations: {error}") from None

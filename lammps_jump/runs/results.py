@@ -121,14 +121,13 @@ def analyse(
     what is done.
     """
     asked = case.fields.analysis
+    figures = asked.figures if has_page(case) else "none"
     return quantities.analyse(
         flow,
         find_dump(folder),
         out,
         _wanted(case),
-        figures=asked.figures if has_page(case) else "none",
-        film=asked.animation,
-        quiet=not log.isEnabledFor(logging.INFO),
+        pictures=quantities.Pictures(figures, asked.animation, quiet=not log.isEnabledFor(logging.INFO)),
         watch=watch,
         gathered=gathered,
         told=told,

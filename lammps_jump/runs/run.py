@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
 from lammps_jump import dump, runs
 from lammps_jump.case.case import Changes, ReadCase
@@ -40,17 +40,23 @@ if TYPE_CHECKING:
 Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
 
+class EngineOptions(TypedDict, total=False):
+    """Options of `run` that stand in place of the case's own."""
+
+    engine: str | None
+    kernel: str | None
+    ranks: int | str | None
+
+
 def run(
     case: ReadCase,
     folder: str | Path | None = None,
     *,
-    engine: str | None = None,
-    kernel: str | None = None,
-    ranks: int | str | None = None,
     force: bool = False,
     resume: bool = False,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
+    **own: Unpack[EngineOptions],
 ) -> Run:
     """Run a case and analyse it; a result that the folder already holds is returned at once.
 
@@ -59,10 +65,6 @@ def run(
     case : Case
     folder : str or Path, optional
         Run folder, made where it is missing; default ``runs/<stem of the case file>``, changed values behind it.
-    engine : {'lammps', 'native'}, optional
-    kernel : {'auto', 'stock', 'compiled'}, optional
-    ranks : int or 'auto', optional
-        In place of the case's own.
     force : bool
         Delete the run that the folder holds, and start anew.
     resume : bool
@@ -70,7 +72,11 @@ def run(
     progress : callable, optional
         Called with a `Progress` about twice a second.
     should_stop : callable, optional
-        Asked as often; True ends the run as an interruption does.
+        Called as often; True ends the run as an interruption does.
+    engine : {'lammps', 'native'}, optional
+    kernel : {'auto', 'stock', 'compiled'}, optional
+    ranks : int or 'auto', optional
+        In place of the case's own.
 
     Raises
     ------
@@ -79,8 +85,10 @@ def run(
     RunError, RunInterrupted
         A run that failed or was ended; its folder is kept, and ``error.run`` is the run as far as it came.
     """
-    given = {"engine.name": engine, "engine.kernel": kernel, "engine.ranks": ranks}
-    case = case.replace({path: value for path, value in given.items() if value is not None})
+    if unknown := sorted(own.keys() - EngineOptions.__annotations__):
+        raise TypeError(f"run() has no argument '{unknown[0]}'")
+    paths = {f"engine.{'name' if name == 'engine' else name}": value for name, value in own.items()}
+    case = case.replace({path: value for path, value in paths.items() if value is not None})
     place = Path(folder or default_folder(case))
     try:
         runs.start.start(case, place, force=force, resume=resume, progress=progress, should_stop=should_stop)

@@ -72,8 +72,60 @@ class Stations:
     last_step: int
 
 
+class Measures:
+    """Sizes and times that follow from few fields of a scene."""
+
+    diameter: float
+    coefficients: Coefficients
+    sizes: Sizes | None
+    settle_steps: int
+
+    @property
+    def largest(self) -> float:
+        """Largest diameter, m."""
+        return self.sizes.largest if self.sizes else self.diameter
+
+    @property
+    def mean_square(self) -> float:
+        """Mean squared diameter by number, m^2: the area that a disc stands for."""
+        return self.sizes.mean_square if self.sizes else self.diameter**2
+
+    def diameters(self, ids: ArrayLike) -> np.ndarray:
+        """Diameter of each id, m; shape of `ids`."""
+        return self.sizes.diameters(ids) if self.sizes else np.full(np.shape(ids), self.diameter)
+
+    @property
+    def time_step(self) -> float:
+        """Time step, s."""
+        return self.coefficients.time_step
+
+    def time(self, step: int) -> float:
+        """Simulated time of a step, s."""
+        return (step - self.settle_steps) * self.time_step
+
+    def discharges_of(self, rows: tuple[InletRow, ...]) -> tuple[float, ...]:
+        """Discharge of inlet rows in whole steps, without refused turns, m^2/s: mean squared diameter by time."""
+        return tuple(self.mean_square / (row.every_steps * self.time_step) for row in rows)
+
+
 @dataclass(frozen=True)
-class Scene:
+class Beginning(Measures):
+    """What a scene is made from: discs at the start, their contact, and steps; fields as of `Scene`."""
+
+    diameter: float
+    sizes: Sizes | None
+    coefficients: Coefficients
+    overlap_limit: float
+    positions: np.ndarray
+    velocities: np.ndarray
+    steps: int
+    settle_steps: int
+    output_steps: int
+    probe_steps: int
+
+
+@dataclass(frozen=True)
+class Scene(Measures):
     """A case in engine-neutral numbers (SI).
 
     Step numbers count from the first step of the run; simulated time is ``(step - settle_steps) * dt``, so that
@@ -158,19 +210,9 @@ class Scene:
         return self.coefficients.mass
 
     @property
-    def largest(self) -> float:
-        """Largest diameter, m."""
-        return self.sizes.largest if self.sizes else self.diameter
-
-    @property
     def smallest(self) -> float:
         """Smallest diameter, m."""
         return self.sizes.smallest if self.sizes else self.diameter
-
-    @property
-    def mean_square(self) -> float:
-        """Mean squared diameter by number, m^2: the area that a disc stands for."""
-        return self.sizes.mean_square if self.sizes else self.diameter**2
 
     @property
     def mean_mass(self) -> float:
@@ -186,12 +228,8 @@ class Scene:
 
     @property
     def discharges(self) -> tuple[float, ...]:
-        """Discharge of each inlet row in whole steps, without refused turns, m^2/s: mean squared diameter by time."""
-        return tuple(self.mean_square / (row.every_steps * self.time_step) for row in self.inlets)
-
-    def diameters(self, ids: ArrayLike) -> np.ndarray:
-        """Diameter of each id, m; shape of `ids`."""
-        return self.sizes.diameters(ids) if self.sizes else np.full(np.shape(ids), self.diameter)
+        """`discharges_of` the inlets, m^2/s."""
+        return self.discharges_of(self.inlets)
 
     def masses(self, diameters: ArrayLike) -> np.ndarray:
         """Mass of discs of these diameters (m), kg/m; shape of `diameters`."""
@@ -201,15 +239,6 @@ class Scene:
     def dump_columns(self) -> tuple[str, ...]:
         """Columns of the dump, in order: spin where discs have one, radii where they are not equal."""
         return ("id", "x", "y", "vx", "vy", *(["omegaz"] * self.rotation), *(["radius"] * bool(self.sizes)))
-
-    @property
-    def time_step(self) -> float:
-        """Time step, s."""
-        return self.coefficients.time_step
-
-    def time(self, step: int) -> float:
-        """Simulated time of a step, s."""
-        return (step - self.settle_steps) * self.time_step
 
     @property
     def standing(self) -> tuple[MovingWall, ...]:

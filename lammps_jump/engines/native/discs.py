@@ -9,7 +9,7 @@ import numpy as np
 
 from lammps_jump.scene.scene import Scene
 
-from . import lists as neighbours
+from . import lists
 
 CELLS_A_DISC = 16
 """Cells of the search grid at most, over the number of discs."""
@@ -91,7 +91,7 @@ class Discs:
         reach = diameter + skin
         n = self.n
         (x_low, x_high), (y_low, y_high) = domain
-        a, b, c, d, lost = neighbours.extent(n, self.x, self.y, x_low, x_high, y_low, y_high)
+        a, b, c, d, lost = lists.extent(n, self.x, self.y, x_low, x_high, y_low, y_high)
         if lost >= 0:
             return lost
         if n == 0:
@@ -108,15 +108,15 @@ class Discs:
         if self.cell_start.size < cells + 2:
             self.cell_start = np.zeros(cells + cells // 4 + 2, np.int64)
         cell_start = self.cell_start[: cells + 2]
-        neighbours.sort(n, self.x, self.y, a, c, inverse, columns, rows, transpose, cell_start, self.cell, self.order)
+        lists.sort(n, self.x, self.y, a, c, inverse, columns, rows, transpose, cell_start, self.cell, self.order)
         for name in self.CARRIED if self.radius is None else self.CARRIED + self.CARRIED_WITH_SIZES:
             if name in self.names:
-                neighbours.permute(n, getattr(self, name), self.order, self.scratch)
-        neighbours.permute(n, self.ids, self.order, self.scratch_ids)
+                lists.permute(n, getattr(self, name), self.order, self.scratch)
+        lists.permute(n, self.ids, self.order, self.scratch_ids)
         self.x0[:n] = self.x[:n]
         self.y0[:n] = self.y[:n]
         while True:
-            count = neighbours.pair_list(
+            count = lists.pair_list(
                 n, self.x, self.y, self.radius, reach if self.radius is None else skin, rows, cell_start, self.cell,
                 self.start, self.neighbours,
             )  # fmt: skip
@@ -124,26 +124,27 @@ class Discs:
                 return -1
             self.neighbours = np.empty(2 * self.neighbours.size, np.int32)
 
-    def append(
-        self, identity: int, x: float, y: float, vx: float, vy: float, weight, skin: float, diameter: float
-    ) -> None:
-        """Add one disc behind the others, with its row of the list up to a skin (m); `weight` (N) starts its force."""
+    def append(self, new, weight: tuple[float, float], skin: float, diameter: float) -> None:
+        """Add a `Newcomer` behind the others, with its row of the list up to a skin (m); `weight` (N) begins its force.
+
+        It has this diameter (m).
+        """
         if self.n == self.room:
             self.grow()
         i = self.n
         for name in self.names:
             getattr(self, name)[i] = 0.0
-        self.ids[i] = identity
-        self.x[i] = self.x0[i] = x
-        self.y[i] = self.y0[i] = y
-        self.vx[i], self.vy[i] = vx, vy
+        self.ids[i] = new.id
+        self.x[i] = self.x0[i] = new.x
+        self.y[i] = self.y0[i] = new.y
+        self.vx[i], self.vy[i] = new.vx, new.vy
         self.fx[i], self.fy[i] = weight
         if self.ux is not None:
-            self.ux[i], self.uy[i] = vx, vy
+            self.ux[i], self.uy[i] = new.vx, new.vy
         reach = diameter + skin
         if self.radius is not None:
             self.radius[i], reach = 0.5 * diameter, skin
-        while not neighbours.append_row(i, self.x, self.y, self.radius, reach, self.start, self.neighbours):
+        while not lists.append_row(i, self.x, self.y, self.radius, reach, self.start, self.neighbours):
             self.neighbours = np.pad(self.neighbours, (0, self.neighbours.size))
         self.n = i + 1
 

@@ -30,10 +30,8 @@ from numba import njit
 
 from lammps_jump.physics.law import contact_force, stored_energy, watching_law
 from lammps_jump.scene.chains import TX0, TY0, X0, Y0
-from lammps_jump.scene.faces import touching as wall_contacts
+from lammps_jump.scene.faces import touching
 from lammps_jump.scene.tracks import pose_py
-
-DONE, HELD, OLD = 0, 1, 2
 
 
 class Law(NamedTuple):
@@ -58,6 +56,15 @@ class Motion(NamedTuple):
     weight_x: float
     weight_y: float
     reach2: float
+
+
+class Pairs(NamedTuple):
+    """Half list of pairs: rows in use; disc of each row, None if it is the row's number; neighbours by row."""
+
+    rows: int
+    owner: np.ndarray | None
+    start: np.ndarray
+    neighbours: np.ndarray
 
 
 class Grid(NamedTuple):
@@ -401,9 +408,7 @@ def _wall_forces_py(
                 px, py = centre_x + now[3] * dx + now[4] * dy, centre_y - now[4] * dx + now[3] * dy
             several = plain[row] == 0
             if several:
-                count = wall_contacts(
-                    codes, shape, deep[wall], listed, last[row], last[row + 1], px, py, own, found, which
-                )
+                count = touching(codes, shape, deep[wall], listed, last[row], last[row + 1], px, py, own, found, which)
             else:
                 face = listed[last[row]]
                 nx, ny = -shape[face, TY0], shape[face, TX0]
@@ -466,54 +471,51 @@ def _wall_forces_py(
 
 
 def _advance_py(
-    steps, pending, hold, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
+    steps, owed, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
     owner, start, neighbours, grid, faces, near, law, motion, friction, sign, touch,
     dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
 ):  # fmt: skip
-    """Up to `steps` steps; returns (steps done, state): DONE, HELD or OLD.
+    """Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these alone.
 
-    `moves` is None where all walls stand. Starts with the forces of the step it stands at where `pending`. Stops after
-    a drift, before its forces, where the list has become too old (OLD), and after the last drift where `hold` (HELD):
-    discs come and go between drift and forces. With a `grid` the pairs are searched anew every step (`_cell_pairs`);
-    OLD then means that a disc is outside the grid or `neighbours` is short.
+    The forces after the last drift are left to the caller: what happens at a step happens between its drift and its
+    forces. Returns (drifts done, whether the list has become too old for the forces). With a `grid` the pairs are
+    searched anew every step (`_cell_pairs`); the list is then too old where a disc is outside the grid or `neighbours`
+    is short.
     """
     done = 0
     while True:
-        if not pending:
-            if done == steps:
-                return done, DONE
-            moved = _kick_drift(
-                n, x, y, radius, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
-                dash_x, dash_y, slide_x, slide_y, work,
+        if owed:
+            rows = n
+            if grid is not None:
+                rows = _cell_pairs(n, x, y, radius, law.diameter, grid, owner, start, neighbours)
+                if rows < 0:
+                    return done, True
+            if ux is None:
+                seen_x, seen_y, turned = vx, vy, omega
+            else:
+                seen_x, seen_y, turned = ux, uy, uomega
+            inverse_eps = slope(n, seen_x, seen_y, sign)
+            _pair_forces(
+                rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction,
+                inverse_eps, touch, dash_x, dash_y, slide_x, slide_y,
             )  # fmt: skip
-            done += 1
-            if moves is not None:
-                _drift_lids(moves, moves.clock[0] + done)
-                if _place_walls(moves, moves.clock[0] + done):
-                    moved += 1
-            if moved > 0:
-                return done, OLD
-            if hold and done == steps:
-                return done, HELD
-        pending = False
-        rows = n
-        if grid is not None:
-            rows = _cell_pairs(n, x, y, radius, law.diameter, grid, owner, start, neighbours)
-            if rows < 0:
-                return done, OLD
-        if ux is None:
-            seen_x, seen_y, turned = vx, vy, omega
-        else:
-            seen_x, seen_y, turned = ux, uy, uomega
-        inverse_eps = slope(n, seen_x, seen_y, sign)
-        _pair_forces(
-            rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction,
-            inverse_eps, touch, dash_x, dash_y, slide_x, slide_y,
+            _wall_forces(
+                x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
+                friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
+            )  # fmt: skip
+        if steps == 0:
+            return 0, False
+        moved = _kick_drift(
+            n, x, y, radius, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
+            dash_x, dash_y, slide_x, slide_y, work,
         )  # fmt: skip
-        _wall_forces(
-            x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
-            friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
-        )  # fmt: skip
+        done, owed = done + 1, True
+        if moves is not None:
+            _drift_lids(moves, moves.clock[0] + done)
+            if _place_walls(moves, moves.clock[0] + done):
+                moved += 1
+        if moved > 0 or done == steps:
+            return done, moved > 0
 
 
 def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
@@ -620,7 +622,7 @@ def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near
                 now, cx, cy = moves.now[wall], moves.centre[wall, 0], moves.centre[wall, 1]
                 dx, dy = px - cx - now[0], py - cy - now[1]
                 px, py = cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
-            count = wall_contacts(
+            count = touching(
                 faces.codes, faces.shape, faces.deep[wall], near.faces, near.last[row], near.last[row + 1], px, py,
                 own, near.found, near.which,
             )  # fmt: skip
@@ -683,10 +685,10 @@ pose = njit(cache=True)(pose_py)
 _place_walls = watching_law(njit(cache=True)(_place_walls_py), pose)
 _see_lid = njit(cache=True)(_see_lid_py)
 _drift_lids = njit(cache=True)(_drift_lids_py)
-_wall_forces = watching_law(njit(cache=True)(_wall_forces_py), wall_contacts)
+_wall_forces = watching_law(njit(cache=True)(_wall_forces_py), touching)
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
-advance = watching_law(njit(cache=True)(_advance_py), wall_contacts, pose)
+advance = watching_law(njit(cache=True)(_advance_py), touching, pose)
 cell_pairs = _cell_pairs
 place_walls = _place_walls
-elastic = watching_law(njit(cache=True)(_elastic_py), wall_contacts)
+elastic = watching_law(njit(cache=True)(_elastic_py), touching)
 give_sizes = njit(cache=True)(_give_sizes_py)

@@ -86,6 +86,14 @@ class Walls:
         )  # fmt: skip
         self.place(step)
 
+    def go_on(self, before: Walls) -> None:
+        """Take over the walls that discs push, where they are and as fast."""
+        if self.moves is None or before.moves is None:
+            return
+        for row, name in zip(self.moves.pushed, self.names, strict=True):
+            row[:] = before.moves.pushed[before.names.index(name)]
+        self.place(int(before.moves.clock[0]))
+
     def place(self, step: int) -> None:
         """Put the walls where they are at a step."""
         if self.moves is not None:
