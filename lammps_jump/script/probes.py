@@ -113,9 +113,9 @@ def near(moving: MovingWall, scene: Scene) -> list[str]:
 
 
 def plugin_probes(scene: Scene) -> list[str]:
-    """Force on each probed wall: the fix holds the mean over each window, every step counted, moments too."""
+    """Force on each probed wall: the fix holds the mean over each window, every step counted, moments and power too."""
     lines = ["variable        clock equal time"] if scene.probes else []
+    columns = 4 if scene.moves else 3
     for index, name in enumerate(scene.probes):
-        x, y, moment = (f"f_motion[{(4 if scene.moves else 3) * index + i}]" for i in (1, 2, 3))
-        lines += rows(scene, name, (x, y, moment))
+        lines += rows(scene, name, tuple(f"f_motion[{columns * index + i + 1}]" for i in range(columns)))
     return lines

@@ -23,7 +23,7 @@ from .numbers import number, numbers
 
 MOST_FACES = 12
 """Faces of a polyline: each costs every disc 50 ns a step."""
-MOST_ROWS = 200
+MOST_TRACK = 200
 """Rows of a track: LAMMPS reads all of them at every step, 1 us each."""
 ROUNDING = 1e-4
 """Radius of the circle at a convex vertex, in diameters: trajectories are off by 1.2 times as much."""
@@ -307,7 +307,7 @@ def check_motion(moving: MovingWall) -> None:
     wall, motion = moving
     if motion.load is not None:
         raise NotInStock(f"wall that discs push (wall '{wall.name}', field motion, kind load)")
-    if len(motion.track) > MOST_ROWS:
+    if len(motion.track) > MOST_TRACK:
         raise NotInStock(
-            f"motion of {len(motion.track)} rows, {MOST_ROWS} at most (wall '{wall.name}', field motion.points)"
+            f"motion of {len(motion.track)} rows, {MOST_TRACK} at most (wall '{wall.name}', field motion.points)"
         )
