@@ -14,9 +14,10 @@ from numba import njit
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.physics.law import contact_force, normal_force, stored_energy, watching_law
-from lammps_jump.physics.slip import SIGN_RAMP
-from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
+from lammps_jump.physics.slip import FRICTION_LAWS
+from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.faces import touching as touching_faces
+from lammps_jump.scene.near import Grid, grid_of, list_near
 from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
@@ -73,7 +74,7 @@ class Touching(NamedTuple):
     """What touches in a frame: indices of both discs; of a contact with a wall, `first` is the number of discs.
 
     Unit vector from the first to the second, overlap (m), dashpot (N s/m), stiffness (N/m), and slope of LAMMPS'
-    viscous friction (N s/m).
+    viscous friction (N s/m); id of the first disc, or -1 - w for wall w of the scene.
     """
 
     first: np.ndarray
@@ -84,6 +85,7 @@ class Touching(NamedTuple):
     dashpot: np.ndarray
     stiffness: np.ndarray
     ramp: np.ndarray
+    partner: np.ndarray
 
 
 @lru_cache
@@ -108,8 +110,9 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
     size = np.sqrt(flow.relative_masses(frame)[index])
     stiffness, ramp = np.full(count, c.stiffness_wall), c.mass * c.gamma_tangential_wall * size
     return Touching(
-        np.full(count, frame.n), index, nx, ny, radius[index] - distance, flow.dashpots[1] * size, stiffness, ramp
-    )
+        np.full(count, frame.n), index, nx, ny, radius[index] - distance, flow.dashpots[1] * size, stiffness, ramp,
+        np.full(count, -1 - flow.number_of(wall)),
+    )  # fmt: skip
 
 
 def _touch_wall_py(x, y, radius, codes, shape, deep, grid, discs, plain, last, near, index, found):
@@ -146,7 +149,7 @@ def touching_pairs(frame: Frame, flow: Flow) -> Touching:
         # a nominal pair has the effective mass 1/2
         size = np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
     stiffness, touch = np.full(len(i), c.stiffness), distance < reach
-    laws = flow.dashpots[0] * size, stiffness, 0.5 * c.mass * c.gamma_tangential * size
+    laws = flow.dashpots[0] * size, stiffness, 0.5 * c.mass * c.gamma_tangential * size, frame.ids[i]
     found = (i, j, dx / distance, dy / distance, reach - distance, *laws)
     return Touching(*(part[touch] for part in found))
 
@@ -180,7 +183,7 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     """
     if not flow.knows_contacts:
         raise DumpError("contact forces need the stiffness of the discs: analyse the dump with its case (--case).")
-    first, second, nx, ny, overlap, dashpot, stiffness, _ = touching(frame, flow)
+    first, second, nx, ny, overlap, dashpot, stiffness, *_ = touching(frame, flow)
     points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)
     if damping and {"vx", "vy"} <= set(frame.columns):
@@ -205,7 +208,8 @@ def whole_forces(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force (fx, fy) of each contact on its second disc, friction included, N/m; shape (n,) each.
 
-    The laws are those of `lammps_jump.physics.law`, with the velocities of the dump, which stand at the full step.
+    It is what the engine has written, where it has. Else the laws are those of `lammps_jump.physics.law`, with the
+    velocities of the dump, which stand at the full step.
 
     Parameters
     ----------
@@ -223,9 +227,16 @@ def whole_forces(
     if friction is not None and scene.rotation and "omegaz" in frame.columns:
         rim = np.append(frame.column("omegaz") * flow.radii(frame), 0.0)
     slope = None
-    if friction is not None and scene.friction_law == "sign":
-        slope = 1.0 / max(SIGN_RAMP * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
-    return _whole_forces(u, v, rim, *contacts, friction, slope, flow.touch_width)
+    ramp = FRICTION_LAWS[scene.friction_law].ramp
+    if friction is not None and ramp is not None:
+        slope = 1.0 / max(ramp * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
+    computed = _whole_forces(u, v, rim, *contacts[:8], friction, slope, flow.touch_width)
+    if flow.written is None or not velocity:
+        return computed
+    written = flow.written.forces(frame.step, frame.ids[contacts.second], contacts.partner)
+    # a contact that begins within the digits of the dump may be in one of the two alone
+    fx, fy = (np.where(np.isnan(known), own, known) for known, own in zip(written, computed, strict=True))
+    return fx, fy
 
 
 def _whole_forces_py(u, v, rim, first, second, nx, ny, overlap, dashpot, stiffness, ramp, friction, slope, touch):

@@ -9,6 +9,7 @@ from math import hypot, isfinite
 
 import numpy as np
 
+from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.quoting import figure_text
@@ -45,6 +46,8 @@ class Flow:
         Velocities are in the frames, or follow from positions and times.
     water : bool
         The front of a column is to be compared with water's: Ritter, Martin & Moyce.
+    written : ContactFile or None
+        Contact forces of each frame as the engine had them; None: they are computed from the frame.
     """
 
     scene: Scene
@@ -59,6 +62,7 @@ class Flow:
     timed: bool = True
     velocities: bool = True
     water: bool = False
+    written: ContactFile | None = field(default=None, repr=False, compare=False)
 
     def radii(self, frame: Frame) -> np.ndarray:
         """Radius of each disc, m, shape (n,); one number seen n times where discs are equal. Not to be changed."""
@@ -138,6 +142,10 @@ class Flow:
     def step_at(self, time: float) -> float:
         """Step of a time (s), with a fraction between steps; the time itself where it is a step number."""
         return round(time / self.time_step, 6) + self.scene.settle_steps if self.time_step else time
+
+    def number_of(self, wall: Wall) -> int:
+        """Number of a wall in the scene, from 0; -1 of one that is not in it."""
+        return {one.wall.name: number for number, one in enumerate(self.scene.walls)}.get(wall.name, -1)
 
     def shut_gates(self, time: float) -> tuple[Wall, ...]:
         """Gates that are still there at a time, s."""

@@ -10,11 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import DumpError, SetupError
-from lammps_jump.files import CURVES, plain, write_json
+from lammps_jump.files import CONTACTS_FILE, CURVES, plain, write_json
 from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import draw, energy, front
@@ -208,7 +209,13 @@ def _write(
 def collect(
     flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Collector] = ()
 ) -> Gathered:
-    """One pass over a dump with the collectors of the wanted quantities; ``forces.csv`` is looked for in `places`."""
+    """One pass over a dump with the collectors of the wanted quantities.
+
+    ``forces.csv`` and the contacts that the engine wrote are looked for in `places`.
+    """
+    if flow.scene.contact_output:
+        found = [place / CONTACTS_FILE for place in places]
+        flow = replace(flow, written=ContactFile(next((file for file in found if file.is_file()), found[-1])))
     warnings = list(flow.notes)
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None

@@ -21,6 +21,8 @@ from .errors import DumpError, JumpError
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
+CONTACTS_FILE = "contacts.bin"
+"""Contacts of each frame with their forces, where the scene asks for them."""
 CURVES = "curves.json"
 """What the page draws, by the name of the figure."""
 PLAYER = "player.json"
@@ -61,6 +63,7 @@ RUN_FILES = (
     "log.lammps",
     *DUMP_NAMES.values(),
     "forces.csv",
+    CONTACTS_FILE,
     JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",

@@ -17,15 +17,16 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from edges import Program, base_of, module_of
 
 ROOT = Path(__file__).parents[1]
 
 FLOORS = (
-    "errors", "quoting", "files", "folders", "units", "provenance", "physics", "scene", "case", "script", "dump",
-    "engines", "analysis", "runs", "sweeps", "studies", "cli",
+    "errors", "quoting", "files", "folders", "units", "provenance", "identity", "physics", "scene", "case", "script",
+    "dump", "engines", "analysis", "runs", "sweeps", "studies", "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
-AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:4]), "units.py", "provenance.py"}
+AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:7])}
 CALLERS = {"studies", "cli"}
 """What calls the public Python API, ``import lammps_jump``."""
 NOT_FOR_ANALYSIS = {"case", "engines"}
@@ -75,17 +76,10 @@ IMPORTS_INSIDE: dict[str, int] = {}
 
 
 @cache
-def trees() -> dict[str, ast.Module]:
+def trees(pattern: str = "*.py") -> dict[str, ast.Module]:
     """Syntax tree of every file of the program, by its path from the root."""
-    paths = [path for name in ("lammps_jump", "analysis") for path in (ROOT / name).rglob("*.py")]
+    paths = [path for name in ("lammps_jump", "analysis") for path in (ROOT / name).rglob(pattern)]
     return {str(path.relative_to(ROOT)): ast.parse(path.read_text()) for path in sorted(paths)}
-
-
-def module_of(file: str) -> str:
-    """Dotted name under which a file is imported."""
-    parts = list(Path(file).with_suffix("").parts)
-    parts = ["lammps_jump", *parts] if parts[0] == "analysis" else parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 @cache
@@ -94,33 +88,22 @@ def modules() -> dict[str, str]:
     return {module_of(file): file for file in trees()}
 
 
-def named_module(file: str, node: ast.ImportFrom) -> str:
-    """The module after ``from``, in full."""
-    if not node.level:
-        return node.module
-    package = module_of(file).split(".")
-    package = package if file.endswith("__init__.py") else package[:-1]
-    return ".".join(package[: len(package) - node.level + 1] + ([node.module] if node.module else []))
-
-
 def imported(file: str, node: ast.AST) -> list[tuple[str, str]]:
     """(module, name) of an import of our own modules; the name is empty where the module itself is imported."""
     if isinstance(node, ast.Import):
         return [(alias.name, "") for alias in node.names if alias.name.split(".")[0] == "lammps_jump"]
-    if not isinstance(node, ast.ImportFrom) or named_module(file, node).split(".")[0] != "lammps_jump":
+    if not isinstance(node, ast.ImportFrom) or base_of(file, node).split(".")[0] != "lammps_jump":
         return []
-    base = named_module(file, node)
+    base = base_of(file, node)
     inside = [(f"{base}.{alias.name}", alias.name) for alias in node.names]
     return [(module, "") if module in modules() else (base, name) for module, name in inside]
 
 
 @cache
 def imports() -> dict[str, set[str]]:
-    """Modules that each module imports, at its top or inside functions."""
-    return {
-        module_of(file): {module for node in ast.walk(tree) for module, _ in imported(file, node)}
-        for file, tree in trees().items()
-    }
+    """Modules that each module uses: imported at its top or inside functions, or loaded through a late-bound name."""
+    program = Program(trees(), trees("*.pyi"))
+    return {module_of(file): program.edges(file) for file in trees()}
 
 
 def floor(module: str) -> str:
@@ -167,6 +150,32 @@ def test_analysis_knows_neither_cases_nor_engines():
     assert not wrong
 
 
+def test_every_module_that_is_used_is_there():
+    assert not set().union(*imports().values()) - modules().keys()
+
+
+@pytest.mark.parametrize(
+    ("text", "used"),
+    [
+        ("from lammps_jump import rooms\nrooms.lamp.glow()", {"rooms", "rooms.lamp"}),
+        ("import lammps_jump.rooms as r\ndef f(): return r.glow()", {"rooms", "rooms.lamp"}),
+        ("import lammps_jump as lj\nlj.rooms.chair.sit()", {"rooms.chair"}),
+        ("from .rooms import glow", {"rooms.lamp"}),
+        ("from . import rooms\nuse(rooms)", {"rooms", "rooms.lamp", "rooms.chair"}),
+        ("from . import rooms\ngetattr(rooms, name)", {"rooms", "rooms.lamp", "rooms.chair"}),
+        ("Worker('lammps_jump.rooms.lamp')", {"rooms.lamp"}),
+        ("import_module({1: '.rooms.chair'}[one], __package__)", {"rooms.chair"}),
+        ("from lammps_jump import rooms\nlamp = 'rooms.lamp'", {"rooms"}),
+    ],
+)
+def test_late_bound_names_are_edges(text, used):
+    files = ("__init__", "house", "rooms/__init__", "rooms/lamp", "rooms/chair")
+    trees = {f"lammps_jump/{name}.py": ast.parse(text if name == "house" else "") for name in files}
+    stub = ast.parse("from . import chair as chair\nfrom .lamp import glow as glow")
+    found = Program(trees, {"lammps_jump/rooms/__init__.pyi": stub}).edges("lammps_jump/house.py")
+    assert {name.removeprefix("lammps_jump.") for name in found} - {"lammps_jump"} == used
+
+
 def test_no_import_runs_in_a_circle():
     left = {module: {other for other in others if other != module} for module, others in imports().items()}
     while True:  # what imports nothing that is left is in no circle
@@ -186,7 +195,7 @@ def test_no_private_name_is_taken_from_another_file():
             for node in nodes
             if isinstance(node, ast.ImportFrom)
             for alias in node.names
-            if (f"{named_module(file, node)}.{alias.name}") in modules()
+            if (f"{base_of(file, node)}.{alias.name}") in modules()
         }
         taken = [name for node in nodes for _, name in imported(file, node)]
         taken += [

@@ -12,7 +12,7 @@ import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
-from lammps_jump.physics.slip import slip_warnings
+from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings
 from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 
@@ -136,9 +136,11 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
         raise source.error("run.integrator: leapfrog_extrapolated is the native engine's; use engine.name: native")
     if engine == "lammps" and kernel == "stock":
-        if case.contact.friction_law == "sign" and case.contact.friction > 0:
+        law = case.contact.friction_law
+        if case.contact.friction > 0 and not FRICTION_LAWS[law].in_stock:
+            known = " or ".join(name for name, one in FRICTION_LAWS.items() if one.in_stock)
             raise source.error(
-                "contact.friction_law: 'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, "
+                f"contact.friction_law: '{law}' is not in stock LAMMPS; use friction_law: {known}, "
                 "engine.kernel: compiled or engine.name: native"
             )
         if case.contact.touch == "smooth":

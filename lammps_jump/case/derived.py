@@ -9,9 +9,8 @@ from itertools import combinations
 from math import inf
 
 from lammps_jump.files import plain
-from lammps_jump.physics import contact
-from lammps_jump.physics import jump as theory
-from lammps_jump.scene import Block, InletRow, Interval, Scene, Sizes, Wall
+from lammps_jump.physics import contact, jump
+from lammps_jump.scene import InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.scene.chains import boxes, flush
 from lammps_jump.units import numbers_of
 
@@ -196,9 +195,9 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []
-    found = theory.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
+    found = jump.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
     number, y1 = found.froude, found.depth
-    low, high = theory.velocity_range(y1, case.gravity)
+    low, high = jump.velocity_range(y1, case.gravity)
     carried = sum(scene.discharges)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
@@ -212,11 +211,11 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     if number > 1:
         rows += [
             ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", found.belanger_y2, "m"),
-            ("downstream_froude", "downstream Froude number", theory.downstream_froude(number), ""),
+            ("downstream_froude", "downstream Froude number", jump.downstream_froude(number), ""),
             ("energy_loss", "energy loss", found.energy_loss, "m"),
             ("jump_length", "jump length (4.27)", found.length, "m"),
             ("sill", "sill that holds the jump, E2 - 1.5 yc", found.sill, "m"),
-            ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
+            ("channel_length", "channel length 1.5 Lj", jump.channel_length(number, y1), "m"),
         ]
     return rows
 
@@ -268,14 +267,14 @@ def _flush(walls: tuple[Wall, ...]) -> list[str]:
 def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     """Sentences on a jump that cannot form, has no room, or is not held by the sill."""
     y1, g = inflow.depth, case.gravity
-    number = theory.froude(inflow.velocity, y1, g)
+    number = jump.froude(inflow.velocity, y1, g)
     if number <= 1:
         return [f"the inflow is subcritical (Fr = {number:.3g}), so that no jump forms; Fr must be above 1"]
-    y2 = y1 * theory.belanger(number)
+    y2 = y1 * jump.belanger(number)
     steps = [
-        (wall.x[0], wall.y[1] - inflow.y)
-        for wall in case.walls
-        if isinstance(wall, Block) and wall.x[0] > inflow.x and wall.y[1] > inflow.y
+        (x[0], y[1] - inflow.y)
+        for x, y in (wall.extent for wall in case.walls if wall.finite and not wall.hollow)
+        if x[0] > inflow.x and y[1] > inflow.y
     ]
     outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None]
     end, sill = min(steps or outlets, default=(inf, 0.0))
@@ -283,9 +282,9 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     if end - inflow.x < room:
         found.append(
             f"the channel is {end - inflow.x:.3g} m long from the inlet to the sill or outlet; stream, jump and tail "
-            f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {theory.channel_length(number, y1):.3g} m)"
+            f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {jump.channel_length(number, y1):.3g} m)"
         )
-    height = theory.sill_holding_height(inflow.velocity, y1, g)
+    height = jump.sill_holding_height(inflow.velocity, y1, g)
     if steps and sill < LOWEST_SILL * height:
         found.append(
             f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "

@@ -60,7 +60,7 @@ class Ahead:
 
     def _work(self) -> None:
         with suppress(JumpError, OSError):  # what is wrong with the files is said when they are read again
-            runs.results.prepare(self._case)
+            runs.results.load(self._case)
             if self._follows:
                 flow = runs.results.flow_of(self._case)
                 self.packer = runs.results.packer_for(self._case, flow)

@@ -7,6 +7,7 @@ import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,7 @@ from lammps_jump.analysis.report import compare, page
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
-from lammps_jump.case.case import ReadCase, load_case, parse_case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.check import IdCheck
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
@@ -87,10 +88,10 @@ def flow_of(case: ReadCase) -> Flow:
     )
 
 
-def prepare(case: ReadCase) -> None:
+def load(case: ReadCase) -> None:
     """Load what loads on first use: loops that read dumps and sum over discs, 0.2 s; matplotlib, 0.2 s; the page."""
     if has_page(case):
-        assert drawing.snapshots and drawing.style
+        import_module("lammps_jump.analysis.draw.snapshots")
         page.render("", ())
     nothing = np.zeros(0)
     skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
@@ -270,7 +271,7 @@ def flow_of_dump(folder: Path) -> Flow:
     given = {key: value for key, value in (summary.get("given") or {}).items() if key in GIVEN}
     if isinstance(sizes := given.get("diameter"), Mapping):
         given["diameter"] = {int(kind): value for kind, value in sizes.items()}
-    case = parse_case(summary["case_yaml"]) if "case_yaml" in summary else None
+    case = ReadCase.parse(summary["case_yaml"]) if "case_yaml" in summary else None
     return _flow(find_dump(folder), case, **given)
 
 
@@ -291,7 +292,7 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     """
     path, analysed = find_dump(target), is_of_a_dump(target)
     home = target if analysed else path.parent
-    case = load_case(require_case(home)) if (home / "case.yaml").exists() else None
+    case = ReadCase.load(require_case(home)) if (home / "case.yaml").exists() else None
     table = home / "forces.csv"
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or home / "animation.mp4"

@@ -15,8 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
 from lammps_jump import dump, runs
-from lammps_jump.case.case import Changes, ReadCase
-from lammps_jump.case.case import load_case as read_case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import ProgressCallback, RunResult, Setting
 from lammps_jump.errors import RunError
@@ -100,7 +99,7 @@ def run(
 
 @dataclass(frozen=True)
 class Case(ReadCase):
-    """A validated case; made by `load_case`.
+    """A validated case that can be run; made by `load_case`.
 
     Attributes
     ----------
@@ -117,24 +116,7 @@ class Case(ReadCase):
         return case_html(self.name, self.scene())
 
 
-def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> Case:
-    """Read, change and validate a case.
-
-    Parameters
-    ----------
-    source : str, Path or mapping
-        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
-    changes : mapping, optional
-        Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index. Numbers
-        are SI, texts may carry a unit (``"20 cm"``). Texts ``path=value``, as of ``--set``, are also taken.
-
-    Raises
-    ------
-    CaseError
-        One paragraph with file:line, the field, the value, what is allowed and what to do.
-    """
-    read = read_case(source, changes)
-    return Case(read.fields, read.source)
+load_case = Case.load
 
 
 def open_run(folder: str | Path) -> Run:
@@ -170,7 +152,7 @@ class Run:
     @cached_property
     def case(self) -> Case:
         """The case as run."""
-        return load_case(require_case(self.folder), self._changes)
+        return Case.load(require_case(self.folder), self._changes)
 
     @property
     def scene(self) -> Scene:

@@ -307,45 +307,56 @@ def grounds(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     stands on solid without end.
     """
     x = np.asarray(x, float)
-    tops: list[np.ndarray] = []
-    undersides: list[np.ndarray] = []
-    for code, row in zip(faces.codes, faces.shape, strict=True):
-        for height, up in _crossings(code, row, x):
-            (tops if up else undersides).append(height)
-    if not tops:
-        return []
-    heights = np.sort(np.array(tops), axis=0)  # NaN comes last
-    bottoms = np.array(undersides) if undersides else np.full((1, *x.shape), np.nan)
+    flat = x.ravel()
+    tops, bottoms = (_stacked(len(flat), *found) for found in _crossings(faces, flat))
     solids = []
-    below = np.full(x.shape, -inf)
-    for top in heights:
-        with np.errstate(invalid="ignore"):
-            under = np.where((bottoms <= top) & (bottoms >= below), bottoms, -inf).max(axis=0)
-        solids.append((np.where(np.isnan(top), np.nan, under), top))
+    below = np.full(flat.shape, -inf)
+    for top in tops:
+        under = np.where((bottoms <= top) & (bottoms >= below), bottoms, -inf).max(axis=0, initial=-inf)
+        solids.append((np.where(np.isnan(top), np.nan, under).reshape(x.shape), top.reshape(x.shape)))
         below = np.where(np.isnan(top), below, top)
     return solids
 
 
-def _crossings(code: np.ndarray, row: np.ndarray, x: np.ndarray) -> list[tuple[np.ndarray, bool]]:
-    """Heights at which a face stands over x, m (NaN beside it), and whether it looks up there."""
-    if code[KIND] == ARC:
-        rho, out = abs(row[RADIUS]), x - row[CX]
-        with np.errstate(invalid="ignore"):
-            rise = np.sqrt(rho * rho - out * out)
-        found = []
-        for sign in (1.0, -1.0):
-            y = row[CY] + sign * rise
-            on = (row[TX0] * (x - row[X0]) + row[TY0] * (y - row[Y0]) >= 0) & (
-                row[TX1] * (x - row[X1]) + row[TY1] * (y - row[Y1]) <= 0
-            )
-            found.append((np.where(on, y, np.nan), bool((sign > 0) == (row[RADIUS] < 0))))
-        return found
-    tx, ty = row[TX0], row[TY0]
-    if abs(tx) < 1e-12:
-        return []
-    low, high = (-inf, inf) if code[AT_START] == ENDLESS else sorted((row[X0], row[X1]))
-    y = row[Y0] + (x - row[X0]) * (ty / tx) if ty else np.full(x.shape, row[Y0])
-    return [(np.where((x >= low) & (x <= high), y, np.nan), bool(tx > 0))]
+def _crossings(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Where upright lines at x meet faces that look up, and such that look down: (index of x, height in m) of each."""
+    shape, arc = faces.shape, faces.codes[:, KIND] == ARC
+    wide = 1.001 * abs(shape[:, RADIUS])  # round-off must leave no point out
+    endless = faces.codes[:, AT_START] == ENDLESS
+    low = np.where(arc, shape[:, CX] - wide, np.minimum(shape[:, X0], shape[:, X1]))
+    high = np.where(arc, shape[:, CX] + wide, np.maximum(shape[:, X0], shape[:, X1]))
+    upright = ~arc & (abs(shape[:, TX0]) < 1e-12)
+    order = np.argsort(x, kind="stable")
+    begin = np.searchsorted(x[order], np.where(endless, -inf, low), "left")
+    end = np.where(upright, begin, np.searchsorted(x[order], np.where(endless, inf, high), "right"))
+    counts = end - begin
+    face = np.repeat(np.arange(len(shape)), counts)
+    index = order[np.arange(len(face)) + np.repeat(begin - np.cumsum(counts) + counts, counts)]
+    place, row = x[index], shape[face].T
+    with np.errstate(invalid="ignore", divide="ignore"):
+        out = place - row[CX]
+        rise = np.sqrt(row[RADIUS] * row[RADIUS] - out * out)
+        line = row[Y0] + np.where(row[TY0] == 0, 0.0, (place - row[X0]) * (row[TY0] / row[TX0]))
+    found = []
+    for up in (True, False):
+        # the half of a circle that looks up is the upper one where the arc turns right
+        y = row[CY] + np.where((row[RADIUS] < 0) == up, rise, -rise)
+        on = (row[TX0] * (place - row[X0]) + row[TY0] * (y - row[Y0]) >= 0) & (
+            row[TX1] * (place - row[X1]) + row[TY1] * (y - row[Y1]) <= 0
+        )
+        met = np.where(arc[face], on, (row[TX0] > 0) == up)
+        found.append((index[met], np.where(arc[face], y, line)[met]))
+    return found
+
+
+def _stacked(count: int, index: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Heights by the index of their x, ascending, shape (most at one x, count), m; NaN behind the last of each."""
+    order = np.lexsort((height, index))
+    index, height = index[order], height[order]
+    number = np.arange(len(index)) - np.searchsorted(index, index)
+    stacked = np.full((int(number.max(initial=-1)) + 1, count), np.nan)
+    stacked[number, index] = height
+    return stacked
 
 
 ARC_STEPS = 12

@@ -71,7 +71,9 @@ class Motion:
         """Pose at a step; None once the wall is gone. A loaded wall has that of the start."""
         if step >= self.gone:
             return None
-        return Pose(*map(float, pose_py(self.track, 0, len(self.track), (step - self.start) * self.time_step)))
+        time = (step - self.start) * self.time_step
+        x, y, angle = pose_py(self.track, 0, len(self.track), time)  # type: ignore[no-untyped-call]
+        return Pose(float(x), float(y), float(angle))
 
     def next_change(self, step: int) -> float:
         """First step after `step` at which the wall is taken away; infinite if it stays."""

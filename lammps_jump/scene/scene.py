@@ -154,6 +154,10 @@ class Scene(Measures):
         of this number it gets its own.
     own_laws : mapping of str to WallLaw
         Contact of walls that have numbers of their own, by name.
+    slots : int
+        Contacts that a disc remembers; 0: the contact law has no memory.
+    contact_output : bool
+        The native engine writes the contacts of each frame with their forces (`lammps_jump.dump.contacts`).
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     steps : int
@@ -190,6 +194,8 @@ class Scene(Measures):
     sizes: Sizes | None = None
     size_steps: int = 1
     own_laws: Mapping[str, WallLaw] = field(default_factory=dict)
+    slots: int = 0
+    contact_output: bool = False
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())

@@ -254,7 +254,7 @@ def _way(begin: float, corner: Corner) -> np.ndarray:
     return np.array([a * s**3 + b * s**4, 3 * a * s**2 + 4 * b * s**3, 3 * a * s + 6 * b * s**2, a + 4 * b * s, b])
 
 
-def pose_py(track, first, last, time):
+def pose_py(track, first, last, time):  # type: ignore[no-untyped-def]  # compiled by the native engine
     """Pose (m, m, rad) at a time (s), by the rows ``first … last - 1`` of a track; zero before the first row.
 
     The plugin does the same operations in the same order (``faces.h``).

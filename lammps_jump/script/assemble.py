@@ -12,8 +12,7 @@ import numpy as np
 from lammps_jump.quoting import lammps_comment
 from lammps_jump.scene.scene import Scene
 
-from . import plugin as compiled
-from . import stock
+from . import plugin, stock
 from .numbers import number
 
 Section = tuple[str, list[str]]
@@ -49,7 +48,7 @@ class Options:
     @property
     def style(self) -> ModuleType:
         """The module that writes what differs between the kernels."""
-        return compiled if self.kernel == "compiled" else stock
+        return plugin if self.kernel == "compiled" else stock
 
 
 def script_text(scene: Scene, **options) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import ceil, log2
 
 from lammps_jump.files import DUMP_NAMES
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
@@ -28,8 +29,8 @@ def lacking(scene: Scene) -> str:
     """What the styles of LAMMPS lack of a scene, with the field that asks for it; empty where they write all of it."""
     if scene.touch == "smooth":
         return "'touch: smooth'"
-    if scene.friction_law == "sign" and scene.rubs:
-        return "'friction_law: sign'"
+    if scene.rubs and not FRICTION_LAWS[scene.friction_law].in_stock:
+        return f"'friction_law: {scene.friction_law}'"
     return unwritten(scene)
 
 

@@ -87,16 +87,18 @@ def gather_forces(scene: Scene, folder: Path) -> None:
 
 
 def _force_rows(lines: list[str], header: str) -> list[tuple[float, str]]:
-    """(time, line) of whole rows but those of each part's start; the last line of all may be torn."""
-    rows, begin = [], ""
+    """(time, line) of whole rows, once each, but not of a part's start; the last line of all may be torn."""
+    rows: list[tuple[float, str]] = []
+    last = ""
     for line in lines:
         time = line.split(",", 1)[0]
         if line.startswith(FORCES_HEADER):
-            begin = ""
-        elif not begin:
-            begin = time
-        elif line.count(",") == header.count(",") and time != begin:
+            last = ""
+            continue
+        # a run that begins at the end of a window writes its row again
+        if last not in ("", time) and line.count(",") == header.count(","):
             rows.append((float(time), line))
+        last = time
     return rows
 
 

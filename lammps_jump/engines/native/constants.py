@@ -6,7 +6,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple
 
-from lammps_jump.physics.slip import SIGN_RAMP
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 
 from .ledger import inertia
@@ -26,7 +26,7 @@ class Constants(NamedTuple):
 def constants_of(scene: Scene, skin: float) -> Constants:
     """Constants of a scene, with a neighbour list of this skin (m)."""
     friction = scene.coefficients.friction if scene.rubs else None
-    sign = SIGN_RAMP if friction is not None and scene.friction_law == "sign" else None
+    sign = None if friction is None else FRICTION_LAWS[scene.friction_law].ramp
     touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
     return Constants(law_of(scene), motion_of(scene, skin), friction, sign, touch)
 

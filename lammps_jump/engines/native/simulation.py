@@ -20,6 +20,7 @@ from time import perf_counter
 import numpy as np
 
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 
 from . import lists, loops
@@ -46,7 +47,7 @@ DEFAULT_SKIN = 0.3
 
 KNOWN = {
     "integrator": ("velocity_verlet", "leapfrog_extrapolated"),
-    "friction_law": ("hooke", "sign"),
+    "friction_law": tuple(FRICTION_LAWS),
     "touch": ("sharp", "smooth"),
 }
 """Choices of a scene that this engine obeys."""
@@ -273,7 +274,7 @@ class NativeSimulation:
 
     def _list_walls(self) -> None:
         self.walls.place(self.step)
-        self.walls.list_discs(self.discs.n, self.discs.x, self.discs.y)
+        self.walls.list_discs(self.discs.n, self.discs.x0, self.discs.y0)
 
     def _list_newcomers(self, before: int) -> int:
         """Complete the lists for discs that have rows of their own, from row `before` on; their first row."""
@@ -376,6 +377,27 @@ class NativeSimulation:
         (W/m) stands behind them.
         """
         return self.windows.forces
+
+    def contacts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts now with the forces of the step, as `loops.contacts` lists them; wall w is that of the scene."""
+        scene, d, room, count = self.scene, self.discs, 3 * self.discs.n + 64, -1
+        at_step = *velocities(scene, d), None if d.omega is None else spin(scene, d)
+        seen = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
+        seen = seen if self.step else at_step
+        of = self._constants
+        law = of.law, of.friction, loops.slope(d.n, seen[0], seen[1], of.sign), of.touch
+        while count < 0:
+            who, found = np.empty((room, 2), np.int64), np.empty((room, 5))
+            count = loops.contacts(
+                d.ids, *self._pairs(), d.x, d.y, d.radius, *seen, *at_step, self.walls.faces, self.walls.near, *law,
+                self.walls.moves, who, found,
+            )  # fmt: skip
+            room *= 2
+        names = [wall.name for wall, _ in scene.walls]
+        numbers = np.array([0, *(-1 - names.index(name) for name in self.walls.names)])
+        other = who[:count, 1]
+        other[:] = np.where(other < 0, numbers[np.maximum(-other, 0)], other)
+        return who[:count], found[:count]
 
     def energy(self) -> Energy:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now, with that of loaded walls."""

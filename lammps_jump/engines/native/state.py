@@ -47,7 +47,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         "random": boundaries.rng.bit_generator.state,
         "traffic": [boundaries.inserted, boundaries.removed, boundaries.inserted, boundaries.sized],
     }
-    arrays = {name: getattr(d, name)[: d.n] for name in (*d.names, "ids")}
+    arrays = {name: getattr(d, name)[: d.n] for name in d.columns}
     near = {f"near_{name}": array for name, array in simulation.walls.listed.items()}
     path.unlink(missing_ok=True)  # a hard-linked backup stays as it is
     with path.open("xb") as file:
@@ -123,8 +123,11 @@ def _load_discs(discs, n: int, stored) -> None:
     while discs.room < n + 1:
         discs.grow()
     discs.n = n
-    for name in (*discs.names, "ids"):
-        getattr(discs, name)[:n] = stored[name]
+    for name in discs.columns:
+        held = getattr(discs, name)[:n]
+        if stored[name].shape != held.shape:
+            raise ValueError(f"{name}: {stored[name].shape} in place of {held.shape} numbers")
+        held[:] = stored[name]
     discs.start[: n + 1] = stored["list_start"]
     listed = stored["list_discs"]
     if discs.neighbours.size < listed.size:
