@@ -316,7 +316,7 @@ def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list
     if is_of_a_dump(place):
         flow = flow_of_dump(place)
     elif (place / "case.yaml").is_file():
-        flow = flow_of(load_case(require_case(place)), place)
+        flow = flow_of(ReadCase.load(require_case(place)), place)
     else:
         return write_exports(place, kinds, out)
     x, y = ((low - 0.05 * (high - low), high + 0.05 * (high - low)) for low, high in flow.scene.domain)

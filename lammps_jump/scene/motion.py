@@ -72,7 +72,7 @@ class Motion:
         if step >= self.gone:
             return None
         time = (step - self.start) * self.time_step
-        x, y, angle = pose_py(self.track, 0, len(self.track), time)  # type: ignore[no-untyped-call]
+        x, y, angle = pose_py(self.track, 0, len(self.track), time)
         return Pose(float(x), float(y), float(angle))
 
     def next_change(self, step: int) -> float:

@@ -203,6 +203,9 @@ def test_forces(tmp_path):
     np.testing.assert_array_equal(forces["sill"].fx, [1, -1])
     np.testing.assert_array_equal(forces["sill"].time, [0.1, 0.2])
     np.testing.assert_array_equal(forces["floor"].moment, [6])
+    assert forces["floor"].power is None
+    path.write_text("time,structure,fx,fy,moment,power\n0.1,lid,1,2,3,7\n0.1,floor,4,5,6,0\n")
+    assert [float(read_forces(path)[name].power[0]) for name in ("lid", "floor")] == [7, 0]
     path.write_text("time,structure,fx,fy,moment\n0.1,sill,1,2,3\n0.2,sill,")
     assert len(read_forces(path)["sill"].time) == 1
     path.write_text("time,structure,fx,fy,moment\n0.1,sill,1,2,x\n0.2,sill,1,2,3\n")
