@@ -181,7 +181,7 @@ class Conclusion:
 
     def make(self, stage: Path) -> Made:
         """Analyse the run and judge it; summary and report are made, tables and figures stand in `stage`."""
-        flow, trouble = runs.results.flow_of(self.case), ""
+        flow, trouble = runs.results.flow_of(self.case, self.folder), ""
         check, packer = FrameCheck(self.case.scene()), runs.results.packer_for(self.case, flow)
         note = self.result.message if self.ahead is None else ""
         try:

@@ -24,7 +24,7 @@ from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
 from .summary import compose, read_summary
-from .view import case_html, number_table
+from .view import case_html, number_table, write_preview
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,6 +111,7 @@ class Case(ReadCase):
     """
 
     run = run  # a method too: case.run(folder, …)
+    preview = write_preview
 
     def _repr_html_(self) -> str:
         return case_html(self.name, self.scene())
@@ -283,7 +284,7 @@ class Run:
         if path is None:
             require_replaceable(self.folder, "report.html")
         with nullcontext() if path else locked(self.folder):
-            packer = runs.results.packed(runs.results.flow_of(self.case), self.folder)
+            packer = runs.results.packed(runs.results.flow_of(self.case, self.folder), self.folder)
             return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
 
     def compare(self, other: Run, path: str | Path) -> Path:
@@ -297,7 +298,7 @@ class Run:
             The page cannot be written.
         """
         return _compare(
-            [(run.folder, run.summary, runs.results.flow_of(run.case)) for run in (self, other)], Path(path)
+            [(run.folder, run.summary, runs.results.flow_of(run.case, run.folder)) for run in (self, other)], Path(path)
         )
 
     def __repr__(self) -> str:
@@ -321,7 +322,7 @@ def compare_folders(first: Path, second: Path, path: Path) -> Path:
             sides.append((folder, runs.results.summary_of_dump(folder), runs.results.flow_of_dump(folder)))
         else:
             run = open_run(folder)
-            sides.append((folder, run.summary, runs.results.flow_of(run.case)))
+            sides.append((folder, run.summary, runs.results.flow_of(run.case, folder)))
     return _compare(sides, path)
 
 

@@ -13,7 +13,7 @@ from lammps_jump.quoting import lammps_comment
 from lammps_jump.scene.scene import Scene
 
 from . import plugin, stock
-from .walls import number
+from .numbers import number
 
 Section = tuple[str, list[str]]
 """Title and commands of a part of a script."""
@@ -61,7 +61,7 @@ def script_text(scene: Scene, **options) -> str:
     if how.kernel == "stock" and (lacking := stock.lacking(scene)):
         said = f"No run: LAMMPS' own styles have no {lacking}; {SCRIPTS['compiled']} beside it runs with the plugin"
         how = replace(how, kernel="compiled", header=(said, *how.header))
-        return joined(title, SCRIPTS["compiled"], how, [("end", [f'print "{said}"', "quit 1"])])
+        return joined(title, SCRIPTS["compiled"], how, [("end", [f'print "{lammps_comment(said)}"', "quit 1"])])
     begin = -scene.settle_steps * scene.time_step
     sections = [
         ("settings", how.style.settings(scene, how.ranks)),
