@@ -110,6 +110,7 @@ def test_depth_is_measured_from_the_sill_and_not_at_all_beyond_the_floor():
     ds = compute_profiles([frame(x, y, u=1.0)], context(walls=walls))
     np.testing.assert_allclose(ds.bed[:12], [0] * 8 + [1, 1, 0, 0], atol=1e-12)
     np.testing.assert_allclose(ds.surface_depth[0, :12], 1.0, rtol=1e-12)
+    np.testing.assert_allclose(ds.centroid_height[0, :12], 0.5, rtol=1e-12)
     assert np.isnan(ds.surface_depth[0, 12:]).all()
     np.testing.assert_allclose(ds.discharge[0], 1.0, rtol=1e-12)  # mass needs no floor
 
