@@ -44,6 +44,7 @@ def kept_workers(request):
     with pytest.MonkeyPatch.context() as patch:
         if request.path.name != "test_pool.py":
             patch.setattr(pools, "Worker", KeptWorker)
+            patch.setattr(pools, "_ready", [])  # those of another folder are no use here
             patch.setattr(pools.Pool, "close", lambda pool: None)  # closes the pipes of idle workers
         yield
 
