@@ -342,6 +342,12 @@ def test_standard_error_of_a_correlated_series(phi):
     assert np.nanmedian(error) == pytest.approx(exact, rel=0.15)
 
 
+def test_standard_error_of_few_samples():
+    """Neighbours of opposite sign: no longer block varies more, so the samples themselves give the error."""
+    series = np.tile([2.0, -1.0], 8)
+    assert block_average(series)[1] == pytest.approx(np.std(series, ddof=1) / 4, rel=1e-12)
+
+
 def test_no_standard_error_from_too_little():
     rng = np.random.default_rng(12)
     for drift in (rng.normal(size=7), rng.normal(size=12), np.linspace(0, 1, 64)):
