@@ -5,6 +5,7 @@ import gc
 import os
 import runpy
 import signal
+import sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -13,6 +14,8 @@ for variable, folder in (("NUMBA_CACHE_DIR", "numba"), ("XDG_CACHE_HOME", "xdg")
     os.environ[variable] = str(CACHES / folder)
     (CACHES / folder).mkdir(parents=True, exist_ok=True)
 os.environ.pop("LAMMPS_JUMP_CACHE", None)
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every process compiles the program, every worker the tests
+sys.dont_write_bytecode = False
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does: waiting threads cost processor time
 # engines run in processes of their own, which find the hook on their path
 os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])])

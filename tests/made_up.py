@@ -24,6 +24,7 @@ from lammps_jump.files import plain
 from lammps_jump.runs import results, start
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
+from lammps_jump.sweeps import pool
 from lammps_jump.units import as_summary
 
 INPUTS = Path(__file__).parents[1] / "inputs"
@@ -62,6 +63,7 @@ def analysed_again(folder: Path) -> dict:
 def call(monkeypatch, capsys, *arguments) -> tuple[int, str, str]:
     """Exit status, stdout and stderr of the command line."""
     monkeypatch.setattr(sys, "argv", ["lammps-jump", *map(str, arguments)])
+    monkeypatch.setattr(pool, "prepare_workers", lambda count: None)  # a second each; most commands run nothing
     with pytest.raises(SystemExit) as stop:
         main()
     captured = capsys.readouterr()

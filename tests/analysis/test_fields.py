@@ -33,7 +33,7 @@ def frame(x, y, u=0.0, v=0.0, time=0.0):
 points = st.lists(st.tuples(st.floats(0.01, 3.99), st.floats(0.01, 5.5)), min_size=1, max_size=40)
 
 
-@settings(max_examples=50)
+@settings(max_examples=15)
 @given(
     points=points,
     spacing=st.sampled_from([0.05, 0.1, 0.2, 0.5]),

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Forces, impulses and the reflected wave on made-up records with known answers."""
 
+from dataclasses import replace
 from functools import partial
 from math import pi
 
@@ -63,6 +64,16 @@ def test_identity_of_a_constant_force():
     assert identity.complete and identity.reason is None
     wrong = impulse_identity({"back": record(-606.0)}, ledger(pushed(600.0), flow), flow, "x")
     assert wrong.relative == pytest.approx(6 / 606, rel=1e-9)
+
+
+def test_identity_counts_half_a_step_of_the_force_at_either_end():
+    """Speeds of a frame lack the last half of its kick: walls give half a step more at the start, less at the end."""
+    flow = context()
+    history = ledger(pushed(600.0), flow)
+    back = np.zeros((len(history.time), 2))
+    back[0, 0], back[-1, 0] = 8.0, 2.0
+    given = impulse_identity({"back": record(-600.0)}, replace(history, forces={"back": back}), flow, "x").wall_impulse
+    assert given - 600.0 == pytest.approx(0.5 * DT * (8.0 - 2.0), rel=1e-6)  # twelve digits of 600
 
 
 def test_identity_ends_where_discs_leave():

@@ -110,6 +110,7 @@ def test_depth_is_measured_from_the_sill_and_not_at_all_beyond_the_floor():
     ds = compute_profiles([frame(x, y, u=1.0)], context(walls=walls))
     np.testing.assert_allclose(ds.bed[:12], [0] * 8 + [1, 1, 0, 0], atol=1e-12)
     np.testing.assert_allclose(ds.surface_depth[0, :12], 1.0, rtol=1e-12)
+    np.testing.assert_allclose(ds.centroid_height[0, :12], 0.5, rtol=1e-12)
     assert np.isnan(ds.surface_depth[0, 12:]).all()
     np.testing.assert_allclose(ds.discharge[0], 1.0, rtol=1e-12)  # mass needs no floor
 
@@ -339,6 +340,12 @@ def test_standard_error_of_a_correlated_series(phi):
     assert np.isfinite(error).mean() > 0.8
     # the plateau's own error is 1/sqrt(2 blocks), 5-15 % here; the median of 60 is well inside 15 %
     assert np.nanmedian(error) == pytest.approx(exact, rel=0.15)
+
+
+def test_standard_error_of_few_samples():
+    """Neighbours of opposite sign: no longer block varies more, so the samples themselves give the error."""
+    series = np.tile([2.0, -1.0], 8)
+    assert block_average(series)[1] == pytest.approx(np.std(series, ddof=1) / 4, rel=1e-12)
 
 
 def test_no_standard_error_from_too_little():

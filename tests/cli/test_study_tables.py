@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The tables of studies on a terminal are drawn there: no code of the terminal stands among their text."""
+"""What commands print on a terminal: tables are drawn there, and no text of a user commands the terminal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import yaml
 from made_up import BOX, STUDY
 
 import lammps_jump as lj
-from lammps_jump import studies, sweeps
+from lammps_jump import runs, studies, sweeps
 from lammps_jump.cli.app import main
 
 TABLE = "# A study\n\n| scene | y2 \x1b[31m |\n|---|---:|\n| quick_jump | 3.36 ± 0.02 |"
@@ -43,6 +43,7 @@ def on_a_terminal(tmp_path, monkeypatch):
     ):  # fmt: skip
         monkeypatch.setattr(place, name, lambda *_, **__: TABLE)
     monkeypatch.setattr(sweeps.page, "doubts", lambda _: [])
+    monkeypatch.setattr(sweeps.pool, "prepare_workers", lambda count: None)
     unrun = SimpleNamespace(
         failed=(), runs=[], study=SimpleNamespace(axes=[]), folder=tmp_path, status=lambda: "nothing was run"
     )
@@ -71,6 +72,42 @@ def test_a_table_is_drawn_and_its_own_codes_are_shown(on_a_terminal, arguments):
     assert "──" in drawn and "|---" not in drawn, "a table, not its Markdown"
     # the command in the table is text, and it is the only one
     assert re.findall(r"\\x\w\w", drawn) == [r"\x1b"], drawn
+
+
+PLAIN = {
+    "new": (("new",), "quick_jump"),
+    "check": (("check", "box.yaml"), "discs at the start"),
+    "status": (("sweep", "study.yaml", "--out", "study", "--status"), "8 runs at 4 points: 8 waiting"),
+    "stress": (("stress", "--out", "a\x1b[31m"), r"see a\x1b[31m/stress.md"),
+    "show": (("show", "a\x1b[31m"), r"a\x1b[31m/report.html"),
+    "compare": (("compare", "one", "two", "--out", "a\x1b[31m"), r"a\x1b[31m"),
+    "cross-validate": (("cross-validate", "box.yaml", "--out", "a\x1b[31m"), r"| y2 \x1b[31m |"),
+}
+"""Words of a command, and what its screen holds; it prints neither Markdown that is drawn nor a bar."""
+
+
+@pytest.mark.parametrize(("arguments", "held"), PLAIN.values(), ids=PLAIN)
+def test_other_commands_send_no_code_to_the_terminal(on_a_terminal, tmp_path, monkeypatch, arguments, held):
+    (tmp_path / "a\x1b[31m").mkdir()
+    (tmp_path / "a\x1b[31m" / "report.html").touch()
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setattr(studies.stress, "stress", lambda *_, **__: [])
+    study = studies.cross_validation
+    monkeypatch.setattr(study, "cross_validate", lambda *_, **__: {"passed": True, "name": "box"})
+    monkeypatch.setattr(study, "verdict_text", lambda _: TABLE)
+    monkeypatch.setattr(runs, "compare_folders", lambda first, second, path: path)
+    screen = on_a_terminal(*arguments)
+    assert "\x1b" not in screen and held in screen, screen
+
+
+def test_the_end_of_a_run_is_a_table_of_the_width_of_the_terminal(on_a_terminal, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    case = {**BOX, "analysis": {"figures": "none", "energy": True}}
+    lj.load_case(case).run(tmp_path / "run")
+    lines = on_a_terminal("analyze", "run").replace("\r", "").splitlines()
+    assert "\x1b" not in "".join(lines) and len(lines) <= 12 and max(map(len, lines)) <= 80, lines
+    assert "measured" in lines[1] and any(line.startswith("energy at the end") for line in lines), lines
 
 
 def test_members_of_a_case_collect_what_is_named(on_a_terminal, monkeypatch):

@@ -11,6 +11,7 @@ import pytest
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.cells import CellSimulation
+from lammps_jump.engines.native.inlets import PourState
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import gate
@@ -104,6 +105,13 @@ def test_list_is_never_too_old():
         runs.append(simulation.positions)
     assert runs[1] == pytest.approx(runs[0], abs=1e-9 * D)
     assert runs[2] == pytest.approx(runs[0], abs=1e-9 * D)
+
+
+def test_a_pour_comes_again_when_the_batch_has_fallen_out_of_its_region():
+    pour = Pour((0.0, 4.0), (3.0, 5.0), 9, 0.3, 1.5)
+    scene = handmade_scene(EMPTY, EMPTY, (FLOOR,), pours=(pour,))
+    fallen = PourState(pour, scene, np.random.default_rng(1)).every * scene.time_step
+    assert 1.5 * fallen + 0.5 * 9.81 * fallen**2 == pytest.approx(2.0, abs=6 * scene.time_step)  # half a step at 6 m/s
 
 
 def test_pour_fills_without_overlap():

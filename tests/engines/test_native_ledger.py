@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Energy ledger of the native engine: it closes, and better with a smaller step; the elastic energy fits the force."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native.ledger import half_work
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import gate
 from lammps_jump.scene.scene import InletRow, Outlet
@@ -129,3 +132,14 @@ def test_ledger_can_be_left_out_without_changing_the_run():
     without.run(800)
     assert without.ledger is None
     assert np.array_equal(with_books.positions, without.positions)
+
+
+def test_half_a_step_takes_half_the_work_of_a_dashpot():
+    """The dashpots push with (-3, 1) N/m a disc that an equal and opposite force keeps at (2, 0.5) m/s."""
+    scene = handmade_scene(np.zeros((0, 2)), np.zeros((0, 2)), (Plane("floor", "y", 0.0, "above"),))
+    zero = np.zeros(1)
+    discs = SimpleNamespace(
+        n=1, radius=None, omega=None, slide_x=None, fx=zero, fy=zero, vx=zero + 2.0, vy=zero + 0.5,
+        dash_x=zero - 3.0, dash_y=zero + 1.0,
+    )  # fmt: skip
+    np.testing.assert_allclose(half_work(scene, discs), [5.5 * 0.5 * scene.time_step, 0.0], rtol=1e-14)

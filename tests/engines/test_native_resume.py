@@ -94,7 +94,8 @@ def run_in_parts(scene, folder: Path, fractions=(0.3, 0.7), **options):
 def test_continued_is_the_same_bit_for_bit(name, dump_format, tmp_path):
     scene = SCENES[name]()
     whole = run_native(scene, tmp_path / "whole", dump_format=dump_format)
-    parts = run_in_parts(scene, tmp_path / "parts", dump_format=dump_format)
+    fractions = (0.1, 0.2) if name == "pour" else (0.3, 0.7)  # 8, 12 of its 20 discs have come
+    parts = run_in_parts(scene, tmp_path / "parts", fractions, dump_format=dump_format)
     assert parts.status == whole.status == "complete" and len(parts.resumed) == 2
     for field in ("steps", "disc_steps", "inserted", "present", "removed", "lost", "ledger"):
         assert getattr(parts, field) == getattr(whole, field)

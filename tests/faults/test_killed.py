@@ -10,7 +10,7 @@ import signal
 import pytest
 from children import run_program
 from fault_table import LONG
-from made_up import INPUTS, plugin_or_skip
+from made_up import INPUTS, call, plugin_or_skip
 
 import lammps_jump as lj
 
@@ -50,18 +50,18 @@ def kills() -> list[tuple[str, str, str, int]]:
 
 
 @pytest.mark.parametrize(("scene", "engine", "who", "step"), kills())
-def test_a_killed_run_goes_on_to_the_same_end(scene, engine, who, step, tmp_path):
+def test_a_killed_run_goes_on_to_the_same_end(scene, engine, who, step, monkeypatch, capsys, tmp_path):
     if engine == "compiled":
         plugin_or_skip()
     folder = tmp_path / "run"
     status, _ = run_program(*command(scene, engine, folder), signal_at=(signal.SIGKILL, step, who))
     assert status == -signal.SIGKILL
-    status, said = run_program(*command(scene, engine, folder, "--resume"))
+    status, _, said = call(monkeypatch, capsys, *command(scene, engine, folder, "--resume"))
     assert status == 0, said
     run = lj.open_run(folder)
     assert run.status == "complete" and run.summary["steps"] == run.scene.steps
     if engine == "native":
-        assert run_program(*command(scene, engine, tmp_path / "whole"))[0] == 0
+        assert call(monkeypatch, capsys, *command(scene, engine, tmp_path / "whole"))[0] == 0
         for name in ("dump.lammpstrj", "forces.csv"):
             assert (folder / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 

@@ -14,6 +14,7 @@ from made_up import INPUTS
 import lammps_jump as lj
 from lammps_jump.engines.checkpoint import CheckpointWriter, read_checkpoint
 from lammps_jump.engines.result import RunResult
+from lammps_jump.files import write_bytes
 
 DUMP = "dump.lammpstrj"
 
@@ -126,3 +127,12 @@ def test_the_old_or_the_new_checkpoint_is_whole(scene, tmp_path, tried, earlier)
         after.rmdir()
     assert steps == {100 * earlier, 100 * (earlier + 1)}
     tried(times)
+
+
+@pytest.mark.fault("power cut, unsynced writes lost")
+def test_a_file_is_on_the_disk_before_it_takes_its_name_and_its_name_after(tmp_path, monkeypatch):
+    done, replace = [], os.replace
+    monkeypatch.setattr(os, "fsync", lambda place: done.append(Path(os.readlink(f"/proc/self/fd/{place}"))))
+    monkeypatch.setattr(os, "replace", lambda *names: done.append("moved") or replace(*names))
+    path = write_bytes(tmp_path / "summary.json", b"{}")
+    assert path.read_bytes() == b"{}" and done == [tmp_path / ".summary.json.new", "moved", tmp_path]

@@ -66,7 +66,7 @@ def test_curves_are_drawn(page):
 def test_values_are_shown_under_the_pointer(page):
     page.run("point('pointermove', 0.25)")
     values = page.run("[...document.querySelectorAll('.legend b')].map((b) => b.textContent)")
-    assert values[0].endswith(" ± 0.1") and float(values[0][:-6]) == pytest.approx(2 + np.sin(2.5), abs=1e-3)
+    assert float(values[0]) == pytest.approx(2 + np.sin(2.5), abs=1e-3)
     assert values[1] == "0.5"
     page.run("point('pointerleave', 0.25)")
     assert not page.run("document.querySelector('.legend b').textContent")
@@ -83,7 +83,7 @@ def test_curves_follow_the_time_and_ask_for_another(page):
     assert [float(x) for _, x in seen[:2]] == pytest.approx([left + 0.2 * width, left + 0.4 * width])
     page.run("document.addEventListener('seek', (event) => { asked = event.detail; }); var asked = null")
     page.run("point('click', 0.75)")
-    assert page.run("asked") == pytest.approx(7.5)
+    assert page.run("asked") == pytest.approx(7.5, abs=10 / width)  # the pointer stands on whole pixels
 
 
 def test_data_leave_as_csv(page):

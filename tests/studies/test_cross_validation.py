@@ -10,13 +10,14 @@ import yaml
 from scipy import stats
 
 import lammps_jump as lj
+from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.case import load_case
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
 from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.page import verdict_text
-from lammps_jump.studies.cross_validation.quantities import Curve, Quantities, compare
+from lammps_jump.studies.cross_validation.quantities import JUMP_NUMBERS, Curve, Quantities, compare
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.cross_validation.study import Study
 from lammps_jump.studies.cross_validation.trajectories import (
@@ -32,6 +33,7 @@ from lammps_jump.studies.cross_validation.trajectories import (
 )
 from lammps_jump.sweeps import Pool
 from lammps_jump.sweeps.members import JITTER, started
+from lammps_jump.units import numbers_of
 
 DROP = """
 name: drops
@@ -340,3 +342,8 @@ def test_growth_of_a_twin_is_the_growth_of_a_collision():
     # small separations are linear: a hundredth of the start, a hundredth of the end
     assert np.allclose(one.largest[late] / two.largest[late], 100.0, rtol=0.02)
     assert one.largest[-1] > exp(2) * one.largest[0]
+
+
+def test_every_number_that_is_compared_is_one_of_a_jump():
+    """A ratio that had moved elsewhere ended the study of a jump by a KeyError, after minutes."""
+    assert set(JUMP_NUMBERS) <= set(numbers_of(Jump))

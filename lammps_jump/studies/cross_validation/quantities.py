@@ -41,8 +41,7 @@ class Curve(NamedTuple):
 
 JUMP_NUMBERS = {
     "speed": "shock speed", "y1": "depth before the jump", "y2": "sequent depth",
-    "sequent_ratio": "sequent depth ratio", "froude": "Froude number in the shock's frame",
-    "toe": "jump toe at the end", "length": "jump length",
+    "froude": "Froude number in the shock's frame", "toe": "jump toe at the end", "length": "jump length",
 }  # fmt: skip
 """What is compared of a `Jump`, and its name here."""
 
