@@ -154,6 +154,11 @@ class Placed(Wall):
         c, s, dx, dy = cos(angle), sin(angle), x - ox, y - oy
         return ox + px + c * dx - s * dy, oy + py + s * dx + c * dy
 
+    def turned(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Directions of the frame in which the wall stands, as they are."""
+        c, s = cos(self.pose.angle), sin(self.pose.angle)
+        return c * x - s * y, s * x + c * y
+
     def velocity(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Velocity of the wall at points, m/s."""
         mx, my = self.moment_point
