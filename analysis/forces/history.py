@@ -109,12 +109,21 @@ class Force(Estimates):
 
 @dataclass(frozen=True)
 class Forces:
-    """Forces on all structures, the impulse identities along x and y, the reflected wave."""
+    """Forces on all structures, the impulse identities along x and y, the reflected wave.
+
+    `structures` are walls and groups of walls by name, `members` the walls of groups.
+    """
 
     structures: dict[str, Force]
     identities: tuple[Identity, ...]
     reflected: ReflectedWave | None
     settled: dict[str, dict[str, float]]
+    members: frozenset[str] = frozenset()
+
+    @property
+    def shown(self) -> dict[str, Force]:
+        """Those that figures show: a group in place of its walls."""
+        return {name: force for name, force in self.structures.items() if name not in self.members}
 
     @property
     def notes(self) -> list[str]:
@@ -159,7 +168,8 @@ def analyse_forces(
     axes = ("x", "y") if momentum is not None else ()
     identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in axes)
     settled = _settled(structures, flow, profiles, momentum)
-    return Forces(structures, identities, _reflected(structures, flow, profiles), settled)
+    members = frozenset(member for _, group in flow.scene.groups for member in group)
+    return Forces(structures, identities, _reflected(structures, flow, profiles), settled, members)
 
 
 def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:

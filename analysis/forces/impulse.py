@@ -165,6 +165,7 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
     if not forces:
         return Identity(axis, reason="no wall was probed")
     first = next(iter(forces.values()))
+    forces = {name: history for name, history in forces.items() if name not in dict(flow.scene.groups)}
     span = _common_span(first.time, momentum, flow)
     if not momentum.same.any():
         return Identity(axis, reason="discs enter or leave between all frames")

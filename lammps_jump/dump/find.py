@@ -14,6 +14,7 @@ import numpy as np
 from lammps_jump.errors import DumpError
 from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, text_of, write_text
 from lammps_jump.folders import read_marker
+from lammps_jump.scene.groups import with_groups
 from lammps_jump.scene.scene import Scene
 
 from .read import Dump, by_numbers, files_of, open_dump
@@ -141,6 +142,10 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
 
 
 def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple[int, str, float, float, float]]) -> None:
-    """Write ``forces.csv``: rows of step at the end of the window, structure, fx, fy (N/m), moment (N), all means."""
+    """Write ``forces.csv``: rows of step at the end of the window, structure, fx, fy (N/m), moment (N), all means.
+
+    Rows of the scene's groups are added.
+    """
+    forces = with_groups(forces, scene.groups, scene.walls)
     rows = [f"{scene.time(s):.10g},{name},{fx:.10g},{fy:.10g},{m:.10g}\n" for s, name, fx, fy, m in forces]
     write_text(Path(path), "".join([f"{FORCES_HEADER}\n", *rows]))

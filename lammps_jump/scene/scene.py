@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import Coefficients, WallLaw
 
+from .groups import arms
 from .motion import MovingWall, Pose
 from .sizes import Sizes
 from .walls import Interval, Wall
@@ -92,7 +93,9 @@ class Scene:
     walls : tuple of MovingWall
         Each wall with its motion; a `Wall` given alone stands. A gate is a wall whose motion takes it away.
     probes : tuple of str
-        Names of walls whose force is recorded every step and averaged over `probe_steps`.
+        Names of walls whose force is recorded every step and averaged over `probe_steps`; those of groups are added.
+    groups : tuple of (str, tuple of str)
+        Names of groups and of their walls, whose forces are summed.
     stations : Stations, optional
         Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
@@ -141,11 +144,18 @@ class Scene:
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
+    groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def __post_init__(self) -> None:
-        """Let a wall that is given alone stand."""
-        walls = (MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
-        object.__setattr__(self, "walls", tuple(walls))
+        """Let a wall that is given alone stand; record the walls of groups; CaseError where those do not move as one."""
+        walls = tuple(MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
+        object.__setattr__(self, "walls", walls)
+        if self.groups:
+            members = (member for _, group in self.groups for member in group)
+            object.__setattr__(self, "probes", tuple(dict.fromkeys((*self.probes, *members))))
+            by_name = {one.wall.name: one for one in walls}
+            for name, group in self.groups:
+                arms(name, [by_name[member] for member in group])
 
     @property
     def radius(self) -> float:
