@@ -37,8 +37,8 @@ def arms(name: str, members: Sequence[MovingWall]) -> np.ndarray:
         same = np.array_equal(one.motion.track, track) and not (one.motion.load or first.motion.load)
         if not same or (turns and one.motion.about != first.motion.about):
             raise CaseError(
-                f"probes.groups.{name}: '{one.wall.name}' does not move with '{first.wall.name}', so their moments have "
-                "no common point; allowed are walls that stand, or that have the same motion (and about, where they "
+                f"probes.groups.{name}: '{one.wall.name}' does not move with '{first.wall.name}', so their moments "
+                "have no common point; allowed are walls that stand, or that have the same motion (and about, where they "
                 "turn): give each part that moves a group of its own"
             )
     x, y = reference(first)

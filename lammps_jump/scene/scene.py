@@ -147,7 +147,7 @@ class Scene:
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def __post_init__(self) -> None:
-        """Let a wall that is given alone stand; record the walls of groups; CaseError where those do not move as one."""
+        """Let a wall that is given alone stand; record the walls of groups; CaseError where they move apart."""
         walls = tuple(MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
         object.__setattr__(self, "walls", walls)
         if self.groups:
