@@ -23,6 +23,7 @@ from lammps_jump.scene.scene import Scene
 from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
+from .tables import read_tables
 from .templates import described, of_another_case
 from .text import CaseSource, override, parse_source, read_source
 from .to_scene import build_scene
@@ -73,7 +74,7 @@ class ReadCase:
     @cached_property
     def _data(self) -> dict[str, Any]:
         """Plain data without the empty optional fields, which would only be noise for a reader."""
-        return self.fields.model_dump(mode="json", exclude_none=True)
+        return _kind_first(self.fields.model_dump(mode="json", exclude_none=True))
 
     def replace(self, changes: Changes) -> Self:
         """The case with other values, validated as a file is.
@@ -119,6 +120,14 @@ class ReadCase:
     def to_yaml(self) -> str:
         """The case as YAML text, every default filled in, in the order of the fields."""
         return yaml.safe_dump(self._data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
+
+
+def _kind_first(data: Any) -> Any:
+    """Plain data whose groups begin with kind and name."""
+    if isinstance(data, dict):
+        first = {key: data[key] for key in ("kind", "name") if key in data} if "kind" in data else {}
+        return {key: _kind_first(value) for key, value in (first | data).items()}
+    return [_kind_first(item) for item in data] if isinstance(data, list) else data
 
 
 def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> ReadCase:
@@ -178,7 +187,8 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
         changes = [f"{path}={_json_text(value)}" for path, value in changes.items()]
     for assignment in changes:
         override(source, assignment)
-    data = dict(source.data)
+    read_tables(source)
+    data = dict(source.whole)
     if "name" not in data:
         data["name"] = plain_name(default_name)
     try:

@@ -6,7 +6,8 @@ Each raises `CaseError` with the place in the file and the remedy.
 
 from __future__ import annotations
 
-from math import pi, radians, tan
+from collections.abc import Iterable, Mapping
+from math import isinf, pi, radians, tan
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import slip_warnings
 from lammps_jump.scene import InletRow, Interval, MovingWall, Scene, Sizes, Wall
+from lammps_jump.scene.chains import open_ends
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
@@ -81,18 +83,35 @@ def check_domain(case: CaseFields, source: CaseSource, domain: tuple[Interval, I
         )
 
 
-def check_names(case: CaseFields, source: CaseSource, walls: tuple[Wall, ...], gates: tuple[MovingWall, ...]) -> None:
-    """Refuse names of walls that the program gives: to the wall behind an inlet, to gates, to faces of a box."""
-    own = {wall.name: "of the wall behind the inlet" for wall in walls[len(case.walls) :]}
-    own |= {gate.wall.name: "of the gate before a column that settles" for gate in gates}
-    own |= {f"{gate.wall.name}_{part}": "of the far face of a gate" for gate in gates for part in gate.wall.parts}
+def check_names(case: CaseFields, source: CaseSource, made: Iterable[Wall]) -> set[str]:
+    """Refuse names of walls that the program gives: to the wall behind an inlet, to gates, to faces of a box.
+
+    Parameters
+    ----------
+    case : CaseFields
+    source : CaseSource
+    made : iterable of Wall
+        The walls that the program adds.
+
+    Returns
+    -------
+    set of str
+        These names.
+    """
+    own = {}
+    for wall in made:
+        gate = "of the gate before a column"
+        own[wall.name] = gate if wall.name.startswith("gate") else "of the wall behind the inlet"
+        own |= {f"{wall.name}_{part}": "of the far face of a gate" for part in wall.parts}
     for item in case.walls:
         own |= {f"{item.name}_{part}": f"of a face of {item.kind} '{item.name}'" for part in item.parts}
     for index, item in enumerate(case.walls):
-        if item.name in own:
-            raise source.error(
-                f"walls.{index}.name: '{item.name}' is the name {own[item.name]}; give this wall another one"
-            )
+        for field, name in (("name", item.name), ("join", getattr(item, "join", None))):
+            if name in own:
+                raise source.error(
+                    f"walls.{index}.{field}: '{name}' is the name {own[name]}; give this wall another one"
+                )
+    return set(own)
 
 
 def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Interval], largest: float) -> None:
@@ -256,9 +275,16 @@ def check_stability(
 
 
 def check_places(
-    case: CaseFields, source: CaseSource, scene: Scene, walls: tuple[Wall, ...], gates: tuple[MovingWall, ...]
+    case: CaseFields,
+    source: CaseSource,
+    scene: Scene,
+    walls: Iterable[MovingWall],
+    fields: Mapping[str, str],
 ) -> None:
-    """Refuse discs and inlets outside the domain or in a wall, and discs that overlap by more than d/n."""
+    """Refuse discs and inlets outside the domain or in a wall at the start, and discs that overlap by more than d/n.
+
+    `fields`: where in the case each wall stands, by name; gates and others stand in none.
+    """
     _check_in_domain(case, source, scene.positions, scene.inlets, scene.domain)
     positions, allowed = scene.positions, 0.5 * scene.overlap_limit
     diameters = scene.diameters(np.arange(1, len(positions) + 1))
@@ -270,11 +296,12 @@ def check_places(
             f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; allowed is d/n = "
             f"{allowed:.3g} m; move them apart"
         )
-    for index, wall in enumerate(walls):
-        _check_discs_free_of(wall, f"walls.{index}", source, positions, diameters, allowed)
-        _check_inlets_free_of(wall, source, scene.inlets, scene.largest)
-    for gate in gates:
-        _check_discs_free_of(gate.wall, "initial", source, positions, diameters, allowed)
+    for one in walls:
+        field = fields.get(one.wall.name, "initial")
+        if wall := one.at(0):
+            _check_discs_free_of(wall, field, source, positions, diameters, allowed)
+        if isinf(one.motion.gone):
+            _check_inlets_free_of(one.wall, source, scene.inlets, scene.largest)
 
 
 def _check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
@@ -298,7 +325,10 @@ def _check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, do
 def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, diameters, allowed: float) -> None:
     if not len(positions):
         return
-    depth = diameters / 2 - wall.distance(positions[:, 0], positions[:, 1])
+    gap = wall.distance(positions[:, 0], positions[:, 1])
+    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
+        gap = np.where(gap < -diameters / 2, np.inf, gap)
+    depth = diameters / 2 - gap
     worst = int(np.argmax(depth))
     if depth[worst] > allowed * (1 + 1e-9):
         raise source.error(
@@ -311,7 +341,7 @@ def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, 
 def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:
     for number, row in enumerate(inlets):
         distance = float(wall.distance(np.array([row.x]), np.array([row.y]))[0])
-        if distance < largest / 2 * (1 - 1e-6):
+        if distance < largest / 2 * (1 - 1e-6) and not (distance < -largest / 2 and open_ends(wall.faces)):
             raise source.error(
                 f"inflow: row {number + 1} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
                 f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"

@@ -4,17 +4,17 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from itertools import combinations
 from math import inf
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene import Block, InletRow, Interval, Scene, Wall
-from lammps_jump.scene.chains import boxes, flush
+from lammps_jump.scene import Block, InletRow, Scene, Wall
+from lammps_jump.scene.walls import Polygon
 from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow
+from .walls import told
 
 FASTEST = 1.25
 """Fastest row over the impact speed above which overlaps are doubtful; the 1/7 profile has 1.12."""
@@ -60,6 +60,12 @@ class Derived:
         return {key: value for _, rows in self.tables for key, _, value, _ in rows}
 
     @property
+    def walls(self) -> dict[str, str]:
+        """Motion and contact numbers of walls that have their own, in words, by name."""
+        found = {one.wall.name: told(one, self.scene) for one in self.scene.walls}
+        return {name: text for name, text in found.items() if text}
+
+    @property
     def skipped(self) -> tuple[str, ...]:
         """What the scene does not need and the run leaves out, in sentences."""
         return self.scene.skipped
@@ -84,6 +90,7 @@ class Derived:
                 "coefficients": asdict(scene.coefficients),
                 **groups,
                 "inflow_rows": rows,
+                "walls": self.walls,
                 "skipped": list(scene.skipped),
                 "warnings": list(scene.warnings),
                 "adapted": list(scene.adapted),
@@ -113,6 +120,10 @@ class Derived:
                 f"{row.every_steps * scene.time_step:.5f} s"
                 for row in scene.inlets
             ]
+        if self.walls:
+            width = max(map(len, self.walls))
+            lines += ["", "walls with a motion or contact of their own"]
+            lines += [f"  {name:<{width}}  {text}" for name, text in self.walls.items()]
         lines += ["", "skipped, because the scene does not need it"]
         lines += [f"  - {text}" for text in scene.skipped]
         if scene.adapted:
@@ -250,18 +261,7 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
         )
     if isinstance(case.inflow, RowsInflow) and case.analysis.jump and case.gravity:
         found += _jump_doubts(case, case.inflow)
-    return found + _flush(case.walls)
-
-
-def _flush(walls: tuple[Wall, ...]) -> list[str]:
-    """Sentences on two walls whose faces go on in one line."""
-    pairs = ((one, two, flush(one.faces, two.faces)) for one, two in combinations(walls, 2))
-    return [
-        f"walls '{one.name}' and '{two.name}' meet flush at ({at[0]:g}, {at[1]:g}) m: a disc there feels both, up to "
-        "twice the force; make them one wall"
-        for one, two, at in pairs
-        if at
-    ]
+    return found
 
 
 def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
@@ -271,11 +271,8 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     if number <= 1:
         return [f"the inflow is subcritical (Fr = {number:.3g}), so that no jump forms; Fr must be above 1"]
     y2 = y1 * theory.belanger(number)
-    steps = [
-        (wall.x[0], wall.y[1] - inflow.y)
-        for wall in case.walls
-        if isinstance(wall, Block) and wall.x[0] > inflow.x and wall.y[1] > inflow.y
-    ]
+    solids = [wall.extent for wall in case.walls if isinstance(wall, Block | Polygon) and not wall.hollow]
+    steps = [(x[0], y[1] - inflow.y) for x, y in solids if x[0] > inflow.x and y[1] > inflow.y]
     outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None]
     end, sill = min(steps or outlets, default=(inf, 0.0))
     found, room = [], UPSTREAM * y1 + DOWNSTREAM * y2
@@ -293,24 +290,16 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     return found
 
 
-def reachable(wall: Wall, domain: tuple[Interval, Interval], d: float) -> bool:
-    """Whether any centre inside the domain can touch the wall."""
-    (xlo, xhi), (ylo, yhi) = domain
-    box, reach = boxes(wall.faces, deep=False), d / 2
-    near = (box[:, 0] - reach < xhi) & (box[:, 1] + reach > xlo) & (box[:, 2] - reach < yhi) & (box[:, 3] + reach > ylo)
-    return bool(near.any())
-
-
 def skipped(case: CaseFields, walls: tuple[Wall, ...], scene: Scene) -> tuple[str, ...]:
     """Sentences: what the engines leave out because the scene does not need it."""
-    law, friction = case.contact, case.contact.friction
+    law, own = case.contact, scene.own_laws.values()
     columns = "z, vz, " + ("" if scene.sizes else "radius, ") + "mass, type, forces"
-    columns += "" if law.rotation and friction else ", spin"
+    columns += "" if scene.rotation else ", spin"
     texts = {
-        "friction terms: friction is 0": friction == 0,
-        "dashpots: restitution is 1": law.restitution == 1,
+        "friction terms: friction is 0": not scene.rubs,
+        "dashpots: restitution is 1": law.restitution == 1 and not any(wall.gamma_normal for wall in own),
         "spin: contact.rotation is false, discs do not turn": not law.rotation,
-        "spin: without friction nothing turns a disc": law.rotation and friction == 0,
+        "spin: without friction nothing turns a disc": law.rotation and not scene.rubs,
         "gravity: it is 0": case.gravity == 0,
         **{
             f"wall '{wall.name}': nothing inside the domain can reach it": wall not in scene.permanent for wall in walls

@@ -28,18 +28,19 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] =
     # an unknown key often explains a missing one: say the unknown key first
     problems.sort(key=lambda problem: problem["type"] not in UNKNOWN)
     first = problems[0]
-    path = _data_path(first["loc"], source.data)
+    path = _data_path(first["loc"], source.whole)
+    path += getattr(first.get("ctx", {}).get("error"), "path", ())  # of a `PlaceError`
     more = f" ({len(problems) - 1} more after this one)" if len(problems) > 1 else ""
     return CaseError(f"{source.place(path)}: {_sentence(first, path, model)}{more}")
 
 
 def _data_path(location: tuple, data: Any) -> PathKey:
-    """Pydantic's location without the tags of discriminated unions and the branches of unions."""
+    """Pydantic's location without the tags of discriminated unions, some of which begin with <, and of branches."""
     path: list[str | int] = []
     here = data
     for position, part in enumerate(location):
         last = position == len(location) - 1
-        if isinstance(here, dict) and (part in here or (last and part != here.get("kind"))):
+        if isinstance(here, dict) and (part in here or (last and part != here.get("kind") and str(part)[:1] != "<")):
             path.append(part)
             here = here.get(part)
         elif isinstance(here, list) and isinstance(part, int):
@@ -51,6 +52,9 @@ def _data_path(location: tuple, data: Any) -> PathKey:
 def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     kind, context, value = problem["type"], problem.get("ctx", {}), problem.get("input")
     if kind in UNKNOWN:
+        known = (getattr(item, "NO_FIELDS", {}).get(str(path[-1])) for item in _models_at(problem["loc"][:-1], model))
+        if hint := next(filter(None, known), None):
+            return f"unknown field; {hint}"
         return f"unknown field; {nearest(str(path[-1]), list(_fields(_models_at(problem['loc'][:-1], model))))}"
     if kind == "missing":
         return "is required and not there; `lammps-jump new hydraulic_jump` shows a whole case"
@@ -69,20 +73,26 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
         letters = "letters, digits and _" if path[0] == "walls" else "letters, digits, _ . and -"
         return f"{echoed(value)} is not a usable name; {letters} are allowed"
     if kind in ("tuple_type", "list_type", "too_long", "too_short", "missing_argument"):
-        return (
-            f"{echoed(value)} does not fit: {problem['msg'].lower()}; a pair is written [low, high], a list with dashes"
-        )
+        written = "point is written [x, y]" if "points" in path else "pair is written [low, high]"
+        return f"{echoed(value)} does not fit: {problem['msg'].lower()}; a {written}, a list with dashes"
     if kind in ("model_type", "model_attributes_type", "dataclass_type", "dict_type"):
         return f"{echoed(value)} is a single value; this field is a group of fields (`lammps-jump new` shows one)"
     return f"{echoed(value)} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
 
 
 def fields_of(model: type) -> dict[str, FieldInfo]:
-    """Fields of a pydantic model or of a dataclass, by name."""
+    """Fields of a pydantic model or of a dataclass, by their names in a case."""
     if issubclass(model, BaseModel):
         return model.model_fields
     hints = get_type_hints(model, include_extras=True)
-    return {item.name: FieldInfo.from_annotation(hints[item.name]) for item in fields(model)}
+    declared = {
+        name: depth
+        for depth, base in reversed(list(enumerate(model.__mro__)))
+        for name in vars(base).get("__annotations__", {})
+    }
+    own_first = sorted((item.name for item in fields(model)), key=declared.__getitem__)
+    found = {name: FieldInfo.from_annotation(hints[name]) for name in own_first}
+    return {field.alias or name: field for name, field in found.items()}
 
 
 def _tag(model: type) -> str | None:

@@ -7,12 +7,13 @@ from math import sqrt
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic.functional_validators import field_validator, model_validator
 
 from lammps_jump import units
 from lammps_jump.physics.inlet import LEAST_GAP
 from lammps_jump.quoting import LONGEST_NAME, one_line
-from lammps_jump.scene.walls import KINDS, Coordinate, Extent, ordered
+from lammps_jump.scene.walls import KINDS, Coordinate, Extent, WallName, ordered
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=LONGEST_NAME)]
 
@@ -153,6 +154,30 @@ class Domain(Strict):
 WallField = Annotated[KINDS, Field(discriminator="kind")]
 
 
+class Lift(Strict):
+    """A gate that rises by the height of its column: in a time, or at a speed."""
+
+    open_in: units.Second | None = Field(default=None, **TIME)
+    speed: units.MetrePerSecond | None = Field(default=None, **SPEED)
+
+    @model_validator(mode="after")
+    def _one(self) -> Lift:
+        if (self.open_in is None) == (self.speed is None):
+            raise ValueError("needs open_in (s) or speed (m/s), one of the two; true opens at once")
+        return self
+
+    def time(self, height: float) -> float:
+        """Time that it takes to rise by a height (m), s."""
+        return self.open_in if self.speed is None else height / self.speed  # type: ignore[return-value]
+
+
+def _lift(value: Any) -> str:
+    return "<lift>" if isinstance(value, dict | Lift) else "<gate>"
+
+
+Gate = Annotated[Annotated[bool, Tag("<gate>")] | Annotated[Lift, Tag("<lift>")], Discriminator(_lift)]
+
+
 class Column(Strict):
     """Discs packed in a rectangle, as before a dam breaks."""
 
@@ -162,7 +187,9 @@ class Column(Strict):
     packing: Literal["square", "hexagonal"] = "square"
     hydrostatic: bool = Field(default=True, description="overlaps of thesis figure 6.2 that carry the weight")
     jitter: units.Plain = Field(default=0.0, ge=0, le=0.2, description="random shift, in diameters")
-    gate: bool = Field(default=True, description="held at its right side until t = 0")
+    gate: Gate = Field(
+        default=True, description="held at its right side until t = 0; {open_in: 2 s} or {speed: 4 m/s}: it rises then"
+    )
     settle: units.Second = Field(default=0.0, ge=0, le=1e9, description="time behind the gate before t = 0")
     velocity: Vector = (0.0, 0.0)
 
@@ -328,6 +355,9 @@ class Probes(Strict):
         default=0.01, **TIME, description="forces are averaged over this time, every step counted"
     )
     stations: StationPair | None = Field(default=None, description="energy budget between them; native engine only")
+    groups: dict[WallName, tuple[Name, ...]] = Field(
+        default_factory=dict, description="name: walls whose forces are summed"
+    )
 
 
 class Analysis(Strict):

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import difflib
 import re
+from copy import copy
 from dataclasses import dataclass, field
 from functools import reduce
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -44,6 +45,15 @@ MOST_VALUES = 300_000
 MOST_BYTES = 100_000_000
 
 
+class Table(NamedTuple):
+    """Rows of a file that a field names, with their lines."""
+
+    name: str
+    file: str
+    rows: list[list[float]]
+    lines: list[int]
+
+
 @dataclass
 class CaseSource:
     """The data of a case file and where each value came from.
@@ -62,6 +72,10 @@ class CaseSource:
         Groups, lists and single values read so far, aliases written out.
     left_out : str
         Scene whose description the file had, of another flow than its own; it is left out.
+    folder : Path, optional
+        Folder of the case file; tables may lie there and below. A case from elsewhere has none.
+    tables : dict
+        Path of a wall or motion -> the table that its `file` names.
     """
 
     file: str
@@ -70,6 +84,16 @@ class CaseSource:
     overrides: dict[PathKey, str] = field(default_factory=dict)
     values: int = 0
     left_out: str = ""
+    folder: Path | None = None
+    tables: dict[PathKey, Table] = field(default_factory=dict)
+
+    @property
+    def whole(self) -> dict[str, Any]:
+        """The data with the rows of tables as points."""
+        data = self.data
+        for path, table in self.tables.items():
+            data = _with_points(data, path, table.rows)
+        return data
 
     def value(self, path: PathKey) -> Any:
         """The value at a path."""
@@ -81,6 +105,10 @@ class CaseSource:
         for length in range(len(path), 0, -1):
             if path[:length] in self.overrides:
                 return f"--set {shortened(self.overrides[path[:length]])}: {dotted}"
+        for length in range(len(path), 2, -1):  # a row of a table
+            table = self.tables.get(path[: length - 2])
+            if table and path[length - 2] == "points":
+                return f"{table.file}:{table.lines[int(path[length - 1])]}: {dotted}"
         for length in range(len(path), -1, -1):
             if path[:length] in self.lines:
                 return f"{self.file}:{self.lines[path[:length]]}: {dotted}".rstrip(": ")
@@ -91,6 +119,16 @@ class CaseSource:
         path, _, message = text.partition(": ")
         key = tuple(int(part) if _is_number(part) else part for part in path.split("."))
         return CaseError(f"{self.place(key)}: {message}")
+
+
+def _with_points(data: Any, path: PathKey, rows: list[list[float]]) -> Any:
+    """A copy along a path whose end has points in place of its file."""
+    if path:
+        key, rest = path[0], path[1:]
+        copied = copy(data)
+        copied[key] = _with_points(data[key], rest, rows)
+        return copied
+    return {key: value for key, value in data.items() if key != "file"} | {"points": rows}
 
 
 def dotted_path(path: PathKey) -> str:
@@ -115,7 +153,9 @@ def read_source(path: str | Path) -> CaseSource:
     CaseError
         As `read_text`, and for an empty or malformed file and repeated keys, with the line.
     """
-    return parse_source(read_text(path), str(path))
+    source = parse_source(read_text(path), str(path))
+    source.folder = Path(path).parent
+    return source
 
 
 def read_text(path: str | Path) -> str:

@@ -11,7 +11,6 @@ import numpy as np
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
 from lammps_jump.scene import (
-    Block,
     InletRow,
     Interval,
     MovingWall,
@@ -22,15 +21,15 @@ from lammps_jump.scene import (
     Sizes,
     Stations,
     Wall,
-    gate,
 )
+from lammps_jump.scene.motion import largest_speed, way
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
-from . import checks
-from .derived import doubts, reachable, skipped
+from . import checks, walls
+from .derived import doubts, skipped
 from .fields import BidisperseSizes, CaseFields, Column, PourInflow, RowsInflow, UniformSizes
 from .packing import arrange
-from .text import CaseSource, nearest
+from .text import CaseSource
 
 INTEGRATORS = {"lammps": "velocity_verlet", "native": "leapfrog_extrapolated"}
 """What ``run.integrator: auto`` means, by engine."""
@@ -110,10 +109,10 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
-    scene, walls = _with_walls(_discs_and_steps(case, source), case, source)
+    scene, given = _with_walls(_discs_and_steps(case, source), case, source)
     return replace(
         scene,
-        skipped=skipped(case, walls, scene),
+        skipped=skipped(case, given, scene),
         warnings=(*scene.warnings, *checks.check_stop(case, source), *doubts(case, _stiffness(case)[1], scene.inlets)),
         adapted=checks.adapted(case, scene),
     )
@@ -139,7 +138,7 @@ def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
         gravity=_gravity(case),
         coefficients=coefficients,
         friction_law=law.friction_law,
-        rotation=law.rotation and law.friction > 0,
+        rotation=law.rotation and (law.friction > 0 or any(wall.friction for wall in case.walls)),
         integrator=integrator,
         domain=((math.nan, math.nan), (math.nan, math.nan)),
         positions=_frozen(positions),
@@ -165,19 +164,35 @@ def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Sce
     pour = case.inflow if isinstance(case.inflow, PourInflow) else None
     pours = (Pour(**pour.model_dump(exclude={"kind"})),) if pour else ()
     scene = replace(scene, inlets=inlets, size_steps=raster if inlets else POUR_RASTER, pours=pours)
-    speed = _largest_speed(case, scene)
-    scene = replace(scene, domain=_domain(case, source, scene, speed))
+    theirs = walls.joined(case, source)
+    given = theirs + walls.lifted(case)
+    walls.check_bends(source, given, scene)
+    scene = replace(scene, own_laws=walls.own_laws(case, scene, given))
+    notes = walls.check_own_laws(case, source, scene, given)
+    moving = [walls.moving(item, source, scene) for item in given]
+    speed = max([_largest_speed(case, scene), *(largest_speed(one, *walls.span(scene)) for one in moving)])
+    scene = replace(scene, domain=_domain(case, source, scene, speed, moving))
     scene = replace(scene, outlets=_outlets(case, source, scene, speed))
-    gates = _gates(case, scene)
-    walls = case.walls + _inlet_back(case, scene.largest)
-    checks.check_names(case, source, walls, gates)
-    checks.check_places(case, source, scene, walls, gates)
+    gates = walls.shut_gates(case, scene)
+    notes += walls.wall_doubts(moving, scene)
+    moving += map(MovingWall, _inlet_back(case, scene.largest))
+    own = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
+    checks.check_places(case, source, scene, (*moving, *gates), {item.wall.name: item.field for item in theirs})
     checks.check_pour(case, source, scene.domain, scene.largest)
-    probes = _probes(case, source, walls)
-    kept = [wall for wall in walls if reachable(wall, scene.domain, scene.largest) or wall.name in probes]
+    names = [one.wall.name for one in moving]
+    probes = _probes(case, source, names)
+    groups = walls.groups(case, source, names, own)
+    asked = {*probes, *(name for _, members in groups for name in members)}
+    kept = [one for one in moving if walls.reachable(one, scene) or one.wall.name in asked]
     return replace(
-        scene, walls=(*map(MovingWall, kept), *gates), probes=probes, stations=_stations(case, source, scene)
-    ), walls
+        scene,
+        walls=(*kept, *gates),
+        probes=probes,
+        groups=groups,
+        stations=_stations(case, source, scene),
+        overlap_limit=scene.overlap_limit * walls.own_overlap(scene),
+        warnings=(*scene.warnings, *notes),
+    ), tuple(one.wall for one in moving)
 
 
 def _gravity(case: CaseFields) -> tuple[float, float]:
@@ -231,20 +246,6 @@ def _inlet_back(case: CaseFields, largest: float) -> tuple[Plane, ...]:
     if not isinstance(inflow, RowsInflow) or inflow.back == "open":
         return ()
     return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * largest, "above"),)
-
-
-def _gates(case: CaseFields, scene: Scene) -> tuple[MovingWall, ...]:
-    """Gates of settling columns. A gate with discs beyond it is a block without thickness, which both sides feel."""
-    gates = []
-    for index, item in enumerate(case.initial):
-        if not (isinstance(item, Column) and item.gate and scene.settle_steps):
-            continue
-        name, x = f"gate_{index}" if index else "gate", item.x[1]
-        if scene.positions[:, 0].max(initial=x) > x:
-            gates.append(gate(Block(name, (x, x), scene.domain[1]), scene.settle_steps))
-        else:
-            gates.append(gate(Plane(name, "x", x, "below"), scene.settle_steps))
-    return tuple(gates)
 
 
 def _discs(
@@ -312,26 +313,29 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
     ), plan.raster
 
 
-def _domain(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -> tuple[Interval, Interval]:
+def _domain(
+    case: CaseFields, source: CaseSource, scene: Scene, speed: float, moving: list[MovingWall]
+) -> tuple[Interval, Interval]:
     """The given domain, or one around all that the case names."""
     if case.domain is not None:
         domain = case.domain.x, case.domain.y
     else:
-        closed = any(wall.hollow for wall in case.walls)
+        closed = any(wall.hollow for wall, _ in moving)
+        ways = [way(one, *walls.span(scene)) for one in moving]
         margin = 2 * scene.largest if closed else 10 * scene.largest + speed * min(case.run.duration, 3.0)
-        ends = (_ends(case, axis, scene) for axis in "xy")
+        ends = (_ends(case, axis, scene, ways) for axis in "xy")
         domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
     checks.check_domain(case, source, domain)
     return domain
 
 
-def _ends(case: CaseFields, axis: str, scene: Scene) -> list[float]:
+def _ends(case: CaseFields, axis: str, scene: Scene, ways: list[tuple[Interval, Interval]]) -> list[float]:
     """Coordinates that a domain must hold, m."""
     index = "xy".index(axis)
     values = [*scene.positions[:, index], *(getattr(row, axis) for row in scene.inlets)]
     if isinstance(case.inflow, PourInflow):
         values += getattr(case.inflow, axis)
-    values += [end for wall in case.walls for end in wall.extent[index] if math.isfinite(end)]
+    values += [end for box in ways for end in box[index] if math.isfinite(end)]
     outlets = (pair for item in case.outflow for pair in item.model_dump(exclude_none=True).items())
     return values + [at for name, at in outlets if name.startswith(axis)]
 
@@ -354,14 +358,9 @@ def _outlets(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -
     return tuple(outlets)
 
 
-def _probes(case: CaseFields, source: CaseSource, walls) -> tuple[str, ...]:
-    names = [wall.name for wall in walls]
+def _probes(case: CaseFields, source: CaseSource, names: list[str]) -> tuple[str, ...]:
     for index, name in enumerate(case.probes.forces):
-        if name not in names:
-            raise source.error(
-                f"probes.forces.{index}: there is no wall '{name}'; "
-                f"{nearest(name, names) if names else 'this case has no walls'}"
-            )
+        walls.require_wall(case, source, f"probes.forces.{index}", name, names)
     return tuple(dict.fromkeys(case.probes.forces))
 
 

@@ -364,6 +364,30 @@ def own_wall_law(
     return WallLaw(stiffness, found["gamma_normal"], found["gamma_tangential"], friction)
 
 
+def own_stable_fraction(coefficients: Coefficients, law: WallLaw, smallest: float, integrator: str) -> float:
+    """`wall_stable_fraction` of a wall with a contact of its own.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Of the scene.
+    law : WallLaw
+        Of the wall.
+    smallest : float
+        Smallest diameter over the nominal one.
+    integrator : {'velocity_verlet', 'leapfrog_extrapolated'}
+    """
+    c = coefficients  # dashpots grow with the root of the mass, which grows with the square of the diameter
+    return wall_stable_fraction(
+        c.stiffness,
+        law.stiffness,
+        c.mass * smallest**2,
+        c.correction * c.damping * smallest,
+        law.gamma_normal * c.mass * smallest,
+        integrator,
+    )
+
+
 def derive(
     *,
     density: float,

@@ -368,18 +368,76 @@ FLUSH = 1e-6
 """Distance of two ends over which they count as one, m; also a share of their coordinates."""
 
 
-def flush(one: Faces, two: Faces) -> Point | None:
-    """Place where a face of one wall goes on in the line of a face of another, m: discs there feel both.
+SHARPEST = -0.75 * pi
+"""Turn away from the discs, rad, beyond which two walls that meet leave discs no room between them."""
 
-    Faces that look down are left out. None: there is no such place.
+
+def flush(one: Faces, two: Faces) -> Point | None:
+    """Place where a face of one wall ends at the begin of a face of another, m: discs there feel both.
+
+    Both lie in one line or turn away from the discs. Corners towards the discs do no harm. Closed outlines whose faces
+    look down there are left out. None: there is no such place.
     """
     for before, after in ((one, two), (two, one)):
         if ENDLESS in (before.codes[0, AT_START], after.codes[0, AT_START]):
             continue
-        ends, starts = before.shape[:, None, [X1, Y1]], after.shape[None, :, [X0, Y0]]
-        near = np.abs(ends - starts).max(axis=2) <= FLUSH * np.maximum(1.0, np.abs(ends).max(axis=2))
-        along = (before.shape[:, None, [TX1, TY1]] * after.shape[None, :, [TX0, TY0]]).sum(axis=2) > cos(SMOOTH_TURN)
-        up = before.shape[:, None, TX1] > -0.5
-        for face in np.argwhere(near & along & up)[:1, 0]:
-            return float(before.shape[face, X1]), float(before.shape[face, Y1])
+        free, begins = before.codes[:, AT_END] == FREE, after.codes[:, AT_START] == FREE
+        up = (before.shape[:, TX1] > -0.5) | free
+        (x0, y0), (x1, y1) = (vertices(after).min(axis=0), vertices(after).max(axis=0))
+        x, y = before.shape[:, X1], before.shape[:, Y1]
+        room = FLUSH * max(1.0, *map(abs, (x0, y0, x1, y1)))
+        inside = (x >= x0 - room) & (x <= x1 + room) & (y >= y0 - room) & (y <= y1 + room)
+        for face in np.flatnonzero(up & inside):
+            place, along = before.shape[face, [X1, Y1]], before.shape[face, [TX1, TY1]]
+            near = np.abs(after.shape[:, [X0, Y0]] - place).max(axis=1) <= FLUSH * max(1.0, *np.abs(place))
+            for (tx, ty), begin in zip(after.shape[near][:, [TX0, TY0]], begins[near], strict=True):
+                angle = atan2(along[0] * ty - along[1] * tx, along[0] * tx + along[1] * ty)
+                least = SHARPEST if free[face] or begin else -SMOOTH_TURN
+                if least < angle <= SMOOTH_TURN:
+                    return float(place[0]), float(place[1])
     return None
+
+
+def vertices(faces: Faces) -> np.ndarray:
+    """Both ends of all faces, shape (2 faces, 2), m; none of a wall without end."""
+    found = faces.shape[faces.codes[:, AT_START] != ENDLESS]
+    return np.concatenate([found[:, [X0, Y0]], found[:, [X1, Y1]]])
+
+
+def open_ends(faces: Faces) -> list[Point]:
+    """Ends of chains that are open, m."""
+    starts = faces.shape[faces.codes[:, AT_START] == FREE][:, [X0, Y0]]
+    ends = faces.shape[faces.codes[:, AT_END] == FREE][:, [X1, Y1]]
+    return [(float(x), float(y)) for x, y in (*starts, *ends)]
+
+
+LONG_BEND = radians(30.0)
+"""Turn of a row of small turns, rad, up to which it counts as a corner and not as a bend."""
+
+
+def tight_bend(faces: Faces) -> tuple[float, Point] | None:
+    """Smallest radius (m) with which straight faces bend towards the discs in small turns, and where it begins, m.
+
+    A bend is a row of smooth joints that turn by more than `LONG_BEND` together. None: there is none.
+    """
+    found: tuple[float, Point] | None = None
+    codes, shape = faces.codes, faces.shape
+    smooth = codes[:, AT_END] == SMOOTH
+    begins = set(np.flatnonzero(smooth & (codes[:, AT_START] != SMOOTH)).tolist())
+    runs = {int(codes[i, RUN]) for i in begins}
+    begins |= {i for i in np.flatnonzero(smooth & (codes[:, LOOP] == 1)).tolist() if codes[i, RUN] not in runs}
+    for begin in sorted(begins):
+        face, length, turned, turns = begin, 0.0, 0.0, [_turn_behind(faces, begin)]
+        while smooth[face := int(codes[face, AFTER])] and face != begin and codes[face, KIND] == SEGMENT:
+            turns.append(_turn_behind(faces, face))
+            length += shape[face, LENGTH]
+            turned += 0.5 * (turns[-2] + turns[-1])
+        if sum(turns) > LONG_BEND and turned and (found is None or length / turned < found[0]):
+            found = length / turned, (float(shape[begin, X1]), float(shape[begin, Y1]))
+    return found
+
+
+def _turn_behind(faces: Faces, face: int) -> float:
+    """Turn from a face to the next one, rad."""
+    one, two = faces.shape[face], faces.shape[faces.codes[face, AFTER]]
+    return atan2(one[TX1] * two[TY0] - one[TY1] * two[TX0], one[TX1] * two[TX0] + one[TY1] * two[TY0])

@@ -38,7 +38,7 @@ def arms(name: str, members: Sequence[MovingWall]) -> np.ndarray:
         if not same or (turns and one.motion.about != first.motion.about):
             raise CaseError(
                 f"probes.groups.{name}: '{one.wall.name}' does not move with '{first.wall.name}', so their moments "
-                "have no common point; allowed are walls that stand, or that have the same motion (and about, where they "
+                "have no common point; allowed are walls that stand, or that have the same motion (and about, if they "
                 "turn): give each part that moves a group of its own"
             )
     x, y = reference(first)

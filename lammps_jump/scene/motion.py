@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, inf, sin
+from math import cos, inf, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from .chains import Chain, Faces, moved
-from .tracks import COLUMNS, KINDS, Loaded, pose_py, track_of
+from .tracks import COLUMNS, KINDS, Loaded, fastest, pose_py, poses, track_of
 from .walls import Interval, Wall
 
 
@@ -180,3 +180,36 @@ class Placed(Wall):
 def gate(wall: Wall, step: int) -> MovingWall:
     """A wall that is there until `step`, whose forces no longer feel it."""
     return MovingWall(wall, Motion(step))
+
+
+def way(one: MovingWall, begin: float, end: float) -> tuple[Interval, Interval]:
+    """Smallest rectangle (x, y) around a wall and its way between two times (s), m; of a loaded one where it begins."""
+    wall, motion = one
+    if motion.kind is None or motion.load:
+        return wall.extent
+    places = poses(motion.track, begin, end)
+    low, high = places.min(axis=0), places.max(axis=0)
+    if low[2] == high[2] == 0.0:
+        (x0, x1), (y0, y1) = wall.extent
+        return (x0 + float(low[0]), x1 + float(high[0])), (y0 + float(low[1]), y1 + float(high[1]))
+    corners = np.concatenate(wall.outline(*wall.extent)) - motion.about
+    if high[2] - low[2] >= 2 * pi:
+        far = np.hypot(*corners.T).max()
+        x, y = ([at + a - far, at + b + far] for at, a, b in zip(motion.about, low, high, strict=False))
+    else:
+        c, s = np.cos(places[:, 2:]), np.sin(places[:, 2:])
+        x = motion.about[0] + places[:, :1] + c * corners[:, 0] - s * corners[:, 1]
+        y = motion.about[1] + places[:, 1:2] + s * corners[:, 0] + c * corners[:, 1]
+    return (float(np.min(x)), float(np.max(x))), (float(np.min(y)), float(np.max(y)))
+
+
+def largest_speed(one: MovingWall, begin: float, end: float) -> float:
+    """Largest speed of a point of a wall between two times (s), m/s; 0 of a loaded one, which the discs move."""
+    wall, motion = one
+    if motion.kind is None or motion.load:
+        return 0.0
+    speed, rate = fastest(motion.track, begin, end)
+    if not rate:
+        return speed
+    corners = np.concatenate(wall.outline(*wall.extent)) - motion.about
+    return speed + rate * float(np.hypot(*corners.T).max())

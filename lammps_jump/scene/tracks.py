@@ -27,6 +27,13 @@ Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
 Force = Annotated[NewtonPerMetre, Field(ge=-1e15, le=1e15)]
 Point = tuple[Coordinate, Coordinate]
 Row = tuple[Moment, Coordinate, Coordinate, Turn]
+FileName = Annotated[
+    str, Field(min_length=1, max_length=500, description="a CSV file, in the folder of the case or below")
+]
+MOST_ROWS = 20_000
+"""Rows of a table, and points of a wall."""
+SAMPLES = 256
+"""Times at which a whole way is looked at, besides those where the rows of its track begin."""
 
 BEGIN, X, Y, ANGLE, WAVE_X, WAVE_Y, WAVE_ANGLE, RATE, PHASE = 0, 1, 6, 11, 16, 17, 18, 19, 20
 """Columns of a track: time at which the row begins (s); coefficients of three polynomials of the time since, of degree
@@ -162,11 +169,16 @@ class Table(Kind):
 
     kind: Literal["table"] = field(default="table", kw_only=True, repr=False)
     points: Annotated[
-        tuple[Row, ...], Field(min_length=1, description="or file: motion.csv, with columns t, x, y, angle")
-    ]
+        tuple[Row, ...], Field(max_length=MOST_ROWS, description="or file: motion.csv, with columns t, x, y, angle")
+    ] = ()
+    file: FileName | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.file is not None:
+            raise ValueError("file: is read with a case file; give points here")
+        if not self.points:
+            raise ValueError("needs points, rows [t, x, y, angle], or file: a table of them")
         first = self.points[0]
         if first[0] < self.begin:
             raise ValueError(f"points: the first t is {first[0]:g} s; allowed is from ({self.begin:g} s) or later")
@@ -254,7 +266,7 @@ def _way(begin: float, corner: Corner) -> np.ndarray:
     return np.array([a * s**3 + b * s**4, 3 * a * s**2 + 4 * b * s**3, 3 * a * s + 6 * b * s**2, a + 4 * b * s, b])
 
 
-def pose_py(track, first, last, time):
+def pose_py(track: np.ndarray, first: int, last: int, time: float) -> tuple[float, float, float]:
     """Pose (m, m, rad) at a time (s), by the rows ``first … last - 1`` of a track; zero before the first row.
 
     The plugin does the same operations in the same order (``faces.h``).
@@ -276,3 +288,30 @@ def pose_py(track, first, last, time):
         y += wave * track[row, WAVE_Y]
         angle += wave * track[row, WAVE_ANGLE]
     return x, y, angle
+
+
+def times_of(track: np.ndarray, begin: float, end: float) -> np.ndarray:
+    """Times (s) from `begin` to `end` that show a whole way: equal steps, rows of the track, a period of its waves."""
+    found = [np.linspace(begin, end, SAMPLES), track[:, BEGIN]]
+    found += [row[BEGIN] + np.linspace(0.0, 2 * pi / row[RATE], 33) for row in track if row[RATE]]
+    times = np.unique(np.concatenate(found))
+    return times[(times >= begin) & (times <= end)]
+
+
+def poses(track: np.ndarray, begin: float, end: float) -> np.ndarray:
+    """Poses (m, m, rad) at the times of `times_of`, shape (times, 3)."""
+    return np.array([pose_py(track, 0, len(track), time) for time in times_of(track, begin, end)]).reshape(-1, 3)
+
+
+def fastest(track: np.ndarray, begin: float, end: float) -> tuple[float, float]:
+    """Largest speed (m/s) and rate of turning (rad/s) between two times, s; of a row, at nine places of it."""
+    speed = rate = 0.0
+    for row, until in zip(track, [*track[1:, BEGIN], inf], strict=True):
+        low, high = max(row[BEGIN], begin), min(until, end)
+        if low >= high:
+            continue
+        s = np.linspace(low, high, 9) - row[BEGIN]
+        x, y, turn = (sum(p * row[axis + p] * s ** (p - 1) for p in range(1, 5)) for axis in (X, Y, ANGLE))
+        speed = max(speed, float(np.hypot(x, y).max()) + abs(row[RATE]) * float(np.hypot(row[WAVE_X], row[WAVE_Y])))
+        rate = max(rate, float(np.abs(turn).max()) + abs(row[RATE] * row[WAVE_ANGLE]))
+    return speed, rate

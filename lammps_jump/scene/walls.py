@@ -9,17 +9,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from math import inf
+from math import cos, inf, radians, sin
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from lammps_jump.quoting import LONGEST_NAME
-from lammps_jump.units import Metre, Plain, Stiffness
+from lammps_jump.units import Degree, Metre, Plain, Stiffness
 
-from .chains import Chain, Faces, boxes, distance, grounds, lay, outline
+from .chains import Chain, Faces, Point, boxes, circle, distance, grounds, lay, outline
+from .shapes import Path, Points, closed_path, drawn
 from .tracks import KINDS as KINDS_OF_MOTION
+from .tracks import FileName
+from .tracks import Point as GivenPoint
 
 Interval = tuple[float, float]
 
@@ -31,11 +34,17 @@ def ordered(value: Interval) -> Interval:
     return value
 
 
+def not_backwards(value: Interval) -> Interval:
+    """The interval itself, which may be a point; ValueError where its ends are not in order."""
+    return value if value[0] == value[1] else ordered(value)
+
+
 SIDES = {"right": "above", "left": "below", "high": "above", "low": "below", "+": "above", "-": "below"}
 """Other words for the side of a plane."""
 
 Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
 Extent = Annotated[tuple[Coordinate, Coordinate], AfterValidator(ordered)]
+Span = Annotated[tuple[Coordinate, Coordinate], AfterValidator(not_backwards)]
 Side = Annotated[
     Literal["above", "below"],
     BeforeValidator(lambda value: SIDES.get(value, value) if isinstance(value, str) else value),
@@ -202,59 +211,92 @@ class Plane(Wall):
         return (rectangle(solid, y) if self.axis == "x" else rectangle(x, solid),)
 
 
-@dataclass(frozen=True)
-class _Rectangle(Wall):
-    """What solid and hollow rectangles have in common."""
-
-    kind: str = field(kw_only=True, repr=False)
-    name: WallName
-    x: Extent
-    y: Extent
-
-    @property
-    def extent(self) -> tuple[Interval, Interval]:
-        """The rectangle's x and y, m; of the hole if `hollow`."""
-        return self.x, self.y
-
-    def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
-        """The rectangle."""
-        return (rectangle(self.x, self.y),)
+DiscsWhere = Annotated[Literal["outside", "inside"], Field(description="where the discs are")]
 
 
 @dataclass(frozen=True)
-class Block(_Rectangle):
-    """A solid axis-parallel rectangle; discs outside it.
+class Block(Wall):
+    """A solid rectangle, or a leaf without thickness; discs outside it.
 
     Parameters
     ----------
     name : str
     x, y : (float, float)
-        Its extent, m.
+        Its extent before it is turned, m. One of the two may have no width: a leaf, which both sides feel.
+    angle : float
+        Turn about the pivot, degrees, counter-clockwise.
+    pivot : (float, float), optional
+        Point of turning, also of its motion, m; default the centre.
 
     Notes
     -----
     A disc touches the block at one point, the nearest, as at LAMMPS' ``region block … side out``; a corner rounds the
     distance. A centre inside the block, less than a radius deep, is pushed out along the nearest face. (LAMMPS' region
-    has no force there.)
+    has no force there.) The moment is taken about the corner that is the lower left one at angle 0.
     """
 
     kind: Literal["block"] = field(default="block", kw_only=True, repr=False)
+    name: WallName
+    x: Span
+    y: Span
+    angle: Annotated[Degree, Field(ge=-360, le=360, description="turn about the pivot, counter-clockwise")] = 0.0
+    pivot: Annotated[GivenPoint | None, Field(description="default: the centre")] = None
+
+    def __post_init__(self) -> None:
+        if self.x[0] == self.x[1] and self.y[0] == self.y[1]:
+            raise ValueError(f"x and y are one point, ({self.x[0]:g}, {self.y[0]:g}) m; give one of them a width")
+
+    @property
+    def leaf(self) -> bool:
+        """Whether it has no thickness."""
+        return self.x[0] == self.x[1] or self.y[0] == self.y[1]
 
     @property
     def parts(self) -> tuple[str, ...]:  # type: ignore[override]  # depends on its extent
         """The far face of a block without thickness: of a gate that both sides feel."""
-        return ("far_side",) if self.x[0] == self.x[1] else ()
+        return ("far_side",) if self.leaf else ()
+
+    @property
+    def pivot_point(self) -> Point:
+        """Point of turning, m."""
+        return self.pivot or (0.5 * (self.x[0] + self.x[1]), 0.5 * (self.y[0] + self.y[1]))
+
+    @property
+    def extent(self) -> tuple[Interval, Interval]:
+        """Smallest rectangle around it, m."""
+        return super().extent if self.angle else (self.x, self.y)
+
+    @property
+    def moment_point(self) -> Point:
+        """The corner that is the lower left one before it is turned, m."""
+        return self._turned((self.x[0], self.y[0]))
+
+    def corners(self) -> tuple[Point, ...]:
+        """Lower left, lower right, upper right and upper left corner, turned, m."""
+        (left, right), (low, high) = self.x, self.y
+        return tuple(map(self._turned, ((left, low), (right, low), (right, high), (left, high))))
+
+    def _turned(self, point: Point) -> Point:
+        if not self.angle:
+            return point
+        (ox, oy), c, s = self.pivot_point, cos(radians(self.angle)), sin(radians(self.angle))
+        dx, dy = point[0] - ox, point[1] - oy
+        return ox + c * dx - s * dy, oy + s * dx + c * dy
 
     def chains(self) -> tuple[Chain]:
         """The outline, clockwise; of a block without thickness there and back."""
-        (left, right), (low, high) = self.x, self.y
-        if left == right:
-            return (Chain(((left, low), (left, high)), closed=True),)
-        return (Chain(((left, low), (left, high), (right, high), (right, low)), closed=True),)
+        lower_left, lower_right, upper_right, upper_left = self.corners()
+        if self.leaf:
+            return (Chain((lower_left, upper_right), closed=True),)
+        return (Chain((lower_left, upper_left, upper_right, lower_right), closed=True),)
+
+    def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
+        """The rectangle."""
+        return (np.array(self.corners()),)
 
 
 @dataclass(frozen=True)
-class Box(_Rectangle):
+class Box(Wall):
     """A hollow axis-parallel rectangle with discs inside it: four faces, each pushing on its own.
 
     Parameters
@@ -265,16 +307,173 @@ class Box(_Rectangle):
     """
 
     kind: Literal["box"] = field(default="box", kw_only=True, repr=False)
+    name: WallName
+    x: Extent
+    y: Extent
     hollow = True
     parts = ("x", "y", "left", "right", "bottom", "top")
-
     deep = True
+
+    @property
+    def extent(self) -> tuple[Interval, Interval]:
+        """x and y of the hole, m."""
+        return self.x, self.y
 
     def chains(self) -> tuple[Chain]:
         """The outline, counter-clockwise."""
         (left, right), (low, high) = self.x, self.y
         return (Chain(((left, low), (right, low), (right, high), (left, high)), closed=True),)
 
+    def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
+        """The rectangle."""
+        return (rectangle(self.x, self.y),)
 
-KINDS = Plane | Block | Box
+
+@dataclass(frozen=True)
+class _Drawn(Wall):
+    """What walls have in common that points draw."""
+
+    kind: str = field(kw_only=True, repr=False)
+    name: WallName
+    points: Points = ()
+    file: FileName | None = field(default=None, kw_only=True, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.file is not None:
+            raise ValueError("file: is read with a case file; give points here")
+        _ = self.path
+
+    @cached_property
+    def path(self) -> Path:
+        """The drawing, with the discs on its left."""
+        raise NotImplementedError
+
+    @property
+    def moment_point(self) -> Point:
+        """The first point, m."""
+        return self.path.points[0]
+
+
+@dataclass(frozen=True)
+class Polygon(_Drawn):
+    """A closed outline of straight lines and arcs, solid or hollow.
+
+    Parameters
+    ----------
+    name : str
+    points : tuple of (float, float) or ArcTo
+        Corners in order, either way round, m. The last is joined to the first.
+    discs : {'outside', 'inside'}
+        Where the discs are.
+
+    Notes
+    -----
+    The moment is taken about the first point.
+    """
+
+    kind: Literal["polygon"] = field(default="polygon", kw_only=True, repr=False)
+    discs: DiscsWhere = "outside"
+
+    @cached_property
+    def path(self) -> Path:
+        """The outline: clockwise round a solid, else counter-clockwise."""
+        return closed_path(self.points, clockwise=self.discs == "outside")
+
+    @property
+    def hollow(self) -> bool:  # type: ignore[override]  # depends on its fields
+        """Whether the discs are inside."""
+        return self.discs == "inside"
+
+    def chains(self) -> tuple[Chain]:
+        """The outline."""
+        return (self.path.chain(),)
+
+
+@dataclass(frozen=True)
+class Line(_Drawn):
+    """A line of straight pieces and arcs, with discs on its left or on both sides.
+
+    Parameters
+    ----------
+    name : str
+    points : tuple of (float, float) or ArcTo
+        In order, m. A last point at the first one closes it.
+    sheet : bool
+        Discs feel it from both sides.
+    join : str, optional
+        Lines of one such name whose ends meet are one wall, which has this name.
+
+    Notes
+    -----
+    The moment is taken about the first point.
+    """
+
+    NO_FIELDS: ClassVar[dict[str, str]] = {
+        "discs": "the discs of a line are on its left; reverse its points, or take sheet: true for both sides"
+    }
+    kind: Literal["line"] = field(default="line", kw_only=True, repr=False)
+    sheet: Annotated[bool, Field(description="felt from both sides")] = False
+    join: Annotated[WallName | None, Field(description="one wall with the other lines of this name")] = None
+
+    @cached_property
+    def path(self) -> Path:
+        """The line as given."""
+        return drawn(self.points, least=2)
+
+    @property
+    def hollow(self) -> bool:  # type: ignore[override]  # depends on its fields
+        """Whether it closes round the discs."""
+        return self.path.closed and not self.sheet and self.path.area > 0
+
+    def chains(self) -> tuple[Chain, ...]:
+        """The line; of a sheet there and back."""
+        if not self.sheet:
+            return (self.path.chain(),)
+        back = self.path.reversed()
+        if self.path.closed:
+            return self.path.chain(), back.chain()
+        return (Path(self.path.points + back.points[1:-1], self.path.bends + back.bends, closed=True).chain(),)
+
+
+@dataclass(frozen=True)
+class Circle(Wall):
+    """A circle with discs outside or inside.
+
+    Parameters
+    ----------
+    name : str
+    centre : (float, float)
+        m.
+    radius : float
+        m.
+    discs : {'outside', 'inside'}
+        Where the discs are.
+
+    Notes
+    -----
+    The moment is taken about the centre.
+    """
+
+    kind: Literal["circle"] = field(default="circle", kw_only=True, repr=False)
+    name: WallName
+    centre: GivenPoint
+    radius: Annotated[Metre, Field(ge=1e-6, le=1e6)]
+    discs: DiscsWhere = "outside"
+
+    @property
+    def hollow(self) -> bool:  # type: ignore[override]  # depends on its fields
+        """Whether the discs are inside."""
+        return self.discs == "inside"
+
+    @property
+    def moment_point(self) -> Point:
+        """The centre, m."""
+        return self.centre
+
+    def chains(self) -> tuple[Chain]:
+        """Four quarters."""
+        return (circle(self.centre, self.radius, inside=self.hollow),)
+
+
+KINDS = Plane | Block | Box | Polygon | Line | Circle
 """Walls that a case file may name."""

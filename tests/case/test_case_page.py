@@ -10,6 +10,8 @@ import yaml
 
 from lammps_jump.case import fields as models
 from lammps_jump.case.explain import fields_of
+from lammps_jump.scene.tracks import Kind
+from lammps_jump.scene.walls import Motions, Wall
 
 PAGE = (Path(__file__).parents[2] / "docs" / "case.md").read_text()
 ROWS = dict(re.findall(r"^\| `([\w.]+)` \| ([^|]+) \|", PAGE, re.MULTILINE))
@@ -33,7 +35,7 @@ def test_field_and_default(name, field):
         assert said == NONE  # a case without a name takes its file's
     elif field.is_required():
         assert said == "needed"
-    elif field.default in ((), ""):
+    elif field.get_default(call_default_factory=True) in ((), "", {}):
         assert said in ("none", "empty")
     else:
         assert yaml.safe_load(said) == field.default
@@ -41,6 +43,7 @@ def test_field_and_default(name, field):
 
 KINDS = {
     "of wall": models.WallField,
+    "of `motion`": Motions,
     "of `initial`": models.InitialField,
     "of `inflow`": models.InflowField,
     "of `discs.sizes`": models.SizesField,
@@ -54,9 +57,24 @@ def kinds():
             yield heading, model
 
 
+COMMON = {"of wall": ("walls", Wall), "of `motion`": ("walls.motion", Kind)}
+"""Fields that every kind has, which stand once, in rows of their own."""
+
+
+def common():
+    """Names of their rows."""
+    return {f"{group}.{name}" for group, model in COMMON.values() for name in fields_of(model)}
+
+
+def test_what_every_wall_and_motion_has_stands_once():
+    assert {name for name in ROWS if name.startswith("walls.")} == common()
+    assert {name for name in common() if ROWS[name].strip() != NONE} == {"walls.motion.from"}
+
+
 @pytest.mark.parametrize(("heading", "model"), list(kinds()), ids=lambda part: getattr(part, "__name__", ""))
 def test_fields_of_a_kind(heading: str, model: type):
-    names = dict(fields_of(model))
+    shared = fields_of(COMMON[heading][1]) if heading in COMMON else {}
+    names = {name: field for name, field in fields_of(model).items() if name not in shared}
     (kind,) = get_args(names.pop("kind").annotation)
     table, _, _ = PAGE.partition(f"| `kind` {heading} |")[2].partition("\n\n")
     (row,) = re.findall(rf"^\| `{kind}` \|(.*)$", table, re.MULTILINE)
@@ -71,5 +89,9 @@ def test_fields_of_a_kind(heading: str, model: type):
 
 
 def test_no_row_is_left_of_a_field_that_is_gone():
-    known = {name for name, _ in fields()} | {get_args(fields_of(model)["kind"].annotation)[0] for _, model in kinds()}
+    known = (
+        common()
+        | {name for name, _ in fields()}
+        | {get_args(fields_of(model)["kind"].annotation)[0] for _, model in kinds()}
+    )
     assert set(re.findall(r"^\| `([\w.]+)` \|", PAGE, re.MULTILINE)) == known

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from made_up import INPUTS
 
 from lammps_jump.case import load_case, parse_case
-from lammps_jump.case.packing import deepest_overlap
-from lammps_jump.case.piling import piled
+from lammps_jump.case.packing import deepest_overlap, piled
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.sizes import Sizes
 

@@ -58,7 +58,7 @@ WRONG_CASES = [
     ("truth for a number", "friction: 0.1", "friction: true", ["contact.friction", "true"]),
     ("number for a group", "discs: {diameter: 0.2, density: 1000}", "discs: 5", ["case.yaml:3", "discs"]),
     ("unknown word", "profile: power_law", "profile: parabolic", ["inflow.profile", "parabolic", "power_law"]),
-    ("unknown kind of wall", "kind: block", "kind: circle", ["walls[0]", "circle", "block"]),
+    ("unknown kind of wall", "kind: block", "kind: ellipse", ["walls[0]", "ellipse", "block"]),
     ("no kind of wall", "kind: block, ", "", ["walls[0]", "kind"]),
     ("interval backwards", "x: [-2, 10]", "x: [10, -2]", ["walls[0].x", "low < high"]),
     ("interval of three", "x: [-2, 10]", "x: [1, 2, 3]", ["walls[0].x"]),

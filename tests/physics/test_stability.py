@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from lammps_jump.case.piling import piled
+from lammps_jump.case.packing import piled
 from lammps_jump.physics import contact
 from lammps_jump.scene import Sizes
 

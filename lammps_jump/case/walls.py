@@ -1,0 +1,380 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Walls of a case: lines that are joined, motions, contacts of their own, gates, groups; and doubts about them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from math import hypot, inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from lammps_jump.physics import contact
+from lammps_jump.scene import Block, Interval, MovingWall, Plane, Scene, Wall, gate
+from lammps_jump.scene.chains import boxes, flush, open_ends, tight_bend, vertices
+from lammps_jump.scene.motion import Motion, largest_speed, way
+from lammps_jump.scene.shapes import ArcTo, PlaceError
+from lammps_jump.scene.tracks import Translate
+from lammps_jump.scene.walls import Circle, Line, Polygon
+
+from .fields import CaseFields, Column
+from .text import CaseSource, nearest
+
+EASE = 10.0
+"""Time that a change of velocity takes by default, in contact times pi/omega of the wall."""
+SAME_END = 1e-6
+"""Distance of two ends over which lines are joined, m; also a share of their coordinates."""
+TIGHTEST_ARC, TIGHTEST_LINE = 1.05, 1.5
+"""Radius of a bend towards the discs over that of the largest disc: of an arc, at least; of a line of short pieces,
+below which a disc loses energy at its joints (measured)."""
+SLOW = 0.5
+"""Speed of a wall over R omega above which a disc may pass through it."""
+
+
+@dataclass(frozen=True)
+class CaseWall:
+    """A wall, and the field of the case that it comes from."""
+
+    wall: Wall
+    field: str
+
+
+def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
+    """The walls of a case; lines of one join are one wall, in the place of the first."""
+    found: list[CaseWall] = []
+    done: set[str] = set()
+    for index, wall in enumerate(case.walls):
+        join = wall.join if isinstance(wall, Line) else None
+        if join is None:
+            found.append(CaseWall(wall, f"walls.{index}"))
+        elif join not in done:
+            done.add(join)
+            found.append(CaseWall(_joined(case, source, join), f"walls.{index}"))
+    for index, item in enumerate(found):
+        if item.wall.name in [other.wall.name for other in found[:index]]:
+            raise source.error(
+                f"{item.field}.join: another wall is called '{item.wall.name}'; give the join another name"
+            )
+    return tuple(found)
+
+
+def _joined(case: CaseFields, source: CaseSource, join: str) -> Line:
+    """Lines of one join as one line, which goes from one to the next where ends meet."""
+    lines = {i: wall for i, wall in enumerate(case.walls) if isinstance(wall, Line) and wall.join == join}
+    first, *others = lines
+    if not others:
+        raise source.error(f"walls.{first}.join: no other line has join: {join}; drop it, or name the others too")
+    for index in others:
+        for name in ("sheet", "friction", "restitution", "stiffness", "motion"):
+            if getattr(lines[index], name) != getattr(lines[first], name):
+                raise source.error(
+                    f"walls.{index}.{name}: differs from that of '{lines[first].name}'; lines of one join have one "
+                    f"{name}"
+                )
+    ends = {i: (line.path.points[0], line.path.points[-1]) for i, line in lines.items()}
+    for index, line in lines.items():
+        if line.path.closed:
+            raise source.error(f"walls.{index}.join: '{line.name}' is closed and has no ends; drop join")
+    starts = [i for i in lines if not any(_meet(ends[i][0], ends[j][1]) for j in lines if j != i)]
+    order = [starts[0] if starts else first]
+    while len(order) < len(lines):
+        here = ends[order[-1]][1]
+        left = [i for i in lines if i not in order]
+        after = next((i for i in left if _meet(here, ends[i][0])), None)
+        if after is None:
+            raise source.error(_unjoined(lines, ends, order, left))
+        order.append(after)
+    points: list[Any] = list(lines[order[0]].points)
+    for index in order[1:]:
+        points += lines[index].points[1:]
+    if _meet(ends[order[0]][0], ends[order[-1]][1]):  # one ring
+        begin, last = lines[order[0]].path.points[0], points[-1]
+        points[-1] = ArcTo(begin, last.radius) if isinstance(last, ArcTo) else begin
+    try:
+        return replace(lines[order[0]], name=join, points=tuple(points), join=None)
+    except PlaceError as error:
+        raise source.error(f"walls.{first}.join: lines of '{join}': {error}") from None
+
+
+def _meet(one: Sequence[float], two: Sequence[float]) -> bool:
+    return all(abs(a - b) <= SAME_END * max(1.0, abs(a)) for a, b in zip(one, two, strict=True))
+
+
+def _unjoined(lines: dict[int, Line], ends: dict, order: list[int], left: list[int]) -> str:
+    """What is wrong with lines of a join that have no order."""
+    last, here = lines[order[-1]], ends[order[-1]][1]
+    for index in left:
+        if _meet(here, ends[index][1]) or _meet(ends[order[0]][0], ends[index][0]):
+            return (
+                f"walls.{index}.points: '{lines[index].name}' runs the other way than '{last.name}'; reverse its "
+                "points, so that the discs are on the left of both"
+            )
+    gap, index = min((hypot(*np.subtract(here, ends[i][0])), i) for i in left)
+    x, y = here
+    return (
+        f"walls.{index}.join: no line of join '{lines[index].join}' begins at ({x:g}, {y:g}) m, where '{last.name}' "
+        f"ends; '{lines[index].name}' begins {gap:.3g} m away: give both the same point"
+    )
+
+
+def lifted(case: CaseFields) -> tuple[CaseWall, ...]:
+    """Gates that rise from t = 0 on: sheets over the height of their columns."""
+    found = []
+    for index, item in enumerate(case.initial):
+        if isinstance(item, Column) and not isinstance(item.gate, bool):
+            height = item.y[1] - item.y[0]
+            time = item.gate.time(height)
+            wall = Block(gate_name(index), (item.x[1], item.x[1]), item.y)
+            found.append(
+                CaseWall(replace(wall, motion=Translate((0.0, height / time), until=time)), f"initial.{index}.gate")
+            )
+    return tuple(found)
+
+
+def gate_name(index: int) -> str:
+    """Name of the gate before a column."""
+    return f"gate_{index}" if index else "gate"
+
+
+def shut_gates(case: CaseFields, scene: Scene) -> tuple[MovingWall, ...]:
+    """Gates that vanish at t = 0. A gate with discs beyond it is a block without thickness, which both sides feel."""
+    gates = []
+    for index, item in enumerate(case.initial):
+        if not (isinstance(item, Column) and item.gate is True and scene.settle_steps):
+            continue
+        name, x = gate_name(index), item.x[1]
+        if scene.positions[:, 0].max(initial=x) > x:
+            gates.append(gate(Block(name, (x, x), scene.domain[1]), scene.settle_steps))
+        else:
+            gates.append(gate(Plane(name, "x", x, "below"), scene.settle_steps))
+    return tuple(gates)
+
+
+def own_laws(case: CaseFields, scene: Scene, walls: tuple[CaseWall, ...]) -> dict[str, contact.WallLaw]:
+    """Contacts of walls that have numbers of their own, by name."""
+    given = case.contact
+    scheme = contact.Scheme(
+        scene.time_step, scene.integrator, given.correct_restitution, given.rotation, given.tangential_damping,
+        given.touch,
+    )  # fmt: skip
+    return {
+        item.wall.name: contact.own_wall_law(scene.coefficients, item.wall.own_law, scheme)
+        for item in walls
+        if any(value is not None for value in item.wall.own_law)
+    }
+
+
+def check_own_laws(case: CaseFields, source: CaseSource, scene: Scene, walls: tuple[CaseWall, ...]) -> list[str]:
+    """Refuse a wall that is too stiff for the step, and friction without damping for discs of several sizes."""
+    fraction, notes = case.run.time_step_fraction, []
+    for item in walls:
+        law = scene.own_laws.get(item.wall.name)
+        if law is None:
+            continue
+        if scene.sizes and law.friction and not law.gamma_normal:
+            raise source.error(
+                f"{item.field}: wall '{item.wall.name}' has friction {law.friction:g} and restitution 1; with "
+                "discs.sizes the tangential dashpot is a multiple of the normal one, which is 0 then: allowed is "
+                "friction 0, restitution below 1, or equal discs"
+            )
+        limit = contact.own_stable_fraction(scene.coefficients, law, scene.smallest / scene.diameter, scene.integrator)
+        if fraction > limit and not case.run.allow_unstable:
+            raise source.error(
+                f"{item.field}.stiffness: {law.stiffness:g} N/m is too stiff for run.time_step_fraction {fraction:g}; "
+                f"at this wall allowed is a fraction up to {limit:.3f}: lower one of the two, or set "
+                "run.allow_unstable: true"
+            )
+        if fraction > 0.8 * limit:
+            notes.append(
+                f"time_step_fraction {fraction:g} is close to the limit of stability {limit:.3f} at wall "
+                f"'{item.wall.name}'"
+            )
+    return notes
+
+
+def moving(item: CaseWall, source: CaseSource, scene: Scene) -> MovingWall:
+    """A wall with its motion."""
+    wall, kind = item.wall, item.wall.motion
+    if kind is None:
+        return MovingWall(wall)
+    if kind.turns and not wall.finite:
+        raise source.error(
+            f"{item.field}.motion: wall '{wall.name}' has no end, so that it cannot turn; take a block or a line"
+        )
+    ease = EASE * pi / contact.angular_frequency(scene.wall_law(wall.name).stiffness, scene.mass)
+    about = kind.about or wall.pivot_point
+    return MovingWall(wall, Motion(inf, kind, about, ease, scene.settle_steps, scene.time_step))
+
+
+def span(scene: Scene) -> Interval:
+    """Times of the first and the last step, s."""
+    return scene.time(0), scene.time(scene.steps)
+
+
+def reachable(one: MovingWall, scene: Scene) -> bool:
+    """Whether any centre inside the domain can touch the wall, wherever it is on its way."""
+    if one.motion.load:
+        return True
+    ((xlo, xhi), (ylo, yhi)), reach = scene.domain, scene.largest / 2
+    if one.motion.kind is None:
+        box = boxes(one.wall.faces, deep=False)
+    else:
+        box = np.array([[end for pair in way(one, *span(scene)) for end in pair]])
+    near = (box[:, 0] - reach < xhi) & (box[:, 1] + reach > xlo) & (box[:, 2] - reach < yhi) & (box[:, 3] + reach > ylo)
+    return bool(near.any())
+
+
+def groups(
+    case: CaseFields, source: CaseSource, walls: Sequence[str], taken: set[str]
+) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Groups of walls whose forces are summed; `taken`: further names that a group must not have."""
+    for name, members in case.probes.groups.items():
+        place = f"probes.groups.{name}"
+        if name in taken or name in walls:
+            raise source.error(f"{place}: is the name of a wall or of a part of one; give the group another name")
+        if not members:
+            raise source.error(f"{place}: holds no wall; name one or more")
+        for index, member in enumerate(members):
+            require_wall(case, source, f"{place}.{index}", member, walls)
+            if member in members[:index]:
+                raise source.error(f"{place}.{index}: '{member}' stands twice, so that its force would count twice")
+    return tuple(case.probes.groups.items())
+
+
+def require_wall(case: CaseFields, source: CaseSource, place: str, name: str, walls: Sequence[str]) -> None:
+    """CaseError where there is no wall of this name."""
+    if name in walls:
+        return
+    parts = [wall.join for wall in case.walls if isinstance(wall, Line) and wall.name == name]
+    if parts:
+        raise source.error(f"{place}: line '{name}' is a part of the joined wall '{parts[0]}'; name that one")
+    hint = nearest(name, list(walls)) if walls else "this case has no walls"
+    raise source.error(f"{place}: there is no wall '{name}'; {hint}")
+
+
+def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], scene: Scene) -> None:
+    """Refuse arcs that bend so tightly towards the discs that the largest one does not fit."""
+    least = TIGHTEST_ARC * scene.largest / 2
+    for item in walls:
+        wall, tight = item.wall, None
+        if isinstance(wall, Circle) and wall.hollow and wall.radius < least:
+            tight = "radius", wall.radius
+        if isinstance(wall, Line | Polygon):
+            given = [(i, point.radius) for i, point in enumerate(wall.points) if isinstance(point, ArcTo)]
+            turned = -1 if wall.path.turned else 1
+            both = isinstance(wall, Line) and wall.sheet
+            found = [(i, abs(r)) for i, r in given if abs(r) < least and (both or r * turned > 0)]
+            tight = (f"points.{found[0][0]}", found[0][1]) if found else None
+        if tight:
+            raise source.error(
+                f"{item.field}.{tight[0]}: the arc of radius {tight[1]:g} m bends towards the discs, and the largest "
+                f"one of {scene.largest / 2:g} m does not fit; allowed is {least:.4g} m or more: widen the arc"
+            )
+
+
+def wall_doubts(walls: Sequence[MovingWall], scene: Scene) -> list[str]:
+    """Sentences on walls: too fast for the discs, bent too tightly, ends that meet or nearly meet."""
+    found = [text for one in walls for text in _doubts_of(one, scene)]
+    for one, two in combinations([one.wall for one in walls], 2):
+        if one.motion != two.motion:
+            continue
+        if at := flush(one.faces, two.faces):
+            found.append(
+                f"walls '{one.name}' and '{two.name}' meet flush at ({at[0]:g}, {at[1]:g}) m: a disc there feels both, "
+                "up to twice the force; make them one wall"
+                + (", or give both the same join" if isinstance(one, Line) and isinstance(two, Line) else "")
+            )
+    return found + _gap_doubts([one.wall for one in walls], scene.smallest)
+
+
+def _doubts_of(one: MovingWall, scene: Scene) -> list[str]:
+    """Sentences on one wall."""
+    return [*_speed_doubt(one, scene), *_bend_doubt(one.wall, scene), *_behind_doubt(one.wall, scene)]
+
+
+def _behind_doubt(wall: Wall, scene: Scene) -> list[str]:
+    """Discs at the start that a line with ends does not push, because they are behind it."""
+    if not len(scene.positions) or not open_ends(wall.faces):
+        return []
+    behind = int((wall.distance(*scene.positions.T) < -scene.smallest / 2).sum())
+    if not behind:
+        return []
+    discs = "1 disc starts" if behind == 1 else f"{behind} discs start"
+    return [
+        f"{discs} behind line '{wall.name}', which pushes discs on its left alone: they do not feel it; if they should, "
+        "reverse its points, or take sheet: true"
+    ]
+
+
+def _speed_doubt(one: MovingWall, scene: Scene) -> list[str]:
+    """Speed at which discs may pass through a moving wall."""
+    wall, speed = one.wall, largest_speed(one, *span(scene))
+    limit = 0.5 * scene.diameter * contact.angular_frequency(scene.wall_law(wall.name).stiffness, scene.mass)
+    if wall.deep or speed <= SLOW * limit:
+        return []
+    through = limit * (1 + _thickness(wall) / scene.smallest)
+    return [
+        f"wall '{wall.name}' moves at up to {speed:.3g} m/s: a disc that it meets at {through:.3g} m/s passes through "
+        "it, and overlaps end the run before; move it more slowly, or raise contact.impact_speed"
+    ]
+
+
+def _thickness(wall: Wall) -> float:
+    """Way through a wall on which it pushes back only behind its middle, m; one diameter where there is one side."""
+    if isinstance(wall, Block):
+        return min(wall.x[1] - wall.x[0], wall.y[1] - wall.y[0])
+    return 2 * wall.radius if isinstance(wall, Circle) and not wall.hollow else 0.0
+
+
+def _bend_doubt(wall: Wall, scene: Scene) -> list[str]:
+    """A line of short pieces that bends towards the discs nearly as tightly as the largest of them."""
+    found = tight_bend(wall.faces)
+    if found is None or found[0] >= TIGHTEST_LINE * scene.largest / 2:
+        return []
+    radius, (x, y) = found
+    return [
+        f"wall '{wall.name}' bends towards the discs with a radius of about {radius:.3g} m at ({x:g}, {y:g}) m; below "
+        f"{TIGHTEST_LINE:g} radii of the largest disc ({TIGHTEST_LINE * scene.largest / 2:.3g} m) discs lose or gain "
+        "energy there: take an arc, or fewer points"
+    ]
+
+
+def _gap_doubts(walls: Sequence[Wall], smallest: float) -> list[str]:
+    """Ends that nearly meet: no disc fits between them, and they are not joined."""
+    found, ends = [], [open_ends(wall.faces) for wall in walls]
+    for index, wall in enumerate(walls):
+        for number, (x, y) in enumerate(ends[index]):
+            places = [("its other end", np.array(ends[index][:number]))]
+            for i, other in enumerate(walls):
+                if i != index and other.motion == wall.motion and not (i < index and ends[i]):
+                    places.append((f"a corner of '{other.name}'", vertices(other.faces)))
+            for what, points in places:
+                gap = np.hypot(*(points - (x, y)).T).min() if len(points) else inf
+                if SAME_END * max(1.0, abs(x), abs(y)) < gap < smallest:
+                    found.append(
+                        f"an end of wall '{wall.name}' at ({x:g}, {y:g}) m is {gap:.3g} m from {what}: too little for "
+                        "a disc, and not closed; let them meet, or move them apart"
+                    )
+    return found
+
+
+def told(one: MovingWall, scene: Scene) -> str:
+    """Contact numbers and motion of a wall in words; empty where it has none of its own."""
+    wall = one.wall
+    names = {"friction": "", "restitution": "", "stiffness": " N/m"}
+    parts = [f"{name} {getattr(wall, name):g}{unit}" for name, unit in names.items() if getattr(wall, name) is not None]
+    kind = one.motion.kind
+    if kind is not None:
+        end = "" if kind.until is None else f" until {kind.until:g} s"
+        speed = largest_speed(one, *span(scene))
+        pace = f", at up to {speed:.3g} m/s" if speed else ""
+        parts.append(f"motion {kind.kind} from {kind.begin:g} s{end}{pace}")  # type: ignore[attr-defined]
+    return "; ".join(parts)
+
+
+def own_overlap(scene: Scene) -> float:
+    """Factor on the limit of overlaps: a softer wall lets discs in deeper, by the root of the stiffnesses."""
+    softest = min((law.stiffness for law in scene.own_laws.values()), default=inf)
+    return max(1.0, sqrt(scene.coefficients.stiffness / softest))

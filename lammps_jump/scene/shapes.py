@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Chains that a case file draws by points: straight lines and arcs, and what such a drawing must not do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import asin, hypot, pi, sin, sqrt
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+import numpy as np
+from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag
+
+from lammps_jump.units import Metre
+
+from .chains import ARC, SEGMENT, Chain, Face, Point, boxes, faces_of_chain, lay, turn
+from .tracks import MOST_ROWS
+from .tracks import Point as GivenPoint
+
+LEAST_RADIUS = 1e-6
+"""Smallest radius of an arc, m."""
+SAME = 1e-9
+"""Distance over the size of a drawing up to which two points are one."""
+
+
+class PlaceError(ValueError):
+    """A mistake in one part of a field; `path` leads there from the whole."""
+
+    def __init__(self, path: tuple[str | int, ...], text: str) -> None:
+        super().__init__(text)
+        self.path = path
+
+
+def _some_radius(value: float) -> float:
+    if abs(value) < LEAST_RADIUS:
+        raise ValueError(
+            f"{value:g} m is no radius; allowed is {LEAST_RADIUS:g} m or more (turns left) or {-LEAST_RADIUS:g} m or "
+            "less (turns right): for a straight line write the point alone, [x, y]"
+        )
+    return value
+
+
+Radius = Annotated[
+    Metre,
+    Field(ge=-1e6, le=1e6, description="above 0: it turns left; below 0: right"),
+    AfterValidator(_some_radius),
+]
+
+
+@dataclass(frozen=True)
+class ArcTo:
+    """End of an arc that begins at the point before; of the two arcs, the shorter one."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
+    arc_to: GivenPoint
+    radius: Radius
+
+
+def _form(value: Any) -> str:
+    return "<arc>" if isinstance(value, dict | ArcTo) else "<point>"
+
+
+Vertex = Annotated[Annotated[GivenPoint, Tag("<point>")] | Annotated[ArcTo, Tag("<arc>")], Discriminator(_form)]
+"""A point, or the end of an arc."""
+Points = Annotated[
+    tuple[Vertex, ...],
+    Field(max_length=MOST_ROWS, description="[x, y], or {arc_to: [x, y], radius: r}; or file: a table of x and y"),
+]
+
+
+class Path(NamedTuple):
+    """A drawing: its points (m), the bend to each following one (m; `Chain`), and whether it ends where it began.
+
+    `turned`: it runs the other way than the points of the case.
+    """
+
+    points: tuple[Point, ...]
+    bends: tuple[float, ...]
+    closed: bool
+    turned: bool = False
+
+    @property
+    def size(self) -> float:
+        """Largest extent of the points, m."""
+        return float(np.ptp(np.array(self.points), axis=0).max())
+
+    @property
+    def area(self) -> float:
+        """Area inside a closed path, m^2; negative where it runs clockwise."""
+        total = 0.0
+        for (x0, y0), (x1, y1), bend in zip(self.points, (*self.points[1:], self.points[0]), self.bends, strict=True):
+            total += 0.5 * (x0 * y1 - x1 * y0)
+            if bend:
+                sweep = 2 * asin(min(1.0, hypot(x1 - x0, y1 - y0) / (2 * abs(bend))))
+                total += (1 if bend > 0 else -1) * 0.5 * bend * bend * (sweep - sin(sweep))
+        return total
+
+    def reversed(self) -> Path:
+        """The same the other way round; a closed one begins at the same point."""
+        points, bends = self.points[::-1], tuple(0.0 - bend for bend in self.bends[::-1])
+        return Path((points[-1], *points[:-1]) if self.closed else points, bends, self.closed, not self.turned)
+
+    def chain(self) -> Chain:
+        """The chain of faces along it."""
+        return Chain(self.points, self.bends if any(self.bends) else (), self.closed)
+
+
+def drawn(given: Sequence[Point | ArcTo], *, least: int, ring: bool = False) -> Path:
+    """The path through points and arcs; a last point at the first one closes it, and `ring` closes it in any case.
+
+    Raises
+    ------
+    PlaceError
+        Too few points, an arc at first, points that repeat, arcs wider than their circle, a path that turns right back
+        or meets itself; with the index of the point.
+    """
+    if len(given) < least:
+        raise PlaceError(("points",), f"{len(given)} given; needed are {least} or more, or file: a table of x and y")
+    if isinstance(given[0], ArcTo):
+        raise PlaceError(("points", 0), "an arc needs a point where it begins; write the first one as [x, y]")
+    corners = [item.arc_to if isinstance(item, ArcTo) else item for item in given]
+    bends = [item.radius if isinstance(item, ArcTo) else 0.0 for item in given[1:]]
+    same = SAME * float(np.ptp(np.array(corners), axis=0).max())
+    for i, ((x0, y0), (x1, y1)) in enumerate(pairwise(corners), 1):
+        chord, bend = hypot(x1 - x0, y1 - y0), bends[i - 1]
+        if chord <= same:
+            raise PlaceError(("points", i), f"({x1:g}, {y1:g}) m stands where the point before it stands; leave it out")
+        if bend and chord > 2 * abs(bend) * (1 + SAME):
+            raise PlaceError(
+                ("points", i),
+                f"the arc from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) spans {chord:.6g} m, which is more than its "
+                f"diameter; allowed is a radius of {chord / 2:.6g} m or more",
+            )
+    ends_meet = len(corners) > 2 and hypot(*np.subtract(corners[0], corners[-1])) <= same
+    if ends_meet:
+        corners.pop()
+    elif ring:
+        bends.append(0.0)
+    path = Path(tuple(corners), tuple(bends), ends_meet or ring)
+    _check(path, len(given))
+    return path
+
+
+def closed_path(given: Sequence[Point | ArcTo], *, clockwise: bool) -> Path:
+    """The outline of a polygon, in the turning asked for, whichever was given.
+
+    Raises
+    ------
+    PlaceError
+        As `drawn`, and for an outline without area.
+    """
+    path = drawn(given, least=3, ring=True)
+    if abs(path.area) <= SAME * path.size**2:
+        raise PlaceError(("points",), f"hold an area of {abs(path.area):.3g} m^2; a polygon needs one")
+    return path if (path.area < 0) == clockwise else path.reversed()
+
+
+def _check(path: Path, given: int) -> None:
+    """PlaceError where a path turns right back or meets itself; `given`: number of points of the case."""
+    ends = (*path.points, path.points[0]) if path.closed else path.points
+    parts = [
+        faces_of_chain(Chain(pair, (bend,) if bend else ()))
+        for pair, bend in zip(pairwise(ends), path.bends, strict=True)
+    ]
+    for i, (before, after) in enumerate(zip(parts, (*parts[1:], parts[0]), strict=True), 1):
+        if (path.closed or i < len(parts)) and abs(turn(before[-1], after[0])) > pi - 1e-6:
+            x, y = ends[i]
+            raise PlaceError(
+                ("points", i % given),
+                f"the wall turns right back at ({x:g}, {y:g}) m; move the point, or take a line with sheet: true, felt "
+                "from both sides",
+            )
+    if found := _meeting(ends, parts, SAME * path.size):
+        (first, second), (x, y) = found
+        raise PlaceError(
+            ("points", (second + 1) % given),
+            f"the wall meets itself at ({x:.6g}, {y:.6g}) m: here and between points {first} and {first + 1}; move the "
+            "points apart",
+        )
+
+
+def _meeting(
+    ends: tuple[Point, ...], parts: list[list[Face]], near: float
+) -> tuple[tuple[int, int], tuple[float, float]] | None:
+    """Numbers of the first two parts of a path that meet, and where, m; joints of neighbours are left out."""
+    faces = [(owner, face) for owner, part in enumerate(parts) for face in part]
+    whole = Chain(tuple([face.start for _, face in faces] + [ends[-1]]), tuple(face.radius for _, face in faces))
+    box = boxes(lay([((whole,), False)]), deep=False)
+    order = np.argsort(box[:, 0], kind="stable")
+    low, count = box[order, 0] - near, len(parts)
+    for rank, i in enumerate(order):
+        later = order[rank + 1 : np.searchsorted(low, box[i, 1], side="right")]
+        over = (box[later, 2] - near <= box[i, 3]) & (box[later, 3] + near >= box[i, 2])
+        for j in later[over]:
+            (one, a), (two, b) = faces[min(i, j)], faces[max(i, j)]
+            beside = two - one == 1 or (one == 0 and two == count - 1 and ends[0] == ends[-1])
+            if one == two or (beside and a.kind == b.kind == SEGMENT):
+                continue
+            joints = {ends[one], ends[one + 1]} & {ends[two], ends[two + 1]} if beside else set()
+            for point in _common(a, b, near):
+                if all(hypot(*np.subtract(point, joint)) > 1e3 * near for joint in joints):
+                    return (one, two), point
+    return None
+
+
+def _common(a: Face, b: Face, near: float) -> list[Point]:
+    """Points that two faces have in common, m; faces that are closer than `near` meet."""
+    if a.kind == SEGMENT and b.kind == SEGMENT:
+        points = _of_lines(a, b, near)
+    elif a.kind == ARC and b.kind == ARC:
+        points = _of_circles(a, b, near)
+    else:
+        line, arc = (a, b) if a.kind == SEGMENT else (b, a)
+        along = _along(line, arc.centre)
+        fx, fy = line.start[0] + along * line.first[0], line.start[1] + along * line.first[1]
+        off = hypot(fx - arc.centre[0], fy - arc.centre[1])
+        half = sqrt(max(arc.radius**2 - off**2, 0.0))
+        points = [(fx + side * line.first[0], fy + side * line.first[1]) for side in (-half, half)]
+        points = points if off <= abs(arc.radius) + near else []
+    return [point for point in points if _holds(a, point, near) and _holds(b, point, near)]
+
+
+def _along(face: Face, point: Point) -> float:
+    """Way along the line of a segment to the foot of a point, m."""
+    return (point[0] - face.start[0]) * face.first[0] + (point[1] - face.start[1]) * face.first[1]
+
+
+def _holds(face: Face, point: Point, near: float) -> bool:
+    """Whether a point of the line or circle of a face lies on the face itself."""
+    (ax, ay), (bx, by) = face.start, face.end
+    begun = (point[0] - ax) * face.first[0] + (point[1] - ay) * face.first[1]
+    left = (bx - point[0]) * face.last[0] + (by - point[1]) * face.last[1]
+    return begun >= -near and left >= -near
+
+
+def _of_lines(a: Face, b: Face, near: float) -> list[Point]:
+    (ux, uy), (vx, vy) = a.first, b.first
+    cross = ux * vy - uy * vx
+    dx, dy = b.start[0] - a.start[0], b.start[1] - a.start[1]
+    if abs(cross) < 1e-12:
+        return [a.start, a.end, b.start, b.end] if abs(ux * dy - uy * dx) <= near else []
+    way = (dx * vy - dy * vx) / cross
+    return [(a.start[0] + way * ux, a.start[1] + way * uy)]
+
+
+def _of_circles(a: Face, b: Face, near: float) -> list[Point]:
+    (ax, ay), (bx, by), p, q = a.centre, b.centre, abs(a.radius), abs(b.radius)
+    apart = hypot(bx - ax, by - ay)
+    if apart <= near:
+        return [a.start, a.end, b.start, b.end] if abs(p - q) <= near else []
+    if apart > p + q + near or apart < abs(p - q) - near:
+        return []
+    ux, uy = (bx - ax) / apart, (by - ay) / apart
+    along = (apart * apart + p * p - q * q) / (2 * apart)
+    half = sqrt(max(p * p - along * along, 0.0))
+    return [(ax + along * ux - side * uy, ay + along * uy + side * ux) for side in (half, -half)]
