@@ -79,7 +79,7 @@ def _coefficients(case: CaseFields, integrator: str, sizes: Sizes | None) -> con
 
 def _times(case: CaseFields) -> tuple[float, float, float | None]:
     """Duration, time between frames and window of the probes, s; None without probes."""
-    return case.run.duration, case.output_interval, case.probes.interval if case.probes.forces else None
+    return case.run.duration, case.output_interval, case.probes.interval if case.probes.structures else None
 
 
 def disc_sizes(case: CaseFields) -> Sizes | None:
@@ -181,7 +181,7 @@ def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Sce
     checks.check_pour(case, source, scene.domain, scene.largest)
     names = [one.wall.name for one in moving]
     probes = _probes(case, source, names)
-    groups = walls.groups(case, source, names, own)
+    groups = walls.groups(case, source, moving, own)
     asked = {*probes, *(name for _, members in groups for name in members)}
     kept = [one for one in moving if walls.reachable(one, scene) or one.wall.name in asked]
     return replace(

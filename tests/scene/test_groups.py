@@ -7,11 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_up import BOX, flow_context
 
+import lammps_jump as lj
+from lammps_jump.analysis.forces.history import analyse_forces
+from lammps_jump.analysis.forces.impulse import MomentumLedger
+from lammps_jump.analysis.profiles import bin_frames
 from lammps_jump.dump.check import force_troubles
-from lammps_jump.dump.find import read_forces
+from lammps_jump.dump.find import ForceHistory, read_forces
 from lammps_jump.engines.lammps.finish import gather_forces
-from lammps_jump.engines.native.engine import run_native
+from lammps_jump.engines.native.engine import run_native, take_frame
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.errors import CaseError
 from lammps_jump.files import FORCES_HEADER
@@ -95,3 +100,43 @@ def test_each_engine_writes_the_rows_of_groups(tmp_path):
 def test_walls_that_do_not_move_as_one_make_no_group(first, second):
     with pytest.raises(CaseError, match=r"probes\.groups\.basin: 'right' does not move with 'left'"):
         scene_of(moving(LEFT, *first), moving(RIGHT, *second))
+
+
+BASIN = {"walls": [*BOX["walls"], {"name": "left", "kind": "block", "x": [0.2, 0.4], "y": [0, 0.1]},
+                   {"name": "right", "kind": "block", "x": [1.2, 1.4], "y": [0, 0.1]}],
+         "probes": {"forces": ["box"], "groups": {"basin": ["left", "right"]}}}  # fmt: skip
+
+
+def test_a_case_names_groups_of_walls_that_need_not_be_probed():
+    case = lj.load_case(BOX | BASIN)
+    assert case.fields.probes.structures == ("box", "left", "right", "basin")
+    scene = case.scene()
+    assert (scene.probes, scene.groups) == (("box", "left", "right"), (("basin", ("left", "right")),))
+    probed = BOX | BASIN | {"probes": {"forces": ["left"], "interval": 0.02}}
+    grouped = BOX | BASIN | {"probes": {"groups": {"basin": ["left"]}, "interval": 0.02}}
+    assert lj.load_case(grouped).scene().probe_steps == lj.load_case(probed).scene().probe_steps
+    BASIN["walls"][2]["motion"] = {"kind": "translate", "velocity": [0, 1]}
+    with pytest.raises(
+        CaseError, match=r"probes\.groups\.basin: 'right' does not move with 'left'.*a group of its own"
+    ):
+        lj.load_case(BOX | BASIN).scene()
+
+
+def test_the_identity_counts_each_wall_once_and_figures_show_the_group():
+    scene = scene_of(moving(LEFT, None), moving(RIGHT, None), gravity=(0.0, -9.81))
+    run = NativeSimulation(scene)
+    flow = replace(flow_context(domain=scene.domain, x_range=(-2, 2)), scene=scene, window=(0.0, 1.0))
+    ledger = MomentumLedger(flow)
+    for _ in range(7):
+        ledger.add(take_frame(run), scene.time(run.step))
+        run.run(100)
+    rows = np.array([[scene.time(row[0]), *row[2:]] for row in with_groups(run.forces, scene.groups, scene.walls)])
+    histories = {name: ForceHistory(*rows[k::3].T) for k, name in enumerate(("left", "right", "basin"))}
+    profiles = bin_frames([take_frame(run)], flow)
+    profiles.attrs |= {"window_begin": 0.0, "window_end": 1.0}
+    found = analyse_forces(histories, flow, ledger.result(), profiles)
+    for identity in found.identities:
+        # dashpots of the engine see the velocity of the half step, those of the frames at both ends that of the step
+        assert identity.complete and identity.relative < 1e-5
+    assert list(found.shown) == ["basin"]
+    assert set(found.summary()) >= {"left", "right", "basin"}
