@@ -31,6 +31,7 @@ from .forces.impulse import Identity, MomentumLedger
 from .forces.reflection import ReflectedWave
 from .jump import head
 from .jump import section as jump
+from .jump.slope import AlongBed, sloping_stretch
 from .jump.summary import Jump
 from .passes import Collector, Gathered, Tables, gather
 from .profiles import bin_edges, window_of
@@ -206,7 +207,9 @@ def collect(
         if quantity.collector and there.get(name, name in wanted)
     }
     # contacts first: the energy takes each frame's elastic energy from them
-    fed = [*watch, *([contacts] if contacts else []), *collectors.values()]
+    stretch = sloping_stretch(flow) if "jump" in wanted and flow.velocities else None
+    along = [AlongBed(flow, stretch)] if stretch else []
+    fed = [*watch, *([contacts] if contacts else []), *collectors.values(), *along]
     profiles = gather(dump, flow, fed, warnings)
     histories = {name: collector.result() for name, collector in collectors.items()}
     forces = {}
@@ -215,7 +218,8 @@ def collect(
             forces = read_forces(table)
         except DumpError as error:
             warnings.append(str(error))
-    return Gathered(flow, profiles, contacts.result() if contacts else None, histories, forces, tuple(warnings))
+    sums, sloping = contacts.result() if contacts else None, along[0].result() if along else None
+    return Gathered(flow, profiles, sums, histories, forces, tuple(warnings), sloping)
 
 
 def _forces_file(places: Sequence[Path]) -> Path | None:

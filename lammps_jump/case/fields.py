@@ -359,12 +359,6 @@ class Probes(Strict):
         default_factory=dict, description="name: walls whose forces are summed"
     )
 
-    @property
-    def structures(self) -> tuple[str, ...]:
-        """Names in the force record: the walls asked for, those of groups, and the groups."""
-        members = (member for group in self.groups.values() for member in group)
-        return tuple(dict.fromkeys((*self.forces, *members, *self.groups)))
-
 
 class Analysis(Strict):
     """Analyses of the dump."""

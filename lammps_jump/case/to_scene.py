@@ -79,7 +79,11 @@ def _coefficients(case: CaseFields, integrator: str, sizes: Sizes | None) -> con
 
 def _times(case: CaseFields) -> tuple[float, float, float | None]:
     """Duration, time between frames and window of the probes, s; None without probes."""
-    return case.run.duration, case.output_interval, case.probes.interval if case.probes.structures else None
+    return (
+        case.run.duration,
+        case.output_interval,
+        case.probes.interval if case.probes.forces or case.probes.groups else None,
+    )
 
 
 def disc_sizes(case: CaseFields) -> Sizes | None:

@@ -28,7 +28,7 @@ FEWEST = 3
 
 def marker_of(case: ReadCase, setting: Setting) -> Marker:
     """The marker of the folder of a run."""
-    probes = case.fields.probes.structures
+    probes = case.structures
     about = {"key": full_key(case, setting), "case": case.core, "program": program_of(setting)}
     return Marker("run", (*OWN_FILES, *force_tables(f"force_{name}.csv" for name in probes)), about)
 
@@ -92,7 +92,7 @@ def _status(case: ReadCase, folder: Path, setting: Setting, stored: Mapping[str,
     if stored.get("status"):
         return str(stored["status"])
     recorded = any(standing(folder, name) for name in ("forces.csv", "forces_*.raw"))
-    if has_checkpoint(folder) or (case.fields.probes.structures and not recorded):
+    if has_checkpoint(folder) or (case.structures and not recorded):
         return "interrupted"
     try:
         return result_of_files(case.scene(), folder, setting, write=False).status

@@ -109,7 +109,7 @@ BASIN = {"walls": [*BOX["walls"], {"name": "left", "kind": "block", "x": [0.2, 0
 
 def test_a_case_names_groups_of_walls_that_need_not_be_probed():
     case = lj.load_case(BOX | BASIN)
-    assert case.fields.probes.structures == ("box", "left", "right", "basin")
+    assert case.structures == ("box", "left", "right", "basin")
     scene = case.scene()
     assert (scene.probes, scene.groups) == (("box", "left", "right"), (("basin", ("left", "right")),))
     probed = BOX | BASIN | {"probes": {"forces": ["left"], "interval": 0.02}}
