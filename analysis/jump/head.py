@@ -213,12 +213,12 @@ def budget_between(
     discs, contacts = (
         (moving.at(stations[0], values) - moving.at(stations[1], values)) / scale for values in (carried, power)
     )
-    loss = moving.integral(a["dashpots"], *stations) / scale
-    net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
-    storage = growth_rate(time, moving.integral(energy + a["elastic"], *stations) / scale)
     # in the frame of the front, gravity along the bed works at the speed against it; the rest is in the potential
     pull = sign * result.flow.scene.gravity[0] * c
     discs = discs - pull * moving.integral(a["mass"], *stations) / scale
+    loss = moving.integral(a["dashpots"], *stations) / scale
+    net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
+    storage = growth_rate(time, moving.integral(energy + a["elastic"], *stations) / scale)
     if not np.isfinite([net.value, taken.value]).all():
         return None
     return Budget(
