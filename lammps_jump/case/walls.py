@@ -303,15 +303,12 @@ def _doubts_of(one: MovingWall, scene: Scene) -> list[str]:
 
 
 def _behind_doubt(wall: Wall, scene: Scene) -> list[str]:
-    """Discs at the start that a line with ends does not push, because they are behind it."""
-    if not len(scene.positions) or not open_ends(wall.faces):
+    """A line that pushes no disc, because all start behind it: it may run the wrong way."""
+    places = np.array([*scene.positions, *((row.x, row.y) for row in scene.inlets)]).reshape(-1, 2)
+    if not len(places) or not open_ends(wall.faces) or (wall.distance(*places.T) > -scene.smallest / 2).any():
         return []
-    behind = int((wall.distance(*scene.positions.T) < -scene.smallest / 2).sum())
-    if not behind:
-        return []
-    discs = "1 disc starts" if behind == 1 else f"{behind} discs start"
     return [
-        f"{discs} behind line '{wall.name}', which pushes discs on its left alone: they do not feel it; if they should, "
+        f"all discs start behind line '{wall.name}', which pushes discs on its left alone: if they should feel it, "
         "reverse its points, or take sheet: true"
     ]
 

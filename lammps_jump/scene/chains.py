@@ -271,30 +271,37 @@ def distance(faces: Faces, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """
     x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
     nearest = np.full(x.shape, inf)
-    for code, row in zip(faces.codes, faces.shape, strict=True):
-        gap = _gap(code, row, x, y)
+    for face in range(len(faces.codes)):
+        gap = _gap(faces, face, x, y)
         nearer = np.abs(gap) < np.abs(nearest)
         # of two faces at the same distance, the one in front counts: the ends of a joint, and both sides of a sheet
         nearest = np.where(nearer | ((np.abs(gap) == np.abs(nearest)) & (gap > nearest)), gap, nearest)
     return nearest
 
 
-def _gap(code: np.ndarray, row: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Signed distance of points to one face, m. Beyond a convex joint or an open end every point is in front."""
+def _gap(faces: Faces, face: int, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Signed distance of points to one face, m.
+
+    Beyond a convex joint or an open end every point is in front; beyond another joint, what is in front of both faces.
+    """
+    code, row = faces.codes[face], faces.shape[face]
     dx, dy, ex, ey = x - row[X0], y - row[Y0], x - row[X1], y - row[Y1]
     if code[KIND] == ARC:
         out = np.hypot(x - row[CX], y - row[CY])
         gap = row[RADIUS] - out if row[RADIUS] > 0 else out + row[RADIUS]
     else:
         gap = row[TX0] * dy - row[TY0] * dx
-    for joined, ux, uy, tx, ty, side in (
-        (code[AT_START], dx, dy, row[TX0], row[TY0], -1.0),
-        (code[AT_END], ex, ey, row[TX1], row[TY1], 1.0),
+    for joined, ux, uy, tx, ty, side, other, ox, oy in (
+        (code[AT_START], dx, dy, row[TX0], row[TY0], -1.0, code[BEFORE], TX1, TY1),
+        (code[AT_END], ex, ey, row[TX1], row[TY1], 1.0, code[AFTER], TX0, TY0),
     ):
         if joined == ENDLESS:
             continue
         beyond = side * (tx * ux + ty * uy) > 0
-        front = (tx * uy - ty * ux >= 0) | (joined in (CONVEX, FREE))
+        front = np.ones(x.shape, bool)
+        if joined not in (CONVEX, FREE):
+            beside = faces.shape[other]
+            front = (tx * uy - ty * ux >= 0) & (beside[ox] * uy - beside[oy] * ux >= 0)
         away = np.hypot(ux, uy)
         gap = np.where(beyond, np.where(front, away, -away), gap)
     return gap

@@ -79,6 +79,6 @@ def plugin_probes(scene: Scene) -> list[str]:
     """Force on each probed wall: the fix holds the mean over each window, every step counted, moments too."""
     lines = ["variable        clock equal time"] if scene.probes else []
     for index, name in enumerate(scene.probes):
-        x, y, moment = (f"f_motion[{3 * index + i}]" for i in (1, 2, 3))
+        x, y, moment = (f"f_motion[{(4 if scene.moves else 3) * index + i}]" for i in (1, 2, 3))
         lines += rows(scene, name, (x, y, moment))
     return lines

@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import singledispatch
 from math import inf
 
-from lammps_jump.physics.contact import restitution_of
+from lammps_jump.physics.contact import WallLaw, restitution_of
 from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wall
 from lammps_jump.scene.chains import WALL
 
@@ -150,11 +150,11 @@ def _stock_gate(wall: Plane | Block, step: float, law: str) -> list[str]:
 
 def plugin_walls(scene: Scene) -> list[str]:
     """Words of the plugin's fix for every wall and gate."""
-    return [plugin_wall(one) for one in scene.walls]
+    return [plugin_wall(one, scene.own_laws.get(one.wall.name)) for one in scene.walls]
 
 
-def plugin_wall(moving: MovingWall) -> str:
-    """Words of one wall: its name, moment point and faces (``fix_jump_step.h``)."""
+def plugin_wall(moving: MovingWall, own: WallLaw | None = None) -> str:
+    """Words of one wall: its name, moment point and faces, own law and motion (``fix_jump_step.h``)."""
     wall, motion = moving
     codes, shape, _, (deep,) = wall.faces
     kept = [column for column in range(codes.shape[1]) if column != WALL]
@@ -162,5 +162,13 @@ def plugin_wall(moving: MovingWall) -> str:
     lines += [
         f"{' '.join(map(str, code))} {numbers(*row)}" for code, row in zip(codes[:, kept].tolist(), shape, strict=True)
     ]
+    lines += [f"law {numbers(*own)}"] if own else []
     lines += [] if motion.gone == inf else [f"until {int(motion.gone)}"]
+    if load := motion.load:
+        free = f"{int(load.axis != 'y')} {int(load.axis != 'x')}"
+        place = f"{numbers(*motion.about)} {motion.start}"
+        lines += [f"lid {place} {numbers(load.mass, *load.force)} {free} {number(load.begin)}"]
+    elif motion.kind:
+        lines += [f"move {numbers(*motion.about)} {motion.start} {len(motion.track)}"]
+        lines += [numbers(*row) for row in motion.track]
     return JOIN.join(lines)

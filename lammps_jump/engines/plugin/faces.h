@@ -121,8 +121,8 @@ class WallFaces {
     return std::min(first, at.behind ? at_joint(f, true, true, px, py).gap : HUGE_VAL);
   }
 
-  /** Smallest box of a face; without end where the face has none, and behind it where the wall pushes from any depth. */
-  Extent box(int index) const
+  /** Smallest box of a face; without end where it has none and, if behind, where the wall pushes from any depth. */
+  Extent box(int index, bool behind = true) const
   {
     const Face &f = faces[index];
     Extent box = {std::min(f.x0, f.x1), std::max(f.x0, f.x1), std::min(f.y0, f.y1), std::max(f.y0, f.y1)};
@@ -142,7 +142,7 @@ class WallFaces {
         const double x = f.cx + std::fabs(f.radius) * to.first, y = f.cy + std::fabs(f.radius) * to.second;
         if (f.tx0 * (x - f.x0) + f.ty0 * (y - f.y0) > 0 && 0 > f.tx1 * (x - f.x1) + f.ty1 * (y - f.y1)) add(x, y);
       }
-    if (deep) endless(f.ty0, -f.tx0);
+    if (deep && behind) endless(f.ty0, -f.tx0);
     return box;
   }
 

@@ -4,6 +4,7 @@
 #include "pair_jump_disc.h"
 
 #include "atom.h"
+#include "comm.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
@@ -66,13 +67,20 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0)
     error->all(FLERR, "fix jump/step: gamma_wall, gammat_wall and mu_wall must not be negative");
 
+  int lids = 0;
+  for (const auto &wall : walls) {
+    any_moves |= wall.motion.moves;
+    lids += wall.motion.is_lid;
+  }
+  columns = any_moves ? 4 : 3;
   time_integrate = 1;
   scalar_flag = global_freq = 1;
-  size_vector = 3 * (int) probed.size();
+  restart_global = lids > 0;
+  window.assign(columns * probed.size(), 0.0);
+  mean.assign(columns * probed.size(), 0.0);
+  size_vector = (int) window.size() + 2 * lids;
   vector_flag = size_vector > 0;
   extscalar = extvector = 0;
-  window.assign(3 * probed.size(), 0.0);
-  mean.assign(3 * probed.size(), 0.0);
 }
 
 int FixJumpStep::add_pieces(int a, int narg, char **arg)
@@ -102,10 +110,13 @@ void FixJumpStep::init()
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
   if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
   sized = 0;
-  for (auto &wall : walls)
+  for (auto &wall : walls) {
     wall.near.prepare(wall.faces, 0.5 * pair->largest, NEAR_MARGIN * pair->diameter, pair->diameter);
-  friction = jump::friction_of(mu, gamma_t, pair->sign, pair->spin);
-  law = jump::make_law(k, gamma, gamma_t, mu, pair->mass, 0.5 * pair->diameter, pair->width);
+    if (!wall.own) wall.numbers[0] = k, wall.numbers[1] = gamma, wall.numbers[2] = gamma_t, wall.numbers[3] = mu;
+    const double *const of = wall.numbers;
+    wall.friction = jump::friction_of(of[3], of[2], pair->sign, pair->spin);
+    wall.law = jump::make_law(of[0], of[1], of[2], of[3], pair->mass, 0.5 * pair->diameter, pair->width);
+  }
 }
 
 void FixJumpStep::setup(int vflag)
@@ -163,6 +174,7 @@ void FixJumpStep::turn_discs()
 
 void FixJumpStep::initial_integrate(int)
 {
+  for (auto &wall : walls) wall.motion.drift(update->ntimestep, update->dt);
   if (atom->nlocal == 0) {
     pair->range_lo[0] = pair->range_lo[1] = 1e300;    // discs of other ranks may widen it
     pair->range_hi[0] = pair->range_hi[1] = -1e300;
@@ -224,13 +236,14 @@ double FixJumpStep::compute_scalar()
   double here = pair->largest_overlap(), all;
   jump::FaceContact found[jump::MOST];
   for (const auto &wall : walls) {
-    if (update->ntimestep >= wall.until) continue;
+    if (!is_there(wall)) continue;
     const auto &near = wall.near;
     for (size_t r = 0; r < near.discs.size(); r++) {
       const int i = near.discs[r], first = near.last[r];
       const double radius = pair->radius_of(i);
-      const int contacts = wall.faces.touching(&near.near[first], near.last[r + 1] - first, pair->disc[i].x,
-                                               pair->disc[i].y, radius, found);
+      double x = pair->disc[i].x, y = pair->disc[i].y;
+      if (wall.motion.moves) wall.motion.inward(x, y);
+      const int contacts = wall.faces.touching(&near.near[first], near.last[r + 1] - first, x, y, radius, found);
       for (int c = 0; c < contacts; c++) here = std::max(here, radius - found[c].gap);
     }
   }
@@ -240,7 +253,38 @@ double FixJumpStep::compute_scalar()
 
 double FixJumpStep::compute_vector(int n)
 {
+  if (n >= (int) mean.size()) {    // places of lids, which all ranks have
+    int left = n - (int) mean.size();
+    for (const auto &wall : walls)
+      if (wall.motion.is_lid && (left -= 2) < 0) return wall.motion.lid.place[left + 2];
+  }
   double sum;
   MPI_Allreduce(&mean[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
   return sum;
+}
+
+/** What of the lids is no function of the step. */
+void FixJumpStep::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  std::vector<double> state;
+  for (const auto &wall : walls)
+    if (wall.motion.is_lid) {
+      const auto &lid = wall.motion.lid;
+      state.insert(state.end(), {lid.place[0], lid.place[1], lid.speed[0], lid.speed[1], lid.push[0], lid.push[1]});
+    }
+  const int size = (int) (state.size() * sizeof(double));
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(state.data(), sizeof(double), state.size(), fp);
+}
+
+void FixJumpStep::restart(char *buf)
+{
+  const auto *state = reinterpret_cast<const double *>(buf);
+  for (auto &wall : walls)
+    if (wall.motion.is_lid) {
+      auto &lid = wall.motion.lid;
+      for (double *const to : {lid.place, lid.speed, lid.push})
+        for (int axis = 0; axis < 2; axis++) to[axis] = *state++;
+    }
 }

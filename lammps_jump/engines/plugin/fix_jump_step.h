@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* fix ID all jump/step [gravity GX GY] [k_wall K gamma_wall GN gammat_wall GT mu_wall KS]
-                        [wall NAME X0 Y0 DEEP N FACE... [until STEP]]...
+                        [wall NAME X0 Y0 DEEP N FACE... [law K GN GT KS] [until STEP]
+                              [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]]...
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...]
                         [probe EVERY NAME...]                                   (probe comes last)
 
@@ -14,15 +15,18 @@
      count from 0 within the wall), then its shape. DEEP 1: a centre behind a face is pushed back from any depth,
      0: from less than its radius. The push goes on growing behind a face. GN, GT in 1/s: force = M GN v.
      With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
-     A wall with `until STEP` is felt by the forces of the steps before STEP.
+     A wall with a `law` has its own in place of that of the other walls. One with `until STEP` is felt by the forces of
+     the steps before STEP. One with `move` follows N rows of 21 numbers (motion.h), turning about (CX, CY); one with
+     `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END.
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about (X0, Y0).
 
-   Global scalar: the largest overlap, m. Global vector: for each probe fx, fy (N) and moment (N m), per metre of width.
-   A restart begins a new window. */
+   Global scalar: the largest overlap, m. Global vector: for each probe fx, fy (N) and moment (N m), per metre of width;
+   where any wall moves, the power of the probed wall on the discs (W) behind them. Behind the probes stand the
+   displacements x and y of each lid, m. A restart begins a new window and keeps the lids. */
 
 #ifndef LMP_FIX_JUMP_STEP_H
 #define LMP_FIX_JUMP_STEP_H
@@ -30,6 +34,7 @@
 #include "contact_law.h"
 #include "faces.h"
 #include "fix.h"
+#include "motion.h"
 
 namespace LAMMPS_NS {
 
@@ -45,6 +50,8 @@ class FixJumpStep : public Fix {
   void final_integrate() override;
   double compute_scalar() override;
   double compute_vector(int) override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
 
  private:
   static constexpr double NEAR_MARGIN = 0.5;    // diameters
@@ -54,6 +61,12 @@ class FixJumpStep : public Fix {
     double x0, y0;          // point that the moment is about
     bigint until;           // first step without the wall
     int probe;              // row of the probe, -1 for none
+    bool own;               // has a law of its own: k, gamma, gamma_t, mu
+    double numbers[4];
+    jump::Friction friction;
+    jump::Law law;
+    jump::Motion motion;
+    double far;             // largest distance of a face from the point of turning, m
     jump::WallFaces faces;
     jump::NearFaces near;   // discs that can touch it before they have moved by the margin
   };
@@ -65,9 +78,9 @@ class FixJumpStep : public Fix {
   class PairJumpDisc *pair = nullptr;
   double gx = 0.0, gy = 0.0;
   double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
-  jump::Friction friction = jump::Friction::NONE;
-  jump::Law law;
   std::vector<Wall> walls;
+  bool any_moves = false;
+  int columns = 3;            // of a probe
   double density = 0.0, shift = 0.0, turn = 0.0;    // of sizes
   std::vector<Piece> pieces;
   tagint sized = 0;           // discs up to this id have their own size
@@ -84,10 +97,17 @@ class FixJumpStep : public Fix {
   int add_pieces(int, int, char **);
   double diameter_of(tagint) const;
   double spin_rate(int) const;
+  int add_motion(Wall &, int, int, char **) const;
+  int add_lid(Wall &, int, int, char **) const;
+  bool is_there(const Wall &) const;
+  void place_walls();
+  bool is_worn() const;
   void find_near();
+  void push_lids();
   template <bool SIZES> void drift();
   void turn_discs();
-  template <jump::Friction, jump::Touch, bool SIZES> void push();
+  void push(Wall &);
+  template <jump::Friction, jump::Touch, bool SIZES> void push(Wall &);
   template <jump::Friction, jump::Touch, class Own>
   void touch(const Wall &, int, double, double, double, double, const Own &, double *);
 };

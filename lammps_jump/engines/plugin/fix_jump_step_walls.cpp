@@ -27,7 +27,7 @@ constexpr double ON_FACE = 1e-100;    // m; the square of a smaller distance may
 int FixJumpStep::add_wall(int a, int narg, char **arg)
 {
   if (a + 5 > narg) error->all(FLERR, "fix jump/step: a wall needs NAME X0 Y0 DEEP N and N faces");
-  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, {}, {}};
+  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, false, {}, jump::Friction::NONE, {}, {}, 0.0, {}, {}};
   for (const auto &other : walls)
     if (other.name == wall.name) error->all(FLERR, "fix jump/step: two walls are called '{}'", wall.name);
   wall.x0 = utils::numeric(FLERR, arg[a + 1], false, lmp);
@@ -39,14 +39,76 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
     error->all(FLERR, "fix jump/step: wall '{}' needs {} numbers for each of {} faces", wall.name, FACE_WORDS, n);
   wall.faces.faces.reserve(n);
   for (int f = 0; f < n; f++, a += FACE_WORDS) wall.faces.faces.push_back(face_of(wall, n, a, arg));
-  if (a < narg && strcmp(arg[a], "until") == 0) {
-    if (a + 1 >= narg) error->all(FLERR, "fix jump/step: the step at which wall '{}' goes is missing", wall.name);
-    wall.until = utils::bnumeric(FLERR, arg[a + 1], false, lmp);
-    a += 2;
+  for (; a < narg; ) {
+    const std::string key = arg[a];
+    if (key == "until") {
+      if (a + 1 >= narg) error->all(FLERR, "fix jump/step: the step at which wall '{}' goes is missing", wall.name);
+      wall.until = utils::bnumeric(FLERR, arg[a + 1], false, lmp);
+      a += 2;
+    } else if (key == "law") {
+      if (a + 4 >= narg) error->all(FLERR, "fix jump/step: the law of wall '{}' needs four numbers", wall.name);
+      wall.own = true;
+      for (int n = 0; n < 4; n++) wall.numbers[n] = utils::numeric(FLERR, arg[a + 1 + n], false, lmp);
+      if (!(wall.numbers[0] > 0.0) || *std::min_element(wall.numbers, wall.numbers + 4) < 0.0)
+        error->all(FLERR, "fix jump/step: the law of wall '{}' needs K above 0 and no negative number", wall.name);
+      a += 5;
+    } else if (key == "move") {
+      a = add_motion(wall, a + 1, narg, arg);
+    } else if (key == "lid") {
+      a = add_lid(wall, a + 1, narg, arg);
+    } else break;
   }
   walls.push_back(wall);
   return a;
 }
+
+/** The way of a wall, from its words. */
+int FixJumpStep::add_motion(Wall &wall, int a, int narg, char **arg) const
+{
+  if (a + 4 > narg) error->all(FLERR, "fix jump/step: move of wall '{}' needs CX CY START N and N rows", wall.name);
+  auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
+  auto &motion = wall.motion;
+  motion.moves = true;
+  motion.cx = next();
+  motion.cy = next();
+  motion.start = utils::bnumeric(FLERR, arg[a++], false, lmp);
+  const int n = utils::inumeric(FLERR, arg[a++], false, lmp);
+  if (n < 0 || n > (narg - a) / jump::TRACK_WORDS)
+    error->all(FLERR, "fix jump/step: move of wall '{}' needs {} numbers for each of {} rows", wall.name,
+               jump::TRACK_WORDS, n);
+  motion.track.resize(n);
+  for (auto &row : motion.track)
+    for (double &number : row) number = next();
+  double far = 0.0;
+  for (int f = 0; f < (int) wall.faces.faces.size(); f++) {
+    const jump::Extent box = wall.faces.box(f, false);
+    for (const double x : {box.xlo, box.xhi})
+      for (const double y : {box.ylo, box.yhi}) far = std::max(far, std::hypot(x - motion.cx, y - motion.cy));
+  }
+  wall.far = far;
+  return a;
+}
+
+/** Mass and force of a wall that discs push, from its words. */
+int FixJumpStep::add_lid(Wall &wall, int a, int narg, char **arg) const
+{
+  if (a + 9 > narg) error->all(FLERR, "fix jump/step: lid of wall '{}' needs nine numbers", wall.name);
+  auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
+  auto &motion = wall.motion;
+  auto &lid = motion.lid;
+  motion.moves = motion.is_lid = true;
+  motion.cx = next();
+  motion.cy = next();
+  motion.start = utils::bnumeric(FLERR, arg[a++], false, lmp);
+  lid.mass = next();
+  for (double &force : lid.force) force = next();
+  for (bool &free : lid.free) free = utils::logical(FLERR, arg[a++], false, lmp);
+  lid.begin = next();
+  if (!(lid.mass > 0.0)) error->all(FLERR, "fix jump/step: the mass of wall '{}' must be above 0", wall.name);
+  return a;
+}
+
+bool FixJumpStep::is_there(const Wall &wall) const { return update->ntimestep < wall.until; }
 
 /** One of the n faces of a wall, from its words. */
 jump::Face FixJumpStep::face_of(const Wall &wall, int n, int a, char **arg) const
@@ -70,14 +132,35 @@ jump::Face FixJumpStep::face_of(const Wall &wall, int n, int a, char **arg) cons
   return f;
 }
 
+void FixJumpStep::place_walls()
+{
+  for (auto &wall : walls) wall.motion.place(update->ntimestep, update->dt);
+}
+
+/** Whether discs or walls have moved so far that the lists may miss a contact. */
+bool FixJumpStep::is_worn() const
+{
+  const double margin = NEAR_MARGIN * pair->diameter;
+  if (near_order != pair->order || update->setupflag || !(near_moved < margin)) return true;
+  return any_moves && std::any_of(walls.begin(), walls.end(), [&](const Wall &wall) {
+    return wall.motion.moves && !(M_SQRT2 * near_moved + wall.motion.travel(wall.far) < margin);
+  });
+}
+
 /** Discs that can touch a wall before one of them has moved by the margin. */
 void FixJumpStep::find_near()
 {
   near_moved = 0.0;
   near_order = pair->order;
   for (auto &wall : walls) {
-    if (update->ntimestep < wall.until) wall.near.list(wall.faces, atom->nlocal, pair->disc.data());
-    else wall.near.clear();
+    wall.motion.listed = wall.motion.now;
+    if (!is_there(wall)) wall.near.clear();
+    else if (!wall.motion.moves) wall.near.list(wall.faces, atom->nlocal, pair->disc.data());
+    else {
+      std::vector<PairJumpDisc::Disc> seen(pair->disc.begin(), pair->disc.begin() + atom->nlocal);
+      for (auto &disc : seen) wall.motion.inward(disc.x, disc.y);
+      wall.near.list(wall.faces, atom->nlocal, seen.data());
+    }
   }
 }
 
@@ -88,73 +171,109 @@ void FixJumpStep::touch(const Wall &wall, int i, double dx, double dy, double to
 {
   const auto &a = pair->disc[i];
   const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
-  const ContactForce<double> out = jump::contact_force<FRICTION, TOUCH>(law, own, dx, dy, a.vx, a.vy, rim);
+  double vx = a.vx, vy = a.vy, x0 = wall.x0, y0 = wall.y0;
+  if (wall.motion.moves) {
+    const auto &m = wall.motion;
+    m.outward(dx, dy);
+    m.outward(to_x, to_y);
+    vx -= m.rate.x - m.rate.angle * (a.y - to_y - m.cy - m.now.y);
+    vy -= m.rate.y + m.rate.angle * (a.x - to_x - m.cx - m.now.x);
+    x0 = m.cx + m.now.x;
+    y0 = m.cy + m.now.y;
+  }
+  const ContactForce<double> out = jump::contact_force<FRICTION, TOUCH>(wall.law, own, dx, dy, vx, vy, rim);
   double *const f = atom->f[i];
   f[0] += out.fx;
   f[1] += out.fy;
   if (jump::has_spin(FRICTION)) atom->torque[i][2] -= pair->radius_of(i) * out.twist;
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
-  on_wall[2] -= (a.x - to_x - wall.x0) * out.fy - (a.y - to_y - wall.y0) * out.fx;
+  on_wall[2] -= (a.x - to_x - x0) * out.fy - (a.y - to_y - y0) * out.fx;
 }
 
-template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push()
+template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wall &wall)
 {
-  double reach = law.reach;
+  double reach = wall.law.reach;
   using Own = std::conditional_t<SIZES, jump::OwnLaw<double>, const jump::Law &>;
   const auto own = [&]() -> Own {
-    if constexpr (SIZES) return jump::own_law(law, reach);
-    else return law;
+    if constexpr (SIZES) return jump::own_law(wall.law, reach);
+    else return wall.law;
   };
   const auto *const disc = pair->disc.data();
   jump::FaceContact found[jump::MOST];
-  for (const auto &wall : walls) {
-    if (update->ntimestep >= wall.until) continue;
-    double on_wall[3] = {0.0, 0.0, 0.0};
-    const auto &near = wall.near;
-    const int rows = (int) near.discs.size();
-    for (int r = 0; r < rows; r++) {
-      const int i = near.discs[r], first = near.last[r], count = near.last[r + 1] - first;
-      const double x = disc[i].x, y = disc[i].y;
-      if (SIZES) reach = pair->radii[i];
-      const jump::Face &face = wall.faces.faces[near.near[first]];
-      if (count == 1 && face.kind == jump::SEGMENT) {    // most rows; the same as below
-        const double gap = face.off_line(x, y);
-        if (gap >= reach) continue;
-        if (gap > ON_FACE && face.is_beside(x, y)) {
-          const double dx = gap * -face.ty0, dy = gap * face.tx0;
-          touch<FRICTION, TOUCH>(wall, i, dx, dy, dx, dy, own(), on_wall);
-          continue;
-        }
-      }
-      const int contacts = wall.faces.touching(&near.near[first], count, x, y, reach, found);
-      for (int c = 0; c < contacts; c++) {
-        const auto &at = found[c];
-        if (at.gap > ON_FACE) {
-          touch<FRICTION, TOUCH>(wall, i, at.dx, at.dy, at.dx, at.dy, own(), on_wall);
-        } else {
-          // the centre is behind the face: the push back goes on growing (contact of the same overlap in front)
-          auto behind = own();
-          behind.reach = 2.0 * reach - at.gap;
-          touch<FRICTION, TOUCH>(wall, i, reach * at.nx, reach * at.ny, at.gap * at.nx, at.gap * at.ny, behind, on_wall);
-        }
+  double on_wall[4] = {0.0, 0.0, 0.0, 0.0};
+  const auto &near = wall.near;
+  const int rows = (int) near.discs.size();
+  for (int r = 0; r < rows; r++) {
+    const int i = near.discs[r], first = near.last[r], count = near.last[r + 1] - first;
+    double x = disc[i].x, y = disc[i].y;
+    if (wall.motion.moves) wall.motion.inward(x, y);
+    if (SIZES) reach = pair->radii[i];
+    const jump::Face &face = wall.faces.faces[near.near[first]];
+    if (count == 1 && face.kind == jump::SEGMENT) {    // most rows; the same as below
+      const double gap = face.off_line(x, y);
+      if (gap >= reach) continue;
+      if (gap > ON_FACE && face.is_beside(x, y)) {
+        const double dx = gap * -face.ty0, dy = gap * face.tx0;
+        touch<FRICTION, TOUCH>(wall, i, dx, dy, dx, dy, own(), on_wall);
+        continue;
       }
     }
-    if (wall.probe >= 0)
-      for (int c = 0; c < 3; c++) window[3 * wall.probe + c] += on_wall[c];
+    const int contacts = wall.faces.touching(&near.near[first], count, x, y, reach, found);
+    for (int c = 0; c < contacts; c++) {
+      const auto &at = found[c];
+      if (at.gap > ON_FACE) {
+        touch<FRICTION, TOUCH>(wall, i, at.dx, at.dy, at.dx, at.dy, own(), on_wall);
+      } else {
+        // the centre is behind the face: the push back goes on growing (contact of the same overlap in front)
+        auto behind = own();
+        behind.reach = 2.0 * reach - at.gap;
+        touch<FRICTION, TOUCH>(wall, i, reach * at.nx, reach * at.ny, at.gap * at.nx, at.gap * at.ny, behind, on_wall);
+      }
+    }
+  }
+  wall.motion.lid.push[0] = on_wall[0];
+  wall.motion.lid.push[1] = on_wall[1];
+  const auto &rate = wall.motion.centred;
+  on_wall[3] = -(on_wall[0] * rate.x + on_wall[1] * rate.y + on_wall[2] * rate.angle);
+  if (wall.probe >= 0)
+    for (int c = 0; c < columns; c++) window[columns * wall.probe + c] += on_wall[c];
+}
+
+void FixJumpStep::push(Wall &wall)
+{
+  wall.law.eps = jump::SIGN_RAMP * pair->largest_speed;
+  jump::with_branch(wall.friction, pair->touch, [&](auto f, auto t) {
+    constexpr Friction F = decltype(f)::value;
+    constexpr Touch T = decltype(t)::value;
+    pair->sizes ? push<F, T, true>(wall) : push<F, T, false>(wall);
+  });
+}
+
+/** The force on each lid is that of all ranks; its power is that of its velocity at the step. */
+void FixJumpStep::push_lids()
+{
+  for (auto &wall : walls) {
+    if (!wall.motion.is_lid) continue;
+    auto &lid = wall.motion.lid;
+    const double here[2] = {lid.push[0], lid.push[1]};
+    MPI_Allreduce(here, lid.push, 2, MPI_DOUBLE, MPI_SUM, world);
+    if (wall.probe < 0 || !((double) (update->ntimestep - wall.motion.start) * update->dt > lid.begin)) continue;
+    for (int axis = 0; axis < 2; axis++)
+      if (lid.free[axis])
+        window[columns * wall.probe + 3] -=
+            here[axis] * (lid.speed[axis] + 0.5 * update->dt * (lid.push[axis] + lid.force[axis]) / lid.mass);
   }
 }
 
 void FixJumpStep::post_force(int)
 {
-  if (near_order != pair->order || update->setupflag || !(near_moved < NEAR_MARGIN * pair->diameter)) find_near();
-  law.eps = jump::SIGN_RAMP * pair->largest_speed;
+  if (any_moves) place_walls();
+  if (is_worn()) find_near();
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
-  jump::with_branch(friction, pair->touch, [&](auto f, auto t) {
-    constexpr Friction F = decltype(f)::value;
-    constexpr Touch T = decltype(t)::value;
-    pair->sizes ? push<F, T, true>() : push<F, T, false>();
-  });
+  for (auto &wall : walls)
+    if (is_there(wall)) push(wall);
+  push_lids();
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step
     if (update->ntimestep == 0)
