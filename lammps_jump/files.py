@@ -106,7 +106,14 @@ SWEEP_FILES = (
 )  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
-"""First line of ``forces.csv``."""
+"""First line of ``forces.csv`` where all walls stand."""
+
+
+def forces_header(*, power: bool) -> str:
+    """First line of ``forces.csv``: with the column of power where walls move."""
+    return f"{FORCES_HEADER},power" if power else FORCES_HEADER
+
+
 OWN_FILES = (*RUN_FILES, *RESULT_FILES)
 """What a run folder may hold of an earlier run (names and patterns), tables of forces besides."""
 

@@ -114,7 +114,8 @@ def force_troubles(path: Path, scene: Scene, steps: int) -> list[str]:
     if rows != windows * len(names) or (rows and set(found) != names):
         troubles.append(f"{rows} of {windows * len(names)} rows of forces")
     for name, history in found.items():
-        if not all(np.isfinite(part).all() for part in (history.fx, history.fy, history.moment)):
+        parts = (part for part in (history.fx, history.fy, history.moment, history.power) if part is not None)
+        if not all(np.isfinite(part).all() for part in parts):
             troubles.append(f"a force on {name} is no number")
         elif len(history.time) == windows and (np.abs(history.time - wanted) > NEAR * scene.time_step).any():
             troubles.append(f"times of the forces on {name} are not those of the windows")

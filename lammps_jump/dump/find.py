@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, text_of, write_text
+from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, forces_header, text_of, write_text
 from lammps_jump.folders import read_marker
 from lammps_jump.scene.groups import with_groups
 from lammps_jump.scene.scene import Scene
@@ -33,13 +33,17 @@ class ForceHistory:
     fx, fy : ndarray, shape (n,), N per metre of width
         Force of the discs on the structure.
     moment : ndarray, shape (n,), N m per metre of width
-        About the lower-left corner (a block) or the point nearest the origin (a plane), counter-clockwise positive.
+        About the lower-left corner (a block) or the point nearest the origin (a plane), of a wall that moves about its
+        moving pivot; counter-clockwise positive.
+    power : ndarray, shape (n,), W per metre of width, or None
+        Of the structure on the discs; None where no wall moves.
     """
 
     time: np.ndarray
     fx: np.ndarray
     fy: np.ndarray
     moment: np.ndarray
+    power: np.ndarray | None = None
 
 
 def find_dump(*places: str | Path) -> Path:
@@ -127,12 +131,13 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
     missing = [name for name in FORCE_COLUMNS[:4] if name not in header]
     if missing:
         raise DumpError(f"{path}, line 1: no column '{missing[0]}'; expected {','.join(FORCE_COLUMNS)}.")
+    columns = ("time", "fx", "fy", "moment", *(["power"] if "power" in header else []))
     for number, row in enumerate(csv.reader(lines[1:]), start=2):
         if not row:
             continue
         try:
             cells = dict(zip(header, row, strict=True))
-            values = tuple(float(cells.get(name, "nan")) for name in ("time", "fx", "fy", "moment"))
+            values = tuple(float(cells.get(name, "nan")) for name in columns)
         except ValueError:
             if number == len(lines) and not text.endswith("\n"):
                 break
@@ -141,11 +146,18 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
     return {name: ForceHistory(*np.array(values).T) for name, values in rows.items()}
 
 
-def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple[int, str, float, float, float]]) -> None:
-    """Write ``forces.csv``: rows of step at the end of the window, structure, fx, fy (N/m), moment (N), all means.
+def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple]) -> None:
+    """Write ``forces.csv``, means over windows; rows of the scene's groups are added.
 
-    Rows of the scene's groups are added.
+    Parameters
+    ----------
+    path : str or Path
+    scene : Scene
+    forces : iterable of tuple
+        Rows of step at the end of the window, structure, fx, fy (N/m), moment (N) and, where walls move, power (W/m).
     """
-    forces = with_groups(forces, scene.groups, scene.walls)
-    rows = [f"{scene.time(s):.10g},{name},{fx:.10g},{fy:.10g},{m:.10g}\n" for s, name, fx, fy, m in forces]
-    write_text(Path(path), "".join([f"{FORCES_HEADER}\n", *rows]))
+    rows = (
+        f"{scene.time(step):.10g},{name},{','.join(f'{value:.10g}' for value in values)}\n"
+        for step, name, *values in with_groups(forces, scene.groups, scene.walls)
+    )
+    write_text(Path(path), "".join([f"{forces_header(power=scene.moves)}\n", *rows]))

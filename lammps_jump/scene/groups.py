@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from .motion import MovingWall
 from .tracks import ANGLE, WAVE_ANGLE
 
 Groups = Sequence[tuple[str, Sequence[str]]]
-Row = tuple
+Row = tuple[Any, ...]
 """Step, name, fx, fy (N/m), moment (N) and, where walls move, power (W/m): means over the window that ends there."""
 
 
@@ -60,7 +61,7 @@ def with_groups(rows: Iterable[Row], groups: Groups, walls: Sequence[MovingWall]
         for name, members in groups:
             if not all(member in values for member in members):
                 continue  # the last window of a run that was torn
-            total = sum(values[member] for member in members)
+            total = np.sum([values[member] for member in members], axis=0)
             forces = np.array([values[member][:2] for member in members])
             total[2] += float(np.sum(leads[name][:, 0] * forces[:, 1] - leads[name][:, 1] * forces[:, 0]))
             yield step, name, *map(float, total)
