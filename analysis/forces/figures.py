@@ -93,7 +93,8 @@ def impulse_chart(result: Forces) -> Chart | None:
         time, moment = table["time"], table["moment_smooth"]
         impulses.append(Line(f"{name}, {force.component}", time, table[f"impulse_{axis}"] / 1e3, look))
         if np.isfinite(moment).any() and force.component == "fx":
-            moments.append(Line(f"{name}, about the foot, anticlockwise", time, moment / 1e3, look))
+            point = "the foot" if force.wall is not None else "its point"
+            moments.append(Line(f"{name}, about {point}, anticlockwise", time, moment / 1e3, look))
     panels = [Panel("Running impulse [kN s/m]", impulses)]
     panels += [Panel(f"Moment, {LOW_PASS:g} s mean [kN m/m]", moments)] if moments else []
     return Chart("impulse and overturning moment", TIME, panels)

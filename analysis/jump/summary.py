@@ -218,7 +218,7 @@ def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, obje
 
         found["sloping_y2"] = propagated(sequent, *stream)
         found["sloping_deviation"] = propagated(lambda s, *one: s / sequent(*one) - 1.0, y2, *stream)
-    there += [FRICTION] if scene.coefficients.friction > 0 else []
+    there += [FRICTION] if scene.rubs else []
     there += [SLOPE] if scene.gravity[0] else []
     words = {
         "of": of,

@@ -180,7 +180,7 @@ def compose(
             "engine": result.engine,
             "kernel": result.kernel,
             "integrator": scene.integrator,
-            "friction_law": scene.friction_law if scene.coefficients.friction else None,
+            "friction_law": scene.friction_law if scene.rubs else None,
             "case_hash": run_key(case, setting),
             "key": full_key(case, setting),
             "versions": {**versions(), **result.versions},
