@@ -87,7 +87,8 @@ def left_out(jump: Jump) -> str:
         for name, term in (known[name] for name in jump.left_out)
     ]
     if isfinite(jump.sloping_y2):
-        off = percent_of(jump.sloping_deviation, jump.sloping_deviation_error)
+        bound = is_bound(vars(jump), "sloping_deviation")
+        off = percent_of(jump.sloping_deviation, jump.sloping_deviation_error, bound=bound)
         said.append(f"With the weight of the jump along the bed it gives {_number(jump, 'sloping_y2', 'm')}: {off}.")
     return " ".join(said)
 
