@@ -74,10 +74,11 @@ class Force(Estimates):
     where the flow does not know the name, and of a wall that moves or a group.
 
     `table` holds the columns of the CSV table, shape (n,), per metre of width: the record (time, s, fx, fy, N, moment,
-    N m, of upright faces about their foot at the bed; where walls move also power, W); the same behind the low-pass
-    (``fx_smooth`` …, NaN within half of it of the ends); the running impulse (``impulse_x``, ``impulse_y``, N s); the mass depth in front of the
-    structure, m, and the hydrostatic force on its wetted face for that depth, N (NaN where no profile is); and
-    ``oncoming``, the momentum of the flow two bins in front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
+    N m, of upright faces about their foot at the bed, and where walls move power, W); force and moment behind the
+    low-pass (``fx_smooth`` …, NaN within half of it of the ends); the running impulse (``impulse_x``, ``impulse_y``,
+    N s); the mass depth in front of the structure, m, and the hydrostatic force on its wetted face for that depth, N
+    (NaN where no profile is); and ``oncoming``, the momentum of the flow two bins in front of it, rho s u^2 + rho g
+    s^2/2 where u runs towards it, N.
     """
 
     component: str | None = None

@@ -92,6 +92,11 @@ class TurnedFlow(Flow):
         assert self.whole is not None
         return tuple(_turned_wall(wall, self.stretch) for wall in self.whole.walls_at(time))
 
+    def bed_height(self, x: np.ndarray | float) -> np.ndarray:
+        """Height of the bed, m: level along the stretch, NaN outside. (Upright walls lean here, and are no bed.)"""
+        x, (low, high) = np.asarray(x, float), self.x_range
+        return np.where((x >= low) & (x <= high), self.stretch.y, np.nan)
+
     def turned(self, frame: Frame) -> Frame:
         """A frame of the flow as it is, turned."""
         a, x0, y0 = -self.stretch.angle, self.stretch.x, self.stretch.y

@@ -614,7 +614,9 @@ def test_a_jump_on_a_chute_is_that_of_a_level_bed_in_tilted_gravity():
     high = 62.0 * np.cos(ANGLE)
     bed = Line("bed", ((-5.0, 5.0 * np.tan(ANGLE)), (100.0, -100.0 * np.tan(ANGLE))))
     # bins of the stretch begin at the middle of the first bin: at the origin
-    upright = context(walls=(bed,), x_range=(-0.5, high), domain=((-5.0, 65.0), (-9.0, 20.0)))
+    upright = context(
+        walls=(bed, Plane("back", "x", -0.5, "above")), x_range=(-0.5, high), domain=((-5.0, 65.0), (-9.0, 20.0))
+    )
     chute, stretch = gathered_of(map(on_a_chute, moving_step()), upright)
     assert stretch.angle == pytest.approx(-ANGLE, rel=1e-9) and abs(stretch.x) < 1e-9
     straight, there = (analyse(one) for one in (level, chute))
