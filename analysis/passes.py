@@ -50,7 +50,7 @@ class Gathered:
     warnings : tuple of str
         Notes on the flow and of the pass.
     along : Gathered or None
-        The same along a sloping stretch of bed (`lammps_jump.analysis.jump.slope`), where there is one.
+        The same along a sloping stretch of bed (`lammps_jump.analysis.beds.slope`), where there is one.
     """
 
     flow: Flow

@@ -18,6 +18,7 @@ from lammps_jump.files import CURVES, plain, write_json
 from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import draw, energy, front
+from .beds.slope import AlongBed, sloping_stretch
 from .budgets import inflow, stations
 from .contacts import ContactCollector
 from .draw.aside import aside
@@ -31,7 +32,6 @@ from .forces.impulse import Identity, MomentumLedger
 from .forces.reflection import ReflectedWave
 from .jump import head
 from .jump import section as jump
-from .jump.slope import AlongBed, sloping_stretch
 from .jump.summary import Jump
 from .passes import Collector, Gathered, Tables, gather
 from .profiles import bin_edges, window_of

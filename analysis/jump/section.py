@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.analysis.beds.slope import TurnedFlow, in_place
 from lammps_jump.analysis.budgets import inflow
 from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.passes import Gathered, Tables
@@ -24,7 +25,6 @@ from .certainty import starts_needed
 from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
 from .head import Budget, energy_budget, no_budget
 from .result import analyse_jump
-from .slope import TurnedFlow, in_place
 from .summary import ASKED, BEFORE, Jump, Local, summarise_jump
 from .verdict import A_JUMP, untimed, worded
 

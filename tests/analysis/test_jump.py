@@ -14,12 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context, numbers
 
+from lammps_jump.analysis.beds.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.jump.certainty import LOCAL_BOUNDS, LOWER_BOUNDS, MADE_OF, UNTOLD, inherited
 from lammps_jump.analysis.jump.frame import Moving, Roller, growth_rate
 from lammps_jump.analysis.jump.head import Budget
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
 from lammps_jump.analysis.jump.section import analyse, certainty, section
-from lammps_jump.analysis.jump.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.jump.stream import compression_front, measure_stream, running_median
 from lammps_jump.analysis.jump.summary import Jump, Local, summarise_jump
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion

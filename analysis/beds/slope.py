@@ -15,15 +15,14 @@ import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.jump.head import EnergyFluxes
+from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.profiles import Binner, add_means, bin_edges
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.motion import Motion, MovingWall, Placed, Pose
 from lammps_jump.scene.walls import Wall
-
-from .head import EnergyFluxes
-from .summary import Jump
 
 LEVEL = 0.05
 """Change of the bed's height from bin to bin below which it counts as level, in diameters; and of its change below
@@ -93,7 +92,7 @@ class TurnedFlow(Flow):
         return tuple(_turned_wall(wall, self.stretch) for wall in self.whole.walls_at(time))
 
     def bed_height(self, x: np.ndarray | float) -> np.ndarray:
-        """Height of the bed, m: level along the stretch, NaN outside. (Upright walls lean here, and are no bed.)"""
+        """Height of the bed, m: level along the stretch, NaN outside; upright walls, which lean here, are no bed."""
         x, (low, high) = np.asarray(x, float), self.x_range
         return np.where((x >= low) & (x <= high), self.stretch.y, np.nan)
 
