@@ -14,10 +14,11 @@ from numba import njit
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.physics.law import contact_force, normal_force, stored_energy, watching_law
-from lammps_jump.physics.slip import SIGN_RAMP
-from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
+from lammps_jump.physics.slip import FRICTION_LAWS
+from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.faces import touching as touching_faces
 from lammps_jump.scene.motion import Placed
+from lammps_jump.scene.near import Grid, grid_of, list_near
 from lammps_jump.scene.walls import Wall
 
 from .cell_grid import close_pairs
@@ -74,7 +75,8 @@ class Touching(NamedTuple):
     """What touches in a frame: indices of both discs; of a contact with a wall, `first` is the number of discs.
 
     Unit vector from the first to the second, overlap (m), dashpot (N s/m), stiffness (N/m), slope of LAMMPS' viscous
-    friction (N s/m), friction coefficient, and velocity of the wall at the contact (m/s; 0 for pairs).
+    friction (N s/m), friction coefficient, velocity of the wall at the contact (m/s; 0 for pairs), and id of the first
+    disc, or -1 - w for wall w of the scene.
     """
 
     first: np.ndarray
@@ -88,6 +90,7 @@ class Touching(NamedTuple):
     friction: np.ndarray
     wall_u: np.ndarray
     wall_v: np.ndarray
+    partner: np.ndarray
 
 
 @lru_cache
@@ -127,6 +130,7 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
     return Touching(
         np.full(count, frame.n), index, nx, ny, radius[index] - distance, law.gamma_normal * size,
         np.full(count, law.stiffness), law.gamma_tangential * size, np.full(count, law.friction), *rate,
+        np.full(count, -1 - flow.number_of(wall)),
     )  # fmt: skip
 
 
@@ -165,7 +169,8 @@ def touching_pairs(frame: Frame, flow: Flow) -> Touching:
         size = np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
     stiffness, friction, still = (np.full(len(i), value) for value in (c.stiffness, c.friction, 0.0))
     laws = flow.dashpots[0] * size, stiffness, 0.5 * c.mass * c.gamma_tangential * size, friction
-    found, touch = (i, j, dx / distance, dy / distance, reach - distance, *laws, still, still), distance < reach
+    found = i, j, dx / distance, dy / distance, reach - distance, *laws, still, still, frame.ids[i]
+    touch = distance < reach
     return Touching(*(part[touch] for part in found))
 
 
@@ -197,7 +202,7 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     """
     if not flow.knows_contacts:
         raise DumpError("contact forces need the stiffness of the discs: analyse the dump with its case (--case).")
-    first, second, nx, ny, overlap, dashpot, stiffness, *_, wall_u, wall_v = touching(frame, flow)
+    first, second, nx, ny, overlap, dashpot, stiffness, *_, wall_u, wall_v, _ = touching(frame, flow)
     points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)
     if damping and {"vx", "vy"} <= set(frame.columns):
@@ -222,7 +227,8 @@ def whole_forces(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Force (fx, fy) of each contact on its second disc, friction included, N/m; shape (n,) each.
 
-    The laws are those of `lammps_jump.physics.law`, with the velocities of the dump, which stand at the full step.
+    It is what the engine has written, where it has. Else the laws are those of `lammps_jump.physics.law`, with the
+    velocities of the dump, which stand at the full step.
 
     Parameters
     ----------
@@ -242,20 +248,24 @@ def whole_forces(
     if friction is not None and scene.rotation and "omegaz" in frame.columns:
         rim = np.append(frame.column("omegaz") * flow.radii(frame), 0.0)
     slope = None
-    if friction is not None and scene.friction_law == "sign":
-        slope = 1.0 / max(SIGN_RAMP * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
-    parts = contacts._asdict()
-    parts["friction"] = friction
-    return _whole_forces(u, v, rim, *parts.values(), slope, flow.touch_width)
+    ramp = FRICTION_LAWS[scene.friction_law].ramp
+    if friction is not None and ramp is not None:
+        slope = 1.0 / max(ramp * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
+    computed = _whole_forces(u, v, rim, contacts, friction, slope, flow.touch_width)
+    if flow.written is None or not velocity:
+        return computed
+    written = flow.written.forces(frame.step, frame.ids[contacts.second], contacts.partner)
+    # a contact that begins within the digits of the dump may be in one of the two alone
+    fx, fy = (np.where(np.isnan(known), own, known) for known, own in zip(written, computed, strict=True))
+    return fx, fy
 
 
-def _whole_forces_py(
-    u, v, rim, first, second, nx, ny, overlap, dashpot, stiffness, ramp, friction, wall_u, wall_v, slope, touch
-):
-    """Force of each contact on its second disc; `rim` is radius times spin of each disc, m/s, others as `Touching`.
+def _whole_forces_py(u, v, rim, contacts, friction, slope, touch):
+    """Force of each contact on its second disc; `rim` is radius times spin of each disc, m/s.
 
-    `friction` is None where nothing rubs.
+    `friction` is None where nothing rubs, else that of the contacts.
     """
+    first, second, nx, ny, overlap, dashpot, stiffness, ramp, _, wall_u, wall_v, _ = contacts
     fx, fy = np.empty_like(overlap), np.empty_like(overlap)
     rub = None if friction is None else 0.0
     for k in range(overlap.size):

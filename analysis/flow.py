@@ -6,11 +6,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import hypot, isfinite
+from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.poses import PoseFile
 from lammps_jump.errors import DumpError
+from lammps_jump.files import POSES
 from lammps_jump.quoting import figure_text
 from lammps_jump.scene.chains import AT_START, ENDLESS, X0, X1
 from lammps_jump.scene.scene import Scene
@@ -45,6 +49,10 @@ class Flow:
         Velocities are in the frames, or follow from positions and times.
     water : bool
         The front of a column is to be compared with water's: Ritter, Martin & Moyce.
+    written : ContactFile or None
+        Contact forces of each frame as the engine had them; None: they are computed from the frame.
+    poses : PoseFile or None
+        Where the walls are that the discs push; without it they are where the case has them.
     """
 
     scene: Scene
@@ -59,6 +67,8 @@ class Flow:
     timed: bool = True
     velocities: bool = True
     water: bool = False
+    written: ContactFile | None = field(default=None, repr=False, compare=False)
+    poses: PoseFile | None = field(default=None, compare=False)
 
     def radii(self, frame: Frame) -> np.ndarray:
         """Radius of each disc, m, shape (n,); one number seen n times where discs are equal. Not to be changed."""
@@ -139,14 +149,23 @@ class Flow:
         """Step of a time (s), with a fraction between steps; the time itself where it is a step number."""
         return round(time / self.time_step, 6) + self.scene.settle_steps if self.time_step else time
 
-    def shut_gates(self, time: float) -> tuple[Wall, ...]:
-        """Gates that are still there at a time, s."""
-        step = self.step_at(time)
-        return tuple(wall for wall, motion in self.scene.gates if step < motion.gone)
+    def number_of(self, wall: Wall) -> int:
+        """Number of a wall in the scene, from 0; -1 of one that is not in it."""
+        return {one.wall.name: number for number, one in enumerate(self.scene.walls)}.get(wall.name, -1)
 
     def walls_at(self, time: float) -> tuple[Wall, ...]:
-        """Walls that stand at a time (s), gates that are still shut among them."""
-        return self.scene.walls_at(self.step_at(time))
+        """Walls that are there at a time (s), where they are; gates that are still shut among them."""
+        return self.scene.walls_at(self.step_at(time), self.poses.at(time) if self.poses else None)
+
+    def standing_at(self, time: float) -> tuple[Wall, ...]:
+        """Those of `walls_at` that are never taken away."""
+        gates = {wall.name for wall, _ in self.scene.gates}
+        return tuple(wall for wall in self.walls_at(time) if wall.name not in gates)
+
+    def shut_gates(self, time: float) -> tuple[Wall, ...]:
+        """Gates that are still there at a time (s), where they are."""
+        gates = {wall.name for wall, _ in self.scene.gates}
+        return tuple(wall for wall in self.walls_at(time) if wall.name in gates)
 
     def bed_height(self, x: np.ndarray | float) -> np.ndarray:
         """Height y_b of the bed at x, m; NaN where nothing lies below.
@@ -231,6 +250,7 @@ def from_scene(
     inflow_depth: float | None = None,
     inflow_speed: float | None = None,
     water: bool = False,
+    folder: Path | None = None,
 ) -> Flow:
     """Flow of a scene.
 
@@ -248,12 +268,15 @@ def from_scene(
         speeds.
     water : bool
         As of `Flow`.
+    folder : Path, optional
+        Run folder, whose ``walls.csv`` tells where the walls are that the discs push.
     """
     if scene.inlets and inflow_depth is None:
         inflow_depth = sum(q / abs(row.vx) for q, row in zip(scene.discharges, scene.inlets, strict=True))
     if scene.inlets and inflow_speed is None:
         inflow_speed = float(np.mean([row.vx for row in scene.inlets]))
     duration = scene.time(scene.steps)
+    pushed = [wall.name for wall, motion in scene.walls if motion.load is not None]
     return Flow(
         scene,
         x_range or _studied(scene),
@@ -263,6 +286,7 @@ def from_scene(
         inflow_speed,
         sized=scene.sizes is not None,
         water=water,
+        poses=PoseFile(folder / POSES, pushed) if pushed and folder is not None else None,
     )
 
 

@@ -179,9 +179,9 @@ def _floor(
 
 def _bins(seen: Interval, floor: Plane | Block, given: float | None, usual: float) -> tuple[Interval, float]:
     """The stretch of profiles and the width of their bins, m: a floor that ends is covered by whole bins."""
-    if isinstance(floor, Plane):
+    if not floor.finite:
         return seen, given or usual
-    start, end = floor.x
+    start, end = floor.extent[0]
     width = given or (end - start) / max(1, round((end - start) / usual))
     return (start - ceil((start - seen[0]) / width) * width, seen[1]), width
 

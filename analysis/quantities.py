@@ -10,11 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import DumpError, SetupError
-from lammps_jump.files import CURVES, plain, write_json
+from lammps_jump.files import CONTACTS_FILE, CURVES, plain, write_json
 from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import draw, energy, front
@@ -92,15 +93,34 @@ ALWAYS = {"inflow", "force"}
 """Made whether asked for or not, where a scene has rows of inflow or probes."""
 
 
+class Pictures(NamedTuple):
+    """What is drawn.
+
+    Attributes
+    ----------
+    figures : {'none', 'default', 'all'}
+        As ``figures/*.png``; default: `MAIN` and `DISCS`.
+    film : bool
+        Write ``animation.mp4``, or ``animation.gif`` without ffmpeg.
+    quiet : bool
+        Print nothing while the film is made.
+    """
+
+    figures: str = "default"
+    film: bool = False
+    quiet: bool = False
+
+
+DEFAULT_PICTURES = Pictures()
+
+
 def analyse(
     flow: Flow,
     dump: Path,
     out: Path,
     wanted: Collection[str],
     *,
-    figures: str = "default",
-    film: bool = False,
-    quiet: bool = False,
+    pictures: Pictures = DEFAULT_PICTURES,
     watch: Sequence[Collector] = (),
     gathered: Gathered | None = None,
     told: Callable[[str], None] | None = None,
@@ -117,12 +137,7 @@ def analyse(
         looked for here and beside the dump.
     wanted : collection of str
         Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and `ALWAYS`.
-    figures : {'none', 'default', 'all'}
-        What is drawn as ``figures/*.png``; default: `MAIN` and `DISCS`.
-    film : bool
-        Write ``animation.mp4``, or ``animation.gif`` where there is no ffmpeg.
-    quiet : bool
-        Print nothing while the film is made.
+    pictures : Pictures
     watch : sequence of Collector
         Are also shown every frame.
     gathered : Gathered, optional
@@ -148,7 +163,7 @@ def analyse(
     told, warnings = told or (lambda phase: None), list(gathered.warnings)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
     with ExitStack() as busy:
-        if figures != "none":
+        if pictures.figures != "none":
             busy.enter_context(aside(draw_figures, [DISCS], {}, out / "figures", dump, flow))
         told("results")
         names = [name for name in QUANTITIES if name in {*wanted, *ALWAYS}]
@@ -157,8 +172,8 @@ def analyse(
         warnings += results["jump"].notes if "jump" in results else ()
         warnings += getattr(results.get("inflow"), "notes", ())
         parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
-        shown = drawings(gathered, results) if figures != "none" else {}
-        drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[figures]
+        shown = drawings(gathered, results) if pictures.figures != "none" else {}
+        drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[pictures.figures]
         if drawn:
             busy.enter_context(aside(draw_figures, drawn, shown, out / "figures", dump, flow))
         told("tables")
@@ -171,8 +186,8 @@ def analyse(
                 files += [f"figures/{name}.png" for name in maps]
         told("figures")
     files += [f"figures/{name}.png" for name in ((*drawn, DISCS) if drawn else ())]
-    if film:
-        files += _film(gathered, dump, out, warnings, quiet)
+    if pictures.film:
+        files += _film(gathered, dump, out, warnings, pictures.quiet)
     parts |= {"profiles": _about_profiles(gathered), "files": files, "warnings": list(dict.fromkeys(warnings))}
     return plain(parts)
 
@@ -195,7 +210,13 @@ def _write(
 def collect(
     flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Collector] = ()
 ) -> Gathered:
-    """One pass over a dump with the collectors of the wanted quantities; ``forces.csv`` is looked for in `places`."""
+    """One pass over a dump with the collectors of the wanted quantities.
+
+    ``forces.csv`` and the contacts that the engine wrote are looked for in `places`.
+    """
+    if flow.scene.contact_output:
+        found = [place / CONTACTS_FILE for place in places]
+        flow = replace(flow, written=ContactFile(next((file for file in found if file.is_file()), found[-1])))
     warnings = list(flow.notes)
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None

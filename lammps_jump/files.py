@@ -21,6 +21,8 @@ from .errors import DumpError, JumpError
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
+CONTACTS_FILE = "contacts.bin"
+"""Contacts of each frame with their forces, where the scene asks for them."""
 CURVES = "curves.json"
 """What the page draws, by the name of the figure."""
 PLAYER = "player.json"
@@ -47,6 +49,8 @@ FIGURES = {
     "bed_pressure.png": "Pressure at the bed against the weight above",
 }
 """Pictures in ``figures/``, in the order of the report, with their captions there."""
+POSES, POSES_HEADER = "walls.csv", "time,wall,x,y,angle"
+"""Where walls are that the discs push, a row a wall and frame, and its first line."""
 PICTURES = ("png", "pdf", "svg")
 """Formats of figures."""
 JOB_FILE = "job.slurm"
@@ -61,6 +65,8 @@ RUN_FILES = (
     "log.lammps",
     *DUMP_NAMES.values(),
     "forces.csv",
+    CONTACTS_FILE,
+    POSES,
     JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",
@@ -75,7 +81,7 @@ RUN_FILES = (
 """What the engines read and write in a run folder (names and patterns)."""
 EXPORTS = {
     "csv": ("profiles.csv", "profiles_mean.csv"),
-    "vtk": ("discs[0-9].vtp", "discs.pvd", "fields.vti"),
+    "vtk": ("discs[0-9].vtp", "discs.pvd", "fields.vti", "walls.vtp", "walls[0-9].vtp", "walls.pvd"),
     "pictures": ("picture[0-9].dat",),
 }
 """Names of the files that an export of each kind writes."""
@@ -145,7 +151,7 @@ def writes(place: object, kind: type[JumpError] = DumpError, remedy: str = "name
 
 def checksum(path: Path) -> dict[str, int | str]:
     """Size of a file in bytes, and its SHA-256."""
-    with open(path, "rb", opener=_open_regular) as file:
+    with open(path, "rb", opener=open_regular) as file:
         return {"size": os.fstat(file.fileno()).st_size, "sha256": hashlib.file_digest(file, "sha256").hexdigest()}
 
 
@@ -237,7 +243,7 @@ def read_file(path: Path, most: int) -> bytes:
 
 def read_start(path: Path, most: int) -> bytes:
     """At most so many bytes from the start of a regular file; OSError for another kind."""
-    with open(path, "rb", opener=_open_regular) as file:
+    with open(path, "rb", opener=open_regular) as file:
         return file.read(min(most, os.fstat(file.fileno()).st_size))  # room is made for all that is asked for
 
 
@@ -249,7 +255,8 @@ def text_of(path: Path, errors: str = "strict") -> str:
         raise DumpError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
 
 
-def _open_regular(path: str, flags: int) -> int:
+def open_regular(path: str, flags: int) -> int:
+    """An `opener` for `open` that refuses all but regular files, and never waits for a pipe."""
     place = os.open(path, flags | os.O_NONBLOCK)  # a pipe without a writer would be waited for
     if not stat.S_ISREG(os.fstat(place).st_mode):
         os.close(place)

@@ -1,27 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a result depends on: versions, hashes, the machine."""
+"""What a result depends on: versions, the machine."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
 import platform
-from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import fields
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted")
-"""Fields of a scene that change no trajectory."""
 
 
 @cache
@@ -55,19 +42,3 @@ def machine() -> dict[str, str | int | None]:
         "system": platform.system(),
         "architecture": platform.machine(),
     }
-
-
-def short_hash(data: Mapping[str, object]) -> str:
-    """Twelve hex digits of plain data, whatever the order of its keys."""
-    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:12]
-
-
-def fingerprint(scene: DataclassInstance) -> str:
-    """A hash of every number of a scene: a newer version of the program may make another scene of the same case."""
-    found = hashlib.sha256()
-    for field in fields(scene):
-        value = getattr(scene, field.name)
-        if field.name not in NO_NUMBERS:
-            found.update(field.name.encode())
-            found.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
-    return found.hexdigest()

@@ -78,7 +78,7 @@ COEFFICIENTS = (
     "mass", "stiffness", "stiffness_wall", "time_step", "restitution", "friction",
     "gamma_tangential", "gamma_tangential_wall",
 )  # fmt: skip
-FLOW = ("x_range", "bin_width", "window", "inflow_depth", "inflow_speed", "notes", "sized", "timed", "water")
+FLOW = ("x_range", "bin_width", "window", "inflow_depth", "inflow_speed", "notes", "sized", "timed", "water", "poses")
 
 
 def flow_context(*, dashpot=0.0, dashpot_wall=0.0, **given) -> Flow:

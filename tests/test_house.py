@@ -17,15 +17,16 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from edges import Program, base_of, module_of
 
 ROOT = Path(__file__).parents[1]
 
 FLOORS = (
-    "errors", "quoting", "files", "folders", "units", "provenance", "physics", "scene", "case", "script", "dump",
-    "engines", "analysis", "runs", "sweeps", "studies", "cli",
+    "errors", "quoting", "files", "folders", "units", "provenance", "identity", "physics", "scene", "case", "script",
+    "dump", "engines", "analysis", "runs", "sweeps", "studies", "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
-AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:4]), "units.py", "provenance.py"}
+AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:7])}
 CALLERS = {"studies", "cli"}
 """What calls the public Python API, ``import lammps_jump``."""
 NOT_FOR_ANALYSIS = {"case", "engines"}
@@ -33,11 +34,38 @@ LARGEST_FILE = 300
 """Lines of code; docstrings, comments and blank lines do not count."""
 LOOPS = {"lammps_jump/engines/native/loops.py"}
 """Jitted loops may be longer."""
+MOST_PARAMETERS = 8
+"""Parameters of a function, keyword-only ones, ``*args`` and ``**kwargs`` included; options of a command are free."""
 MOST_FILES = 12
 """Python files of a folder, ``__init__.py`` included."""
 
 LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
+LONG_CALLS = {
+    "analysis/contacts.py:_touch_wall_py": 13,
+    "analysis/jump/head.py:_contact_fields_py": 17,
+    "analysis/profiles.py:_bin_frame_py": 10,
+    "analysis/profiles.py:_surface_frame_py": 10,
+    "lammps_jump/dump/rows.py:_parse_rows_py": 9,
+    "lammps_jump/engines/native/ledger.py:_between_py": 32,
+    "lammps_jump/engines/native/lists.py:_pair_list_py": 10,
+    "lammps_jump/engines/native/lists.py:_sort_py": 12,
+    "lammps_jump/engines/native/loops.py:_advance_py": 34,
+    "lammps_jump/engines/native/loops.py:_cell_pairs_py": 9,
+    "lammps_jump/engines/native/loops.py:_elastic_py": 14,
+    "lammps_jump/engines/native/loops.py:_give_sizes_py": 18,
+    "lammps_jump/engines/native/loops.py:_kick_drift_py": 21,
+    "lammps_jump/engines/native/loops.py:_pair_forces_py": 21,
+    "lammps_jump/engines/native/loops.py:_power_py": 9,
+    "lammps_jump/engines/native/loops.py:_wall_forces_py": 20,
+    "lammps_jump/scene/faces.py:_behind_py": 10,
+    "lammps_jump/scene/faces.py:_list_near_py": 14,
+    "lammps_jump/scene/faces.py:_mark_cells_py": 11,
+    "lammps_jump/scene/faces.py:_select_py": 10,
+    "lammps_jump/scene/faces.py:_touching_py": 11,
+}
+"""Jitted loops over `MOST_PARAMETERS`, with their parameters today: numba keeps a branch on a field of a tuple, and
+drops one on an argument that is None."""
 FULL_FOLDERS: dict[str, int] = {}
 """Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()
@@ -47,17 +75,10 @@ IMPORTS_INSIDE: dict[str, int] = {}
 
 
 @cache
-def trees() -> dict[str, ast.Module]:
+def trees(pattern: str = "*.py") -> dict[str, ast.Module]:
     """Syntax tree of every file of the program, by its path from the root."""
-    paths = [path for name in ("lammps_jump", "analysis") for path in (ROOT / name).rglob("*.py")]
+    paths = [path for name in ("lammps_jump", "analysis") for path in (ROOT / name).rglob(pattern)]
     return {str(path.relative_to(ROOT)): ast.parse(path.read_text()) for path in sorted(paths)}
-
-
-def module_of(file: str) -> str:
-    """Dotted name under which a file is imported."""
-    parts = list(Path(file).with_suffix("").parts)
-    parts = ["lammps_jump", *parts] if parts[0] == "analysis" else parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 @cache
@@ -66,33 +87,22 @@ def modules() -> dict[str, str]:
     return {module_of(file): file for file in trees()}
 
 
-def named_module(file: str, node: ast.ImportFrom) -> str:
-    """The module after ``from``, in full."""
-    if not node.level:
-        return node.module
-    package = module_of(file).split(".")
-    package = package if file.endswith("__init__.py") else package[:-1]
-    return ".".join(package[: len(package) - node.level + 1] + ([node.module] if node.module else []))
-
-
 def imported(file: str, node: ast.AST) -> list[tuple[str, str]]:
     """(module, name) of an import of our own modules; the name is empty where the module itself is imported."""
     if isinstance(node, ast.Import):
         return [(alias.name, "") for alias in node.names if alias.name.split(".")[0] == "lammps_jump"]
-    if not isinstance(node, ast.ImportFrom) or named_module(file, node).split(".")[0] != "lammps_jump":
+    if not isinstance(node, ast.ImportFrom) or base_of(file, node).split(".")[0] != "lammps_jump":
         return []
-    base = named_module(file, node)
+    base = base_of(file, node)
     inside = [(f"{base}.{alias.name}", alias.name) for alias in node.names]
     return [(module, "") if module in modules() else (base, name) for module, name in inside]
 
 
 @cache
 def imports() -> dict[str, set[str]]:
-    """Modules that each module imports, at its top or inside functions."""
-    return {
-        module_of(file): {module for node in ast.walk(tree) for module, _ in imported(file, node)}
-        for file, tree in trees().items()
-    }
+    """Modules that each module uses: imported at its top or inside functions, or loaded through a late-bound name."""
+    program = Program(trees(), trees("*.pyi"))
+    return {module_of(file): program.edges(file) for file in trees()}
 
 
 def floor(module: str) -> str:
@@ -139,6 +149,32 @@ def test_analysis_knows_neither_cases_nor_engines():
     assert not wrong
 
 
+def test_every_module_that_is_used_is_there():
+    assert not set().union(*imports().values()) - modules().keys()
+
+
+@pytest.mark.parametrize(
+    ("text", "used"),
+    [
+        ("from lammps_jump import rooms\nrooms.lamp.glow()", {"rooms", "rooms.lamp"}),
+        ("import lammps_jump.rooms as r\ndef f(): return r.glow()", {"rooms", "rooms.lamp"}),
+        ("import lammps_jump as lj\nlj.rooms.chair.sit()", {"rooms.chair"}),
+        ("from .rooms import glow", {"rooms.lamp"}),
+        ("from . import rooms\nuse(rooms)", {"rooms", "rooms.lamp", "rooms.chair"}),
+        ("from . import rooms\ngetattr(rooms, name)", {"rooms", "rooms.lamp", "rooms.chair"}),
+        ("Worker('lammps_jump.rooms.lamp')", {"rooms.lamp"}),
+        ("import_module({1: '.rooms.chair'}[one], __package__)", {"rooms.chair"}),
+        ("from lammps_jump import rooms\nlamp = 'rooms.lamp'", {"rooms"}),
+    ],
+)
+def test_late_bound_names_are_edges(text, used):
+    files = ("__init__", "house", "rooms/__init__", "rooms/lamp", "rooms/chair")
+    trees = {f"lammps_jump/{name}.py": ast.parse(text if name == "house" else "") for name in files}
+    stub = ast.parse("from . import chair as chair\nfrom .lamp import glow as glow")
+    found = Program(trees, {"lammps_jump/rooms/__init__.pyi": stub}).edges("lammps_jump/house.py")
+    assert {name.removeprefix("lammps_jump.") for name in found} - {"lammps_jump"} == used
+
+
 def test_no_import_runs_in_a_circle():
     left = {module: {other for other in others if other != module} for module, others in imports().items()}
     while True:  # what imports nothing that is left is in no circle
@@ -158,7 +194,7 @@ def test_no_private_name_is_taken_from_another_file():
             for node in nodes
             if isinstance(node, ast.ImportFrom)
             for alias in node.names
-            if (f"{named_module(file, node)}.{alias.name}") in modules()
+            if (f"{base_of(file, node)}.{alias.name}") in modules()
         }
         taken = [name for node in nodes for _, name in imported(file, node)]
         taken += [
@@ -205,6 +241,44 @@ def shrinks(found: dict[str, int], known: dict[str, int]) -> None:
 def test_files_are_small():
     sizes = {file: lines_of_code((ROOT / file).read_text()) for file in trees() if file not in LOOPS}
     shrinks(over(sizes, LARGEST_FILE), LARGE_FILES)
+
+
+def is_command(function: ast.FunctionDef) -> bool:
+    """Whether a function is a command of the command line, whose options are its parameters."""
+    calls = [one.func for one in function.decorator_list if isinstance(one, ast.Call)]
+    return any(isinstance(one, ast.Attribute) and one.attr == "command" for one in calls)
+
+
+def parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """How many parameters a function has."""
+    given = function.args
+    named = [*given.posonlyargs, *given.args, *given.kwonlyargs]
+    return len(named) + sum(one is not None for one in (given.vararg, given.kwarg))
+
+
+def test_functions_have_few_parameters():
+    counts = {
+        f"{file}:{node.name}": parameters(node)
+        for file, tree in trees().items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not is_command(node)
+        if parameters(node) > MOST_PARAMETERS
+    }
+    shrinks(counts, LONG_CALLS)
+    jitted = {
+        node.args[0].id
+        for tree in trees().values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Call)
+        if getattr(node.func.func, "id", "") == "njit"
+    }
+    assert {name.partition(":")[2] for name in LONG_CALLS} <= jitted
+
+
+def test_how_parameters_are_counted():
+    (function,) = ast.parse("def f(a, /, b, *c, d=1, **e): ...").body
+    assert parameters(function) == 5 and not is_command(function)
+    assert is_command(ast.parse("@app.command('x')\ndef f(): ...").body[0])
 
 
 def test_folders_are_small():

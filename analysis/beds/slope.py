@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from math import atan, cos, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from lammps_jump.analysis.jump.head import EnergyFluxes
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.profiles import Binner, add_means, bin_edges
+from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.motion import Motion, MovingWall, Placed, Pose
@@ -106,6 +107,18 @@ class TurnedFlow(Flow):
         return make_frame(frame.step, frame.time, frame.box, columns)
 
 
+class _TurnedForces:
+    """Contact forces as the engine had them, turned by an angle, rad; in place of a `ContactFile`."""
+
+    def __init__(self, written: ContactFile, angle: float):
+        self.written, self.angle = written, angle
+
+    def forces(self, *asked: Any) -> tuple[np.ndarray, np.ndarray]:
+        """As of the file, along and across the bed."""
+        (fx, fy), c, s = self.written.forces(*asked), cos(self.angle), sin(self.angle)
+        return c * fx - s * fy, s * fx + c * fy
+
+
 def turned_flow(flow: Flow, stretch: Stretch) -> TurnedFlow:
     """The flow along a stretch of its bed."""
     (gx, gy), a = flow.scene.gravity, -stretch.angle
@@ -113,6 +126,7 @@ def turned_flow(flow: Flow, stretch: Stretch) -> TurnedFlow:
     walls = (MovingWall(_turned_wall(wall, stretch), Motion(motion.gone)) for wall, motion in flow.scene.walls)
     scene = replace(flow.scene, gravity=gravity, walls=tuple(walls), stations=None, groups=())
     kept = {name: value for name, value in vars(flow).items() if name not in ("scene", "x_range")}
+    kept["written"] = _TurnedForces(flow.written, a) if flow.written else None
     ends = stretch.x, stretch.x + stretch.length / cos(stretch.angle)
     return TurnedFlow(scene=scene, x_range=ends, **kept, whole=flow, stretch=stretch)
 

@@ -246,10 +246,3 @@ def _cut(polygon: np.ndarray, x: Interval, y: Interval) -> np.ndarray:
                 kept.append(corner)
         polygon = np.array(kept, float).reshape(-1, 2)
     return polygon
-
-
-def thin(polygon: np.ndarray) -> bool:
-    """Whether a closed polygon has no area: an open chain of faces, or a sheet."""
-    x, y = (polygon - polygon[0]).T
-    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
-    return area <= 1e-9 * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)

@@ -42,7 +42,7 @@ def depth_profile(profiles: xr.Dataset, flow: Flow, *, lines: Mapping[str, float
     low = min(0.0, float(np.min(bed[np.isfinite(bed)], initial=0.0)))
     top = float(np.nanmax([1.0, *lines.values(), *surface.y, *mass.y]))
     x, y = _occupied(profiles), (low - 0.04 * top, 1.15 * top)
-    solids = shown_walls(flow.scene.permanent, x, y)
+    solids = shown_walls(flow.standing_at(profiles.attrs["window_end"]), x, y)
     upper = Panel("Height above y = 0 [m]", (surface, mass), "", lines, marks, solids, x, y, 2.2)
     speed = _mean(profiles, "velocity", 0.0, "mean discharge over mean depth")
     skin = Line("at the surface", profiles.x.values, profiles.surface_velocity_mean.values, "second")

@@ -122,25 +122,26 @@ class _Painter:
         self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.title)
         self.inside = slice(ABOVE, ABOVE + self.view.height), slice(LEFT, LEFT + self.view.width)
         self.font = ImageFont.truetype(findfont("DejaVu Sans"), 16)
-        walls = {wall.name: wall for wall in flow.scene.permanent}
+        walls = {wall.name for wall in flow.scene.permanent}
         # a force may act on something that is no wall
-        acting = [(walls[name], history) for name, history in forces.items() if name in walls and len(history.time)]
-        self.forces = [(_anchor(wall, self.view), history) for wall, history in acting]
-        biggest = max((float(np.quantile(np.hypot(h.fx, h.fy), 0.995)) for _, h in self.forces), default=0.0)
+        self.forces = {name: history for name, history in forces.items() if name in walls and len(history.time)}
+        biggest = max((float(np.quantile(np.hypot(h.fx, h.fy), 0.995)) for h in self.forces.values()), default=0.0)
         # the largest force is a third of the picture's height long
         self.pixels_per_newton = self.view.height / 3.0 / biggest if biggest > 0 else 0.0
-        self.grounds: dict[tuple[Wall, ...], np.ndarray] = {}
+        self.ground: tuple[object, np.ndarray] = None, self.picture
 
     def paint(self, frame: Frame) -> np.ndarray:
         """The picture of a frame, shape (height, width, 3), uint8."""
         view, time = self.view, self.flow.time(frame)
-        gates = self.flow.shut_gates(time)
-        if gates not in self.grounds:
-            self.grounds[gates] = self.picture.copy()
-            paint_walls(self.grounds[gates][self.inside], view, self.flow.scene.permanent, gates)
-        picture = self.grounds[gates].copy()
+        walls, gates = self.flow.standing_at(time), self.flow.shut_gates(time)
+        if self.ground[0] != (walls, gates):
+            self.ground = (walls, gates), self.picture.copy()
+            paint_walls(self.ground[1][self.inside], view, walls, gates)
+        picture = self.ground[1].copy()
         paint_frame(picture[self.inside], view, frame, self.flow, self.top_speed)
-        for (x, y), history in self.forces:
+        places = {wall.name: _anchor(wall, view) for wall in walls if wall.name in self.forces}
+        for name, history in self.forces.items():
+            x, y = places[name]
             fx, fy = (self.pixels_per_newton * np.interp(time, history.time, part) for part in (history.fx, history.fy))
             start = float(view.column(x)), float(view.row(y))
             end = start[0] + fx, start[1] - fy

@@ -29,7 +29,8 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map
     values = np.where(fields["density"].values > 0.05 * flow.scene.density, quantity.values, np.nan)
     x, y = edges_of(fields.x.values), edges_of(fields.y.values)
     room = (x[0], x[-1]), (y[0] - 0.08 * (y[-1] - y[0]), y[-1])
-    hollow = [corners for wall in flow.scene.permanent if wall.hollow for corners in wall.outline(*room)]
+    walls = flow.standing_at(_time_of(fields, flow))
+    hollow = [corners for wall in walls if wall.hollow for corners in wall.outline(*room)]
     return Map(
         _heading(fields, variable),
         axis_label(quantity).replace(", compression positive", ""),
@@ -39,7 +40,7 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map
         "Height y [m]",
         bool(np.nanmin(values, initial=0.0) < 0),
         [Line("", *np.vstack([corners, corners[:1]]).T, "sum") for corners in hollow],
-        shown_walls(flow.scene.permanent, *room),
+        shown_walls(walls, *room),
         to_scale=True,
     )
 
@@ -47,6 +48,13 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map
 def _heading(fields: xr.Dataset, what: str) -> str:
     when = f"mean of {fields.attrs['frames']} frames" if "frames" in fields.attrs else f"t = {float(fields.time):.2f} s"
     return f"{what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
+
+
+def _time_of(fields: xr.Dataset, flow: Flow) -> float:
+    """When walls that move are shown, s: with the frame, or at the end of the window of a mean."""
+    if "frames" in fields.attrs:
+        return flow.window[1] if flow.window else 0.0
+    return float(fields.time)
 
 
 def bed_pressure(fields: xr.Dataset) -> xr.Dataset:

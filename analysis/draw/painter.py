@@ -17,9 +17,8 @@ from numba import njit
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame
-from lammps_jump.scene.walls import Interval, Wall
+from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
 
-from .chart import thin
 from .scope import disc_speeds
 
 PAPER = (255, 255, 255)
@@ -73,7 +72,7 @@ def blank(view: View) -> np.ndarray:
 
 
 def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates: tuple[Wall, ...] = ()) -> None:
-    """Walls as grey solids, what has no thickness as bars; of gates without end a bar behind the face."""
+    """Walls as grey solids, sheets as bars; of open lines and of gates without end a bar behind the faces."""
     solid = np.zeros(picture.shape[:2], bool)
     for wall in (*walls, *(gate for gate in gates if gate.finite)):
         solid |= _solid(wall, view)
@@ -100,11 +99,14 @@ def _solid(wall: Wall, view: View) -> np.ndarray:
     """Pixels whose centre is in the solid of a wall, or near one of its faces without thickness."""
     wide = tuple((low - (high - low), high + (high - low)) for low, high in (view.x, view.y))
     turns, bars = np.zeros((view.height, view.width + 1), bool), np.zeros((view.height, view.width), bool)
-    for polygon in wall.outline(*wide):
+    outlines, lines = parts_of(wall, *wide)
+    for polygon in outlines:
         if thin(polygon):
             _mark_near(polygon, view, bars)
         else:
             _mark_turns(polygon, view, turns)
+    for line in lines:
+        _mark_behind(line, view, bars)
     return bars | (np.logical_xor.accumulate(turns, axis=1)[:, :-1] ^ wall.hollow)
 
 
@@ -121,15 +123,33 @@ def _mark_turns(polygon: np.ndarray, view: View, turns: np.ndarray) -> None:
 
 def _mark_near(polygon: np.ndarray, view: View, bars: np.ndarray) -> None:
     """Mark the pixels within half a bar of a line."""
-    half = 0.5 * BAR / view.scale
-    for (x0, y0), (x1, y1) in pairwise(polygon):
-        columns = _pixels(view.column([x0, x1]), view.width)
-        rows = _pixels(view.row([y0, y1]), view.height)
-        x, y = _centres(view, rows, columns)
-        square = (x1 - x0) ** 2 + (y1 - y0) ** 2
-        along = np.clip(((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / (square or 1.0), 0.0, 1.0)
-        off = np.hypot(x - x0 - along * (x1 - x0), y - y0 - along * (y1 - y0))
-        bars[rows, columns] |= off <= half
+    for start, end in pairwise(polygon):
+        rows, columns, along, across = _beside(start, end, view)
+        off = np.hypot(across, along - np.clip(along, 0.0, np.hypot(*(end - start))))
+        bars[rows, columns] |= off <= 0.5 * BAR / view.scale
+
+
+def _mark_behind(line: np.ndarray, view: View, bars: np.ndarray) -> None:
+    """Mark the pixels of a bar right of an open line, where it has no discs."""
+    ways = np.diff(line, axis=0)
+    left = np.append(np.append(False, ways[:-1, 0] * ways[1:, 1] > ways[:-1, 1] * ways[1:, 0]), False)
+    for k, (start, end) in enumerate(pairwise(line)):
+        rows, columns, along, across = _beside(start, end, view)
+        over = along - np.clip(along, 0.0, np.hypot(*ways[k]))
+        # behind a turn to the left the bars of both faces would leave a gap
+        there = (over == 0) | ((over < 0) & left[k]) | ((over > 0) & left[k + 1])
+        bars[rows, columns] |= there & (across <= 0) & (np.hypot(over, across) <= BAR / view.scale)
+
+
+def _beside(start: np.ndarray, end: np.ndarray, view: View) -> tuple[slice, slice, np.ndarray, np.ndarray]:
+    """Rows and columns of the pixels around a face, and how far they are along it and left of it, m."""
+    columns = _pixels(view.column([start[0], end[0]]), view.width)
+    rows = _pixels(view.row([start[1], end[1]]), view.height)
+    x, y = _centres(view, rows, columns)
+    long = np.hypot(*(end - start))
+    tx, ty = (end - start) / long if long > 0 else (1.0, 0.0)
+    dx, dy = x - start[0], y - start[1]
+    return rows, columns, tx * dx + ty * dy, tx * dy - ty * dx
 
 
 def _pixels(ends: np.ndarray, size: int) -> slice:

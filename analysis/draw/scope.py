@@ -43,7 +43,8 @@ def seen(frames: Sequence[Frame], flow: Flow) -> tuple[Interval, Interval]:
     floor to just above nearly all discs there.
     """
     (low, high), diameter = flow.x_range, flow.scene.diameter
-    blocks = [wall.extent for wall in flow.scene.permanent if wall.finite]
+    standing = {wall for frame in frames for wall in flow.standing_at(flow.time(frame))}
+    blocks = [wall.extent for wall in standing if wall.finite]
     parts = [frame.x[(frame.x >= low) & (frame.x <= high)] for frame in frames]
     ends = [float(np.quantile(part, q)) for part in parts if part.size for q in (0.0, 0.999)]
     ends += [end for sides, _ in blocks for end in sides if low < end < high]

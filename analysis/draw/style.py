@@ -17,8 +17,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from lammps_jump.errors import DumpError
+from lammps_jump.scene.walls import thin
 
-from .chart import PLACE, Bars, Chart, Map, Panel, edges_of, thin
+from .chart import PLACE, Bars, Chart, Map, Panel, edges_of
 
 STYLE = {
     "font.family": "DejaVu Sans",

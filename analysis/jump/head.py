@@ -66,9 +66,9 @@ class EnergyFluxes:
             fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)
         # behind the discs stands one that never moves: the walls
         u, v, kick = (np.append(values, 0.0) for values in (u, v, 0.5 * flow.time_step / mass))
-        weight, pull = (np.append(part * mass, 0.0) for part in (-flow.gravity, flow.scene.gravity[0]))
+        weight = np.append(np.multiply.outer(flow.scene.gravity, mass), np.zeros((2, 1)), axis=1)
         contacts = touching(frame, flow)
-        _contact_fields(x, u, v, kick, weight, pull, *contacts[:7], flow.touch_width, self.rounds, low, width, fields)
+        _contact_fields(x, u, v, kick, weight, *contacts[:7], flow.touch_width, self.rounds, low, width, fields)
         self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))
 
@@ -83,7 +83,7 @@ class EnergyFluxes:
 
 
 def _contact_fields_py(
-    x, u, v, kick, weight, pull, first, second, ex, ey, overlap, dashpot, stiffness, touch, rounds, low, width, fields
+    x, u, v, kick, weight, first, second, ex, ey, overlap, dashpot, stiffness, touch, rounds, low, width, fields
 ):
     """Add power, thrust, elastic energy, its flux and dissipation of the contacts to rows 5 to 9 of `fields`.
 
@@ -92,7 +92,7 @@ def _contact_fields_py(
     walls, bins = x.size, fields.shape[1]
     hu, hv = u, v
     for _ in range(rounds):
-        fx, fy = pull.copy(), weight.copy()
+        fx, fy = weight[0].copy(), weight[1].copy()
         for k in range(first.size):
             i, j = first[k], second[k]
             opening = (hu[j] - hu[i]) * ex[k] + (hv[j] - hv[i]) * ey[k]

@@ -129,6 +129,11 @@ class FramePacker:
         mixed = rows["id"].astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)  # the golden ratio: well spread
         return rows[mixed < self._share * 2.0**64]
 
+    @property
+    def times(self) -> list[float]:
+        """Times of the frames that are kept, s."""
+        return [time for time, _ in self._kept]
+
     def sample(self) -> list[Frame]:
         """Ten frames at equal times, of what is kept of them."""
         found = []
@@ -139,7 +144,7 @@ class FramePacker:
 
     def result(self) -> Packed | None:
         """The packed frames; None where no frame holds a disc."""
-        times = np.array([time for time, _ in self._kept])
+        times = np.array(self.times)
         rows = np.concatenate([rows for _, rows in self._kept]) if self._kept else np.empty(0, ROW)
         if not len(rows):
             return None

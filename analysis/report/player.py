@@ -14,7 +14,8 @@ from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.errors import DumpError
 from lammps_jump.files import text_of
 from lammps_jump.physics.jump import sequent_depth
-from lammps_jump.scene.walls import Interval, Wall
+from lammps_jump.scene.motion import MovingWall, Pose
+from lammps_jump.scene.walls import Interval, parts_of
 
 from .frames import FramePacker
 from .page import Player, picture, picture_kind
@@ -59,12 +60,8 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
         "gravity": scene.gravity,
         "seen": (x, y),
         "fastest": top_of([disc_speeds(frame) for frame in sample], 0.1),
-        "walls": [shape for wall in scene.permanent for shape in _shapes(wall, x, y)],
-        "gates": [
-            {**shape, "until": scene.time(gate.motion.gone)}
-            for gate in scene.gates
-            for shape in _shapes(gate.wall, x, y)
-        ],
+        "walls": [_shape(one, packer, (x, y)) for one in scene.standing],
+        "gates": [{**_shape(one, packer, (x, y)), "until": scene.time(one.motion.gone)} for one in scene.gates],
         "inlets": sorted({(row.x, np.sign(row.vx)) for row in scene.inlets}),
         "outlets": [(outlet.axis, outlet.at, outlet.side) for outlet in scene.outlets],
         "bins": {"low": edges[0], "width": flow.bin_width, "count": len(edges) - 1},
@@ -78,11 +75,23 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
     return Player(header, packed.text, shown)
 
 
-def _shapes(wall: Wall, x: Interval, y: Interval) -> list[dict[str, object]]:
-    """Closed polygons of a wall, m, twice as far as a view shows."""
-    wide = tuple((low - (high - low), high + (high - low)) for low, high in (x, y))
-    polygons = (np.round(polygon, 9) for polygon in wall.outline(*wide))
-    return [{"name": wall.name, "hollow": wall.hollow, "points": points} for points in polygons]
+def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval]) -> dict[str, object]:
+    """A wall where the case has it, m, twice as far as a view shows; where it moves, its pose at each time.
+
+    ``outlines`` are closed polygons, ``lines`` open ones with the discs on their left.
+    """
+    wall, motion = one
+    wide = ((low - (high - low), high + (high - low)) for low, high in shown)
+    outlines, lines = ([np.round(part, 9) for part in parts] for parts in parts_of(wall, *wide))
+    shape: dict[str, object] = {"name": wall.name, "hollow": wall.hollow, "outlines": outlines, "lines": lines}
+    if motion.kind is None:
+        return shape
+    pushed = packer.flow.poses.at if motion.load and packer.flow.poses else lambda time: {}
+    steps = [(time, packer.flow.step_at(time)) for time in packer.times]
+    poses = [pushed(time).get(wall.name) or motion.pose(step) or Pose() for time, step in steps]
+    fine = int(3 - np.floor(np.log10(packer.q)))  # thousandths of a quantum of the discs
+    ways = (np.round(way, places) for way, places in zip(np.array(poses).T, (fine, fine, 6), strict=True))
+    return {**shape, "about": motion.about, **dict(zip(("x", "y", "angle"), ways, strict=True))}
 
 
 def _lowest_bed(flow: Flow, x: Interval, y: Interval) -> float:

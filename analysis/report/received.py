@@ -25,7 +25,7 @@ COLUMNS = 8
 KINDS = 4 + COLUMNS + 1
 """Kinds of numbers: changes of a row, columns of the table, the map."""
 MOST_BITS = 31
-MOST_CELLS, MOST_BINS, MOST_SHAPES = 100_000, 100_000, 10_000
+MOST_CELLS, MOST_BINS, MOST_SHAPES, MOST_POINTS = 100_000, 100_000, 10_000, 100_000
 MOST_WIDTHS = 1000
 """Widths of a bin in the largest radius: the page adds the area of a disc bin by bin."""
 Number = Annotated[FiniteFloat, Field(ge=-1e12, le=1e12)]
@@ -47,10 +47,26 @@ class _Map(_Part):
     sides: tuple[Above, Above]
 
 
+_Points = Annotated[list[tuple[Number, Number]], Field(min_length=1, max_length=MOST_POINTS)]
+_Way = Annotated[list[Number], Field(max_length=MOST_FRAMES)] | None
+
+
 class _Shape(_Part):
     name: Name
     hollow: bool
-    points: Annotated[list[tuple[Number, Number]], Field(min_length=1, max_length=MOST_SHAPES)]
+    outlines: Annotated[list[_Points], Field(max_length=MOST_SHAPES)]
+    lines: Annotated[list[_Points], Field(max_length=MOST_SHAPES)]
+    about: tuple[Number, Number] | None = None
+    x: _Way = None
+    y: _Way = None
+    angle: _Way = None
+
+    def ways_fit(self, frames: int) -> bool:
+        """Whether it stands, or has a pose for each frame."""
+        ways = [self.x, self.y, self.angle]
+        if self.about is None:
+            return ways == [None] * 3
+        return all(way is not None and len(way) == frames for way in ways)
 
 
 class _Gate(_Shape):
@@ -115,12 +131,15 @@ def read_player(path: Path) -> Player:
         and all(low < high for low, high in header.seen)
         and max(header.radii) <= MOST_WIDTHS * header.bins.width
         and cells <= MOST_CELLS
+        and all(wall.ways_fit(len(header.times)) for wall in (*header.walls, *header.gates))
+        and sum(len(part) for wall in (*header.walls, *header.gates) for part in (*wall.outlines, *wall.lines))
+        <= MOST_POINTS
     )
     counts = (header.discs, header.rows, len(header.times), len(header.radii), cells)
     odds = np.full(KINDS * OF_A_KIND * SLOTS, 2048)
     if not right or not _is_whole(digits_of(stored.frames), *counts, odds):
         raise ValueError(f"{path}: holds no packed frames")
-    return Player(header.model_dump(), stored.frames)
+    return Player(header.model_dump(exclude_unset=True), stored.frames)
 
 
 def _shrink_py(digits, state, start, size, step):

@@ -11,6 +11,8 @@ const GROWN = 330;
 const NARROWEST = 420;
 // A disc is shown at most as large, in pixels.
 const CLOSEST = 90;
+// Pixels of the band behind an open line.
+const BAND = 7;
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
   size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) / p.grown },
@@ -147,23 +149,68 @@ function paintBackground(p) {
   context.fillStyle = p.ink.paper;
   context.fillRect(0, 0, p.wide, p.high);
   const solid = new Path2D();
-  for (const wall of p.run.walls) solid.addPath(wallPath(p, wall));
+  const fixed = p.run.walls.filter((wall) => !wall.about);
+  for (const wall of fixed) solid.addPath(wallPath(p, wall));
   context.strokeStyle = p.ink.edge; // the solids cover the lines between them
   context.lineWidth = 2;
   context.stroke(solid);
   context.fillStyle = p.ink.solid;
-  context.fill(solid);
+  for (const wall of fixed) context.fill(wallPath(p, wall), "evenodd");
+  for (const wall of fixed) drawLines(p, wall, context);
   p.background = new Uint32Array(context.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
 }
 
-// The solid of a wall; of a hollow one, all that is outside it.
-function wallPath(p, { points, hollow }) {
+// Points of a wall where they are now.
+function placed(p, wall, points) {
+  if (!wall.about) return points;
+  const [ox, oy] = wall.about, [dx, dy, angle] = ["x", "y", "angle"].map((way) => alongWay(p, wall[way]));
+  const c = Math.cos(angle), s = Math.sin(angle);
+  return points.map(([x, y]) => [ox + dx + c * (x - ox) - s * (y - oy), oy + dy + s * (x - ox) + c * (y - oy)]);
+}
+
+// A number that is given at each frame, now: cubic between frames, with mean slopes.
+function alongWay(p, way) {
+  const { times } = p.run, k = frameBefore(times, p.time), long = times[k + 1] - times[k];
+  if (!(long > 0) || p.time <= times[k]) return way[k];
+  const slope = (i) => {
+    const a = Math.max(i - 1, 0), b = Math.min(i + 1, times.length - 1);
+    return (way[b] - way[a]) / (times[b] - times[a]) * long;
+  };
+  const s = (p.time - times[k]) / long, before = slope(k), after = slope(k + 1), rise = way[k + 1] - way[k];
+  return way[k] + s * (before + s * (3 * rise - 2 * before - after + s * (before + after - 2 * rise)));
+}
+
+// Add lines through points to a path.
+function trace(p, path, points) {
+  points.forEach(([x, y], k) => (k ? path.lineTo(column(p, x), row(p, y)) : path.moveTo(column(p, x), row(p, y))));
+}
+
+// The solid of a wall, by the even-odd rule; of a hollow one, all that is outside it.
+function wallPath(p, wall) {
   const path = new Path2D();
-  const turn = hollow ? [...points].reverse() : points;
-  turn.forEach(([x, y], k) => (k ? path.lineTo(column(p, x), row(p, y)) : path.moveTo(column(p, x), row(p, y))));
-  path.closePath();
-  if (hollow) path.rect(-10, p.high + 10, p.wide + 20, -p.high - 20);
+  for (const points of wall.outlines) {
+    trace(p, path, placed(p, wall, points));
+    path.closePath();
+  }
+  if (wall.hollow) path.rect(-10, p.high + 10, p.wide + 20, -p.high - 20);
   return path;
+}
+
+// Open lines, with a band on the side without discs.
+function drawLines(p, wall, context) {
+  for (const given of wall.lines) {
+    const points = placed(p, wall, given), band = new Path2D(), line = new Path2D();
+    for (let k = 1; k < points.length; k++) {
+      const [[x0, y0], [x1, y1]] = [points[k - 1], points[k]];
+      const aside = BAND / 2 / p.view.scale / (Math.hypot(x1 - x0, y1 - y0) || 1), dx = (y1 - y0) * aside, dy = (x0 - x1) * aside;
+      for (const [x, y] of [[x0, y0], [x1, y1]]) band.lineTo(column(p, x + dx), row(p, y + dy));
+    }
+    trace(p, line, points);
+    Object.assign(context, { lineJoin: "round", lineWidth: BAND, strokeStyle: p.ink.solid });
+    context.stroke(band);
+    Object.assign(context, { lineWidth: 2, strokeStyle: p.ink.edge });
+    context.stroke(line);
+  }
 }
 
 function draw(p) {
@@ -223,7 +270,7 @@ function drawMap(p, high) {
   canvas.getContext("2d").putImageData(painter.image, 0, 0);
   p.context.drawImage(canvas, column(p, low[0]), row(p, top), columns * wide * scale, rows * tall * scale);
   p.context.fillStyle = p.ink.solid;
-  for (const wall of p.run.walls) p.context.fill(wallPath(p, wall));
+  for (const wall of p.run.walls) p.context.fill(wallPath(p, wall), "evenodd");
 }
 
 function drawDiscs(p) {
@@ -239,6 +286,7 @@ function drawDiscs(p) {
   p.context.putImageData(painter.image, Math.round(MARGIN.left * dots), Math.round(MARGIN.legend * dots));
   inDiscs(p, () => {
     if (!of) drawMap(p, high);
+    for (const wall of p.run.walls) if (wall.about) drawMoving(p, wall);
     for (const gate of p.run.gates) if (p.time < gate.until) drawGate(p, gate);
     for (const disc of large) drawLarge(p, ...disc);
     if (p.picked !== null) drawRing(p);
@@ -257,12 +305,21 @@ function inDiscs(p, drawing) {
   context.restore();
 }
 
+function drawMoving(p, wall) {
+  const path = wallPath(p, wall);
+  Object.assign(p.context, { fillStyle: p.ink.solid, strokeStyle: p.ink.edge, lineWidth: 2 });
+  p.context.stroke(path);
+  p.context.fill(path, "evenodd");
+  drawLines(p, wall, p.context);
+}
+
 function drawGate(p, gate) {
   const path = wallPath(p, gate);
   p.context.fillStyle = p.context.strokeStyle = p.ink.edge;
   p.context.lineWidth = 3;
-  p.context.fill(path);
+  p.context.fill(path, "evenodd");
   p.context.stroke(path);
+  drawLines(p, gate, p.context);
 }
 
 function drawLarge(p, x, y, radius, shade) {
@@ -386,9 +443,20 @@ function drawBlocks(p, height) {
   for (const wall of p.run.walls) {
     if (wall.hollow) continue;
     p.context.beginPath();
-    for (const [x, y] of wall.points) p.context.lineTo(MARGIN.left + column(p, x), height(Math.max(0, y - p.run.bed)));
-    p.context.fill();
+    for (const part of [...wall.outlines, ...wall.lines.map(downToBed(p))]) {
+      placed(p, wall, part).forEach(([x, y], k) => {
+        const at = [MARGIN.left + column(p, x), height(Math.max(0, y - p.run.bed))];
+        if (k) p.context.lineTo(...at);
+        else p.context.moveTo(...at);
+      });
+    }
+    p.context.fill("evenodd");
   }
+}
+
+// The polygon between an open line and the bed.
+function downToBed(p) {
+  return (points) => [[points[0][0], p.run.bed], ...points, [points[points.length - 1][0], p.run.bed]];
 }
 
 function drawProfile(p, height) {

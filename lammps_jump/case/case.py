@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
-from lammps_jump.provenance import short_hash
+from lammps_jump.identity import case_key
 from lammps_jump.quoting import echoed, plain_name
 from lammps_jump.scene.scene import Scene
 
@@ -37,7 +37,7 @@ NOT_OF_THE_RUN = ("name", "description", "analysis")
 
 @dataclass(frozen=True)
 class ReadCase:
-    """A validated case.
+    """A validated case; `lammps_jump.Case` adds what runs it.
 
     Attributes
     ----------
@@ -49,6 +49,43 @@ class ReadCase:
 
     fields: CaseFields
     source: CaseSource = field(repr=False, compare=False)
+
+    @classmethod
+    def load(cls, source: str | Path | Mapping[str, object], changes: Changes | None = None) -> Self:
+        """Read, change and validate a case.
+
+        Parameters
+        ----------
+        source : str, Path or mapping
+            A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
+        changes : mapping or iterable of str, optional
+            Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index.
+            Numbers are SI, texts may carry a unit (``"20 cm"``). Or texts ``path=value``, as of ``--set``.
+
+        Raises
+        ------
+        CaseError
+            One paragraph with file:line, the field, the value, what is allowed and what to do.
+        """
+        if isinstance(source, Mapping):
+            read = CaseSource(file="<case>", data=json.loads(_json_text(dict(source))))
+            return cls._read(read, changes or (), "case")
+        path = Path(source)
+        if (path / "case.yaml").is_file():
+            path /= "case.yaml"
+        return cls._read(read_source(path), changes or (), path.stem)
+
+    @classmethod
+    def parse(cls, text: str, file: str = "<case>", changes: Changes = ()) -> Self:
+        """As `load`, from YAML text; `file` is its name in messages."""
+        return cls._read(parse_source(text, file), changes, Path(file).stem)
+
+    @classmethod
+    def _read(cls, source: CaseSource, changes: Changes, default_name: str) -> Self:
+        if name := of_another_case(source):
+            source.data.pop("description")
+            source.left_out = name
+        return cls(_validated(source, changes, default_name), source)
 
     @property
     def name(self) -> str:
@@ -65,7 +102,7 @@ class ReadCase:
     @cached_property
     def hash(self) -> str:
         """Twelve hex digits, equal for cases that give the same run: name, description and analysis are left out."""
-        return short_hash(self.core)
+        return case_key(self.core)
 
     @cached_property
     def core(self) -> dict[str, Any]:
@@ -89,8 +126,7 @@ class ReadCase:
         Parameters
         ----------
         changes : mapping or iterable of str
-            Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index.
-            Numbers are SI, texts may carry a unit (``"20 cm"``). Or texts ``path=value``, as of ``--set``.
+            As of `load`.
 
         Raises
         ------
@@ -137,39 +173,8 @@ def _kind_first(data: Any) -> Any:
     return [_kind_first(item) for item in data] if isinstance(data, list) else data
 
 
-def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> ReadCase:
-    """Read, change and validate a case.
-
-    Parameters
-    ----------
-    source : str, Path or mapping
-        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
-    changes : mapping or iterable of str, optional
-        See `ReadCase.replace`.
-
-    Raises
-    ------
-    CaseError
-        One paragraph with file:line, the field, the value, what is allowed and what to do.
-    """
-    if isinstance(source, Mapping):
-        return _read(CaseSource(file="<case>", data=json.loads(_json_text(dict(source)))), changes or (), "case")
-    path = Path(source)
-    if (path / "case.yaml").is_file():
-        path /= "case.yaml"
-    return _read(read_source(path), changes or (), path.stem)
-
-
-def parse_case(text: str, file: str = "<case>", changes: Changes = ()) -> ReadCase:
-    """As `load_case`, from YAML text; `file` is its name in messages."""
-    return _read(parse_source(text, file), changes, Path(file).stem)
-
-
-def _read(source: CaseSource, changes: Changes, default_name: str) -> ReadCase:
-    if name := of_another_case(source):
-        source.data.pop("description")
-        source.left_out = name
-    return ReadCase(_validated(source, changes, default_name), source)
+load_case = ReadCase.load
+parse_case = ReadCase.parse
 
 
 def _json_text(value: object) -> str:

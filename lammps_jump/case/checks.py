@@ -13,10 +13,10 @@ import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
-from lammps_jump.physics.slip import slip_warnings
-from lammps_jump.scene import InletRow, Interval, MovingWall, Scene, Sizes, Wall
-from lammps_jump.scene.chains import open_ends
+from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings
+from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
+from lammps_jump.scene.shapes import open_ends
 
 from .fields import CaseFields, Column, PourInflow, RowsInflow
 from .packing import deepest_overlap, disc_count
@@ -155,9 +155,11 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
         raise source.error("run.integrator: leapfrog_extrapolated is the native engine's; use engine.name: native")
     if engine == "lammps" and kernel == "stock":
-        if case.contact.friction_law == "sign" and case.contact.friction > 0:
+        law = case.contact.friction_law
+        if case.contact.friction > 0 and not FRICTION_LAWS[law].in_stock:
+            known = " or ".join(name for name, one in FRICTION_LAWS.items() if one.in_stock)
             raise source.error(
-                "contact.friction_law: 'sign' (thesis 4.19) is not in stock LAMMPS; use friction_law: hooke, "
+                f"contact.friction_law: '{law}' is not in stock LAMMPS; use friction_law: {known}, "
                 "engine.kernel: compiled or engine.name: native"
             )
         if case.contact.touch == "smooth":
@@ -219,7 +221,7 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
     return notes
 
 
-def adapted(case: CaseFields, scene: Scene) -> tuple[str, ...]:
+def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) -> tuple[str, ...]:
     """Sentences on asked values that whole steps have changed."""
     dt, settle = scene.time_step, case.settling[0]
     asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
@@ -229,7 +231,7 @@ def adapted(case: CaseFields, scene: Scene) -> tuple[str, ...]:
         asked["probes.interval"] = case.probes.interval, scene.probe_steps * dt
     if not isinstance(case.inflow, RowsInflow):
         return told(asked)
-    carried = sum(scene.discharges)
+    carried = sum(scene.discharges_of(inlets))
     return told(asked) + told({"discharge of the inflow": (case.inflow.velocity * case.inflow.depth, carried)}, "m^2/s")
 
 
@@ -275,17 +277,16 @@ def check_stability(
 
 
 def check_places(
-    case: CaseFields,
     source: CaseSource,
-    scene: Scene,
+    scene: Beginning,
+    inlets: tuple[InletRow, ...],
     walls: Iterable[MovingWall],
     fields: Mapping[str, str],
 ) -> None:
-    """Refuse discs and inlets outside the domain or in a wall at the start, and discs that overlap by more than d/n.
+    """Refuse discs and inlets in a wall at the start, and discs that overlap by more than d/n.
 
     `fields`: where in the case each wall stands, by name; gates and others stand in none.
     """
-    _check_in_domain(case, source, scene.positions, scene.inlets, scene.domain)
     positions, allowed = scene.positions, 0.5 * scene.overlap_limit
     diameters = scene.diameters(np.arange(1, len(positions) + 1))
     found = deepest_overlap(positions, diameters)
@@ -301,10 +302,11 @@ def check_places(
         if wall := one.at(0):
             _check_discs_free_of(wall, field, source, positions, diameters, allowed)
         if isinf(one.motion.gone):
-            _check_inlets_free_of(one.wall, source, scene.inlets, scene.largest)
+            _check_inlets_free_of(one.wall, source, inlets, scene.largest)
 
 
-def _check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
+def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
+    """Refuse discs and inlets outside the domain."""
     for axis, label in enumerate("xy"):
         low, high = domain[axis]
         outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
@@ -339,10 +341,14 @@ def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, 
 
 
 def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:
-    for number, row in enumerate(inlets):
-        distance = float(wall.distance(np.array([row.x]), np.array([row.y]))[0])
-        if distance < largest / 2 * (1 - 1e-6) and not (distance < -largest / 2 and open_ends(wall.faces)):
+    if not inlets:
+        return
+    distances = wall.distance(*np.array([(row.x, row.y) for row in inlets]).T)
+    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
+        distances = np.where(distances < -largest / 2, np.inf, distances)
+    for number, (row, distance) in enumerate(zip(inlets, distances.tolist(), strict=True), 1):
+        if distance < largest / 2 * (1 - 1e-6):
             raise source.error(
-                f"inflow: row {number + 1} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
+                f"inflow: row {number} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
                 f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"
             )

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from math import inf
 
 from lammps_jump.files import plain
-from lammps_jump.physics import contact
-from lammps_jump.physics import jump as theory
-from lammps_jump.scene import Block, InletRow, Scene, Wall
-from lammps_jump.scene.walls import Polygon
+from lammps_jump.physics import contact, jump
+from lammps_jump.physics.contact import WallLaw
+from lammps_jump.scene import Beginning, InletRow, Scene, Wall
+from lammps_jump.scene.shapes import open_ends
 from lammps_jump.units import numbers_of
 
 from .fields import CaseFields, RowsInflow
@@ -206,9 +207,9 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []
-    found = theory.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
+    found = jump.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
     number, y1 = found.froude, found.depth
-    low, high = theory.velocity_range(y1, case.gravity)
+    low, high = jump.velocity_range(y1, case.gravity)
     carried = sum(scene.discharges)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
@@ -222,11 +223,11 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     if number > 1:
         rows += [
             ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", found.belanger_y2, "m"),
-            ("downstream_froude", "downstream Froude number", theory.downstream_froude(number), ""),
+            ("downstream_froude", "downstream Froude number", jump.downstream_froude(number), ""),
             ("energy_loss", "energy loss", found.energy_loss, "m"),
             ("jump_length", "jump length (4.27)", found.length, "m"),
             ("sill", "sill that holds the jump, E2 - 1.5 yc", found.sill, "m"),
-            ("channel_length", "channel length 1.5 Lj", theory.channel_length(number, y1), "m"),
+            ("channel_length", "channel length 1.5 Lj", jump.channel_length(number, y1), "m"),
         ]
     return rows
 
@@ -264,24 +265,32 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
     return found
 
 
+def _stands(wall: Wall) -> bool:
+    """Whether a wall is a solid that may be a sill: it ends, and discs are around it."""
+    return wall.finite and not wall.hollow and not open_ends(wall.faces)
+
+
 def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     """Sentences on a jump that cannot form, has no room, or is not held by the sill."""
     y1, g = inflow.depth, case.gravity
-    number = theory.froude(inflow.velocity, y1, g)
+    number = jump.froude(inflow.velocity, y1, g)
     if number <= 1:
         return [f"the inflow is subcritical (Fr = {number:.3g}), so that no jump forms; Fr must be above 1"]
-    y2 = y1 * theory.belanger(number)
-    solids = [wall.extent for wall in case.walls if isinstance(wall, Block | Polygon) and not wall.hollow]
-    steps = [(x[0], y[1] - inflow.y) for x, y in solids if x[0] > inflow.x and y[1] > inflow.y]
+    y2 = y1 * jump.belanger(number)
+    steps = [
+        (x[0], y[1] - inflow.y)
+        for x, y in (wall.extent for wall in case.walls if _stands(wall))
+        if x[0] > inflow.x and y[1] > inflow.y
+    ]
     outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None]
     end, sill = min(steps or outlets, default=(inf, 0.0))
     found, room = [], UPSTREAM * y1 + DOWNSTREAM * y2
     if end - inflow.x < room:
         found.append(
             f"the channel is {end - inflow.x:.3g} m long from the inlet to the sill or outlet; stream, jump and tail "
-            f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {theory.channel_length(number, y1):.3g} m)"
+            f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {jump.channel_length(number, y1):.3g} m)"
         )
-    height = theory.sill_holding_height(inflow.velocity, y1, g)
+    height = jump.sill_holding_height(inflow.velocity, y1, g)
     if steps and sill < LOWEST_SILL * height:
         found.append(
             f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "
@@ -290,27 +299,30 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     return found
 
 
-def skipped(case: CaseFields, walls: tuple[Wall, ...], scene: Scene) -> tuple[str, ...]:
-    """Sentences: what the engines leave out because the scene does not need it."""
-    law, own = case.contact, scene.own_laws.values()
-    columns = "z, vz, " + ("" if scene.sizes else "radius, ") + "mass, type, forces"
-    columns += "" if scene.rotation else ", spin"
+def skipped(
+    case: CaseFields, walls: tuple[Wall, ...], kept: Collection[Wall], begun: Beginning, laws: Collection[WallLaw]
+) -> tuple[str, ...]:
+    """Sentences: what the engines leave out because the scene does not need it, such as walls that are not `kept`.
+
+    `laws` are those of walls that have their own.
+    """
+    law, rubs = case.contact, case.contact.friction > 0 or any(own.friction for own in laws)
+    columns = "z, vz, " + ("" if begun.sizes else "radius, ") + "mass, type, forces"
+    columns += "" if law.rotation and rubs else ", spin"
     texts = {
-        "friction terms: friction is 0": not scene.rubs,
-        "dashpots: restitution is 1": law.restitution == 1 and not any(wall.gamma_normal for wall in own),
+        "friction terms: friction is 0": not rubs,
+        "dashpots: restitution is 1": law.restitution == 1 and not any(own.gamma_normal for own in laws),
         "spin: contact.rotation is false, discs do not turn": not law.rotation,
-        "spin: without friction nothing turns a disc": law.rotation and not scene.rubs,
+        "spin: without friction nothing turns a disc": law.rotation and not rubs,
         "gravity: it is 0": case.gravity == 0,
-        **{
-            f"wall '{wall.name}': nothing inside the domain can reach it": wall not in scene.permanent for wall in walls
-        },
+        **{f"wall '{wall.name}': nothing inside the domain can reach it": wall not in kept for wall in walls},
         "walls: there are none": not walls,
         "inlet: no inflow": case.inflow is None,
         "outlet: no outflow": not case.outflow,
         "z constraint: nothing pushes out of the plane": True,
         "tangential springs: the laws here have no history": True,
         f"dump columns {columns}: no analysis reads them": True,
-        "wall forces: no probe asks for them": not scene.probes,
+        "wall forces: no probe asks for them": not case.probes.forces,
         "stress fields: analysis.fields is false": case.run.dump_format == "text" and not case.analysis.fields,
     }
     return tuple(text for text, holds in texts.items() if holds)

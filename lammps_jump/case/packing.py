@@ -13,7 +13,25 @@ from lammps_jump.physics.contact import Coefficients
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval
 
-from .fields import Column, DiscList, Discs, Lattice
+from .fields import BidisperseSizes, CaseFields, Column, DiscList, Discs, Lattice, UniformSizes
+
+
+def disc_sizes(case: CaseFields) -> Sizes | None:
+    """Distribution of diameters; None where all discs are equal."""
+    d, given = case.discs.diameter, case.discs.sizes
+    if given is None:
+        return None
+    if isinstance(given, UniformSizes | BidisperseSizes):
+        small, large = d * (1 - given.spread), d * (1 + given.spread)
+        if isinstance(given, UniformSizes):
+            shares, low, high = (1.0,), (small,), (large,)
+        else:
+            shares, low, high = (1.0 - given.share, given.share), (small, large), (small, large)
+    else:
+        total = sum(given.shares)
+        shares, low, high = tuple(share / total for share in given.shares), given.diameters, given.diameters
+    sizes = Sizes(shares, low, high, case.run.seed)
+    return None if sizes.smallest == sizes.largest == d else sizes
 
 
 def column_counts(column: Column, diameter: float) -> tuple[int, int]:

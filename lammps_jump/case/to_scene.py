@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
 from lammps_jump.scene import (
+    Beginning,
     InletRow,
     Interval,
     MovingWall,
@@ -20,15 +20,14 @@ from lammps_jump.scene import (
     Scene,
     Sizes,
     Stations,
-    Wall,
 )
 from lammps_jump.scene.motion import largest_speed, way
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
 from . import checks, walls
 from .derived import doubts, skipped
-from .fields import BidisperseSizes, CaseFields, Column, PourInflow, RowsInflow, UniformSizes
-from .packing import arrange
+from .fields import CaseFields, Column, PourInflow, RowsInflow
+from .packing import arrange, disc_sizes
 from .text import CaseSource
 
 INTEGRATORS = {"lammps": "velocity_verlet", "native": "leapfrog_extrapolated"}
@@ -56,8 +55,15 @@ def contact_coefficients(
     case: CaseFields, integrator: str, sizes: Sizes | None, time_step_fraction: float | None = None
 ) -> contact.Coefficients:
     """Contact coefficients of a case, with its own step or another (as a share of 2/omega)."""
+    return contact.derive(contact_of(case, integrator, sizes, time_step_fraction))
+
+
+def contact_of(
+    case: CaseFields, integrator: str, sizes: Sizes | None, time_step_fraction: float | None = None
+) -> contact.Contact:
+    """What a case says of its contacts."""
     _, impact_speed, stiffness = _stiffness(case)
-    return contact.derive(
+    return contact.Contact(
         **case.discs.model_dump(exclude={"sizes"}),
         **case.contact.model_dump(include=LAW),
         stiffness=stiffness,
@@ -86,24 +92,6 @@ def _times(case: CaseFields) -> tuple[float, float, float | None]:
     )
 
 
-def disc_sizes(case: CaseFields) -> Sizes | None:
-    """Distribution of diameters; None where all discs are equal."""
-    d, given = case.discs.diameter, case.discs.sizes
-    if given is None:
-        return None
-    if isinstance(given, UniformSizes | BidisperseSizes):
-        small, large = d * (1 - given.spread), d * (1 + given.spread)
-        if isinstance(given, UniformSizes):
-            shares, low, high = (1.0,), (small,), (large,)
-        else:
-            shares, low, high = (1.0 - given.share, given.share), (small, large), (small, large)
-    else:
-        total = sum(given.shares)
-        shares, low, high = tuple(share / total for share in given.shares), given.diameters, given.diameters
-    sizes = Sizes(shares, low, high, case.run.seed)
-    return None if sizes.smallest == sizes.largest == d else sizes
-
-
 def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     """The engine-neutral form of a validated case.
 
@@ -113,90 +101,100 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
-    scene, given = _with_walls(_discs_and_steps(case, source), case, source)
-    return replace(
-        scene,
-        skipped=skipped(case, given, scene),
-        warnings=(*scene.warnings, *checks.check_stop(case, source), *doubts(case, _stiffness(case)[1], scene.inlets)),
-        adapted=checks.adapted(case, scene),
+    begun, warnings = _beginning(case, source)
+    inlets, raster = _inlets(case, source, begun)
+    theirs = walls.joined(case, source)
+    given = theirs + walls.lifted(case)
+    walls.check_bends(source, given, begun.largest)
+    laws = _own_laws(case, begun, given)
+    notes = walls.check_own_laws(case, source, begun, laws, given, _integrator(case))
+    moving = [walls.moving(item, source, begun, laws) for item in given]
+    notes += walls.wall_doubts(moving, begun, laws, inlets)
+    ways = [way(one, *walls.span(begun)) for one in moving]
+    speed = max(
+        _largest_speed(case, begun, inlets),
+        max((largest_speed(one, *walls.span(begun)) for one in moving), default=0.0),
+    )
+    domain = _domain(case, source, begun, inlets, speed, ways)
+    outlets = _outlets(case, source, begun, domain, speed)
+    gates = walls.shut_gates(case, begun, domain)
+    moving += map(MovingWall, _inlet_back(case, begun.largest))
+    own_names = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
+    checks.check_in_domain(case, source, begun.positions, inlets, domain)
+    fields = {item.wall.name: item.field for item in theirs}
+    checks.check_places(source, begun, inlets, (*moving, *gates), fields)
+    checks.check_pour(case, source, domain, begun.largest)
+    names = [wall.name for wall, _ in moving]
+    probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)
+    asked = {*probes, *(name for _, members in groups for name in members)}
+    kept = [one for one in moving if walls.reachable(one, begun, domain) or one.wall.name in asked]
+    law, pour = case.contact, case.inflow if isinstance(case.inflow, PourInflow) else None
+    sharp = law.touch == "sharp"
+    _, impact_speed, _ = _stiffness(case)
+    return Scene(
+        **(vars(begun) | {"overlap_limit": begun.overlap_limit * walls.own_overlap(begun, laws)}),
+        name=case.name,
+        description=case.description,
+        density=case.discs.density,
+        gravity=_gravity(case),
+        friction_law=law.friction_law,
+        rotation=law.rotation and (law.friction > 0 or any(own.friction for own in laws.values())),
+        integrator=_integrator(case),
+        domain=domain,
+        walls=(*kept, *gates),
+        own_laws=laws,
+        inlets=inlets,
+        pours=(Pour(**pour.model_dump(exclude={"kind"})),) if pour else (),
+        outlets=outlets,
+        probes=probes,
+        groups=groups,
+        stations=_stations(case, source, begun, inlets, outlets),
+        seed=case.run.seed,
+        skin=case.engine.skin or 0.3 * begun.diameter,
+        touch=law.touch,
+        touch_width=0.0 if sharp else law.touch_width or TOUCH_STEPS * impact_speed * begun.time_step,
+        size_steps=raster if inlets else POUR_RASTER,
+        skipped=skipped(case, tuple(wall for wall, _ in moving), [wall for wall, _ in kept], begun, laws.values()),
+        warnings=(*warnings, *checks.check_stop(case, source), *doubts(case, impact_speed, inlets), *notes),
+        adapted=checks.adapted(case, begun, inlets),
     )
 
 
-def _discs_and_steps(case: CaseFields, source: CaseSource) -> Scene:
-    """The discs at the start, their contacts and the steps of the run; without walls, inlets, outlets and domain."""
+def _own_laws(case: CaseFields, begun: Beginning, given: tuple[walls.CaseWall, ...]) -> dict[str, contact.WallLaw]:
+    """Contacts of walls that have numbers of their own, by name."""
+    stated = contact_of(case, _integrator(case), begun.sizes)
+    return {
+        item.wall.name: contact.own_wall_law(begun.coefficients, item.wall.own_law, stated)
+        for item in given
+        if any(value is not None for value in item.wall.own_law)
+    }
+
+
+def _integrator(case: CaseFields) -> str:
+    return INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
+
+
+def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[str]]:
+    """The discs at the start, their contact and the steps of the run; and what to beware of."""
     checks.check_engine(case, source)
-    integrator = INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
-    sizes = disc_sizes(case)
+    integrator, sizes = _integrator(case), disc_sizes(case)
     coefficients = _coefficients(case, integrator, sizes)
-    penetration, impact_speed, _ = _stiffness(case)
     warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
     warnings += checks.check_sizes(case, source, sizes)
-    d, dt, law = case.discs.diameter, coefficients.time_step, case.contact
-    steps, settle = _steps(case, source, dt, sizes)
+    steps, settle = _steps(case, source, coefficients.time_step, sizes)
     positions, velocities = _discs(case, source, coefficients, sizes)
-    return Scene(
-        name=case.name,
-        description=case.description,
-        diameter=d,
-        density=case.discs.density,
-        gravity=_gravity(case),
+    return Beginning(
+        diameter=case.discs.diameter,
+        sizes=sizes,
         coefficients=coefficients,
-        friction_law=law.friction_law,
-        rotation=law.rotation and (law.friction > 0 or any(wall.friction for wall in case.walls)),
-        integrator=integrator,
-        domain=((math.nan, math.nan), (math.nan, math.nan)),
+        overlap_limit=2 * case.discs.diameter / _stiffness(case)[0],
         positions=_frozen(positions),
         velocities=_frozen(velocities),
-        walls=(),
         steps=settle + steps.run,
         settle_steps=settle,
         output_steps=steps.output,
         probe_steps=steps.probe,
-        seed=case.run.seed,
-        skin=case.engine.skin or 0.3 * d,
-        overlap_limit=2 * d / penetration,
-        touch=law.touch,
-        touch_width=0.0 if law.touch == "sharp" else law.touch_width or TOUCH_STEPS * impact_speed * dt,
-        sizes=sizes,
-        warnings=tuple(warnings),
-    )
-
-
-def _with_walls(scene: Scene, case: CaseFields, source: CaseSource) -> tuple[Scene, tuple[Wall, ...]]:
-    """The scene with inlets, outlets, domain, and the walls in its reach; and all walls that the case has."""
-    inlets, raster = _inlets(case, source, scene)
-    pour = case.inflow if isinstance(case.inflow, PourInflow) else None
-    pours = (Pour(**pour.model_dump(exclude={"kind"})),) if pour else ()
-    scene = replace(scene, inlets=inlets, size_steps=raster if inlets else POUR_RASTER, pours=pours)
-    theirs = walls.joined(case, source)
-    given = theirs + walls.lifted(case)
-    walls.check_bends(source, given, scene)
-    scene = replace(scene, own_laws=walls.own_laws(case, scene, given))
-    notes = walls.check_own_laws(case, source, scene, given)
-    moving = [walls.moving(item, source, scene) for item in given]
-    speed = max([_largest_speed(case, scene), *(largest_speed(one, *walls.span(scene)) for one in moving)])
-    scene = replace(scene, domain=_domain(case, source, scene, speed, moving))
-    scene = replace(scene, outlets=_outlets(case, source, scene, speed))
-    gates = walls.shut_gates(case, scene)
-    notes += walls.wall_doubts(moving, scene)
-    moving += map(MovingWall, _inlet_back(case, scene.largest))
-    own = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
-    checks.check_places(case, source, scene, (*moving, *gates), {item.wall.name: item.field for item in theirs})
-    checks.check_pour(case, source, scene.domain, scene.largest)
-    names = [one.wall.name for one in moving]
-    probes = _probes(case, source, names)
-    groups = walls.groups(case, source, moving, own)
-    asked = {*probes, *(name for _, members in groups for name in members)}
-    kept = [one for one in moving if walls.reachable(one, scene) or one.wall.name in asked]
-    return replace(
-        scene,
-        walls=(*kept, *gates),
-        probes=probes,
-        groups=groups,
-        stations=_stations(case, source, scene),
-        overlap_limit=scene.overlap_limit * walls.own_overlap(scene),
-        warnings=(*scene.warnings, *notes),
-    ), tuple(one.wall for one in moving)
+    ), warnings
 
 
 def _gravity(case: CaseFields) -> tuple[float, float]:
@@ -207,12 +205,12 @@ def _gravity(case: CaseFields) -> tuple[float, float]:
     return case.gravity * math.sin(angle), -case.gravity * math.cos(angle)
 
 
-def _largest_speed(case: CaseFields, scene: Scene) -> float:
+def _largest_speed(case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...]) -> float:
     """Largest speed that the case implies, m/s: at the start, at the inlet, of an impact, of a column's fall."""
     columns = [item.y[1] - item.y[0] for item in case.initial if isinstance(item, Column)]
     falls = [math.sqrt(2 * case.gravity * height) for height in columns]
-    start = float(np.hypot(*scene.velocities.T).max(initial=0.0))
-    return max([*(row.vx for row in scene.inlets), _stiffness(case)[1], start, *falls])
+    start = float(np.hypot(*begun.velocities.T).max(initial=0.0))
+    return max([*(row.vx for row in inlets), _stiffness(case)[1], start, *falls])
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:
@@ -270,12 +268,12 @@ def _discs(
     return np.concatenate(positions), np.concatenate(velocities)
 
 
-def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[InletRow, ...], int]:
+def _inlets(case: CaseFields, source: CaseSource, begun: Beginning) -> tuple[tuple[InletRow, ...], int]:
     """Rows of the inflow, and the raster of their steps."""
-    inflow, d, dt = case.inflow, scene.diameter, scene.time_step
+    inflow, d, dt = case.inflow, begun.diameter, begun.time_step
     if not isinstance(inflow, RowsInflow):
         return (), 1
-    largest, mean_square = scene.largest, scene.mean_square
+    largest, mean_square = begun.largest, begun.mean_square
     if inflow.depth < d * (1 - 1e-9):
         raise source.error(
             f"inflow.depth: {inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
@@ -293,7 +291,7 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
             f"in every {slowest:.3g} steps; allowed are {checks.MOST_STEPS:.0e}: raise it or lower the stiffness"
         )
     if inflow.schedule == "thesis":
-        if scene.sizes:
+        if begun.sizes:
             raise source.error(
                 "inflow.schedule: 'thesis' is for equal discs; allowed is exact where discs.sizes is given"
             )
@@ -307,9 +305,9 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
             largest=largest,
             profile=inflow.profile,
             least_gap=inflow.spacing,
-            coarsest=COARSEST_RASTER if scene.sizes else 1,
+            coarsest=COARSEST_RASTER if begun.sizes else 1,
         )
-    first = (scene.settle_steps // plan.raster + 1) * plan.raster
+    first = (begun.settle_steps // plan.raster + 1) * plan.raster
     rows = zip(plan.heights, seeded_speeds(plan.speeds, case.run.seed), plan.steps, strict=True)
     return tuple(
         InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, 0.999 * largest)
@@ -317,26 +315,31 @@ def _inlets(case: CaseFields, source: CaseSource, scene: Scene) -> tuple[tuple[I
     ), plan.raster
 
 
+Rectangle = tuple[Interval, Interval]
+
+
 def _domain(
-    case: CaseFields, source: CaseSource, scene: Scene, speed: float, moving: list[MovingWall]
-) -> tuple[Interval, Interval]:
-    """The given domain, or one around all that the case names."""
+    case: CaseFields, source: CaseSource, begun: Beginning, inlets: tuple[InletRow, ...], speed: float,
+    ways: list[Rectangle],
+) -> Rectangle:  # fmt: skip
+    """The given domain, or one around all that the case names, and the ways of walls."""
     if case.domain is not None:
         domain = case.domain.x, case.domain.y
     else:
-        closed = any(wall.hollow for wall, _ in moving)
-        ways = [way(one, *walls.span(scene)) for one in moving]
-        margin = 2 * scene.largest if closed else 10 * scene.largest + speed * min(case.run.duration, 3.0)
-        ends = (_ends(case, axis, scene, ways) for axis in "xy")
+        closed = any(wall.hollow for wall in case.walls)
+        margin = 2 * begun.largest if closed else 10 * begun.largest + speed * min(case.run.duration, 3.0)
+        ends = (_ends(case, axis, begun, inlets, ways) for axis in "xy")
         domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
     checks.check_domain(case, source, domain)
     return domain
 
 
-def _ends(case: CaseFields, axis: str, scene: Scene, ways: list[tuple[Interval, Interval]]) -> list[float]:
+def _ends(
+    case: CaseFields, axis: str, begun: Beginning, inlets: tuple[InletRow, ...], ways: list[Rectangle]
+) -> list[float]:
     """Coordinates that a domain must hold, m."""
     index = "xy".index(axis)
-    values = [*scene.positions[:, index], *(getattr(row, axis) for row in scene.inlets)]
+    values = [*begun.positions[:, index], *(getattr(row, axis) for row in inlets)]
     if isinstance(case.inflow, PourInflow):
         values += getattr(case.inflow, axis)
     values += [end for box in ways for end in box[index] if math.isfinite(end)]
@@ -344,20 +347,22 @@ def _ends(case: CaseFields, axis: str, scene: Scene, ways: list[tuple[Interval, 
     return values + [at for name, at in outlets if name.startswith(axis)]
 
 
-def _outlets(case: CaseFields, source: CaseSource, scene: Scene, speed: float) -> tuple[Outlet, ...]:
+def _outlets(
+    case: CaseFields, source: CaseSource, begun: Beginning, domain: tuple[Interval, Interval], speed: float
+) -> tuple[Outlet, ...]:
     outlets = []
     for index, item in enumerate(case.outflow):
         ((field, at),) = item.model_dump(exclude_none=True).items()
         axis = field[0]
         side = "above" if field in ("x_beyond", "y_above") else "below"
-        low, high = scene.domain[0 if axis == "x" else 1]
+        low, high = domain[0 if axis == "x" else 1]
         room = high - at if side == "above" else at - low
-        if room <= scene.largest:
+        if room <= begun.largest:
             raise source.error(
                 f"outflow.{index}.{field}: {at:g} m leaves no room before the edge of the domain ([{low:g}, "
                 f"{high:g}]); discs need a few metres to be taken out in: widen domain or move the outlet"
             )
-        every = max(1, min(scene.output_steps, int(room / (MAX_SPEED_MARGIN * speed * scene.time_step))))
+        every = max(1, min(begun.output_steps, int(room / (MAX_SPEED_MARGIN * speed * begun.time_step))))
         outlets.append(Outlet(axis, at, side, every))
     return tuple(outlets)
 
@@ -368,12 +373,15 @@ def _probes(case: CaseFields, source: CaseSource, names: list[str]) -> tuple[str
     return tuple(dict.fromkeys(case.probes.forces))
 
 
-def _stations(case: CaseFields, source: CaseSource, scene: Scene) -> Stations | None:
+def _stations(
+    case: CaseFields, source: CaseSource, begun: Beginning, inlets: tuple[InletRow, ...], outlets: tuple[Outlet, ...]
+) -> Stations | None:
     """The stations of the energy ledger."""
     asked = case.probes.stations
     if asked is None:
         return None
+    places = (*(row.x for row in inlets), *(line.at for line in outlets if line.axis == "x"))
     try:
-        return plan_stations(asked.x, asked.speed, asked.window, scene)
+        return plan_stations(asked.x, asked.speed, asked.window, begun, places)
     except ValueError as error:
         raise source.error(f"probes.stations: {error}") from None

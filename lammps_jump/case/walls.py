@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import hypot, inf, pi, sqrt
@@ -13,11 +13,10 @@ import numpy as np
 
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
-from lammps_jump.scene import Block, Interval, MovingWall, Plane, Scene, Wall, gate
-from lammps_jump.scene.chains import boxes, flush, open_ends, tight_bend, vertices
-from lammps_jump.scene.groups import arms
-from lammps_jump.scene.motion import Motion, largest_speed, way
-from lammps_jump.scene.shapes import ArcTo, PlaceError
+from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
+from lammps_jump.scene.chains import boxes
+from lammps_jump.scene.motion import Motion, arms, largest_speed, way
+from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend, vertices
 from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Circle, Line, Polygon
 
@@ -33,6 +32,10 @@ TIGHTEST_ARC, TIGHTEST_LINE = 1.05, 1.5
 below which a disc loses energy at its joints (measured)."""
 SLOW = 0.5
 """Speed of a wall over R omega above which a disc may pass through it."""
+
+
+Laws = Mapping[str, contact.WallLaw]
+"""Contacts of walls that have their own, by name."""
 
 
 @dataclass(frozen=True)
@@ -140,48 +143,41 @@ def gate_name(index: int) -> str:
     return f"gate_{index}" if index else "gate"
 
 
-def shut_gates(case: CaseFields, scene: Scene) -> tuple[MovingWall, ...]:
+def shut_gates(case: CaseFields, begun: Beginning, domain: tuple[Interval, Interval]) -> tuple[MovingWall, ...]:
     """Gates that vanish at t = 0. A gate with discs beyond it is a block without thickness, which both sides feel."""
     gates = []
     for index, item in enumerate(case.initial):
-        if not (isinstance(item, Column) and item.gate is True and scene.settle_steps):
+        if not (isinstance(item, Column) and item.gate is True and begun.settle_steps):
             continue
         name, x = gate_name(index), item.x[1]
-        if scene.positions[:, 0].max(initial=x) > x:
-            gates.append(gate(Block(name, (x, x), scene.domain[1]), scene.settle_steps))
+        if begun.positions[:, 0].max(initial=x) > x:
+            gates.append(gate(Block(name, (x, x), domain[1]), begun.settle_steps))
         else:
-            gates.append(gate(Plane(name, "x", x, "below"), scene.settle_steps))
+            gates.append(gate(Plane(name, "x", x, "below"), begun.settle_steps))
     return tuple(gates)
 
 
-def own_laws(case: CaseFields, scene: Scene, walls: tuple[CaseWall, ...]) -> dict[str, contact.WallLaw]:
-    """Contacts of walls that have numbers of their own, by name."""
-    given = case.contact
-    scheme = contact.Scheme(
-        scene.time_step, scene.integrator, given.correct_restitution, given.rotation, given.tangential_damping,
-        given.touch,
-    )  # fmt: skip
-    return {
-        item.wall.name: contact.own_wall_law(scene.coefficients, item.wall.own_law, scheme)
-        for item in walls
-        if any(value is not None for value in item.wall.own_law)
-    }
+def law_of(name: str, begun: Beginning, laws: Laws) -> contact.WallLaw:
+    """Contact with the wall of that name."""
+    return laws.get(name, begun.coefficients.wall_law)
 
 
-def check_own_laws(case: CaseFields, source: CaseSource, scene: Scene, walls: tuple[CaseWall, ...]) -> list[str]:
+def check_own_laws(
+    case: CaseFields, source: CaseSource, begun: Beginning, laws: Laws, walls: tuple[CaseWall, ...], integrator: str
+) -> list[str]:
     """Refuse a wall that is too stiff for the step, and friction without damping for discs of several sizes."""
     fraction, notes = case.run.time_step_fraction, []
     for item in walls:
-        law = scene.own_laws.get(item.wall.name)
+        law = laws.get(item.wall.name)
         if law is None:
             continue
-        if scene.sizes and law.friction and not law.gamma_normal:
+        if begun.sizes and law.friction and not law.gamma_normal:
             raise source.error(
                 f"{item.field}: wall '{item.wall.name}' has friction {law.friction:g} and restitution 1; with "
                 "discs.sizes the tangential dashpot is a multiple of the normal one, which is 0 then: allowed is "
                 "friction 0, restitution below 1, or equal discs"
             )
-        limit = contact.own_stable_fraction(scene.coefficients, law, scene.smallest / scene.diameter, scene.integrator)
+        limit = contact.own_stable_fraction(begun.coefficients, law, begun.smallest / begun.diameter, integrator)
         if fraction > limit and not case.run.allow_unstable:
             raise source.error(
                 f"{item.field}.stiffness: {law.stiffness:g} N/m is too stiff for run.time_step_fraction {fraction:g}; "
@@ -196,7 +192,7 @@ def check_own_laws(case: CaseFields, source: CaseSource, scene: Scene, walls: tu
     return notes
 
 
-def moving(item: CaseWall, source: CaseSource, scene: Scene) -> MovingWall:
+def moving(item: CaseWall, source: CaseSource, begun: Beginning, laws: Laws) -> MovingWall:
     """A wall with its motion."""
     wall, kind = item.wall, item.wall.motion
     if kind is None:
@@ -205,25 +201,25 @@ def moving(item: CaseWall, source: CaseSource, scene: Scene) -> MovingWall:
         raise source.error(
             f"{item.field}.motion: wall '{wall.name}' has no end, so that it cannot turn; take a block or a line"
         )
-    ease = EASE * pi / contact.angular_frequency(scene.wall_law(wall.name).stiffness, scene.mass)
+    ease = EASE * pi / contact.angular_frequency(law_of(wall.name, begun, laws).stiffness, begun.coefficients.mass)
     about = kind.about or wall.pivot_point
-    return MovingWall(wall, Motion(inf, kind, about, ease, scene.settle_steps, scene.time_step))
+    return MovingWall(wall, Motion(inf, kind, about, ease, begun.settle_steps, begun.time_step))
 
 
-def span(scene: Scene) -> Interval:
+def span(begun: Beginning | Scene) -> Interval:
     """Times of the first and the last step, s."""
-    return scene.time(0), scene.time(scene.steps)
+    return begun.time(0), begun.time(begun.steps)
 
 
-def reachable(one: MovingWall, scene: Scene) -> bool:
+def reachable(one: MovingWall, begun: Beginning, domain: tuple[Interval, Interval]) -> bool:
     """Whether any centre inside the domain can touch the wall, wherever it is on its way."""
     if one.motion.load:
         return True
-    ((xlo, xhi), (ylo, yhi)), reach = scene.domain, scene.largest / 2
+    ((xlo, xhi), (ylo, yhi)), reach = domain, begun.largest / 2
     if one.motion.kind is None:
         box = boxes(one.wall.faces, deep=False)
     else:
-        box = np.array([[end for pair in way(one, *span(scene)) for end in pair]])
+        box = np.array([[end for pair in way(one, *span(begun)) for end in pair]])
     near = (box[:, 0] - reach < xhi) & (box[:, 1] + reach > xlo) & (box[:, 2] - reach < yhi) & (box[:, 3] + reach > ylo)
     return bool(near.any())
 
@@ -262,9 +258,9 @@ def require_wall(case: CaseFields, source: CaseSource, place: str, name: str, wa
     raise source.error(f"{place}: there is no wall '{name}'; {hint}")
 
 
-def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], scene: Scene) -> None:
+def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], largest: float) -> None:
     """Refuse arcs that bend so tightly towards the discs that the largest one does not fit."""
-    least = TIGHTEST_ARC * scene.largest / 2
+    least = TIGHTEST_ARC * largest / 2
     for item in walls:
         wall, tight = item.wall, None
         if isinstance(wall, Circle) and wall.hollow and wall.radius < least:
@@ -278,13 +274,13 @@ def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], scene: Scene) -
         if tight:
             raise source.error(
                 f"{item.field}.{tight[0]}: the arc of radius {tight[1]:g} m bends towards the discs, and the largest "
-                f"one of {scene.largest / 2:g} m does not fit; allowed is {least:.4g} m or more: widen the arc"
+                f"one of {largest / 2:g} m does not fit; allowed is {least:.4g} m or more: widen the arc"
             )
 
 
-def wall_doubts(walls: Sequence[MovingWall], scene: Scene) -> list[str]:
+def wall_doubts(walls: Sequence[MovingWall], begun: Beginning, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
     """Sentences on walls: too fast for the discs, bent too tightly, ends that meet or nearly meet."""
-    found = [text for one in walls for text in _doubts_of(one, scene)]
+    found = [text for one in walls for text in _doubts_of(one, begun, laws, inlets)]
     for one, two in combinations([one.wall for one in walls], 2):
         if one.motion != two.motion:
             continue
@@ -294,18 +290,22 @@ def wall_doubts(walls: Sequence[MovingWall], scene: Scene) -> list[str]:
                 "up to twice the force; make them one wall"
                 + (", or give both the same join" if isinstance(one, Line) and isinstance(two, Line) else "")
             )
-    return found + _gap_doubts([one.wall for one in walls], scene.smallest)
+    return found + _gap_doubts([one.wall for one in walls], begun.smallest)
 
 
-def _doubts_of(one: MovingWall, scene: Scene) -> list[str]:
+def _doubts_of(one: MovingWall, begun: Beginning, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
     """Sentences on one wall."""
-    return [*_speed_doubt(one, scene), *_bend_doubt(one.wall, scene), *_behind_doubt(one.wall, scene)]
+    return [
+        *_speed_doubt(one, begun, laws),
+        *_bend_doubt(one.wall, begun.largest),
+        *_behind_doubt(one.wall, begun, inlets),
+    ]
 
 
-def _behind_doubt(wall: Wall, scene: Scene) -> list[str]:
+def _behind_doubt(wall: Wall, begun: Beginning, inlets: Sequence[InletRow]) -> list[str]:
     """A line that pushes no disc, because all start behind it: it may run the wrong way."""
-    places = np.array([*scene.positions, *((row.x, row.y) for row in scene.inlets)]).reshape(-1, 2)
-    if not len(places) or not open_ends(wall.faces) or (wall.distance(*places.T) > -scene.smallest / 2).any():
+    places = np.array([*begun.positions, *((row.x, row.y) for row in inlets)]).reshape(-1, 2)
+    if not len(places) or not open_ends(wall.faces) or (wall.distance(*places.T) > -begun.smallest / 2).any():
         return []
     return [
         f"all discs start behind line '{wall.name}', which pushes discs on its left alone: if they should feel it, "
@@ -313,35 +313,38 @@ def _behind_doubt(wall: Wall, scene: Scene) -> list[str]:
     ]
 
 
-def _speed_doubt(one: MovingWall, scene: Scene) -> list[str]:
+def _speed_doubt(one: MovingWall, begun: Beginning, laws: Laws) -> list[str]:
     """Speed at which discs may pass through a moving wall."""
-    wall, speed = one.wall, largest_speed(one, *span(scene))
-    limit = 0.5 * scene.diameter * contact.angular_frequency(scene.wall_law(wall.name).stiffness, scene.mass)
+    wall, speed = one.wall, largest_speed(one, *span(begun))
+    omega = contact.angular_frequency(law_of(wall.name, begun, laws).stiffness, begun.coefficients.mass)
+    limit = 0.5 * begun.diameter * omega
     if wall.deep or speed <= SLOW * limit:
         return []
-    through = limit * (1 + _thickness(wall) / scene.smallest)
+    through = limit * (1 + _thickness(wall, begun.smallest) / begun.smallest)
     return [
         f"wall '{wall.name}' moves at up to {speed:.3g} m/s: a disc that it meets at {through:.3g} m/s passes through "
         "it, and overlaps end the run before; move it more slowly, or raise contact.impact_speed"
     ]
 
 
-def _thickness(wall: Wall) -> float:
-    """Way through a wall on which it pushes back only behind its middle, m; one diameter where there is one side."""
+def _thickness(wall: Wall, diameter: float) -> float:
+    """Thickness of a wall, m; one diameter where it has one side alone, as a disc is then pushed back twice as far."""
     if isinstance(wall, Block):
         return min(wall.x[1] - wall.x[0], wall.y[1] - wall.y[0])
-    return 2 * wall.radius if isinstance(wall, Circle) and not wall.hollow else 0.0
+    if isinstance(wall, Circle) and not wall.hollow:
+        return 2 * wall.radius
+    return diameter if wall.hollow or (isinstance(wall, Line) and not wall.sheet) else 0.0
 
 
-def _bend_doubt(wall: Wall, scene: Scene) -> list[str]:
+def _bend_doubt(wall: Wall, largest: float) -> list[str]:
     """A line of short pieces that bends towards the discs nearly as tightly as the largest of them."""
     found = tight_bend(wall.faces)
-    if found is None or found[0] >= TIGHTEST_LINE * scene.largest / 2:
+    if found is None or found[0] >= TIGHTEST_LINE * largest / 2:
         return []
     radius, (x, y) = found
     return [
         f"wall '{wall.name}' bends towards the discs with a radius of about {radius:.3g} m at ({x:g}, {y:g}) m; below "
-        f"{TIGHTEST_LINE:g} radii of the largest disc ({TIGHTEST_LINE * scene.largest / 2:.3g} m) discs lose or gain "
+        f"{TIGHTEST_LINE:g} radii of the largest disc ({TIGHTEST_LINE * largest / 2:.3g} m) discs lose or gain "
         "energy there: take an arc, or fewer points"
     ]
 
@@ -379,7 +382,7 @@ def told(one: MovingWall, scene: Scene) -> str:
     return "; ".join(parts)
 
 
-def own_overlap(scene: Scene) -> float:
+def own_overlap(begun: Beginning, laws: Laws) -> float:
     """Factor on the limit of overlaps: a softer wall lets discs in deeper, by the root of the stiffnesses."""
-    softest = min((law.stiffness for law in scene.own_laws.values()), default=inf)
-    return max(1.0, sqrt(scene.coefficients.stiffness / softest))
+    softest = min((law.stiffness for law in laws.values()), default=inf)
+    return max(1.0, sqrt(begun.coefficients.stiffness / softest))

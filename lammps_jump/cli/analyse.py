@@ -146,7 +146,7 @@ def figures(
 def export(
     target: Annotated[Path, typer.Argument(help=FOLDER, show_default=False)],
     vtk: Annotated[
-        bool, typer.Option("--vtk", help="Discs of ten frames for ParaView; fields where asked for.")
+        bool, typer.Option("--vtk", help="Discs and walls of ten frames for ParaView; fields where asked for.")
     ] = False,
     csv: Annotated[bool, typer.Option("--csv", help="Profiles as tables.")] = False,
     pictures: Annotated[bool, typer.Option("--pictures", help="picture0.dat … picture9.dat of the thesis.")] = False,
@@ -156,5 +156,5 @@ def export(
     kinds = [name for name, wanted in (("vtk", vtk), ("csv", csv), ("pictures", pictures)) if wanted]
     if not kinds:
         raise CaseError("export: nothing to write; name one or more of --vtk, --csv and --pictures")
-    for path in dump.export(target, kinds, out):
+    for path in runs.results.export(target, kinds, out):
         print(path)

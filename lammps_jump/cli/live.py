@@ -39,8 +39,8 @@ class LiveView:
     """
 
     def __init__(self, scene: Scene, folder: Path, then: ProgressCallback):
-        self.flow = from_scene(scene)
         place = folder.absolute()  # the working directory may change while the run goes on
+        self.flow = from_scene(scene, folder=place)
         self.tail = Tail(place / "dump.lammpstrj")
         self.picture = place / PICTURE
         self.then = then

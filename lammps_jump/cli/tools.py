@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands about cases and this machine: check, new, schema, doctor, kernels."""
+"""Commands about cases and this machine: check, preview, new, schema, doctor, kernels."""
 
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import lammps_jump.case as cases
-from lammps_jump import cli, engines
+from lammps_jump import cli, engines, runs
 
-from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments
+from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, place
 
 app = typer.Typer(rich_markup_mode=None)
 kernels = typer.Typer(cls=Commands, help="The compiled plugin for LAMMPS.", no_args_is_help=True, rich_markup_mode=None)
@@ -27,13 +29,27 @@ def check(
     accuracy: Accuracy = None,
     set_: Sets = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+    picture: Annotated[bool, typer.Option("--picture", help="Also draw the case, as `preview` does.")] = False,
 ) -> None:
-    """Check a case and print all numbers that follow from it. Runs and writes nothing."""
+    """Check a case and print all numbers that follow from it. Runs nothing; writes nothing without --picture."""
     loaded = cases.load_case(case, assignments(set_, engine=engine, kernel=kernel, accuracy=accuracy))
     resolved, chosen = engines.accuracy.with_accuracy(loaded)
     found = resolved.check()
     found = replace(found, scene=replace(found.scene, warnings=(*found.warnings, *chosen)))
     print(json.dumps(found.as_data(), indent=2, allow_nan=False) if as_json else found)
+    if picture:
+        written = runs.view.write_preview(resolved)
+        print(*written, sep="\n", file=sys.stderr if as_json else sys.stdout)
+
+
+@app.command()
+def preview(
+    case: CaseFile,
+    out: Annotated[Path | None, place("Folder for page and picture (default: the current folder).")] = None,
+    set_: Sets = None,
+) -> None:
+    """Draw a case before it is run: walls, motions, discs, inlets, outlets; prints the names of page and picture."""
+    print(*runs.view.write_preview(cases.load_case(case, assignments(set_)), out or Path()), sep="\n")
 
 
 @app.command()

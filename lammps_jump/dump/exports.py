@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import base64
 import os
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -19,6 +19,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import EXPORTS, read_start, whole, write_bytes, writes
 from lammps_jump.folders import require_replaceable, standing
 from lammps_jump.quoting import csv_cell
+from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
 
 from .find import find_dump, read_dump
 from .frame import Frame, ten_indices
@@ -64,7 +65,14 @@ def csv_text(table: pd.DataFrame, float_format: str | None = None) -> str:
     return cells.to_csv(index=False, float_format=float_format, lineterminator="\n")
 
 
-def export(place: str | Path, kinds: Collection[str], out: str | Path | None = None) -> list[Path]:
+def export(
+    place: str | Path,
+    kinds: Collection[str],
+    out: str | Path | None = None,
+    *,
+    walls_at: Callable[[float], Sequence[Wall]] | None = None,
+    room: tuple[Interval, Interval] = ((-1.0, 1.0), (-1.0, 1.0)),
+) -> list[Path]:
     """Write what lies in a run folder for other programs.
 
     Parameters
@@ -76,6 +84,10 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
         'pictures' (the thesis' picture0.dat … picture9.dat).
     out : str or Path, optional
         Folder for the files; default `place`.
+    walls_at : callable, optional
+        Walls that are there at a time (s), where they are: for ParaView, once or, where they differ, with each frame.
+    room : ((float, float), (float, float))
+        How far walls without end are drawn, m.
 
     Returns
     -------
@@ -105,7 +117,7 @@ def export(place: str | Path, kinds: Collection[str], out: str | Path | None = N
     if "pictures" in kinds:
         written += write_pictures(read_dump(place), out)
     if "vtk" in kinds:
-        written += _discs_for_paraview(read_dump(place), read_netcdf(place / "profiles.nc"), out)
+        written += _frames_for_paraview(read_dump(place), read_netcdf(place / "profiles.nc"), out, walls_at, room)
         if (place / "fields.nc").is_file():
             written.append(write_vti(read_netcdf(place / "fields.nc"), out / "fields.vti"))
     return written
@@ -157,14 +169,28 @@ def read_netcdf(path: Path) -> xr.Dataset:
         ) from error
 
 
-def _discs_for_paraview(dump: Dump, profiles: xr.Dataset, out: Path) -> list[Path]:
-    """Ten frames of discs as .vtp with a .pvd that holds their times."""
+def _frames_for_paraview(
+    dump: Dump,
+    profiles: xr.Dataset,
+    out: Path,
+    walls_at: Callable[[float], Sequence[Wall]] | None,
+    room: tuple[Interval, Interval],
+) -> list[Path]:
+    """Ten frames of discs as .vtp with a .pvd that holds their times, and walls in the same way."""
     diameter = profiles.attrs["disc_diameter"]
     times = dict(zip(profiles.step.values, profiles.time.values, strict=True))
     frames = list(dump.select(ten_indices(dump.count())))
     files = [write_vtp(frame, out / f"discs{number}.vtp", diameter) for number, frame in enumerate(frames)]
     seconds = [float(times.get(frame.step, frame.time or frame.step)) for frame in frames]
-    return [*files, write_pvd(zip(seconds, files, strict=True), out / "discs.pvd")]
+    files.append(write_pvd(zip(seconds, files, strict=True), out / "discs.pvd"))
+    shown = [tuple(walls_at(time)) for time in seconds] if walls_at else []
+    if not any(shown):
+        return files
+    if all(walls == shown[0] for walls in shown):
+        return [*files, write_walls(shown[0], room, out / "walls.vtp")]
+    names = [wall.name for wall in shown[0]]  # a gate goes, and the others keep their numbers
+    moving = [write_walls(walls, room, out / f"walls{k}.vtp", names) for k, walls in enumerate(shown)]
+    return [*files, *moving, write_pvd(zip(seconds, moving, strict=True), out / "walls.pvd")]
 
 
 def write_profiles_csv(profiles: xr.Dataset, folder: str | Path) -> list[Path]:
@@ -218,6 +244,37 @@ def write_vtp(frame: Frame, path: str | Path, diameter: float) -> Path:
     piece = f'<Piece NumberOfPoints="{frame.n}" NumberOfVerts="{frame.n}">\n<PointData>\n{data}</PointData>\n'
     piece += f"<Points>\n{_data_array('points', points)}</Points>\n<Verts>\n{verts}</Verts>\n</Piece>\n"
     return _vtk(path, f'type="PolyData" {BINARY}', f"<PolyData>\n{piece}</PolyData>\n")
+
+
+def write_walls(
+    walls: Sequence[Wall], room: tuple[Interval, Interval], path: str | Path, names: Sequence[str] = ()
+) -> Path:
+    """Walls as VTK polygons and lines (``.vtp``), with the number of each wall among `names`, else among the walls.
+
+    What has no area, open lines and outlines of hollow walls are lines.
+    """
+    lines, polygons, names = [], [], names or [wall.name for wall in walls]
+    for number, wall in ((names.index(wall.name), wall) for wall in walls):
+        outlines, open_ = parts_of(wall, *room)
+        lines += [(number, line) for line in open_]
+        for outline in outlines:
+            if wall.hollow or thin(outline):
+                lines.append((number, np.vstack([outline, outline[:1]])))
+            else:
+                polygons.append((number, outline))
+    cells = lines + polygons  # the order of VTK
+    places = np.concatenate([np.empty((0, 2)), *(part for _, part in cells)])
+    numbers = _data_array("wall", np.array([number for number, _ in cells]), "Int64")
+    piece = f'<Piece NumberOfPoints="{len(places)}" NumberOfLines="{len(lines)}" NumberOfPolys="{len(polygons)}">\n'
+    points = _data_array("points", np.column_stack([places, np.zeros(len(places))]))
+    piece += f"<CellData>\n{numbers}</CellData>\n<Points>\n{points}</Points>\n"
+    begin = 0
+    for name, parts in (("Lines", lines), ("Polys", polygons)):
+        sizes = np.array([len(part) for _, part in parts], int)
+        index = _data_array("connectivity", begin + np.arange(sizes.sum()), "Int64")
+        piece += f"<{name}>\n{index}{_data_array('offsets', np.cumsum(sizes), 'Int64')}</{name}>\n"
+        begin += sizes.sum()
+    return _vtk(path, f'type="PolyData" {BINARY}', f"<PolyData>\n{piece}</Piece>\n</PolyData>\n")
 
 
 def write_pvd(files: Iterable[tuple[float, str | Path]], path: str | Path) -> Path:

@@ -15,10 +15,11 @@ from functools import lru_cache
 from pathlib import Path
 
 from lammps_jump.case import CaseFields, ReadCase
-from lammps_jump.case.to_scene import contact_coefficients, disc_sizes
+from lammps_jump.case.packing import disc_sizes
+from lammps_jump.case.to_scene import contact_coefficients
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
-from lammps_jump.physics.slip import slip_warnings
+from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings
 
 from .plugin.build import availability
 
@@ -157,7 +158,7 @@ def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
         return False
     if engine.name == "lammps" and engine.kernel not in ("auto", row.kernel):
         return False
-    if row.kernel == "stock" and law.friction_law == "sign" and law.friction > 0:
+    if row.kernel == "stock" and law.friction > 0 and not FRICTION_LAWS[law.friction_law].in_stock:
         return False
     integrator = "leapfrog_extrapolated" if row.kernel == "native" else "velocity_verlet"
     if row.fraction > contact.stable_fraction(contact.damping_ratio(law.restitution), integrator):

@@ -27,8 +27,8 @@ from typing import Annotated, Any
 from pydantic import Field, FiniteFloat, NonNegativeInt, StringConstraints, TypeAdapter, ValidationError
 
 from lammps_jump.errors import ResumeError
-from lammps_jump.files import BINARY_PART, DUMP_NAMES, flush, make_own, plain, read_json, write_json
-from lammps_jump.provenance import fingerprint
+from lammps_jump.files import BINARY_PART, CONTACTS_FILE, DUMP_NAMES, flush, make_own, plain, read_json, write_json
+from lammps_jump.identity import scene_key
 from lammps_jump.quoting import echoed
 from lammps_jump.scene.scene import Scene
 
@@ -41,7 +41,7 @@ ANEW = "the same command with --force in place of --resume starts a new run"
 """What to do where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
-_NAMES = map(re.escape, ("log.lammps", "forces.csv", BINARY_PART, *DUMP_NAMES.values()))
+_NAMES = map(re.escape, ("log.lammps", "forces.csv", CONTACTS_FILE, BINARY_PART, *DUMP_NAMES.values()))
 APPENDED = re.compile("|".join([*_NAMES, r"forces_\w+\.raw"]), re.ASCII)
 """Names of the files that a next part may append to."""
 SHARE = 0.01
@@ -64,7 +64,7 @@ class Checkpoint:
     Attributes
     ----------
     scene : str
-        `lammps_jump.provenance.fingerprint` of the scene that ran.
+        `lammps_jump.identity.scene_key` of the scene that ran.
     step, time : int, float
         Step of the state, and its simulated time (s).
     state : dict of Sum
@@ -137,7 +137,7 @@ class CheckpointWriter:
         for growing in (*grown.values(), *states.values()):
             flush(growing.path)
         sums = [{name: growing.sum() for name, growing in files.items()} for files in (states, grown)]
-        put_checkpoint(folder, Checkpoint(fingerprint(self.scene), step, self.scene.time(step), *sums, removed, result))
+        put_checkpoint(folder, Checkpoint(scene_key(self.scene), step, self.scene.time(step), *sums, removed, result))
         before = _readable(folder / PREVIOUS_FILE)
         kept = {*states, *(before.state if before else ())}
         for path in _states(folder):

@@ -27,7 +27,8 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     ----------
     engine : {'lammps', 'native'}
     kernel : {'auto', 'stock', 'compiled'}
-        LAMMPS only. ``auto`` is the compiled kernel, or stock where that cannot be used.
+        LAMMPS only. ``auto`` is the compiled kernel. Where that cannot be used it is stock, and where stock lacks
+        something the native engine.
     ranks : int or 'auto'
         LAMMPS only.
     scene : Scene
@@ -37,7 +38,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     CaseError
         A kernel that is not known.
     SetupError
-        LAMMPS is not installed, or the scene needs the compiled kernel, which cannot be used.
+        LAMMPS is not installed, or the kernel that is asked for cannot be used or lacks something.
     """
     if engine == "native":
         return Setting("native", "numba"), []
@@ -47,13 +48,18 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     number, notes = choose_ranks(ranks, scene)
     if kernel == "stock":
         if missing := lacking(scene):
-            raise SetupError(f"kernel stock: {missing} is not in stock LAMMPS; use the compiled kernel")
+            raise SetupError(
+                f"kernel stock: stock LAMMPS has no {missing}; set engine.kernel to compiled, or engine.name to native"
+            )
         return Setting(ranks=number), notes
     try:
         return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes
     except SetupError as error:
-        if kernel == "compiled" or lacking(scene):
+        if kernel == "compiled":
             raise SetupError(f"this case needs the compiled kernel, which cannot be used: {error}") from None
+        if missing := lacking(scene):
+            why = f"stock LAMMPS has no {missing}, and the compiled kernel cannot be used: {error}"
+            return Setting("native", "numba"), [f"the native engine is used: {why}"]
         return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}"]
 
 

@@ -311,31 +311,64 @@ The factor with the least largest error over impact speeds of 0.05 … 2 v0, wid
 f = 0.05 … 0.2 takes 0.33 … 0.71 of it, most of them near a half (docs/kernels.md)."""
 
 
-class Scheme(NamedTuple):
-    """What turns restitution and friction into dashpots: of the step and the law, see `derive`."""
+@dataclass(frozen=True)
+class Contact:
+    """What a case says of its contacts, of nominal discs.
 
-    time_step: float
+    Attributes
+    ----------
+    density, diameter : float
+        kg/m^3, m.
+    restitution, friction : float
+        e in (0, 1], ks >= 0.
+    stiffness, stiffness_wall : float
+        N/m.
+    impact_speed : float
+        v0, m/s: the speed at which the slip speed and the largest overlap are quoted.
+    time_step_fraction : float
+        f of 2/omega.
+    integrator : {'velocity_verlet', 'leapfrog_extrapolated'}
+    correct_restitution : bool
+        Scale the dashpot so that velocity Verlet's lagged damping gives the wanted restitution.
+    rotation : bool
+    tangential_damping : float, optional
+        gamma_t in 1/s; default `TANGENTIAL_RATE` omega.
+    touch : {'sharp', 'smooth'}
+        A smooth touch gets `SMOOTH_SHARE` of the correction.
+    smallest : float, optional
+        Smallest diameter, m, where discs are not equal: its pairs set the time step and the limits of stability. The
+        correction of the dashpot is that of nominal pairs for all, so that one damping ratio holds for every contact.
+    """
+
+    density: float
+    diameter: float
+    restitution: float
+    friction: float
+    stiffness: float
+    stiffness_wall: float
+    impact_speed: float
+    time_step_fraction: float
     integrator: str
     correct_restitution: bool
     rotation: bool
     tangential_damping: float | None = None
     touch: str = "sharp"
+    smallest: float | None = None
 
 
 def _side(
-    stiffness: float, effective_mass: float, restitution: float, friction: float, scheme: Scheme
+    given: Contact, time_step: float, k: float, effective_mass: float, restitution: float, friction: float
 ) -> dict[str, float]:
     """Coefficients of a pair or at a wall."""
-    frequency, factor = angular_frequency(stiffness, effective_mass), 1.0
-    dashpot = damping(restitution, stiffness, effective_mass)
-    if scheme.correct_restitution and scheme.integrator == "velocity_verlet":
-        share = SMOOTH_SHARE if scheme.touch == "smooth" else 1.0
-        factor -= share * (1.0 - lagged_correction(restitution, frequency * scheme.time_step))
-    gamma = scheme.tangential_damping
+    frequency, factor, dashpot = angular_frequency(k, effective_mass), 1.0, damping(restitution, k, effective_mass)
+    if given.correct_restitution and given.integrator == "velocity_verlet":
+        share = SMOOTH_SHARE if given.touch == "smooth" else 1.0
+        factor -= share * (1.0 - lagged_correction(restitution, frequency * time_step))
+    gamma = given.tangential_damping
     if gamma is None:
-        gamma = TANGENTIAL_RATE / (3.0 if scheme.rotation else 1.0) * frequency
+        gamma = TANGENTIAL_RATE / (3.0 if given.rotation else 1.0) * frequency
     return {
-        "stiffness": stiffness,
+        "stiffness": k,
         "damping": dashpot,
         "correction": factor,
         "gamma_normal": factor * dashpot / effective_mass,
@@ -345,7 +378,7 @@ def _side(
 
 
 def own_wall_law(
-    coefficients: Coefficients, own: tuple[float | None, float | None, float | None], scheme: Scheme
+    coefficients: Coefficients, own: tuple[float | None, float | None, float | None], given: Contact
 ) -> WallLaw:
     """Contact with a wall that has numbers of its own.
 
@@ -355,12 +388,13 @@ def own_wall_law(
         Of the scene: what the wall takes where it has none of its own.
     own : (float or None, float or None, float or None)
         Stiffness (N/m), restitution and friction coefficient of the wall.
-    scheme : Scheme
+    given : Contact
+        What the coefficients were derived from.
     """
     c = coefficients
     defaults = c.stiffness_wall, c.restitution, c.friction
     stiffness, restitution, friction = (b if a is None else a for a, b in zip(own, defaults, strict=True))
-    found = _side(stiffness, c.mass, restitution, friction, scheme)
+    found = _side(given, c.time_step, stiffness, c.mass, restitution, friction)
     return WallLaw(stiffness, found["gamma_normal"], found["gamma_tangential"], friction)
 
 
@@ -388,58 +422,17 @@ def own_stable_fraction(coefficients: Coefficients, law: WallLaw, smallest: floa
     )
 
 
-def derive(
-    *,
-    density: float,
-    diameter: float,
-    restitution: float,
-    friction: float,
-    stiffness: float,
-    stiffness_wall: float,
-    impact_speed: float,
-    time_step_fraction: float,
-    integrator: str,
-    correct_restitution: bool,
-    rotation: bool,
-    tangential_damping: float | None = None,
-    touch: str = "sharp",
-    smallest: float | None = None,
-) -> Coefficients:
-    """All contact coefficients of a case, of nominal discs.
-
-    Parameters
-    ----------
-    density, diameter : float
-        kg/m^3, m.
-    restitution, friction : float
-        e in (0, 1], ks >= 0.
-    stiffness, stiffness_wall : float
-        N/m.
-    impact_speed : float
-        v0, m/s: the speed at which the slip speed and the largest overlap are quoted.
-    time_step_fraction : float
-        f of 2/omega.
-    integrator : {'velocity_verlet', 'leapfrog_extrapolated'}
-    correct_restitution : bool
-        Scale the dashpot so that velocity Verlet's lagged damping gives the wanted restitution.
-    rotation : bool
-    tangential_damping : float, optional
-        gamma_t in 1/s; default `TANGENTIAL_RATE` omega.
-    touch : {'sharp', 'smooth'}
-        A smooth touch gets `SMOOTH_SHARE` of the correction.
-    smallest : float, optional
-        Smallest diameter, m, where discs are not equal: its pairs set the time step and the limits of stability. The
-        correction of the dashpot is that of nominal pairs for all, so that one damping ratio holds for every contact.
-    """
-    mass = disc_mass(density, diameter)
-    least = disc_mass(density, smallest or diameter)
-    critical = critical_time_step(stiffness, least)
-    time_step = time_step_fraction * critical
-    scheme = Scheme(time_step, integrator, correct_restitution, rotation, tangential_damping, touch)
-    pair = _side(stiffness, mass / 2, restitution, friction, scheme)
-    wall = _side(stiffness_wall, mass, restitution, friction, scheme)
+def derive(given: Contact) -> Coefficients:
+    """All contact coefficients of a case, of nominal discs."""
+    restitution, friction, integrator = given.restitution, given.friction, given.integrator
+    mass = disc_mass(given.density, given.diameter)
+    least = disc_mass(given.density, given.smallest or given.diameter)
+    critical = critical_time_step(given.stiffness, least)
+    time_step = given.time_step_fraction * critical
+    pair = _side(given, time_step, given.stiffness, mass / 2, restitution, friction)
+    wall = _side(given, time_step, given.stiffness_wall, mass, restitution, friction)
     xi, omega = damping_ratio(restitution), pair["omega"]
-    load = peak_force(impact_speed, xi, omega, mass / 2)
+    load = peak_force(given.impact_speed, xi, omega, mass / 2)
     return Coefficients(
         mass=mass,
         restitution=restitution,
@@ -449,20 +442,20 @@ def derive(
         damping_ratio=xi,
         time_step=time_step,
         critical_time_step=critical,
-        time_step_fraction=time_step_fraction,
+        time_step_fraction=given.time_step_fraction,
         stable_fraction=min(
             stable_fraction(xi * pair["correction"], integrator),
             wall_stable_fraction(
-                stiffness,
-                stiffness_wall,
+                given.stiffness,
+                given.stiffness_wall,
                 least,
-                pair["correction"] * damping(restitution, stiffness, least / 2),
-                wall["correction"] * damping(restitution, stiffness_wall, least),
+                pair["correction"] * damping(restitution, given.stiffness, least / 2),
+                wall["correction"] * damping(restitution, given.stiffness_wall, least),
                 integrator,
             ),
         ),
         contact_duration=contact_duration(restitution, omega),
         contact_steps=contact_duration(restitution, omega) / time_step,
         slip_speed=friction * load / (mass / 2 * pair["gamma_tangential"]) if friction else 0.0,
-        largest_overlap=largest_overlap(impact_speed, restitution, omega),
+        largest_overlap=largest_overlap(given.impact_speed, restitution, omega),
     )

@@ -13,6 +13,7 @@ in docs/kernels.md).
 from __future__ import annotations
 
 from math import sqrt
+from pathlib import Path
 
 from numba import njit
 
@@ -116,13 +117,31 @@ stored_energy = njit(cache=True)(_stored_energy_py)
 contact_force = njit(cache=True, inline="always")(_contact_force_py)
 
 
-def watching_law(dispatcher, *others):
-    """The same compiled function, with a disk cache that also expires when this file changes, or that of `others`.
+def watching(dispatcher, *others):
+    """The same compiled function, with a disk cache that also expires when other files change.
 
-    numba compares the date of a function's own file only. Machine code that holds these functions inline would
-    otherwise outlive a change here. `others` are compiled functions of other files that it holds.
+    numba compares the date of a function's own file only. Machine code that holds other functions inline, or their
+    constants, would otherwise outlive a change there.
+
+    Parameters
+    ----------
+    dispatcher : compiled function
+    others : compiled functions or Path
+        Functions of other files that it calls, and files whose constants it holds.
     """
     file = dispatcher._cache._cache_file
-    stamps = (held._cache._cache_file._source_stamp for held in (normal_force, *others))
-    file._source_stamp = (file._source_stamp, *stamps)
+    file._source_stamp = (file._source_stamp, *map(_stamp, others))
     return dispatcher
+
+
+def _stamp(other):
+    """What changes with the source of a compiled function, or with a file."""
+    if isinstance(other, Path):
+        status = other.stat()
+        return status.st_mtime, status.st_size
+    return other._cache._cache_file._source_stamp
+
+
+def watching_law(dispatcher, *others):
+    """`watching` of this file, and of `others`."""
+    return watching(dispatcher, normal_force, *others)

@@ -60,9 +60,9 @@ class Ahead:
 
     def _work(self) -> None:
         with suppress(JumpError, OSError):  # what is wrong with the files is said when they are read again
-            runs.results.prepare(self._case)
+            runs.results.load(self._case)
             if self._follows:
-                flow = runs.results.flow_of(self._case)
+                flow = runs.results.flow_of(self._case, self._folder)
                 self.packer = runs.results.packer_for(self._case, flow)
                 watch = (self.packer, self.check) if runs.results.has_player(self._case) else (self.check,)
                 self._gathered = runs.results.collect(self._case, flow, self._folder, self._dump, *watch)

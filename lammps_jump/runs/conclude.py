@@ -11,9 +11,9 @@ import logging
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
@@ -24,9 +24,9 @@ from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.errors import DumpError, RunError, RunInterrupted
 from lammps_jump.files import checksum, write_text
 from lammps_jump.folders import clear, publish, staging
+from lammps_jump.identity import analysis_key
 
 from .ahead import Ahead
-from .engine import analysis_key
 from .folder import case_text
 from .state import outputs_of
 from .summary import compose, write_summary
@@ -36,6 +36,13 @@ CUT = "is cut off"
 """What the reader of dumps says of a torn frame."""
 STOPPED = "the analysis was stopped; the files of the run are kept, and `lammps-jump analyze {}` analyses them"
 NOT_ANALYSED = "the run is not analysed yet: `lammps-jump analyze` on its folder does that"
+
+
+class Made(NamedTuple):
+    """What was made of a run: its summary, and what the analysis could not do, in words."""
+
+    summary: dict[str, Any]
+    trouble: str
 
 
 @dataclass
@@ -48,6 +55,11 @@ class Conclusion:
         Why the run was stopped before its end, as steady or drowned; empty where it was not.
     before : mapping
         Seconds that were spent before.
+    progress : callable, optional
+    ahead : Ahead, optional
+        Has read the frames of a run that came to its end undisturbed; None: the run is analysed again.
+    stored : mapping
+        The summary of a run that is analysed again; empty where there is none.
     """
 
     case: ReadCase
@@ -58,64 +70,64 @@ class Conclusion:
     before: Mapping[str, float]
     notes: tuple[str, ...]
     progress: ProgressCallback | None = None
+    ahead: Ahead | None = None
+    stored: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.begin = time.perf_counter() - (self.before.get("analysis") or 0.0)
         self.ended = self.result.status in ("complete", "unchecked")  # the engine came to its end
+        self.news = self.ahead is not None or self.result.status == "unchecked"  # a failure is not known yet
         self.outputs: Mapping[str, Mapping[str, int | str]] = {}
         self.phases: dict[str, float] = {}
         self.now = ("", time.perf_counter())
         self.steps = self.result.steps if self.steady else self.case.scene().steps
 
-    def first(self, ahead: Ahead) -> None:
-        """Check, analyse and summarise; of an interrupted run only the summary is written, for time may be short.
-
-        `ahead` has read the frames of a run that came to its end undisturbed.
+    def conclude(self) -> None:
+        """Check, make and publish; of an interrupted run only the summary is written, for time may be short.
 
         Raises
         ------
         RunError, RunInterrupted
             As the run has ended; also where what it wrote is not what its schedule asks for.
+        DumpError
+            The files of a run that is analysed again are not those that it wrote; nothing is changed.
         """
-        result = self.result
-        if result.status == "interrupted":
-            self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
-            raise RunInterrupted(result.message)
-        self.outputs = outputs_of(self.folder)
-        if self.ended:
-            self.result = replace(result, status="unchecked")
-        self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
-        self._forget_checkpoints()
-        trouble = self._analyse({}, ahead)
-        result = self.result
-        if self.steady:
+        self.check()
+        with staging(self.folder) as stage:
+            made = self.make(stage)
+            self.publish(stage, made.summary, analysed=not made.trouble)
+        if self.steady and self.ahead:
             log.info(f"note: {self.steady}")
-        if result.status == "failed":
-            raise RunError(result.message)
-        if trouble:
-            raise RunError(f"the run is complete, its dump could not be analysed: {trouble}")
+        if self.result.status == "failed" and self.news:
+            raise RunError(self.result.message)
+        if made.trouble:
+            raise RunError(f"the run is complete, its dump could not be analysed: {made.trouble}")
 
-    def again(self, stored: Mapping[str, Any]) -> None:
-        """Analyse again; `stored` is the summary, empty where there is none.
+    def check(self) -> None:
+        """Hold what the engine left against the stored summary, or write the first summary, without an analysis.
 
         Raises
         ------
+        RunInterrupted
+            The run was interrupted; its summary is written.
         DumpError
-            The files are not those that the run wrote; nothing is changed.
-        RunError
-            A run that was not checked before is not what its schedule asks for.
+            See `conclude`.
         """
-        self.outputs = outputs_of(self.folder)
+        stored, interrupted = self.stored, self.ahead is not None and self.result.status == "interrupted"
+        if not interrupted:
+            self.outputs = outputs_of(self.folder)
         if stored.get("status") == "complete" and (changed := self._changed(stored)):
             raise DumpError(
                 f"{self.folder}: is not what the run wrote: {'; '.join(changed)}. Nothing was changed; put the files "
                 "back, or run the case again with --force"
             )
+        if self.ahead is not None:
+            if self.ended:
+                self.result = replace(self.result, status="unchecked")
+            self._write(self._summary({"warnings": [NOT_ANALYSED]}), None)
+        if interrupted:
+            raise RunInterrupted(self.result.message)
         self._forget_checkpoints()
-        was_checked = self.result.status != "unchecked"
-        self._analyse(stored)
-        if not was_checked and self.result.status == "failed":
-            raise RunError(self.result.message)
 
     def _forget_checkpoints(self) -> None:
         """Delete what a run needs to go on, where the summary says that it will not."""
@@ -167,50 +179,53 @@ class Conclusion:
     def _write(self, summary: Mapping[str, Any], analysis: Mapping[str, Any] | None) -> None:
         write_summary(self.folder, {**summary, "outputs": self.outputs, "analysed": analysis})
 
-    def _analyse(self, stored: Mapping[str, Any], ahead: Ahead | None = None) -> str:
-        """Check and analyse, for the first time with `ahead`; what the analysis could not do, in words."""
-        folder, note, trouble = self.folder, self.result.message if ahead is None else "", ""
-        check, flow = FrameCheck(self.case.scene()), runs.results.flow_of(self.case)
-        packer = runs.results.packer_for(self.case, flow)
-        with staging(folder) as stage:
-            try:
-                with signals_end(STOPPED.format(folder)):
-                    self._phase("reading")
-                    whole = self.outputs if self.ended and not self.steady else {}
-                    gathered = ahead.result(whole, self._read) if ahead else None
-                    if ahead and gathered is not None:
-                        check, packer = ahead.check, ahead.packer
-                    seen = runs.results.has_player(self.case)
-                    watch = [*([packer] if seen else []), *([check] if self.ended else [])]
-                    parts = runs.results.analyse(self.case, flow, folder, stage, watch, gathered, self._phase)
-            except DumpError as error:
-                if ahead is None:
-                    raise
-                trouble = str(error)
-                parts = {"warnings": [f"not analysed: {trouble}"]}
-            parts.setdefault("warnings", [])
-            if self.ended:
-                self._judge(check, parts["warnings"], trouble)
-            if note and self.result.status != "failed":
-                parts["warnings"].append(note)
-            self._phase("report")
-            summary = self._summary(parts) | {key: stored[key] for key in ("case_hash", "key") if key in stored}
-            if runs.results.has_page(self.case):
-                shown = summary | {"outputs": self.outputs}
-                runs.results.write_report(stage, shown, self.case, packer, beside=folder)
-            elif runs.results.has_player(self.case):
-                runs.results.write_player(stage, packer)
-            self._phase("")
-            summary["analysis_seconds"] = dict(self.phases)
-            self._write(summary, None)  # ended between here and the last line: it is analysed again
-            clear(folder, ["report.html", *stored.get("files", ())])
-            names = publish(stage, folder)
+    def make(self, stage: Path) -> Made:
+        """Analyse the run and judge it; summary and report are made, tables and figures stand in `stage`."""
+        flow, trouble = runs.results.flow_of(self.case, self.folder), ""
+        check, packer = FrameCheck(self.case.scene()), runs.results.packer_for(self.case, flow)
+        note = self.result.message if self.ahead is None else ""
+        try:
+            with signals_end(STOPPED.format(self.folder)):
+                self._phase("reading")
+                whole = self.outputs if self.ended and not self.steady else {}
+                gathered = self.ahead.result(whole, self._read) if self.ahead else None
+                if self.ahead and gathered is not None:
+                    check, packer = self.ahead.check, self.ahead.packer
+                seen = runs.results.has_player(self.case)
+                watch = [*([packer] if seen else []), *([check] if self.ended else [])]
+                parts = runs.results.analyse(self.case, flow, self.folder, stage, watch, gathered, self._phase)
+        except DumpError as error:
+            if self.ahead is None:
+                raise
+            trouble = str(error)
+            parts = {"warnings": [f"not analysed: {trouble}"]}
+        parts.setdefault("warnings", [])
+        if self.ended:
+            self._judge(check, parts["warnings"], trouble)
+        if note and self.result.status != "failed":
+            parts["warnings"].append(note)
+        self._phase("report")
+        summary = self._summary(parts) | {key: self.stored[key] for key in ("case_hash", "key") if key in self.stored}
+        if runs.results.has_page(self.case):
+            runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer, beside=self.folder)
+        elif runs.results.has_player(self.case):
+            runs.results.write_player(stage, packer)
+        self._phase("")
+        summary["analysis_seconds"] = dict(self.phases)
+        return Made(summary, trouble)
+
+    def publish(self, stage: Path, summary: Mapping[str, Any], *, analysed: bool) -> None:
+        """Put what stands in `stage` into its place, then write the summary with the key of its analysis."""
+        folder = self.folder
+        self._write(summary, None)  # ended between here and the last line: it is analysed again
+        clear(folder, ["report.html", *self.stored.get("files", ())])
+        names = publish(stage, folder)
         text, path = case_text(self.case), folder / "case.yaml"
         if not path.exists() or path.read_text() != text:
             write_text(path, text)
         files = {name: checksum(folder / name) for name in names}
-        self._write(summary, None if trouble else {"key": analysis_key(self.case, self.outputs), "files": files})
-        return trouble
+        key = analysis_key(self.case.rest, self.outputs)
+        self._write(summary, {"key": key, "files": files} if analysed else None)
 
     def _judge(self, check: FrameCheck, warnings: list[str], trouble: str) -> None:
         """Call the run complete where it is, else failed, with what is wrong; DumpError where it was complete."""

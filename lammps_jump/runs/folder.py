@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,7 +18,7 @@ from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.errors import CaseError
 from lammps_jump.files import JOB_FILE, write_text
-from lammps_jump.provenance import short_hash
+from lammps_jump.identity import field_keys, short_hash
 from lammps_jump.scene.scene import Scene
 
 LONGEST_NAME = 100
@@ -63,13 +62,7 @@ def run_folder(folder: Path, marker: folders.Marker) -> Iterator[None]:
 def case_text(case: ReadCase) -> str:
     """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found."""
     text = case.to_yaml()
-    return f"{MADE} {' '.join(f'{field}={found}' for field, found in _hashes(text).items())}\n{text}"
-
-
-def _hashes(text: str) -> dict[str, str]:
-    """Hash of the text of each field at the left margin."""
-    fields = re.split(r"(?m)^(?=\w+:)", text)[1:]
-    return {field.partition(":")[0]: hashlib.sha256(field.encode()).hexdigest()[:12] for field in fields}
+    return f"{MADE} {' '.join(f'{field}={found}' for field, found in field_keys(text).items())}\n{text}"
 
 
 def write_folder(case: ReadCase, folder: Path, marker: folders.Marker) -> None:
@@ -96,7 +89,7 @@ def require_case(folder: Path) -> Path:
     text = read_case(path)
     head, _, _ = text.partition("\n")
     if head.startswith(MADE):
-        made, found = dict(pair.partition("=")[::2] for pair in head[len(MADE) :].split()), _hashes(text)
+        made, found = dict(pair.partition("=")[::2] for pair in head[len(MADE) :].split()), field_keys(text)
         for field in {**made, **found}:
             if made.get(field) != found.get(field):
                 raise CaseError(

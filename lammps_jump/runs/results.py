@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +24,9 @@ from lammps_jump.analysis.report import compare, page
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
-from lammps_jump.case.case import ReadCase, load_case, parse_case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.check import IdCheck
+from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
@@ -70,8 +72,8 @@ class Found:
         return {name: quantities.QUANTITIES[name].summary(result) for name, result in self.results.items()}
 
 
-def flow_of(case: ReadCase) -> Flow:
-    """The flow of a case, with the bins and the window that it asks for.
+def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
+    """The flow of a case, with the bins and the window that it asks for; `folder` is that of its run.
 
     The contacts of a frame are found once for all who have the same flow.
     """
@@ -84,13 +86,14 @@ def flow_of(case: ReadCase) -> Flow:
         inflow_depth=rows.depth if rows else None,
         inflow_speed=rows.velocity if rows else None,
         water=asked.front == "water",
+        folder=folder,
     )
 
 
-def prepare(case: ReadCase) -> None:
+def load(case: ReadCase) -> None:
     """Load what loads on first use: loops that read dumps and sum over discs, 0.2 s; matplotlib, 0.2 s; the page."""
     if has_page(case):
-        assert drawing.snapshots and drawing.style
+        import_module("lammps_jump.analysis.draw.snapshots")
         page.render("", ())
     nothing = np.zeros(0)
     skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
@@ -121,14 +124,13 @@ def analyse(
     what is done.
     """
     asked = case.fields.analysis
+    figures = asked.figures if has_page(case) else "none"
     return quantities.analyse(
         flow,
         find_dump(folder),
         out,
         _wanted(case),
-        figures=asked.figures if has_page(case) else "none",
-        film=asked.animation,
-        quiet=not log.isEnabledFor(logging.INFO),
+        pictures=quantities.Pictures(figures, asked.animation, quiet=not log.isEnabledFor(logging.INFO)),
         watch=watch,
         gathered=gathered,
         told=told,
@@ -137,7 +139,7 @@ def analyse(
 
 def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
     """Every analysis of a run folder, whether the case asks for it or not; nothing is written."""
-    gathered = quantities.collect(flow_of(case), read_dump(folder), [folder], quantities.QUANTITIES)
+    gathered = quantities.collect(flow_of(case, folder), read_dump(folder), [folder], quantities.QUANTITIES)
     results = {name: quantity.analyse(gathered) for name, quantity in quantities.QUANTITIES.items()}
     known = {name: result for name, result in results.items() if result is not None}
     return Found(gathered, known, tuple(dict.fromkeys(gathered.warnings)))
@@ -234,7 +236,8 @@ def _flow(
 ) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is not None:
-        return from_scene(case.scene(), bin_width=bin_width, water=case.fields.analysis.front == "water")
+        water = case.fields.analysis.front == "water"
+        return from_scene(case.scene(), bin_width=bin_width, water=water, folder=path.parent)
     known = {"diameter": diameter, "density": density or 1000.0, "time_step": time_step, "bin_width": bin_width}
     return from_dump(open_dump(path), **known)
 
@@ -271,7 +274,7 @@ def flow_of_dump(folder: Path) -> Flow:
     given = {key: value for key, value in (summary.get("given") or {}).items() if key in GIVEN}
     if isinstance(sizes := given.get("diameter"), Mapping):
         given["diameter"] = {int(kind): value for kind, value in sizes.items()}
-    case = parse_case(summary["case_yaml"]) if "case_yaml" in summary else None
+    case = ReadCase.parse(summary["case_yaml"]) if "case_yaml" in summary else None
     return _flow(find_dump(folder), case, **given)
 
 
@@ -292,7 +295,7 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     """
     path, analysed = find_dump(target), is_of_a_dump(target)
     home = target if analysed else path.parent
-    case = load_case(require_case(home)) if (home / "case.yaml").exists() else None
+    case = ReadCase.load(require_case(home)) if (home / "case.yaml").exists() else None
     table = home / "forces.csv"
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or home / "animation.mp4"
@@ -304,6 +307,20 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     if written != destination:
         log.info(f"note: {drawing.film.NO_FFMPEG}")
     return written
+
+
+def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list[Path]:
+    """Write what lies in a folder of a run, or of a dump's results, for other programs; see `dump.export`."""
+    if "vtk" not in kinds or not (place / "profiles.nc").is_file():
+        return write_exports(place, kinds, out)
+    if is_of_a_dump(place):
+        flow = flow_of_dump(place)
+    elif (place / "case.yaml").is_file():
+        flow = flow_of(ReadCase.load(require_case(place)), place)
+    else:
+        return write_exports(place, kinds, out)
+    x, y = ((low - 0.05 * (high - low), high + 0.05 * (high - low)) for low, high in flow.scene.domain)
+    return write_exports(place, kinds, out, walls_at=flow.walls_at, room=(x, y))
 
 
 def draw(found: Found, folder: Path, name: str) -> Figure:

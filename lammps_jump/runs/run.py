@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
 from lammps_jump import dump, runs
-from lammps_jump.case.case import Changes, ReadCase
-from lammps_jump.case.case import load_case as read_case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import ProgressCallback, RunResult, Setting
 from lammps_jump.errors import RunError
@@ -25,7 +24,7 @@ from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
 from .summary import compose, read_summary
-from .view import case_html, number_table
+from .view import case_html, number_table, write_preview
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,17 +39,23 @@ if TYPE_CHECKING:
 Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
 
+class EngineOptions(TypedDict, total=False):
+    """Options of `run` that stand in place of the case's own."""
+
+    engine: str | None
+    kernel: str | None
+    ranks: int | str | None
+
+
 def run(
     case: ReadCase,
     folder: str | Path | None = None,
     *,
-    engine: str | None = None,
-    kernel: str | None = None,
-    ranks: int | str | None = None,
     force: bool = False,
     resume: bool = False,
     progress: ProgressCallback | None = None,
     should_stop: Callable[[], bool] | None = None,
+    **own: Unpack[EngineOptions],
 ) -> Run:
     """Run a case and analyse it; a result that the folder already holds is returned at once.
 
@@ -59,10 +64,6 @@ def run(
     case : Case
     folder : str or Path, optional
         Run folder, made where it is missing; default ``runs/<stem of the case file>``, changed values behind it.
-    engine : {'lammps', 'native'}, optional
-    kernel : {'auto', 'stock', 'compiled'}, optional
-    ranks : int or 'auto', optional
-        In place of the case's own.
     force : bool
         Delete the run that the folder holds, and start anew.
     resume : bool
@@ -70,7 +71,11 @@ def run(
     progress : callable, optional
         Called with a `Progress` about twice a second.
     should_stop : callable, optional
-        Asked as often; True ends the run as an interruption does.
+        Called as often; True ends the run as an interruption does.
+    engine : {'lammps', 'native'}, optional
+    kernel : {'auto', 'stock', 'compiled'}, optional
+    ranks : int or 'auto', optional
+        In place of the case's own.
 
     Raises
     ------
@@ -79,8 +84,10 @@ def run(
     RunError, RunInterrupted
         A run that failed or was ended; its folder is kept, and ``error.run`` is the run as far as it came.
     """
-    given = {"engine.name": engine, "engine.kernel": kernel, "engine.ranks": ranks}
-    case = case.replace({path: value for path, value in given.items() if value is not None})
+    if unknown := sorted(own.keys() - EngineOptions.__annotations__):
+        raise TypeError(f"run() has no argument '{unknown[0]}'")
+    paths = {f"engine.{'name' if name == 'engine' else name}": value for name, value in own.items()}
+    case = case.replace({path: value for path, value in paths.items() if value is not None})
     place = Path(folder or default_folder(case))
     try:
         runs.start.start(case, place, force=force, resume=resume, progress=progress, should_stop=should_stop)
@@ -92,7 +99,7 @@ def run(
 
 @dataclass(frozen=True)
 class Case(ReadCase):
-    """A validated case; made by `load_case`.
+    """A validated case that can be run; made by `load_case`.
 
     Attributes
     ----------
@@ -104,29 +111,13 @@ class Case(ReadCase):
     """
 
     run = run  # a method too: case.run(folder, …)
+    preview = write_preview
 
     def _repr_html_(self) -> str:
         return case_html(self.name, self.scene())
 
 
-def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None) -> Case:
-    """Read, change and validate a case.
-
-    Parameters
-    ----------
-    source : str, Path or mapping
-        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
-    changes : mapping, optional
-        Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``: list items by name or index. Numbers
-        are SI, texts may carry a unit (``"20 cm"``). Texts ``path=value``, as of ``--set``, are also taken.
-
-    Raises
-    ------
-    CaseError
-        One paragraph with file:line, the field, the value, what is allowed and what to do.
-    """
-    read = read_case(source, changes)
-    return Case(read.fields, read.source)
+load_case = Case.load
 
 
 def open_run(folder: str | Path) -> Run:
@@ -162,7 +153,7 @@ class Run:
     @cached_property
     def case(self) -> Case:
         """The case as run."""
-        return load_case(require_case(self.folder), self._changes)
+        return Case.load(require_case(self.folder), self._changes)
 
     @property
     def scene(self) -> Scene:
@@ -293,7 +284,7 @@ class Run:
         if path is None:
             require_replaceable(self.folder, "report.html")
         with nullcontext() if path else locked(self.folder):
-            packer = runs.results.packed(runs.results.flow_of(self.case), self.folder)
+            packer = runs.results.packed(runs.results.flow_of(self.case, self.folder), self.folder)
             return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
 
     def compare(self, other: Run, path: str | Path) -> Path:
@@ -307,7 +298,7 @@ class Run:
             The page cannot be written.
         """
         return _compare(
-            [(run.folder, run.summary, runs.results.flow_of(run.case)) for run in (self, other)], Path(path)
+            [(run.folder, run.summary, runs.results.flow_of(run.case, run.folder)) for run in (self, other)], Path(path)
         )
 
     def __repr__(self) -> str:
@@ -331,7 +322,7 @@ def compare_folders(first: Path, second: Path, path: Path) -> Path:
             sides.append((folder, runs.results.summary_of_dump(folder), runs.results.flow_of_dump(folder)))
         else:
             run = open_run(folder)
-            sides.append((folder, run.summary, runs.results.flow_of(run.case)))
+            sides.append((folder, run.summary, runs.results.flow_of(run.case, folder)))
     return _compare(sides, path)
 
 

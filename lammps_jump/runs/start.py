@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from lammps_jump import engines, runs
-from lammps_jump.case.case import ReadCase, load_case
+from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
 from lammps_jump.files import RANKS_FILE, RESULT_FILES
@@ -106,7 +106,7 @@ def _run(
         result, steady = _run_engine(case, folder, setting, checkpoint, watch)
         if checkpoint is not None:
             clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
-        Conclusion(case, folder, setting, result, steady, before, notes, watch[0]).first(ahead)
+        Conclusion(case, folder, setting, result, steady, before, notes, watch[0], ahead).conclude()
 
 
 def build(case: ReadCase, folder: Path, *, job: Site | None = None, force: bool = False) -> Setting:
@@ -158,7 +158,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
             f"{folder}: was not made by lammps-jump (there is no {MARKER_FILE}), so nothing is written to it; "
             f"`lammps-jump analyze DUMP --case {path} --out OTHER` analyses its dump"
         )
-    case, setting, notes = choose_setting(load_case(path, changes))
+    case, setting, notes = choose_setting(ReadCase.load(path, changes))
     if found := difference(case, None, marker):
         raise CaseError(
             f"{path}: was changed after the run ({found}); put it back, or run the changed case in another folder"
@@ -176,7 +176,8 @@ def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str,
     with _files_at_risk(folder):
         result = result_of(case, folder, stored, setting)
         before = {**(stored.get("wall_seconds") or {}), "analysis": 0.0}
-        Conclusion(case, folder, setting, result, stored.get("stopped_when_steady") or "", before, notes).again(stored)
+        steady = stored.get("stopped_when_steady") or ""
+        Conclusion(case, folder, setting, result, steady, before, notes, stored=stored).conclude()
 
 
 def _run_engine(

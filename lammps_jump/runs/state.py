@@ -11,16 +11,16 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.checkpoint import ANEW, Checkpoint, has_checkpoint, read_checkpoint
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, ResumeError, SetupError
-from lammps_jump.files import DUMP_NAMES, OWN_FILES, checksum
+from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, OWN_FILES, checksum
 from lammps_jump.folders import Marker, force_tables, read_marker, require_ours, standing
-from lammps_jump.provenance import fingerprint
+from lammps_jump.identity import analysis_key, run_key, scene_key
 
-from .engine import analysis_key, full_key, program_of
+from .engine import program_of
 from .folder import result_of_files
 from .summary import read_summary
 
 ToDo = Literal["run", "analyse", "nothing"]
-OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", "log.lammps")
+OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", CONTACTS_FILE, "log.lammps")
 """What an engine leaves of a run."""
 FEWEST = 3
 """Differences that a message names."""
@@ -29,7 +29,8 @@ FEWEST = 3
 def marker_of(case: ReadCase, setting: Setting) -> Marker:
     """The marker of the folder of a run."""
     probes = case.structures
-    about = {"key": full_key(case, setting), "case": case.core, "program": program_of(setting)}
+    program = program_of(setting)
+    about = {"key": run_key(case.core, program), "case": case.core, "program": program}
     return Marker("run", (*OWN_FILES, *force_tables(f"force_{name}.csv" for name in probes)), about)
 
 
@@ -119,7 +120,7 @@ def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool
         same_sizes = all((folder / name).stat().st_size == entry["size"] for name, entry in outputs.items())
         return (
             same_sizes
-            and block["key"] == analysis_key(case, outputs)
+            and block["key"] == analysis_key(case.rest, outputs)
             and all(checksum(folder / name) == entry for name, entry in block["files"].items())
         )
     except OSError:
@@ -163,7 +164,7 @@ def resumable(case: ReadCase, folder: Path, setting: Setting) -> Checkpoint | No
     checkpoint = read_checkpoint(folder)
     if checkpoint is None:
         return None
-    if checkpoint.scene != fingerprint(case.scene()):
+    if checkpoint.scene != scene_key(case.scene()):
         raise ResumeError(
             f"{folder}: this version of lammps-jump makes other numbers of the same case than the one that began the "
             f"run; go on with that version, or start a new run"

@@ -29,10 +29,11 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain, read_json, write_json
+from lammps_jump.identity import run_key, shown_key
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import echoed
 
-from .engine import full_key, run_key
+from .engine import program_of
 
 SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
@@ -181,8 +182,8 @@ def compose(
             "kernel": result.kernel,
             "integrator": scene.integrator,
             "friction_law": scene.friction_law if scene.rubs else None,
-            "case_hash": run_key(case, setting),
-            "key": full_key(case, setting),
+            "case_hash": shown_key(case.core, setting.kernel),
+            "key": run_key(case.core, program_of(setting)),
             "versions": {**versions(), **result.versions},
             "coefficients": asdict(scene.coefficients),
             "steps": result.steps,

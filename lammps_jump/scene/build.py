@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lammps_jump.physics.contact import derive, stiffness
+from lammps_jump.physics.contact import Contact, derive, stiffness
 
 from .motion import MovingWall
 from .scene import Scene
-from .walls import Interval, Wall
+from .walls import Wall
 
 CONTACT = {
     "restitution": 0.2,
@@ -24,7 +24,7 @@ CONTACT = {
     "tangential_damping": None,
     "touch": "sharp",
 }
-"""Parameters of `lammps_jump.physics.contact.derive` where none are given."""
+"""Fields of `lammps_jump.physics.contact.Contact` unless given."""
 
 
 def handmade_scene(
@@ -36,8 +36,6 @@ def handmade_scene(
     density: float = 1000.0,
     penetration_fraction: float = 10.0,
     impact_speed: float = 16.0,
-    stiffness_wall: float | None = None,
-    domain: tuple[Interval, Interval] = ((-100.0, 100.0), (-100.0, 100.0)),
     **others: Any,
 ) -> Scene:
     """A `Scene` from discs, walls and contact parameters.
@@ -52,21 +50,18 @@ def handmade_scene(
         m, kg/m^3.
     penetration_fraction, impact_speed : float
         n and v0 (m/s) of thesis (3.20), for the stiffness of discs and walls.
-    stiffness_wall : float, optional
-        N/m; the stiffness of disc pairs unless given.
-    domain : ((float, float), (float, float))
-        m.
     others
-        Parameters of the contact law (see `CONTACT`) and fields of `Scene` (sizes, steps, inlets, outlets, probes …);
-        the overlap limit is twice the design overlap d/n unless given.
+        `stiffness_wall` (N/m; that of disc pairs unless given), further fields of the contact (see `CONTACT`) and of
+        `Scene` (sizes, steps, inlets, outlets, probes …). Unless given, the domain extends to 100 m on all sides, and
+        the overlap limit is twice the design overlap d/n.
     """
     k = stiffness(density, penetration_fraction, impact_speed)
     law = {name: others.get(name, value) for name, value in CONTACT.items()}
-    coefficients = derive(
+    contact = Contact(
         density=density,
         diameter=diameter,
         stiffness=k,
-        stiffness_wall=stiffness_wall or k,
+        stiffness_wall=others.pop("stiffness_wall", None) or k,
         impact_speed=impact_speed,
         smallest=sizes.smallest if (sizes := others.get("sizes")) else None,
         **law,
@@ -76,6 +71,7 @@ def handmade_scene(
         "description": "",
         "gravity": (0.0, -9.81),
         "friction_law": "hooke",
+        "domain": ((-100.0, 100.0), (-100.0, 100.0)),
         "overlap_limit": 2.0 * diameter / penetration_fraction,
         **{name: law[name] for name in ("rotation", "integrator", "touch")},
         **{name: value for name, value in others.items() if name not in CONTACT},
@@ -83,8 +79,7 @@ def handmade_scene(
     return Scene(
         diameter=diameter,
         density=density,
-        coefficients=coefficients,
-        domain=domain,
+        coefficients=derive(contact),
         positions=np.asarray(positions, float).reshape(-1, 2),
         velocities=np.asarray(velocities, float).reshape(-1, 2),
         walls=walls,  # type: ignore[arg-type]  # the scene lets plain walls stand

@@ -270,13 +270,43 @@ def distance(faces: Faces, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     x, y : array_like, m
     """
     x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
-    nearest = np.full(x.shape, inf)
-    for face in range(len(faces.codes)):
+    count = len(faces.codes)
+    if count <= BUNCH:
+        return _nearest(faces, range(count), x, y, np.full(x.shape, inf))
+    px, py, box = x.ravel(), y.ravel(), boxes(faces, deep=False)
+    bunches = [range(first, min(first + BUNCH, count)) for first in range(0, count, BUNCH)]
+    known = np.full(px.shape, inf)  # no point is farther from the faces than from one of their ends
+    for bunch in bunches:
+        known = np.minimum(known, np.hypot(px - faces.shape[bunch[0], X0], py - faces.shape[bunch[0], Y0]))
+    found = np.full(px.shape, inf)
+    for bunch in bunches:
+        (xlo, xhi), (ylo, yhi) = ((box[bunch, a].min(), box[bunch, a + 1].max()) for a in (0, 2))
+        apart = np.hypot(
+            np.maximum(0.0, np.maximum(xlo - px, px - xhi)), np.maximum(0.0, np.maximum(ylo - py, py - yhi))
+        )
+        near = apart <= known * (1 + 1e-9) + 1e-12
+        if near.any():
+            found[near] = _nearest(faces, bunch, px[near], py[near], found[near])
+    return found.reshape(x.shape)
+
+
+BUNCH = 32
+"""Faces that are left out together where a point is nearer to others."""
+
+
+def _nearest(faces: Faces, some: range, x: np.ndarray, y: np.ndarray, nearest: np.ndarray) -> np.ndarray:
+    """Signed distance of points to the nearest of some faces, or `nearest` where that is less, m."""
+    lowest = _rank(nearest)
+    for face in some:
         gap = _gap(faces, face, x, y)
-        nearer = np.abs(gap) < np.abs(nearest)
-        # of two faces at the same distance, the one in front counts: the ends of a joint, and both sides of a sheet
-        nearest = np.where(nearer | ((np.abs(gap) == np.abs(nearest)) & (gap > nearest)), gap, nearest)
+        rank = _rank(gap)
+        nearest, lowest = np.where(rank < lowest, gap, nearest), np.minimum(rank, lowest)
     return nearest
+
+
+def _rank(gap: np.ndarray) -> np.ndarray:
+    """Distance by which faces are compared, m: of two at the same, but for round-off, the one in front counts."""
+    return np.where(gap < 0, np.abs(gap) * (1 + 1e-9) + 1e-12, gap)
 
 
 def _gap(faces: Faces, face: int, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -314,45 +344,56 @@ def grounds(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     stands on solid without end.
     """
     x = np.asarray(x, float)
-    tops: list[np.ndarray] = []
-    undersides: list[np.ndarray] = []
-    for code, row in zip(faces.codes, faces.shape, strict=True):
-        for height, up in _crossings(code, row, x):
-            (tops if up else undersides).append(height)
-    if not tops:
-        return []
-    heights = np.sort(np.array(tops), axis=0)  # NaN comes last
-    bottoms = np.array(undersides) if undersides else np.full((1, *x.shape), np.nan)
+    flat = x.ravel()
+    tops, bottoms = (_stacked(len(flat), *found) for found in _crossings(faces, flat))
     solids = []
-    below = np.full(x.shape, -inf)
-    for top in heights:
-        with np.errstate(invalid="ignore"):
-            under = np.where((bottoms <= top) & (bottoms >= below), bottoms, -inf).max(axis=0)
-        solids.append((np.where(np.isnan(top), np.nan, under), top))
+    below = np.full(flat.shape, -inf)
+    for top in tops:
+        under = np.where((bottoms <= top) & (bottoms >= below), bottoms, -inf).max(axis=0, initial=-inf)
+        solids.append((np.where(np.isnan(top), np.nan, under).reshape(x.shape), top.reshape(x.shape)))
         below = np.where(np.isnan(top), below, top)
     return solids
 
 
-def _crossings(code: np.ndarray, row: np.ndarray, x: np.ndarray) -> list[tuple[np.ndarray, bool]]:
-    """Heights at which a face stands over x, m (NaN beside it), and whether it looks up there."""
-    if code[KIND] == ARC:
-        rho, out = abs(row[RADIUS]), x - row[CX]
-        with np.errstate(invalid="ignore"):
-            rise = np.sqrt(rho * rho - out * out)
-        found = []
-        for sign in (1.0, -1.0):
-            y = row[CY] + sign * rise
-            on = (row[TX0] * (x - row[X0]) + row[TY0] * (y - row[Y0]) >= 0) & (
-                row[TX1] * (x - row[X1]) + row[TY1] * (y - row[Y1]) <= 0
-            )
-            found.append((np.where(on, y, np.nan), bool((sign > 0) == (row[RADIUS] < 0))))
-        return found
-    tx, ty = row[TX0], row[TY0]
-    if abs(tx) < 1e-12:
-        return []
-    low, high = (-inf, inf) if code[AT_START] == ENDLESS else sorted((row[X0], row[X1]))
-    y = row[Y0] + (x - row[X0]) * (ty / tx) if ty else np.full(x.shape, row[Y0])
-    return [(np.where((x >= low) & (x <= high), y, np.nan), bool(tx > 0))]
+def _crossings(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Where upright lines at x meet faces that look up, and such that look down: (index of x, height in m) of each."""
+    shape, arc = faces.shape, faces.codes[:, KIND] == ARC
+    wide = 1.001 * abs(shape[:, RADIUS])  # round-off must leave no point out
+    endless = faces.codes[:, AT_START] == ENDLESS
+    low = np.where(arc, shape[:, CX] - wide, np.minimum(shape[:, X0], shape[:, X1]))
+    high = np.where(arc, shape[:, CX] + wide, np.maximum(shape[:, X0], shape[:, X1]))
+    upright = ~arc & (abs(shape[:, TX0]) < 1e-12)
+    order = np.argsort(x, kind="stable")
+    begin = np.searchsorted(x[order], np.where(endless, -inf, low), "left")
+    end = np.where(upright, begin, np.searchsorted(x[order], np.where(endless, inf, high), "right"))
+    counts = end - begin
+    face = np.repeat(np.arange(len(shape)), counts)
+    index = order[np.arange(len(face)) + np.repeat(begin - np.cumsum(counts) + counts, counts)]
+    place, row = x[index], shape[face].T
+    with np.errstate(invalid="ignore", divide="ignore"):
+        out = place - row[CX]
+        rise = np.sqrt(row[RADIUS] * row[RADIUS] - out * out)
+        line = row[Y0] + np.where(row[TY0] == 0, 0.0, (place - row[X0]) * (row[TY0] / row[TX0]))
+    found = []
+    for up in (True, False):
+        # the half of a circle that looks up is the upper one where the arc turns right
+        y = row[CY] + np.where((row[RADIUS] < 0) == up, rise, -rise)
+        on = (row[TX0] * (place - row[X0]) + row[TY0] * (y - row[Y0]) >= 0) & (
+            row[TX1] * (place - row[X1]) + row[TY1] * (y - row[Y1]) <= 0
+        )
+        met = np.where(arc[face], on, (row[TX0] > 0) == up)
+        found.append((index[met], np.where(arc[face], y, line)[met]))
+    return found
+
+
+def _stacked(count: int, index: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Heights by the index of their x, ascending, shape (most at one x, count), m; NaN behind the last of each."""
+    order = np.lexsort((height, index))
+    index, height = index[order], height[order]
+    number = np.arange(len(index)) - np.searchsorted(index, index)
+    stacked = np.full((int(number.max(initial=-1)) + 1, count), np.nan)
+    stacked[number, index] = height
+    return stacked
 
 
 ARC_STEPS = 12
@@ -369,82 +410,3 @@ def outline(chain: Chain) -> np.ndarray:
             angles = (begin + face.sweep * i / ARC_STEPS for i in range(1, ARC_STEPS))
             corners += [_on(face.centre, face.radius, angle) for angle in angles]
     return np.array(corners if chain.closed else [*corners, chain.points[-1], *corners[:0:-1]])
-
-
-FLUSH = 1e-6
-"""Distance of two ends over which they count as one, m; also a share of their coordinates."""
-
-
-SHARPEST = -0.75 * pi
-"""Turn away from the discs, rad, beyond which two walls that meet leave discs no room between them."""
-
-
-def flush(one: Faces, two: Faces) -> Point | None:
-    """Place where a face of one wall ends at the begin of a face of another, m: discs there feel both.
-
-    Both lie in one line or turn away from the discs. Corners towards the discs do no harm. Closed outlines whose faces
-    look down there are left out. None: there is no such place.
-    """
-    for before, after in ((one, two), (two, one)):
-        if ENDLESS in (before.codes[0, AT_START], after.codes[0, AT_START]):
-            continue
-        free, begins = before.codes[:, AT_END] == FREE, after.codes[:, AT_START] == FREE
-        up = (before.shape[:, TX1] > -0.5) | free
-        (x0, y0), (x1, y1) = (vertices(after).min(axis=0), vertices(after).max(axis=0))
-        x, y = before.shape[:, X1], before.shape[:, Y1]
-        room = FLUSH * max(1.0, *map(abs, (x0, y0, x1, y1)))
-        inside = (x >= x0 - room) & (x <= x1 + room) & (y >= y0 - room) & (y <= y1 + room)
-        for face in np.flatnonzero(up & inside):
-            place, along = before.shape[face, [X1, Y1]], before.shape[face, [TX1, TY1]]
-            near = np.abs(after.shape[:, [X0, Y0]] - place).max(axis=1) <= FLUSH * max(1.0, *np.abs(place))
-            for (tx, ty), begin in zip(after.shape[near][:, [TX0, TY0]], begins[near], strict=True):
-                angle = atan2(along[0] * ty - along[1] * tx, along[0] * tx + along[1] * ty)
-                least = SHARPEST if free[face] or begin else -SMOOTH_TURN
-                if least < angle <= SMOOTH_TURN:
-                    return float(place[0]), float(place[1])
-    return None
-
-
-def vertices(faces: Faces) -> np.ndarray:
-    """Both ends of all faces, shape (2 faces, 2), m; none of a wall without end."""
-    found = faces.shape[faces.codes[:, AT_START] != ENDLESS]
-    return np.concatenate([found[:, [X0, Y0]], found[:, [X1, Y1]]])
-
-
-def open_ends(faces: Faces) -> list[Point]:
-    """Ends of chains that are open, m."""
-    starts = faces.shape[faces.codes[:, AT_START] == FREE][:, [X0, Y0]]
-    ends = faces.shape[faces.codes[:, AT_END] == FREE][:, [X1, Y1]]
-    return [(float(x), float(y)) for x, y in (*starts, *ends)]
-
-
-LONG_BEND = radians(30.0)
-"""Turn of a row of small turns, rad, up to which it counts as a corner and not as a bend."""
-
-
-def tight_bend(faces: Faces) -> tuple[float, Point] | None:
-    """Smallest radius (m) with which straight faces bend towards the discs in small turns, and where it begins, m.
-
-    A bend is a row of smooth joints that turn by more than `LONG_BEND` together. None: there is none.
-    """
-    found: tuple[float, Point] | None = None
-    codes, shape = faces.codes, faces.shape
-    smooth = codes[:, AT_END] == SMOOTH
-    begins = set(np.flatnonzero(smooth & (codes[:, AT_START] != SMOOTH)).tolist())
-    runs = {int(codes[i, RUN]) for i in begins}
-    begins |= {i for i in np.flatnonzero(smooth & (codes[:, LOOP] == 1)).tolist() if codes[i, RUN] not in runs}
-    for begin in sorted(begins):
-        face, length, turned, turns = begin, 0.0, 0.0, [_turn_behind(faces, begin)]
-        while smooth[face := int(codes[face, AFTER])] and face != begin and codes[face, KIND] == SEGMENT:
-            turns.append(_turn_behind(faces, face))
-            length += shape[face, LENGTH]
-            turned += 0.5 * (turns[-2] + turns[-1])
-        if sum(turns) > LONG_BEND and turned and (found is None or length / turned < found[0]):
-            found = length / turned, (float(shape[begin, X1]), float(shape[begin, Y1]))
-    return found
-
-
-def _turn_behind(faces: Faces, face: int) -> float:
-    """Turn from a face to the next one, rad."""
-    one, two = faces.shape[face], faces.shape[faces.codes[face, AFTER]]
-    return atan2(one[TX1] * two[TY0] - one[TY1] * two[TX0], one[TX1] * two[TX0] + one[TY1] * two[TY0])

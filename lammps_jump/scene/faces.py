@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Contact of a disc with a wall of faces: which faces push, from where, and how they are found.
+"""Contact of a disc with a wall of faces: which faces push, and from where.
 
 The rule. A face gives a candidate where its foot, the nearest point, lies inside it; a joint gives one where the feet
 of both neighbours lie on it. At a corner, a face whose foot is its end keeps a candidate of its own. If the nearest
@@ -9,20 +9,22 @@ push already. The energy of a contact without friction is then k/2 times the sum
 continuous. Planes and boxes push from any depth, each face on its own.
 
 Plain loops over float64 arrays, compiled at the end of the file. The plugin holds its own copy (``faces.h``); tests
-compare the two. This module is the one of `scene` that imports numba.
+compare the two. This module and `near` are those of `scene` that import numba.
 """
 
 from __future__ import annotations
 
 from math import atan2, floor, inf, pi, sqrt
-from typing import NamedTuple
+from pathlib import Path
 
-import numpy as np
 from numba import njit
+
+from lammps_jump.physics.law import watching
 
 from .chains import (
     AFTER,
     ARC,
+    ARC_LENGTH,
     AT_END,
     AT_START,
     BEFORE,
@@ -33,6 +35,7 @@ from .chains import (
     ENDLESS,
     FREE,
     KIND,
+    LENGTH,
     LOOP,
     PHI,
     RADIUS,
@@ -48,46 +51,16 @@ from .chains import (
     X1,
     Y0,
     Y1,
-    Faces,
-    boxes,
 )
 
 MOST = 16
 """Contacts of a disc with one wall, at most: the deepest ones."""
 SAME_TURN = SMOOTH_TURN * (1 + 1e-6)
 """Turn between two contacts of a run up to which they are one, rad; a little above the limit of a smooth joint."""
-FEW = 8
-"""Faces up to which a wall is searched without a grid."""
-MOST_CELLS = 1_000_000
+TIE = 1e-9
+"""Radii by which a face behind must be nearer than one in front: round-off parts the two faces of a sheet."""
 NOWHERE, INSIDE, BEGIN, END = range(4)
 """Where the foot of a candidate lies; `NOWHERE`: no candidate."""
-
-
-class Grid(NamedTuple):
-    """Cells that list the faces of each wall near them, in the wall's own frame; one cell where there are few faces.
-
-    Attributes
-    ----------
-    box : ndarray, shape (faces, 4)
-        Box of each face with the reach, m.
-    wall_box : ndarray, shape (walls, 4)
-    place : ndarray, shape (walls, 3)
-        Lower left corner (m) and cells per metre.
-    cells : ndarray of int64, shape (walls, 3)
-        Columns, rows, first cell.
-    start, faces : ndarray of int64
-        Faces of cell c: ``faces[start[c]:start[c + 1]]``.
-    reach : float
-        Distance from a face up to which discs are listed, m.
-    """
-
-    box: np.ndarray
-    wall_box: np.ndarray
-    place: np.ndarray
-    cells: np.ndarray
-    start: np.ndarray
-    faces: np.ndarray
-    reach: float
 
 
 def _ends_py(codes, shape, f, px, py):
@@ -202,18 +175,36 @@ def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, w
     """
     if deep == 1:
         return _behind(codes, shape, near, first, last, px, py, radius, found, which)
-    nearest = deepest = inf
+    nearest = deepest = lowest = inf
     touch = 0
     for p in range(first, last):
         f = near[p]
-        if _out_of_reach(codes, shape, f, px, py, radius, -radius):
-            continue
-        place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+        place = NOWHERE
+        if codes[f, KIND] == SEGMENT:  # as `_candidate`, without a call: most faces near a disc have no candidate
+            tx, ty, dx, dy = shape[f, TX0], shape[f, TY0], px - shape[f, X0], py - shape[f, Y0]
+            line = tx * dy - ty * dx
+            if line >= radius or line <= -radius:
+                continue
+            start, end = codes[f, AT_START], codes[f, AT_END]
+            if tx * dx + ty * dy <= 0.0 and start != ENDLESS:
+                if start != FREE and start != CORNER:
+                    continue
+            elif tx * (px - shape[f, X1]) + ty * (py - shape[f, Y1]) >= 0.0 and end != ENDLESS:
+                g = codes[f, AFTER]
+                if end != FREE and end != CORNER:
+                    if shape[g, TX0] * (px - shape[g, X0]) + shape[g, TY0] * (py - shape[g, Y0]) > 0.0:
+                        continue
+            else:
+                place, gap, nx, ny = INSIDE, line, -ty, tx
         if place == NOWHERE:
-            continue
+            place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+            if place == NOWHERE:
+                continue
         away = abs(gap)
-        if away < abs(nearest) or (away == abs(nearest) and gap > nearest):
-            nearest = gap
+        if gap < 0.0:
+            away += TIE * radius
+        if away < lowest:
+            nearest, lowest = gap, away
             if gap < 0.0:
                 found[0, 0], found[0, 1], found[0, 2] = gap, nx, ny
                 which[0] = f
@@ -237,18 +228,6 @@ def _out_of_reach_py(codes, shape, f, px, py, front, behind):
         return False
     line = shape[f, TX0] * (py - shape[f, Y0]) - shape[f, TY0] * (px - shape[f, X0])
     return line >= front or line <= behind
-
-
-def _plain_py(codes, shape, f, px, py, margin):
-    """Whether a point is beside a straight face and a margin (m) from its ends: its line is then enough."""
-    if codes[f, KIND] != SEGMENT:
-        return False
-    start, end = codes[f, AT_START] == ENDLESS, codes[f, AT_END] == ENDLESS
-    if not start:
-        start = shape[f, TX0] * (px - shape[f, X0]) + shape[f, TY0] * (py - shape[f, Y0]) > margin
-    if not end:
-        end = shape[f, TX1] * (px - shape[f, X1]) + shape[f, TY1] * (py - shape[f, Y1]) < -margin
-    return start and end
 
 
 def _behind_py(codes, shape, near, first, last, px, py, radius, found, which):
@@ -292,6 +271,24 @@ def _select_py(codes, shape, near, first, last, px, py, radius, found, which):
     return kept
 
 
+def _foot_at_py(codes, shape, f, px, py):
+    """Arc length of the foot of a point on a face, m, counted along the chain from its start.
+
+    It names a place of the wall whatever the faces: a contact that goes on over a joint changes it by its way alone.
+    """
+    before, behind = _ends(codes, shape, f, px, py)
+    if before:
+        return shape[f, ARC_LENGTH]
+    if behind:
+        return shape[f, ARC_LENGTH] + shape[f, LENGTH]
+    tx, ty = shape[f, TX0], shape[f, TY0]
+    if codes[f, KIND] == SEGMENT:
+        return shape[f, ARC_LENGTH] + tx * (px - shape[f, X0]) + ty * (py - shape[f, Y0])
+    dx, dy, rho = px - shape[f, CX], py - shape[f, CY], shape[f, RADIUS]
+    out = ty * dx - tx * dy if rho > 0.0 else tx * dy - ty * dx  # along the radius at the start
+    return shape[f, ARC_LENGTH] + abs(rho) * atan2(tx * dx + ty * dy, out)
+
+
 def _away_py(codes, shape, f, px, py):
     """Distance of a point to a face, m; negative behind it, where its foot is inside."""
     before, behind = _ends(codes, shape, f, px, py)
@@ -301,121 +298,22 @@ def _away_py(codes, shape, f, px, py):
     return min(first, _at_joint(shape, f, True, True, px, py)[0] if behind else inf)
 
 
-def _mark_cells_py(codes, shape, box, begin, end, place, columns, rows, reach, start, listed):
-    """Count the faces near each cell of one wall in ``start[cell + 1]``; with room in `listed`, list them from there.
-
-    Listing moves ``start[cell + 1]`` from the first to behind the last face of the cell.
-    """
-    x_low, y_low, inverse = place[0], place[1], place[2]
-    far = reach + sqrt(0.5) / inverse
-    for f in range(begin, end):
-        for column in range(
-            max(int((box[f, 0] - x_low) * inverse), 0), min(int((box[f, 1] - x_low) * inverse) + 1, columns)
-        ):
-            for row in range(
-                max(int((box[f, 2] - y_low) * inverse), 0), min(int((box[f, 3] - y_low) * inverse) + 1, rows)
-            ):
-                px, py = x_low + (column + 0.5) / inverse, y_low + (row + 0.5) / inverse
-                if abs(_away(codes, shape, f, px, py)) <= far:
-                    cell = column * rows + row
-                    if listed.size:
-                        listed[start[cell + 1]] = f
-                    start[cell + 1] += 1
+def _compiled(function, **options):
+    """The compiled function; its cache on the disk expires when a constant of ``chains.py`` changes."""
+    return watching(njit(cache=True, **options)(function), Path(__file__).with_name("chains.py"))
 
 
-def grid_of(faces: Faces, cell: float, reach: float) -> Grid:
-    """Cells for the search of faces.
-
-    Parameters
-    ----------
-    faces : Faces
-    cell : float
-        Side of a cell, m; it is made wider where a wall has more than a million cells.
-    reach : float
-        Distance from a face up to which discs are listed, m.
-    """
-    walls = len(faces.first) - 1
-    box = boxes(faces) + np.array([-reach, reach, -reach, reach])
-    wall_box, place, cells = np.zeros((walls, 4)), np.zeros((walls, 3)), np.ones((walls, 3), np.int64)
-    starts, listed, total = [np.zeros(1, np.int64)], [], 0
-    for wall in range(walls):
-        begin, end = int(faces.first[wall]), int(faces.first[wall + 1])
-        own = box[begin:end]
-        x_low, x_high, y_low, y_high = wall_box[wall] = (*_span(own[:, :2]), *_span(own[:, 2:]))
-        start, mine = np.array([end - begin]), np.arange(begin, end)
-        cells[wall, 2] = sum(map(len, starts)) - 1
-        if end - begin > FEW and np.isfinite(wall_box[wall]).all():
-            side = max(cell, sqrt((x_high - x_low) * (y_high - y_low) / MOST_CELLS))
-            columns, rows = int((x_high - x_low) / side) + 1, int((y_high - y_low) / side) + 1
-            place[wall], cells[wall, :2] = (x_low, y_low, 1.0 / side), (columns, rows)
-            ask = (faces.codes, faces.shape, box, begin, end, place[wall], columns, rows, reach)
-            start = np.zeros(columns * rows + 1, np.int64)
-            _mark_cells(*ask, start, np.empty(0, np.int64))
-            ends = np.cumsum(start)
-            mine = np.empty(ends[-1], np.int64)
-            start = np.concatenate([[0], ends[:-1]])  # the first face of each cell, one place behind its own
-            _mark_cells(*ask, start, mine)
-            start = start[1:]
-        starts.append(start + total)
-        listed.append(mine)
-        total += len(mine)
-    return Grid(
-        box, wall_box, place, cells, np.concatenate(starts), np.concatenate([*listed, np.empty(0, np.int64)]), reach
-    )
-
-
-def _span(ends: np.ndarray) -> tuple[float, float]:
-    return float(ends.min(initial=inf)), float(ends.max(initial=-inf))
-
-
-def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, near, row, count):
-    """List the discs near one wall, in its own frame, and the faces near each; returns (rows, faces), or -1: too short.
-
-    Row r of the list is disc ``discs[r]`` with the faces ``near[last[r]:last[r + 1]]``. It goes on from row `row` and
-    face `count`. ``plain[r]`` is 1 where there is one straight face whose ends are out of reach.
-    """
-    a, b, c, d = grid.wall_box[wall, 0], grid.wall_box[wall, 1], grid.wall_box[wall, 2], grid.wall_box[wall, 3]
-    x_low, y_low, inverse = grid.place[wall, 0], grid.place[wall, 1], grid.place[wall, 2]
-    columns, rows, offset = grid.cells[wall, 0], grid.cells[wall, 1], grid.cells[wall, 2]
-    box, reach = grid.box, grid.reach
-    for i in range(n):
-        px, py = x[i], y[i]
-        if not (px > a and px < b and py > c and py < d):
-            continue
-        cell = offset
-        if inverse > 0.0:
-            column = min(max(int((px - x_low) * inverse), 0), columns - 1)
-            cell += column * rows + min(max(int((py - y_low) * inverse), 0), rows - 1)
-        first, end = grid.start[cell], grid.start[cell + 1]
-        if row + 1 >= last.size or count + end - first > near.size:
-            return row, -1
-        begin = count
-        for p in range(first, end):
-            f = grid.faces[p]
-            if px > box[f, 0] and px < box[f, 1] and py > box[f, 2] and py < box[f, 3]:
-                away = _away(codes, shape, f, px, py)
-                if away < reach and (deep[wall] == 1 or away > -reach):
-                    near[count] = f
-                    count += 1
-        if count > begin:
-            discs[row] = i
-            plain[row] = count == begin + 1 and _plain(codes, shape, near[begin], px, py, reach)
-            row += 1
-            last[row] = count
-    return row, count
-
-
-_ends = njit(cache=True)(_ends_py)
-_at_joint = njit(cache=True)(_at_joint_py)
-_in_front = njit(cache=True)(_in_front_py)
-_candidate = njit(cache=True)(_candidate_py)
-_tangent = njit(cache=True)(_tangent_py)
-_apart = njit(cache=True)(_apart_py)
-_out_of_reach = njit(cache=True)(_out_of_reach_py)
-_plain = njit(cache=True)(_plain_py)
-_behind = njit(cache=True)(_behind_py)
-_away = njit(cache=True)(_away_py)
-_mark_cells = njit(cache=True)(_mark_cells_py)
-_select = njit(cache=True)(_select_py)
-touching = njit(cache=True)(_touching_py)
-list_near = njit(cache=True)(_list_near_py)
+_ends = _compiled(_ends_py)
+_at_joint = _compiled(_at_joint_py)
+_in_front = _compiled(_in_front_py)
+_candidate = _compiled(_candidate_py)
+_tangent = _compiled(_tangent_py)
+_apart = _compiled(_apart_py)
+_out_of_reach = _compiled(_out_of_reach_py)
+_behind = _compiled(_behind_py)
+foot_at = _compiled(_foot_at_py)
+away = _compiled(_away_py)
+_select = _compiled(_select_py)
+touching = _compiled(_touching_py)
+# for the one loop that calls it at each step: the call takes a quarter of the time
+touching_inline = _compiled(_touching_py, inline="always")

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import Coefficients, WallLaw
 
-from .groups import arms
-from .motion import MovingWall, Pose
+from .motion import MovingWall, Pose, arms
 from .sizes import Sizes
 from .walls import Interval, Wall
 
@@ -73,8 +72,65 @@ class Stations:
     last_step: int
 
 
+class Measures:
+    """Sizes and times that follow from few fields of a scene."""
+
+    diameter: float
+    coefficients: Coefficients
+    sizes: Sizes | None
+    settle_steps: int
+
+    @property
+    def largest(self) -> float:
+        """Largest diameter, m."""
+        return self.sizes.largest if self.sizes else self.diameter
+
+    @property
+    def smallest(self) -> float:
+        """Smallest diameter, m."""
+        return self.sizes.smallest if self.sizes else self.diameter
+
+    @property
+    def mean_square(self) -> float:
+        """Mean squared diameter by number, m^2: the area that a disc stands for."""
+        return self.sizes.mean_square if self.sizes else self.diameter**2
+
+    def diameters(self, ids: ArrayLike) -> np.ndarray:
+        """Diameter of each id, m; shape of `ids`."""
+        return self.sizes.diameters(ids) if self.sizes else np.full(np.shape(ids), self.diameter)
+
+    @property
+    def time_step(self) -> float:
+        """Time step, s."""
+        return self.coefficients.time_step
+
+    def time(self, step: int) -> float:
+        """Simulated time of a step, s."""
+        return (step - self.settle_steps) * self.time_step
+
+    def discharges_of(self, rows: tuple[InletRow, ...]) -> tuple[float, ...]:
+        """Discharge of inlet rows in whole steps, without refused turns, m^2/s: mean squared diameter by time."""
+        return tuple(self.mean_square / (row.every_steps * self.time_step) for row in rows)
+
+
 @dataclass(frozen=True)
-class Scene:
+class Beginning(Measures):
+    """What a scene is made from: discs at the start, their contact, and steps; fields as of `Scene`."""
+
+    diameter: float
+    sizes: Sizes | None
+    coefficients: Coefficients
+    overlap_limit: float
+    positions: np.ndarray
+    velocities: np.ndarray
+    steps: int
+    settle_steps: int
+    output_steps: int
+    probe_steps: int
+
+
+@dataclass(frozen=True)
+class Scene(Measures):
     """A case in engine-neutral numbers (SI).
 
     Step numbers count from the first step of the run; simulated time is ``(step - settle_steps) * dt``, so that
@@ -105,6 +161,10 @@ class Scene:
         of this number it gets its own.
     own_laws : mapping of str to WallLaw
         Contact of walls that have numbers of their own, by name.
+    slots : int
+        Contacts that a disc remembers; 0: the contact law has no memory.
+    contact_output : bool
+        The native engine writes the contacts of each frame with their forces (`lammps_jump.dump.contacts`).
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     steps : int
@@ -141,6 +201,8 @@ class Scene:
     sizes: Sizes | None = None
     size_steps: int = 1
     own_laws: Mapping[str, WallLaw] = field(default_factory=dict)
+    slots: int = 0
+    contact_output: bool = False
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
@@ -168,21 +230,6 @@ class Scene:
         return self.coefficients.mass
 
     @property
-    def largest(self) -> float:
-        """Largest diameter, m."""
-        return self.sizes.largest if self.sizes else self.diameter
-
-    @property
-    def smallest(self) -> float:
-        """Smallest diameter, m."""
-        return self.sizes.smallest if self.sizes else self.diameter
-
-    @property
-    def mean_square(self) -> float:
-        """Mean squared diameter by number, m^2: the area that a disc stands for."""
-        return self.sizes.mean_square if self.sizes else self.diameter**2
-
-    @property
     def mean_mass(self) -> float:
         """Mean mass of a disc by number, kg/m."""
         return self.density * self.mean_square
@@ -196,12 +243,8 @@ class Scene:
 
     @property
     def discharges(self) -> tuple[float, ...]:
-        """Discharge of each inlet row in whole steps, without refused turns, m^2/s: mean squared diameter by time."""
-        return tuple(self.mean_square / (row.every_steps * self.time_step) for row in self.inlets)
-
-    def diameters(self, ids: ArrayLike) -> np.ndarray:
-        """Diameter of each id, m; shape of `ids`."""
-        return self.sizes.diameters(ids) if self.sizes else np.full(np.shape(ids), self.diameter)
+        """`discharges_of` the inlets, m^2/s."""
+        return self.discharges_of(self.inlets)
 
     def masses(self, diameters: ArrayLike) -> np.ndarray:
         """Mass of discs of these diameters (m), kg/m; shape of `diameters`."""
@@ -211,15 +254,6 @@ class Scene:
     def dump_columns(self) -> tuple[str, ...]:
         """Columns of the dump, in order: spin where discs have one, radii where they are not equal."""
         return ("id", "x", "y", "vx", "vy", *(["omegaz"] * self.rotation), *(["radius"] * bool(self.sizes)))
-
-    @property
-    def time_step(self) -> float:
-        """Time step, s."""
-        return self.coefficients.time_step
-
-    def time(self, step: int) -> float:
-        """Simulated time of a step, s."""
-        return (step - self.settle_steps) * self.time_step
 
     @property
     def standing(self) -> tuple[MovingWall, ...]:

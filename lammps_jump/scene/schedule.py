@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import ceil, isqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from .scene import Scene, Stations
+from .scene import Beginning, Stations
 from .walls import Interval
 
 TOLD = 1e-3
@@ -108,8 +109,10 @@ def told(asked: dict[str, tuple[float, float]], unit: str = "s") -> tuple[str, .
     )
 
 
-def plan_stations(x: Interval, speed: float, window: Interval, scene: Scene) -> Stations:
+def plan_stations(x: Interval, speed: float, window: Interval, scene: Beginning, places: Iterable[float]) -> Stations:
     """Stations at `x` (m) that move at `speed` (m/s) from the first to the last frame of a window (s).
+
+    Discs come and go at `places` (m).
 
     Raises
     ------
@@ -128,7 +131,7 @@ def plan_stations(x: Interval, speed: float, window: Interval, scene: Scene) -> 
         raise ValueError(f"x [{x[0]:g}, {x[1]:g}] m; allowed is a distance of {least:g} m, two discs, or more")
     moved = speed * (last - first) * dt
     low, high = x[0] + min(0.0, moved), x[1] + max(0.0, moved)
-    for place in (*(row.x for row in scene.inlets), *(line.at for line in scene.outlets if line.axis == "x")):
+    for place in places:
         if low - least < place < high + least:
             raise ValueError(
                 f"the stations pass x = {low:.4g} to {high:.4g} m, and discs come or go at {place:g} m; allowed is a "

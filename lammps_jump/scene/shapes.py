@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Chains that a case file draws by points: straight lines and arcs, and what such a drawing must not do."""
+"""Chains that a case file draws by points, straight lines and arcs; what they must not do, and what is doubtful."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import asin, hypot, pi, sin, sqrt
+from math import asin, atan2, hypot, pi, radians, sin, sqrt
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -14,7 +14,37 @@ from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag
 
 from lammps_jump.units import Metre
 
-from .chains import ARC, SEGMENT, Chain, Face, Point, boxes, faces_of_chain, lay, turn
+from .chains import (
+    AFTER,
+    ARC,
+    AT_END,
+    AT_START,
+    ENDLESS,
+    FREE,
+    KIND,
+    LENGTH,
+    LOOP,
+    RUN,
+    SEGMENT,
+    SMOOTH,
+    SMOOTH_TURN,
+    TX0,
+    TX1,
+    TY0,
+    TY1,
+    X0,
+    X1,
+    Y0,
+    Y1,
+    Chain,
+    Face,
+    Faces,
+    Point,
+    boxes,
+    faces_of_chain,
+    lay,
+    turn,
+)  # fmt: skip
 from .tracks import MOST_ROWS
 from .tracks import Point as GivenPoint
 
@@ -255,3 +285,82 @@ def _of_circles(a: Face, b: Face, near: float) -> list[Point]:
     along = (apart * apart + p * p - q * q) / (2 * apart)
     half = sqrt(max(p * p - along * along, 0.0))
     return [(ax + along * ux - side * uy, ay + along * uy + side * ux) for side in (half, -half)]
+
+
+FLUSH = 1e-6
+"""Distance of two ends over which they count as one, m; also a share of their coordinates."""
+
+
+SHARPEST = -0.75 * pi
+"""Turn away from the discs, rad, beyond which two walls that meet leave discs no room between them."""
+
+
+def flush(one: Faces, two: Faces) -> Point | None:
+    """Place where a face of one wall ends at the begin of a face of another, m: discs there feel both.
+
+    Both lie in one line or turn away from the discs. Corners towards the discs do no harm. Closed outlines whose faces
+    look down there are left out. None: there is no such place.
+    """
+    for before, after in ((one, two), (two, one)):
+        if ENDLESS in (before.codes[0, AT_START], after.codes[0, AT_START]):
+            continue
+        free, begins = before.codes[:, AT_END] == FREE, after.codes[:, AT_START] == FREE
+        up = (before.shape[:, TX1] > -0.5) | free
+        (x0, y0), (x1, y1) = (vertices(after).min(axis=0), vertices(after).max(axis=0))
+        x, y = before.shape[:, X1], before.shape[:, Y1]
+        room = FLUSH * max(1.0, *map(abs, (x0, y0, x1, y1)))
+        inside = (x >= x0 - room) & (x <= x1 + room) & (y >= y0 - room) & (y <= y1 + room)
+        for face in np.flatnonzero(up & inside):
+            place, along = before.shape[face, [X1, Y1]], before.shape[face, [TX1, TY1]]
+            near = np.abs(after.shape[:, [X0, Y0]] - place).max(axis=1) <= FLUSH * max(1.0, *np.abs(place))
+            for (tx, ty), begin in zip(after.shape[near][:, [TX0, TY0]], begins[near], strict=True):
+                angle = atan2(along[0] * ty - along[1] * tx, along[0] * tx + along[1] * ty)
+                least = SHARPEST if free[face] or begin else -SMOOTH_TURN
+                if least < angle <= SMOOTH_TURN:
+                    return float(place[0]), float(place[1])
+    return None
+
+
+def vertices(faces: Faces) -> np.ndarray:
+    """Both ends of all faces, shape (2 faces, 2), m; none of a wall without end."""
+    found = faces.shape[faces.codes[:, AT_START] != ENDLESS]
+    return np.concatenate([found[:, [X0, Y0]], found[:, [X1, Y1]]])
+
+
+def open_ends(faces: Faces) -> list[Point]:
+    """Ends of chains that are open, m."""
+    starts = faces.shape[faces.codes[:, AT_START] == FREE][:, [X0, Y0]]
+    ends = faces.shape[faces.codes[:, AT_END] == FREE][:, [X1, Y1]]
+    return [(float(x), float(y)) for x, y in (*starts, *ends)]
+
+
+LONG_BEND = radians(30.0)
+"""Turn of a row of small turns, rad, up to which it counts as a corner and not as a bend."""
+
+
+def tight_bend(faces: Faces) -> tuple[float, Point] | None:
+    """Smallest radius (m) with which straight faces bend towards the discs in small turns, and where it begins, m.
+
+    A bend is a row of smooth joints that turn by more than `LONG_BEND` together. None: there is none.
+    """
+    found: tuple[float, Point] | None = None
+    codes, shape = faces.codes, faces.shape
+    smooth = codes[:, AT_END] == SMOOTH
+    begins = set(np.flatnonzero(smooth & (codes[:, AT_START] != SMOOTH)).tolist())
+    runs = {int(codes[i, RUN]) for i in begins}
+    begins |= {i for i in np.flatnonzero(smooth & (codes[:, LOOP] == 1)).tolist() if codes[i, RUN] not in runs}
+    for begin in sorted(begins):
+        face, length, turned, turns = begin, 0.0, 0.0, [_turn_behind(faces, begin)]
+        while smooth[face := int(codes[face, AFTER])] and face != begin and codes[face, KIND] == SEGMENT:
+            turns.append(_turn_behind(faces, face))
+            length += shape[face, LENGTH]
+            turned += 0.5 * (turns[-2] + turns[-1])
+        if sum(turns) > LONG_BEND and turned and (found is None or length / turned < found[0]):
+            found = length / turned, (float(shape[begin, X1]), float(shape[begin, Y1]))
+    return found
+
+
+def _turn_behind(faces: Faces, face: int) -> float:
+    """Turn from a face to the next one, rad."""
+    one, two = faces.shape[face], faces.shape[faces.codes[face, AFTER]]
+    return atan2(one[TX1] * two[TY0] - one[TY1] * two[TX0], one[TX1] * two[TX0] + one[TY1] * two[TY0])

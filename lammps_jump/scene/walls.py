@@ -156,6 +156,29 @@ class Wall(_Own):
         return tuple(outline(chain) for chain in self.chains())
 
 
+def parts_of(wall: Wall, x: Interval, y: Interval) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """What draws a wall: closed polygons (even-odd; sheets have no area), and open lines with the discs on their left.
+
+    Each of shape (corners, 2), m, within x and y where the wall has no end.
+    """
+    outlines, chains = list(wall.outline(x, y)), wall.chains()
+    if not wall.finite or len(outlines) != len(chains):
+        return outlines, []
+    # the outline of an open chain goes there and back
+    lines = [line[: len(line) // 2 + 1] for line, chain in zip(outlines, chains, strict=True) if not chain.closed]
+    rings = [ring for ring, chain in zip(outlines, chains, strict=True) if chain.closed]
+    if len(rings) == 2 and thin(both := np.vstack([rings[0], rings[0][:1], rings[1], rings[1][:1]])):
+        rings = [both]  # a closed sheet
+    return rings, lines
+
+
+def thin(polygon: np.ndarray) -> bool:
+    """Whether a closed polygon has no area: an open chain of faces, or a sheet."""
+    x, y = (polygon - polygon[0]).T
+    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+    return area <= 1e-9 * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)
+
+
 def rectangle(x: Interval, y: Interval) -> np.ndarray:
     """Corners of a rectangle, shape (4, 2), m."""
     return np.array([(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])])

@@ -12,9 +12,8 @@ import numpy as np
 from lammps_jump.quoting import lammps_comment
 from lammps_jump.scene.scene import Scene
 
-from . import plugin as compiled
-from . import stock
-from .walls import number
+from . import plugin, stock
+from .numbers import number
 
 Section = tuple[str, list[str]]
 """Title and commands of a part of a script."""
@@ -49,7 +48,7 @@ class Options:
     @property
     def style(self) -> ModuleType:
         """The module that writes what differs between the kernels."""
-        return compiled if self.kernel == "compiled" else stock
+        return plugin if self.kernel == "compiled" else stock
 
 
 def script_text(scene: Scene, **options) -> str:
@@ -62,7 +61,7 @@ def script_text(scene: Scene, **options) -> str:
     if how.kernel == "stock" and (lacking := stock.lacking(scene)):
         said = f"No run: LAMMPS' own styles have no {lacking}; {SCRIPTS['compiled']} beside it runs with the plugin"
         how = replace(how, kernel="compiled", header=(said, *how.header))
-        return joined(title, SCRIPTS["compiled"], how, [("end", [f'print "{said}"', "quit 1"])])
+        return joined(title, SCRIPTS["compiled"], how, [("end", [f'print "{lammps_comment(said)}"', "quit 1"])])
     begin = -scene.settle_steps * scene.time_step
     sections = [
         ("settings", how.style.settings(scene, how.ranks)),

@@ -20,6 +20,7 @@ from lammps_jump.scene.scene import Pour, Scene
 from . import stock
 from .assemble import Options, control, joined
 from .probes import raw_forces
+from .regions import first_forces
 
 SCRIPT = "in.resume.lammps"
 STATE = "checkpoint-{step}.restart"
@@ -61,7 +62,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
         ("output", _output(scene, how.dump_format)),
         ("log", stock.thermo(scene, removed)),
         ("gates and inlets", gates),
-        ("forces of the half step", ["run             0 post no"]),
+        ("forces of the half step", first_forces(scene, how.kernel)),
         ("run", run),
     ]
     text = joined(f"{scene.name}: goes on from step {step}", SCRIPT, how, sections)

@@ -9,11 +9,14 @@ from __future__ import annotations
 from math import ceil, log2
 
 from lammps_jump.files import DUMP_NAMES
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
+from .numbers import number, numbers
 from .probes import stock_probes
-from .walls import fix_names, granular_law, number, numbers, stock_gates, stock_walls, unwritten
+from .regions import first_forces
+from .walls import fix_names, granular_law, stock_gates, stock_walls, unwritten
 
 DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
@@ -23,12 +26,12 @@ probes, gates = stock_probes, stock_gates
 
 
 def lacking(scene: Scene) -> str:
-    """What the styles of LAMMPS lack of a scene, as the case says it; empty where they do."""
+    """What the styles of LAMMPS lack of a scene, with the field that asks for it; empty where they write all of it."""
     if scene.touch == "smooth":
         return "'touch: smooth'"
-    if scene.friction_law == "sign" and scene.coefficients.friction > 0:
-        return "'friction_law: sign'"
-    return next((f"wall like '{wall.name}', a {type(wall).__name__}" for wall in unwritten(scene)), "")
+    if scene.rubs and not FRICTION_LAWS[scene.friction_law].in_stock:
+        return f"'friction_law: {scene.friction_law}'"
+    return unwritten(scene)
 
 
 def settings(scene: Scene, ranks: int) -> list[str]:
@@ -109,7 +112,7 @@ def contact_law(scene: Scene) -> list[str]:
     """
     c = scene.coefficients
     if scene.sizes:
-        law = granular_law(scene, c.stiffness, c.damping_ratio * c.correction, c.tangential_ratio)
+        law = granular_law(c.stiffness, c.damping_ratio * c.correction, c.tangential_ratio, c.friction)
         return ["pair_style      granular", f"pair_coeff      * * {law}"]
     rub = f"{numbers(c.gamma_tangential, c.friction)} 1" if c.friction else "0 0 0"
     return [
@@ -271,7 +274,7 @@ def schedule(scene: Scene, gates: list[str], sizes: list[str], kernel: str) -> l
     change = [*(f"unfix           {name}" for name in fix_names(gates)), *inlets(scene, sizes)]
     rest = f"run             {scene.steps - first}"
     if len(scene.positions):
-        change = [*half_step(scene, kernel, "-"), *change, "run             0 post no", *half_step(scene, kernel)]
+        change = [*half_step(scene, kernel, "-"), *change, *first_forces(scene, kernel), *half_step(scene, kernel)]
         return [*gates, f"run             {first}", *change, f"{rest} pre no"]
     # without a disc LAMMPS knows no cutoff and makes too many bins
     bins = f"neigh_modify    binsize {number(0.5 * (scene.largest + scene.skin))}"

@@ -21,7 +21,7 @@ from lammps_jump.analysis.draw.style import BLUE, GREY, RED, drawing, save
 from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_cores, usable_kernels
 from lammps_jump.files import plain
-from lammps_jump.physics import jump as theory
+from lammps_jump.physics import jump
 from lammps_jump.sweeps import Made, Pool, Say, Start, Store, run_starts
 
 from .runs import middle
@@ -29,7 +29,7 @@ from .settings import Setting, listed, reference_setting, stable
 from .table import markdown, with_error
 
 DEPTH, GRAVITY = 0.6, 9.81
-BASE_FROUDE = theory.froude(10.0, DEPTH, GRAVITY)
+BASE_FROUDE = jump.froude(10.0, DEPTH, GRAVITY)
 
 
 @dataclass(frozen=True)
@@ -70,9 +70,9 @@ NUMBERS = ("froude", "y1", "y2", "belanger_y2", "belanger_deviation", "length_ov
 def _froude(froude: float) -> dict[str, object]:
     """Return another speed of the same jet in a dry channel; it, time and sill grow with the jump that is expected."""
     speed = froude * sqrt(GRAVITY * DEPTH)
-    y2 = theory.sequent_depth(speed, DEPTH, GRAVITY)
+    y2 = jump.sequent_depth(speed, DEPTH, GRAVITY)
     reach = max(20.0, 5.0 * y2)  # jumps of discs are about y2 long; those of water would not fit
-    sill = max(0.3, 1.2 * theory.sill_holding_height(speed, DEPTH, GRAVITY) / _HOLDING)
+    sill = max(0.3, 1.2 * jump.sill_holding_height(speed, DEPTH, GRAVITY) / _HOLDING)
     # the bore travels upstream at about (discharge held back)/(y2 - y1): a third of the channel in this time
     duration = reach / speed + 0.4 * reach * (y2 - DEPTH) / (0.65 * speed * DEPTH)
     return {
@@ -91,7 +91,7 @@ def _froude(froude: float) -> dict[str, object]:
     }
 
 
-_HOLDING = theory.sill_holding_height(10.0, DEPTH, GRAVITY)
+_HOLDING = jump.sill_holding_height(10.0, DEPTH, GRAVITY)
 
 STUDIES = {
     "diameter": Study("inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,),

@@ -17,8 +17,8 @@ from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, JumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.folders import holder, read_marker, require_no_link, require_unlocked
-from lammps_jump.provenance import short_hash
-from lammps_jump.runs.engine import analysis_key, choose_setting, full_key
+from lammps_jump.identity import analysis_key, member_key, run_key, short_hash
+from lammps_jump.runs.engine import choose_setting, program_of
 from lammps_jump.runs.run import Case
 from lammps_jump.runs.run import run as run_case
 from lammps_jump.runs.state import has_output
@@ -104,24 +104,19 @@ def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) ->
     for start, one in zip(starts, cases, strict=True):
         if start.point not in settings:
             settings[start.point] = choose_setting(one)[1]
-        runs.append(full_key(with_accuracy(one)[0], settings[start.point]))
+        runs.append(run_key(with_accuracy(one)[0].core, program_of(settings[start.point])))
     asked = {(run, short_hash(one.rest)) for run, one in zip(runs, cases, strict=True)}
     shared = Counter(run for run, _ in asked)  # points that differ in their analysis alone need folders of their own
-    keys = [run if shared[run] == 1 else _key_beside(run, one) for run, one in zip(runs, cases, strict=True)]
+    keys = [run if shared[run] == 1 else member_key(run, one.rest) for run, one in zip(runs, cases, strict=True)]
     return [
         Member(start.point, start.seed, *made)
         for start, made in zip(starts, zip(cases, keys, runs, strict=True), strict=True)
     ]
 
 
-def _key_beside(run: str, case: Case) -> str:
-    """Name of a run folder where other members share the run."""
-    return short_hash({"key": run, **case.rest})
-
-
 def listed_as(member: Member, key: str) -> Member | None:
     """A member that was planned without the others, under its key among all of them; None where that is another's."""
-    return replace(member, key=key) if key in (member.run, _key_beside(member.run, member.case)) else None
+    return replace(member, key=key) if key in (member.run, member_key(member.run, member.case.rest)) else None
 
 
 def run_folders(store: Path) -> set[str]:
@@ -280,7 +275,7 @@ def _is_analysed(case: Case, stored: Mapping[str, Any]) -> bool:
         return False
     words = ["player", "default", "all"] + (["none"] if case.fields.analysis.figures == "none" else [])
     figures = (case.replace({"analysis.figures": word}) for word in words)
-    return stored["analysed"]["key"] in [analysis_key(one, stored["outputs"]) for one in figures]
+    return stored["analysed"]["key"] in [analysis_key(one.rest, stored["outputs"]) for one in figures]
 
 
 def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> None:

@@ -9,13 +9,12 @@ from itertools import starmap
 from math import inf, isfinite
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
 from lammps_jump.analysis.report.headline import verdict
 from lammps_jump.analysis.report.page import (
@@ -36,12 +35,10 @@ from lammps_jump.files import PLAYER, write_text
 from lammps_jump.provenance import versions
 from lammps_jump.units import shown, two_digits
 
+from .held import Held
 from .study import Axis, Collected, Study
-from .table import DISAGREE
+from .table import DISAGREE, flat, records, statistics
 from .words import heading, unit, words
-
-if TYPE_CHECKING:
-    from .sweep import Sweep
 
 MOST_LINES = 6
 """Lines of a panel, one for each point of the other axes."""
@@ -50,11 +47,11 @@ LARGEST = 10_000_000
 """Bytes of the packed frames on a page: eight members of most scenes."""
 
 
-def summary_frame(found: Sweep) -> pd.DataFrame:
+def summary_frame(found: Held) -> pd.DataFrame:
     """Mean ± half the interval of each number, with its count: a row for each point, or a number where there is one."""
     study = found.study
     rows = []
-    frame = sweeps.table.flat(found.table, study)
+    frame = flat(found.table, study)
     for (_, numbers), point in zip(frame.iterrows(), study.points, strict=True):
         row = {heading(path): shown(value) for path, value in point.items()}
         for item in study.collect:
@@ -65,14 +62,14 @@ def summary_frame(found: Sweep) -> pd.DataFrame:
     return whole if study.axes else whole.T.reset_index().set_axis(["number", "mean ± half the interval"], axis=1)
 
 
-def table_text(found: Sweep) -> str:
+def table_text(found: Held) -> str:
     """The table of `summary_frame` in Markdown."""
     frame = summary_frame(found)
     lines = [list(frame.columns), ["---"] * len(frame.columns), *frame.values.tolist()]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def draw(found: Sweep, ending: str = "png") -> dict[Path, str]:
+def draw(found: Held, ending: str = "png") -> dict[Path, str]:
     """Draw a figure for each axis, lines with bands, and a map for two axes of numbers; the captions by file."""
     study, folder = found.study, found.folder / "figures"
     folder.mkdir(exist_ok=True)
@@ -91,7 +88,7 @@ def draw(found: Sweep, ending: str = "png") -> dict[Path, str]:
     return files
 
 
-def save_profiles(found: Sweep, path: Path) -> Path:
+def save_profiles(found: Held, path: Path) -> Path:
     """Draw mean profiles of the members of a case: each member as a thin line, the interval of the mean as a band."""
     panels = {"mass_depth_mean": "mass depth [m]", "velocity_mean": "velocity [m/s]"}
     members = [run.profiles for run in found.runs]
@@ -99,7 +96,7 @@ def save_profiles(found: Sweep, path: Path) -> Path:
         for panel, (name, label) in zip(axes, panels.items(), strict=True):
             lines = np.array([profiles[name] for profiles in members])
             confidence = found.study.fields.confidence
-            cells = [sweeps.table.statistics(line, np.full(len(line), np.nan), confidence) for line in lines.T]
+            cells = [statistics(line, np.full(len(line), np.nan), confidence) for line in lines.T]
             mean, low, high = (np.array([cell[key] for cell in cells]) for key in ("mean", "low", "high"))
             panel.plot(members[0].x, lines.T, color=GREY, lw=0.5)
             panel.fill_between(members[0].x, low, high, color=BLUE, alpha=0.3, lw=0, label="interval over members")
@@ -171,7 +168,7 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
         return save(figure, path)
 
 
-def players(found: Sweep) -> list[Choice | Text]:
+def players(found: Held) -> list[Choice | Text]:
     """One player for the members of a case, as many as the page has room for; nothing where none has frames.
 
     Members stand in the order of their distance from the means: the sum of squares of ``(number - mean) / sd``.
@@ -208,9 +205,9 @@ def players(found: Sweep) -> list[Choice | Text]:
     return [chosen, Text(f"{text} {without}".strip(), "small")]
 
 
-def doubts(found: Sweep) -> list[str]:
+def doubts(found: Held) -> list[str]:
     """Sentences on what the table cannot say by itself."""
-    study, frame = found.study, sweeps.table.flat(found.table, found.study)
+    study, frame = found.study, flat(found.table, found.study)
     names = [point_name(study, index) for index in range(len(frame))]
     said = [
         f"{name}: members differ in kind: {words}. Only numbers that go with a verdict are counted."
@@ -225,7 +222,7 @@ def doubts(found: Sweep) -> list[str]:
     ]
     said += [f"{names[failure.point]}, member {failure.seed}: left out: {failure.message}" for failure in found.failed]
     for item in study.collect:
-        cells = sweeps.table.records(found.table, item.path)
+        cells = records(found.table, item.path)
         said += [
             f"{name}: {item.path}: the interval over {cell['n']:.0f} members is wider than the mean: its sign is not "
             "known. More members narrow it (--members)."
@@ -247,21 +244,21 @@ def point_name(study: Study, index: int) -> str:
     return ", ".join(f"{words(path)} = {shown(value, unit(path))}" for path, value in point) or study.case.name
 
 
-def interval(found: Sweep) -> str:
+def interval(found: Held) -> str:
     """What ± means."""
     count = len(found.runs)
     over = f"{count} starts" if not found.study.axes else "the starts of a point"
     return f"± is the {100 * found.study.fields.confidence:g} % interval of the mean over {over} (Student's t)"
 
 
-def verdict_of(found: Sweep) -> str:
+def verdict_of(found: Held) -> str:
     """The verdict on the starts of one case; of a study with axes its name."""
     if found.study.axes or not found.summaries:
         return f"Study: {found.study.case.name}"
     return verdict(together(found.summaries, found.mean)) or found.study.case.name
 
 
-def sections(found: Sweep) -> list[Section]:
+def sections(found: Held) -> list[Section]:
     """The parts of the page."""
     study, boxes = found.study, tiles(found.rows) if not found.study.axes else []
     varied = f" Varied: {', '.join(words(axis.name) for axis in study.axes)}." if study.axes else ""
@@ -290,8 +287,8 @@ OWN_ERRORS = (
 )
 
 
-def _own_errors(found: Sweep) -> tuple[list[list[Any]], list[str]]:
-    study, frame = found.study, sweeps.table.flat(found.table, found.study)
+def _own_errors(found: Held) -> tuple[list[list[Any]], list[str]]:
+    study, frame = found.study, flat(found.table, found.study)
     rows = []
     for index in range(len(frame)):
         for item in study.collect:
@@ -307,7 +304,7 @@ def _own_errors(found: Sweep) -> tuple[list[list[Any]], list[str]]:
     return rows, ["point", *heads] if study.axes else heads
 
 
-def write_page(found: Sweep) -> Path:
+def write_page(found: Held) -> Path:
     """Write ``sweep.html`` and the figures."""
     case = found.study.case
     name = ": ".join(filter(None, (case.name, case.fields.description)))

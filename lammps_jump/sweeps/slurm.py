@@ -17,7 +17,7 @@ from lammps_jump.files import ARRAY_FILE, write_text
 from lammps_jump.runs.engine import choose_setting
 from lammps_jump.script.job import Site, head, needs, run_and_requeue, seconds_of
 
-from .listed import read_points
+from .held import read_points
 from .members import run_member, state_of, told
 from .sweep import Sweep, open_sweep, prepare, study_folder
 

@@ -10,7 +10,8 @@ from typing import Any
 
 from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.files import plain, read_json, write_json, write_text
-from lammps_jump.provenance import machine, short_hash, versions
+from lammps_jump.identity import short_hash
+from lammps_jump.provenance import machine, versions
 
 from .pool import Outcome, Pool
 

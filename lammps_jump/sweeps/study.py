@@ -18,7 +18,6 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, mo
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import heading
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.case import load_case as read_case
 from lammps_jump.case.explain import explain
 from lammps_jump.case.fields import Strict
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
@@ -236,10 +235,9 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
         fields = StudyFields.model_validate(file.data)
     except ValidationError as error:
         raise explain(error, file, StudyFields) from None
-    read = (
-        read_case(fields.case, fields.set) if isinstance(fields.case, dict) else _case_in(place / fields.case, fields)
+    case = (
+        Case.load(fields.case, fields.set) if isinstance(fields.case, dict) else _case_in(place / fields.case, fields)
     )
-    case = Case(read.fields, read.source)
     if not fields.members:
         seeds = tuple(range(1, (case.fields.run.members or 1) + 1))
         fields = fields.model_copy(update={"members": seeds})
@@ -250,13 +248,13 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     return Study(fields, case, collect)
 
 
-def _case_in(path: Path, fields: StudyFields) -> ReadCase:
+def _case_in(path: Path, fields: StudyFields) -> Case:
     """The case of a study that names its file. Of a file that is no case nothing is told: a study may be received.
 
     Raises
     ------
     CaseError
-        As `case.load_case`.
+        As `Case.load`.
     """
     file = path / "case.yaml" if (path / "case.yaml").is_file() else path
     text = read_text(file)
@@ -266,7 +264,7 @@ def _case_in(path: Path, fields: StudyFields) -> ReadCase:
         known = set()
     if not known:
         raise CaseError(f"{file}: is no case; `lammps-jump check {file}` says why, and case: in a study names a case")
-    return read_case(path, fields.set)
+    return Case.load(path, fields.set)
 
 
 def _usual(case: Case) -> Iterator[str]:

@@ -6,54 +6,30 @@ from __future__ import annotations
 import html
 import logging
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from functools import cached_property
 from importlib import import_module
-from math import nan
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
+from typing import Any, Literal
 
 import lammps_jump.sweeps as sweeps
-from lammps_jump.analysis.report.rows import Row, rows_of
-from lammps_jump.analysis.statistics import Mean
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.exports import csv_text, write_netcdf
 from lammps_jump.engines.choice import usable_cores
 from lammps_jump.errors import CaseError, RunInterrupted
-from lammps_jump.files import SWEEP_FILES, plain, write_json, write_text
+from lammps_jump.files import SWEEP_FILES, write_json, write_text
 from lammps_jump.folders import Marker, clear
 from lammps_jump.runs.folder import run_folder
-from lammps_jump.runs.run import Case, Run
-from lammps_jump.runs.summary import read_summary
+from lammps_jump.runs.run import Case
 
-from .listed import POINTS_FILE, read_points
-from .members import (
-    OVER,
-    Member,
-    Stage,
-    Start,
-    State,
-    listed_as,
-    plan,
-    require_no_links,
-    run_folders,
-    run_members,
-    state_of,
-    told,
-)
+from .held import POINTS_FILE, Held
+from .members import State, require_no_links, run_members
 from .pool import Pool
-from .study import Study, read_study
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
+from .study import read_study
 
 log = logging.getLogger(__name__)
-MOST_UNLISTED = 5_000
-"""Members that the status makes of their cases, milliseconds each, where ``points.json`` does not list them."""
 
 
 @dataclass(frozen=True)
@@ -75,15 +51,6 @@ class SweepProgress:
     total: int
     share: float
     disc_steps: float
-
-
-class Failure(NamedTuple):
-    """A member that is not in the table, and why."""
-
-    point: int
-    seed: int
-    folder: Path
-    message: str
 
 
 class Board:
@@ -123,152 +90,8 @@ class Board:
         self.show(self.now)
 
 
-class Sweep:
-    """A study, seen through its folder.
-
-    Parameters
-    ----------
-    study : Study
-    folder : Path
-    starts : sequence of Start, optional
-        Default those that the folder lists, else those of the study.
-    """
-
-    def __init__(self, study: Study, folder: Path, starts: Sequence[Start] | None = None):
-        self.study, self.folder = study, folder
-        self.starts = list(starts if starts is not None else _starts(study, folder))
-
-    @cached_property
-    def members(self) -> list[Member]:
-        """All members, point by point."""
-        return plan(self.study.case, self.starts, self.study.analysis)
-
-    @cached_property
-    def states(self) -> dict[str, State]:
-        """What the folder holds of each member, by its key."""
-        return {member.key: state_of(member, self.folder) for member in self.members}
-
-    def left(self, retry: bool) -> list[int]:
-        """Numbers of the members that are to be run; with `retry` those too that failed."""
-        over = ("done",) if retry else OVER
-        return [number for number, member in enumerate(self.members) if self.states[member.key].stage not in over]
-
-    @property
-    def runs(self) -> list[Run]:
-        """The runs that are done."""
-        return [Run(m.folder(self.folder)) for m in self.members if self.states[m.key].stage == "done"]
-
-    @property
-    def failed(self) -> list[Failure]:
-        """The members that are not in the table although they were run."""
-        states = ((member, self.states[member.key]) for member in self.members)
-        return [Failure(m.point, m.seed, m.folder(self.folder), told(s)) for m, s in states if s.message]
-
-    @cached_property
-    def values(self) -> pd.DataFrame:
-        """What was collected of every run that is done: a row each, with ``point`` and ``seed``."""
-        import pandas as pd  # 0.3 s
-
-        done = (member for member in self.members if self.states[member.key].stage == "done")
-        rows = [
-            {"point": member.point, "seed": member.seed, "key": member.key}
-            | sweeps.table.row_of(read_summary(member.folder(self.folder)), self.study)
-            for member in done
-        ]
-        columns = [name for item in self.study.collect for name in (item.path, f"{item.path}_error")]
-        return pd.DataFrame(rows, columns=None if rows else ["point", "seed", "key", *columns])
-
-    @cached_property
-    def table(self) -> xr.Dataset:
-        """Statistics over members (`table.STATISTICS`), with the axes as dimensions."""
-        return sweeps.table.table_of(self.study, self.values)
-
-    @cached_property
-    def summaries(self) -> list[Mapping[str, Any]]:
-        """Summaries of the runs that are done."""
-        return [run.summary for run in self.runs]
-
-    @cached_property
-    def rows(self) -> list[Row]:
-        """The numbers that readers look for first: means over all runs, with the interval over starts."""
-        return rows_of(self.summaries, self.mean)
-
-    def mean(self, values: Sequence[float]) -> Mean:
-        """Mean of numbers and half its interval."""
-        found = sweeps.table.statistics(values, [nan] * len(values), self.study.fields.confidence)
-        return Mean(found["mean"], found["high"] - found["mean"])
-
-    def needed(self) -> list[int]:
-        """Members that each point would need for the intervals that ``until`` asks for; 0 where that cannot be told."""
-        needed = [
-            [sweeps.table.members_needed(found, share) or 0 for found in sweeps.table.records(self.table, path)]
-            for path, share in self.study.fields.until.items()
-        ]
-        return [max(counts) for counts in zip([0] * len(self.study.points), *needed, strict=True)]
-
-    def wider(self) -> Sweep | None:
-        """The study with more members of points whose intervals are wider than ``until`` allows; None where none is.
-
-        A point at most doubles its members, and has ``table.FIRST`` at least.
-        """
-        more: list[Start] = []
-        for point, needed in enumerate(self.needed()):
-            seeds = [start.seed for start in self.starts if start.point == point]
-            count = min(needed, max(sweeps.table.FIRST, 2 * len(seeds)), self.study.fields.most_members) - len(seeds)
-            more += [Start(point, self.study.points[point], max(seeds) + 1 + k) for k in range(count)]
-        starts = sorted([*self.starts, *more], key=lambda start: (start.point, start.seed))
-        return Sweep(self.study, self.folder, starts) if more else None
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        """The statistics of each point as plain data: what ``summary.json`` of the folder holds."""
-        counts, verdicts = (self.table[name].values.ravel().tolist() for name in ("members", "verdicts"))
-        points: list[dict[str, Any]] = [
-            {"values": values, "members": count, "verdicts": said, "numbers": {}}
-            for values, count, said in zip(self.study.points, counts, verdicts, strict=True)
-        ]
-        for item in self.study.collect:
-            for point, found in zip(points, sweeps.table.records(self.table, item.path), strict=True):
-                point["numbers"][item.path] = {**found, "unit": item.unit}
-        about = {"name": self.study.case.name, "description": self.study.case.fields.description}
-        failed = [{"point": f.point, "seed": f.seed, "message": f.message} for f in self.failed]
-        return {**about, "confidence": self.study.fields.confidence, "points": points, "failed": failed}
-
-    def status(self) -> str:
-        """One line: how many runs are done, failed, at work, and still to come."""
-        begun = self._begun()
-        counts = Counter(state_of(member, self.folder).stage for member in begun or ())
-        counts["waiting"] += len(self.starts) - len(begun or ())
-        if begun is None:
-            counts = Counter(self.states[member.key].stage for member in self.members)
-        said = ", ".join(f"{counts[stage]} {stage}" for stage in get_args(Stage) if counts[stage])
-        points = f" at {len(self.study.points)} points" if self.study.axes else ""
-        return f"{len(self.starts)} runs{points}: {said}"
-
-    def _begun(self) -> list[Member] | None:
-        """The members that have a run folder, found by ``points.json``; None where all were read, or it does not tell.
-
-        A member takes milliseconds to be made of its case: of a large study most are not needed.
-        """
-        if "states" in self.__dict__:
-            return None
-        there = run_folders(self.folder)
-        if not there:
-            return []
-        listed = read_points(self.folder)
-        items = listed.members if listed and listed.points == plain(self.study.points) else []
-        if [(item.point, item.seed) for item in items] != [(start.point, start.seed) for start in self.starts]:
-            if len(self.starts) > MOST_UNLISTED:
-                raise CaseError(
-                    f"{self.folder / POINTS_FILE}: does not list these {len(self.starts)} runs, and more than "
-                    f"{MOST_UNLISTED} are not looked for without it; `lammps-jump sweep` of the study writes it"
-                )
-            return None
-        pairs = [(start, item.key) for start, item in zip(self.starts, items, strict=True) if item.key in there]
-        members = plan(self.study.case, [start for start, _ in pairs], self.study.analysis)
-        found = [listed_as(member, key) for member, (_, key) in zip(members, pairs, strict=True)]
-        known = [member for member in found if member is not None]
-        return known if len(known) == len(found) else None
+class Sweep(Held):
+    """A study, seen through its folder, with its page and figures; parameters as of `Held`."""
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""
@@ -290,15 +113,6 @@ class Sweep:
     def _repr_html_(self) -> str:
         table = sweeps.page.summary_frame(self).to_html(index=False)
         return f"<p><b>{html.escape(self.study.case.name)}</b>: {html.escape(self.status())}</p>{table}"
-
-
-def _starts(study: Study, folder: Path) -> Iterator[Start]:
-    """Members that the study asks for, and those that ``until`` has added before."""
-    points = study.points
-    seeds = {(point, seed) for point in range(len(points)) for seed in study.fields.members}
-    if study.fields.until and (listed := read_points(folder)) and listed.points == plain(points):
-        seeds |= {(item.point, item.seed) for item in listed.members}
-    return (Start(point, points[point], seed) for point, seed in sorted(seeds))
 
 
 def study_folder(folder: Path) -> AbstractContextManager[None]:

@@ -9,9 +9,13 @@ from lammps_jump.analysis.report import player
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.dump.exports import write_table
+from lammps_jump.dump.poses import PoseFile
 from lammps_jump.physics.jump import sequent_depth
-from lammps_jump.scene.motion import gate
-from lammps_jump.scene.walls import Block, Box, Plane
+from lammps_jump.scene.chains import Chain
+from lammps_jump.scene.motion import Motion, MovingWall, gate
+from lammps_jump.scene.shapes import ArcTo
+from lammps_jump.scene.tracks import Loaded, Rotate, Translate
+from lammps_jump.scene.walls import Block, Box, Line, Plane, Wall, rectangle, thin
 
 WALLS = (Block("floor", (-5, 30), (-2, 0)), Block("sill", (20, 21), (-2, 1)))
 
@@ -26,6 +30,10 @@ def header(tmp_path, *, track=None, **given):
     if track is not None:
         write_table(track, tmp_path / "jump_track.csv")
     return make_player(packer, tmp_path).header
+
+
+def motion(kind, *, about=(0.0, 0.0), gone=np.inf):
+    return Motion(gone, kind, about, time_step=1e-3)
 
 
 def track(**changes):
@@ -64,10 +72,46 @@ def test_walls_and_gates_are_closed_polygons(tmp_path):
     shut = gate(Block("gate", (5, 5), (0, 3)), 2000)
     walls = (*WALLS, Box("box", (0, 29), (-3, 9)), Plane("lid", "y", 9, "below"), shut)
     found = header(tmp_path, walls=walls, time_step=1e-3)
-    assert [(wall["name"], wall["hollow"], len(wall["points"])) for wall in found["walls"]] == [
+    assert [(wall["name"], wall["hollow"], *map(len, wall["outlines"])) for wall in found["walls"]] == [
         ("floor", False, 4), ("sill", False, 4), ("box", True, 4), ("lid", False, 4),
     ]  # fmt: skip
     assert [(gate["name"], gate["until"]) for gate in found["gates"]] == [("gate", pytest.approx(2.0))]
+
+
+def chained(*chains, name="made", hollow=False):
+    """A wall of any chains."""
+    return type("Chained", (Wall,), {"chains": lambda self: chains, "hollow": hollow, "name": name, "kind": "made"})()
+
+
+def test_parts_of_a_wall_are_one_shape_and_open_lines_stand_apart(tmp_path):
+    hole = rectangle((2, 3), (1, 2))
+    two = chained(*(Chain(tuple(map(tuple, hole + shift)), closed=True) for shift in ((0, 0), (5, 0))), hollow=True)
+    bed = Line("bed", points=((0, 1), (4, 0), ArcTo((6, 0.5), 3.0), (30, 0.5)))
+    leaf = Line("leaf", points=((8, 0), (9, 1), (9, 2)), sheet=True)
+    ring = Line("ring", points=((10, 3), (11, 3), (11, 4), (10, 3)), sheet=True)
+    shapes = {wall["name"]: wall for wall in header(tmp_path, walls=(*WALLS, two, bed, leaf, ring))["walls"]}
+    assert shapes["made"]["hollow"] and len(shapes["made"]["outlines"]) == 2 and shapes["made"]["lines"] == []
+    (line,) = shapes["bed"]["lines"]
+    assert shapes["bed"]["outlines"] == [] and len(line) == 3 + 12
+    assert line[0] == pytest.approx((0, 1)) and line[-1] == pytest.approx((30, 0.5))
+    assert all(thin(*shapes[name]["outlines"]) for name in ("leaf", "ring"))
+
+
+def test_a_wall_that_moves_has_a_pose_for_each_frame(tmp_path):
+    paddle = MovingWall(Block("paddle", (10, 11), (0, 2)), motion(Rotate(rate=90.0, until=1.0), about=(10.0, 0.0)))
+    lid = MovingWall(Block("lid", (12, 13), (3, 4)), motion(Loaded(mass=1.0, force=(0.0, -1.0))))
+    lift = MovingWall(Block("gate", (5, 5), (0, 3)), motion(Translate(velocity=(0.0, 2.0)), gone=1600))
+    rows = [f"{0.5 * k:g},lid,0,{-0.1 * k:g},{0.01 * k:g}" for k in range(5)]
+    (tmp_path / "walls.csv").write_text("\n".join(["time,wall,x,y,angle", *rows, ""]))
+    poses = PoseFile(tmp_path / "walls.csv", ["lid"])
+    found = header(tmp_path, walls=(*WALLS, paddle, lid, lift), time_step=1e-3, poses=poses)
+    shapes = {wall["name"]: wall for wall in (*found["walls"], *found["gates"])}
+    assert "about" not in shapes["sill"] and shapes["paddle"]["about"] == (10.0, 0.0)
+    assert shapes["paddle"]["angle"] == pytest.approx(np.radians([0, 45, 90, 90, 90]), abs=1e-6)
+    assert shapes["lid"]["y"] == pytest.approx([0, -0.1, -0.2, -0.3, -0.4])
+    assert shapes["lid"]["angle"] == pytest.approx([0, 0.01, 0.02, 0.03, 0.04])
+    assert shapes["gate"]["y"] == pytest.approx([0, 1, 2, 3, 0])  # gone at the last frame
+    assert shapes["gate"]["until"] == pytest.approx(1.6)
 
 
 def test_what_is_shown_reaches_over_discs_and_blocks(tmp_path):

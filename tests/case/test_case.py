@@ -17,6 +17,7 @@ from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names, scene_text
 from lammps_jump.case.to_scene import contact_coefficients
 from lammps_jump.errors import CaseError
+from lammps_jump.scene import Scene
 from lammps_jump.scene.walls import Block, Plane
 from lammps_jump.script import script_text
 
@@ -400,3 +401,10 @@ def test_the_description_of_a_scene_is_left_out_of_another_flow(tmp_path):
         case = load_case(path)
         assert bool(case.fields.description) is not said
         assert ("is that of dam_break, another flow, and is left out" in str(case.check())) is said
+
+
+def test_a_scene_is_made_once_and_whole(monkeypatch):
+    made, finish = [], Scene.__post_init__
+    monkeypatch.setattr(Scene, "__post_init__", lambda scene: made.append(scene.domain) or finish(scene))
+    scene = load_case(INPUTS / "column_collapse.yaml").scene()
+    assert made == [scene.domain] and scene.gates and scene.outlets + scene.walls

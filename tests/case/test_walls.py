@@ -77,7 +77,8 @@ def test_mistakes_name_line_and_field(given, place, words):
 @pytest.mark.parametrize(
     ("walls", "words"),
     [
-        (["{name: a, kind: line, points: [[0, 0], [3, 0], [3, 7], [-3, 7.5], [-3, 0], [-0.1, 0]]}"], "0.1 m from its other end"),
+        (["{name: a, kind: line, points: [[0, 0], [3, 0], [3, 7], [-3, 7.5], [-3, 0], [-0.1, 0]]}"],
+         "0.1 m from its other end"),
         (["{name: a, kind: line, points: [[0, 0], [3, 0]]}", "{name: b, kind: line, points: [[3.1, 0], [5, 0]]}"],
          "a corner of 'b'"),
         (["{name: a, kind: line, points: [[0, 0], [3, -1]]}", "{name: b, kind: line, points: [[3, -1], [6, -2]]}"],

@@ -114,7 +114,7 @@ def start(engine: str, scene: Scene, spins: list[float], folder: Path):
 def make_scene(case: dict, engine: str, *, correct: bool = False) -> Scene:
     """The scene of a table entry for one engine."""
     integrator, law = ENGINES[engine]
-    coefficients = contact.derive(
+    given = contact.Contact(
         density=case["density"],
         diameter=case["diameter"],
         restitution=case["restitution"],
@@ -127,6 +127,7 @@ def make_scene(case: dict, engine: str, *, correct: bool = False) -> Scene:
         correct_restitution=correct,
         rotation=case["rotation"],
     )
+    coefficients = contact.derive(given)
     slope = radians(case["slope"])
     gravity = (case["gravity"] * sin(slope), -case["gravity"] * cos(slope))
     resting = 0.5 * case["diameter"] + coefficients.mass * gravity[1] / coefficients.stiffness

@@ -5,6 +5,7 @@ import base64
 import csv
 import sys
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,21 +13,27 @@ from children import run_child
 from made_up import flow_context
 
 from lammps_jump.analysis.fields import compute_fields
+from lammps_jump.analysis.guess import known_coefficients
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.exports import (
+    export,
+    write_netcdf,
     write_pictures,
     write_profiles_csv,
     write_pvd,
     write_table,
     write_vti,
     write_vtp,
+    write_walls,
 )
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.frame import make_frame, ten_indices
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.walls import Plane
+from lammps_jump.scene.motion import Motion, MovingWall, gate
+from lammps_jump.scene.tracks import Translate
+from lammps_jump.scene.walls import Block, Box, Line, Plane
 
 CONTEXT = flow_context(
     domain=((0.0, 2.0), (0.0, 2.0)),
@@ -105,6 +112,52 @@ def test_discs_and_collection_for_paraview(tmp_path):
     assert [s.get("file") for s in sets] == ["d.vtp", "e.vtp"] and float(sets[1].get("timestep")) == 0.5
 
 
+def cells(path, name):
+    """Lines or polygons of walls in a VTK file, each of shape (corners, 2), m."""
+    piece = ET.parse(path).getroot()[0][0]
+    points = vtk_array(piece.find("Points")[0]).reshape(-1, 3)
+    index, ends = (vtk_array(array).ravel() for array in piece.find(name))
+    return [points[part, :2] for part in np.split(index, ends[:-1])] if len(ends) else []
+
+
+def test_walls_for_paraview(tmp_path):
+    walls = (
+        Block("sill", (1, 2), (0, 1)),
+        Line("bed", points=((0, 0), (3, 0), (4, 1))),
+        Box("box", (0, 5), (0, 2)),
+        Plane("floor", "y", 0.0, "above"),
+    )
+    path = write_walls(walls, ((0, 6), (-1, 2)), tmp_path / "walls.vtp")
+    bed, box = cells(path, "Lines")
+    np.testing.assert_allclose(bed, [(0, 0), (3, 0), (4, 1)])
+    assert len(box) == 5 and (box[0] == box[-1]).all()
+    sill, floor = cells(path, "Polys")
+    np.testing.assert_allclose(np.ptp(sill, axis=0), [1, 1])
+    np.testing.assert_allclose(floor.min(axis=0), [0, -1])
+    piece = ET.parse(path).getroot()[0][0]
+    assert vtk_array(piece.find("CellData")[0]).ravel().tolist() == [1, 2, 0, 3]  # lines come first
+    assert (piece.get("NumberOfPoints"), piece.get("NumberOfLines"), piece.get("NumberOfPolys")) == ("16", "2", "2")
+
+
+def test_walls_that_move_have_a_file_a_frame_and_those_that_stand_one(tmp_path):
+    frames = [frame(0), frame(1)]
+    dump(tmp_path, 2)
+    write_netcdf(compute_profiles(frames, CONTEXT), tmp_path / "profiles.nc")
+    flow = replace(CONTEXT, scene=replace(CONTEXT.scene, coefficients=known_coefficients(mass=40.0, time_step=0.1)))
+    lift = MovingWall(Block("lift", (0, 1), (0, 1)), Motion(kind=Translate(velocity=(0, 2.0), ease=0), time_step=0.1))
+    shut = gate(Block("shut", (1, 1), (0, 1)), 1)
+    names = []
+    for walls in (flow.scene.walls, (shut, *flow.scene.walls, lift)):
+        at = replace(flow, scene=replace(flow.scene, walls=walls)).walls_at
+        files = export(tmp_path, ("vtk",), tmp_path / f"out{len(walls)}", walls_at=at, room=CONTEXT.scene.domain)
+        names.append([path.name for path in files if "walls" in path.name])
+    assert names == [["walls.vtp"], ["walls0.vtp", "walls1.vtp", "walls.pvd"]]
+    tops = [[part[:, 1].max() for part in cells(tmp_path / "out3" / f"walls{k}.vtp", "Polys")] for k in (0, 1)]
+    assert tops == [[1.0], [pytest.approx(1.2)]]
+    numbers = ET.parse(tmp_path / "out3" / "walls1.vtp").getroot()[0][0].find("CellData")[0]
+    assert vtk_array(numbers).ravel().tolist() == [1, 2]  # the gate, 0, is gone
+
+
 def dump(tmp_path, frames):
     path = tmp_path / "dump.lammpstrj"
     with DumpWriter(path, ("id", "x", "y", "vx", "vy")) as writer:
@@ -150,6 +203,9 @@ def test_forces(tmp_path):
     np.testing.assert_array_equal(forces["sill"].fx, [1, -1])
     np.testing.assert_array_equal(forces["sill"].time, [0.1, 0.2])
     np.testing.assert_array_equal(forces["floor"].moment, [6])
+    assert forces["floor"].power is None
+    path.write_text("time,structure,fx,fy,moment,power\n0.1,lid,1,2,3,7\n0.1,floor,4,5,6,0\n")
+    assert [float(read_forces(path)[name].power[0]) for name in ("lid", "floor")] == [7, 0]
     path.write_text("time,structure,fx,fy,moment\n0.1,sill,1,2,3\n0.2,sill,")
     assert len(read_forces(path)["sill"].time) == 1
     path.write_text("time,structure,fx,fy,moment\n0.1,sill,1,2,x\n0.2,sill,1,2,3\n")

@@ -144,8 +144,7 @@ def test_unknown_dump_format_is_refused(tmp_path):
 
 def test_loops_run_uncompiled_to_the_same_bits(monkeypatch):
     """The plain Python of every kernel, uncompiled, against the compiled code: spin, sign law, block, smooth touch."""
-    from lammps_jump.engines.native import lists as neighbours
-    from lammps_jump.engines.native import loops as kernels
+    from lammps_jump.engines.native import lists, loops
     from lammps_jump.engines.native.cells import CellSimulation
     from lammps_jump.scene.walls import Block
 
@@ -160,7 +159,7 @@ def test_loops_run_uncompiled_to_the_same_bits(monkeypatch):
         compiled = engine(scene)
         compiled.run(50)
         with monkeypatch.context() as patch:
-            for module in (kernels, neighbours):
+            for module in (loops, lists):
                 for name, function in list(vars(module).items()):
                     if hasattr(function, "py_func"):
                         patch.setattr(module, name, function.py_func)

@@ -28,7 +28,7 @@ from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.engines.result import Progress, interruption
 from lammps_jump.errors import CaseError, ResumeError, RunInterrupted, SetupError
-from lammps_jump.provenance import fingerprint
+from lammps_jump.identity import scene_key
 from lammps_jump.runs import engine
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Pour
@@ -348,12 +348,12 @@ def test_an_ignored_signal_stays_ignored():
         signal.signal(signal.SIGINT, before)
 
 
-def test_fingerprint_is_of_the_numbers():
+def test_the_key_of_a_scene_is_of_the_numbers():
     scene = SCENES["inlets and outlets"]()
-    assert fingerprint(scene) == fingerprint(replace(scene, description="other words", warnings=("x",)))
-    assert fingerprint(scene) != fingerprint(replace(scene, skin=1.0000001 * scene.skin))
+    assert scene_key(scene) == scene_key(replace(scene, description="other words", warnings=("x",)))
+    assert scene_key(scene) != scene_key(replace(scene, skin=1.0000001 * scene.skin))
     discs = case_scene("dam_break")
-    assert fingerprint(discs) != fingerprint(replace(discs, positions=discs.positions + 1e-15))
+    assert scene_key(discs) != scene_key(replace(discs, positions=discs.positions + 1e-15))
 
 
 def test_message_says_how_to_go_on():

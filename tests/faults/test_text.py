@@ -247,7 +247,7 @@ def test_an_attack_in_a_description_makes_no_file(tmp_path, monkeypatch):
 
 
 def test_an_attack_in_a_file_name_makes_no_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(quantities, "analyse", partial(quantities.analyse, figures="none"))  # they take seconds
+    monkeypatch.setattr(quantities, "analyse", partial(quantities.analyse, pictures=quantities.Pictures("none")))
     for number, attack in enumerate(attack.replace("/", "_") for attack in ATTACKS if attack != "\ud800"):
         folder = tmp_path / str(number)
         folder.mkdir()

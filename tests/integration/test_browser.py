@@ -22,8 +22,10 @@ from lammps_jump.analysis.report.run import write_report
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import make_frame
+from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import InletRow, Outlet
-from lammps_jump.scene.walls import Block, Box
+from lammps_jump.scene.tracks import Rotate
+from lammps_jump.scene.walls import Block, Box, Line, Polygon
 
 INPUTS = Path(__file__).parents[2] / "inputs"
 HOSTILE = '</script><img src=x onerror="hit = 1"><b>name</b>'
@@ -297,6 +299,30 @@ def test_walls_discs_and_paper_have_their_colours(browser, tmp_path, dark):
     assert [page.run(f"{PIXEL}({x}, {y})") for x, y in ((2, 3), (5.5, 0.9), (5.5, -1.1))] == [paper, solid, solid]
     disc = page.run(f"{PIXEL}(players[0].found.x[9], players[0].found.y[9])")
     assert disc in page.run("players[0].colours.map((c) => String(c))")
+    assert page.troubles() == []
+
+
+def test_walls_of_any_shape_move_with_the_time(browser, tmp_path):
+    turning = Motion(kind=Rotate(rate=45.0, ease=0.0), about=(4.0, 2.0), time_step=0.01)
+    walls = (
+        MovingWall(Block("arm", (4, 6), (1.8, 2.2)), turning),
+        Line("bed", points=((0, -0.5), (9, -0.5))),
+        Polygon("weir", points=((7, 0), (9, 0), (8, 3))),
+    )
+    page = Page(browser, made_report(tmp_path, walls=walls, time_step=0.01))
+    paper, solid = "255,255,255", "236,237,240"
+
+    def colours(time, *places):
+        page.run(f"tell('play', {{on: false}}); tell('seek', {time})")
+        return [page.run(f"{PIXEL}({x}, {y})") for x, y in places]
+
+    places = (5.5, 2.0), (4.0, 3.5), (8.0, 1.0), (7.1, 2.0)
+    assert colours(0.0, *places) == [solid, paper, solid, paper]
+    assert colours(2.0, *places) == [paper, solid, solid, paper]
+    assert colours(1.0, (5.06, 3.06), (5.5, 2.0)) == [solid, paper]
+    assert colours(1.25, (4.834, 3.247)) == [solid]  # between two frames, at 56 degrees
+    below, above = colours(2.0, (8.95, -0.56), (8.95, -0.4))
+    assert below == solid and above == paper
     assert page.troubles() == []
 
 

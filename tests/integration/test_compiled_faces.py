@@ -16,6 +16,7 @@ import pytest
 
 from lammps_jump.engines import plugin as plugin_package
 from lammps_jump.scene import faces as rule
+from lammps_jump.scene import near
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import SMOOTH_TURN, Chain, boxes, circle
 from lammps_jump.scene.motion import MovingWall
@@ -110,11 +111,11 @@ def points_near(wall, generator):
 def expected_contacts(wall, points, radius):
     """Contacts of every point with the wall: a list of arrays with rows of gap and normal."""
     flat = wall.faces
-    near = np.arange(len(flat.codes))
+    every = np.arange(len(flat.codes))
     found, which = np.empty((rule.MOST, 4)), np.empty(rule.MOST, np.int64)
     answer = []
     for x, y in points:
-        kept = rule.touching(flat.codes, flat.shape, flat.deep[0], near, 0, len(near), x, y, radius, found, which)
+        kept = rule.touching(flat.codes, flat.shape, flat.deep[0], every, 0, len(every), x, y, radius, found, which)
         answer.append(found[:kept, :3].copy())
     return answer
 
@@ -171,12 +172,33 @@ def test_the_plugins_rule_is_the_packages(evaluate, wall):
     assert [fx, fy, mz] == pytest.approx([*-force.sum(axis=0), moment], abs=1e-12 * total)
 
 
+def test_at_the_border_of_face_and_joint_the_plugin_has_one_contact(evaluate):
+    """20,000 points within 1e-17 to 1e-8 d of the normals at eighty joints, convex and smooth, in front."""
+    rng, count = np.random.default_rng(9), 20_000
+    turns = np.tile([-1e-6, -0.02, -0.06, 0.01, 0.05], 16)
+    angle = np.append(0.0, np.cumsum(turns))
+    ends = np.cumsum(np.vstack([(-8.0, 0.0), D * np.column_stack([np.cos(angle), np.sin(angle)])]), axis=0)
+    which = rng.integers(len(turns), size=count)
+    at = angle[which + rng.integers(2, size=count)]  # the normal of the face before, or of that behind
+    away = rng.uniform(0.01, 0.99, count) * 0.5 * D
+    off = D * 10.0 ** rng.uniform(-17, -8, count) * rng.choice([-1, 1], count)
+    points = ends[which + 1] + (away * [-np.sin(at), np.cos(at)] + off * [np.cos(at), np.sin(at)]).T
+    wall = Drawn("joints", (Chain(tuple(map(tuple, ends))),))
+    contacts = expected_contacts(wall, points, 0.5 * D)
+    assert {len(rows) for rows in contacts} == {1}
+    gap, nx, ny = np.array([rows[0] for rows in contacts]).T
+    force, _ = evaluate(wall, points)
+    # none would be 0, two twice as much
+    expected = STIFFNESS * (0.5 * D - gap) * np.array([nx, ny])
+    assert np.abs(force - expected.T).max() < 1e-12 * STIFFNESS * D
+
+
 def test_constants_of_the_plugin_are_those_of_the_package():
     header = (Path(plugin_package.__file__).parent / "faces.h").read_text()
     value = {
         name: re.search(rf" {name} = ([^;]+);", header)[1] for name in ("MOST", "FEW", "MOST_CELLS", "SMOOTH_TURN")
     }
-    assert (int(value["MOST"]), int(value["FEW"])) == (rule.MOST, rule.FEW)
-    assert float(value["MOST_CELLS"]) == rule.MOST_CELLS
+    assert (int(value["MOST"]), int(value["FEW"])) == (rule.MOST, near.FEW)
+    assert float(value["MOST_CELLS"]) == near.MOST_CELLS
     assert float(value["SMOOTH_TURN"]) * pi / 180.0 * (1 + 1e-6) == rule.SAME_TURN
     assert radians(float(value["SMOOTH_TURN"])) == SMOOTH_TURN

@@ -77,7 +77,7 @@ def test_limit_of_packings_is_exact(scheme):
 
 def derived(scheme: str, e: float, wall: float, smallest: float | None = None) -> contact.Coefficients:
     """Coefficients of discs of density M with stiffness K, on walls of the stiffness `wall`."""
-    return contact.derive(
+    given = contact.Contact(
         density=M,
         diameter=1.0,
         restitution=e,
@@ -91,6 +91,7 @@ def derived(scheme: str, e: float, wall: float, smallest: float | None = None) -
         rotation=False,
         smallest=smallest,
     )
+    return contact.derive(given)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

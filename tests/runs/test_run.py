@@ -242,3 +242,9 @@ def test_notebook_runs(tmp_path, monkeypatch, capsys):
     assert namespace["starts"] == ("quick_jump", "runs/notebook_starts", 3)
     plt.close("all")
     assert "y2" in capsys.readouterr().out
+
+
+def test_an_unknown_option_of_run_is_refused(case, tmp_path):
+    with pytest.raises(TypeError, match="'forse'"):
+        case.run(tmp_path / "run", forse=True)
+    assert not list(tmp_path.iterdir())

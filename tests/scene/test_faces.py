@@ -2,12 +2,18 @@
 """faces.py: which faces of a wall push a disc, and from where."""
 
 from math import acos, asin, cos, hypot, pi, radians, sin, tan
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from lammps_jump.scene.chains import Chain, circle, flush, lay
-from lammps_jump.scene.faces import MOST, grid_of, list_near, touching
+from lammps_jump.scene import chains as shapes
+from lammps_jump.scene import faces as rule
+from lammps_jump.scene import near
+from lammps_jump.scene.chains import Chain, circle, lay
+from lammps_jump.scene.faces import MOST, foot_at, touching
+from lammps_jump.scene.near import grid_of, list_near
+from lammps_jump.scene.shapes import flush
 from lammps_jump.scene.walls import Block, Box, Plane
 
 R = 0.1
@@ -136,6 +142,28 @@ def test_points_of_an_arc_lie_at_their_distance_from_it():
         np.testing.assert_allclose(found[:, 2:], sign * np.column_stack([np.cos(angle), np.sin(angle)]), atol=1e-12)
 
 
+def test_the_foot_of_a_contact_is_its_place_along_the_chain():
+    """Segment, arc to the left, segment, arc to the right: feet of points beside each place of the chain."""
+    wall = (Chain(((0, 0), (1, 0), (2, 1), (2, 1.5), (3, 2.5)), (0.0, 1.0, 0.0, -1.0)),)
+    flat = lay([(wall, False)])
+    quarter = pi / 2
+    places = {  # by arc length: point on the chain and normal there
+        0.3: ((0.3, 0.0), (0.0, 1.0)),
+        1.0 + 0.2: ((1.0 + sin(0.2), 1.0 - cos(0.2)), (-sin(0.2), cos(0.2))),
+        1.0 + quarter + 0.1: ((2.0, 1.1), (-1.0, 0.0)),
+        1.5 + quarter + 0.7: ((3.0 - cos(0.7), 1.5 + sin(0.7)), (-cos(0.7), sin(0.7))),
+    }
+    found, which = np.empty((MOST, 4)), np.empty(MOST, np.int64)
+    for sigma, ((x, y), (nx, ny)) in places.items():
+        for away in (0.9 * R, -0.5 * R):
+            px, py = x + away * nx, y + away * ny
+            near = np.arange(len(flat.codes))
+            assert touching(flat.codes, flat.shape, 0, near, 0, len(near), px, py, R, found, which) == 1
+            assert foot_at(flat.codes, flat.shape, which[0], px, py) == pytest.approx(sigma, abs=1e-14)
+    # beyond the ends of a face its foot is the end
+    assert foot_at(flat.codes, flat.shape, 0, 1.4, 0.1) == 1.0 and foot_at(flat.codes, flat.shape, 0, -0.2, 0.1) == 0.0
+
+
 def test_the_sides_of_a_sheet_push_away_from_it():
     sheet = (Chain(((0.0, 0.0), (0.0, 1.0)), closed=True),)
     assert at(sheet, 0.3 * R, 0.5).tolist() == [pytest.approx([0.3 * R, 1.0, 0.0])]
@@ -151,3 +179,13 @@ def test_two_walls_that_meet_flush_are_found():
     assert flush(left.faces, step.faces) is None  # their undersides are no matter
     assert flush(left.faces, Block("apart", (0.1, 1.0), (-1.0, 0.0)).faces) is None
     assert flush(left.faces, Plane("ground", "y", 0.0, "above").faces) is None
+
+
+def test_what_is_compiled_expires_with_the_constants_of_chains():
+    """numba watches a function's own file alone, and compiles constants of other files into it."""
+    status = Path(shapes.__file__).stat()
+    compiled = [value for file in (rule, near) for value in vars(file).values() if hasattr(value, "py_func")]
+    assert touching in compiled and list_near in compiled and len(compiled) > 10
+    for function in compiled:
+        assert (status.st_mtime, status.st_size) in function._cache._cache_file._source_stamp, function
+    assert rule.away._cache._cache_file._source_stamp in list_near._cache._cache_file._source_stamp

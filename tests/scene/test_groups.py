@@ -14,7 +14,7 @@ from lammps_jump.analysis.forces.history import analyse_forces
 from lammps_jump.analysis.forces.impulse import MomentumLedger
 from lammps_jump.analysis.profiles import bin_frames
 from lammps_jump.dump.check import force_troubles
-from lammps_jump.dump.find import ForceHistory, read_forces
+from lammps_jump.dump.find import ForceHistory, read_forces, with_groups
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.native.engine import run_native, take_frame
 from lammps_jump.engines.native.simulation import NativeSimulation
@@ -22,7 +22,6 @@ from lammps_jump.errors import CaseError
 from lammps_jump.files import FORCES_HEADER
 from lammps_jump.scene import Block, Motion, MovingWall, handmade_scene
 from lammps_jump.scene.chains import Chain
-from lammps_jump.scene.groups import with_groups
 from lammps_jump.scene.tracks import Loaded, Rotate, Translate
 from lammps_jump.scene.walls import Wall
 

@@ -17,8 +17,9 @@ from lammps_jump.analysis.flow import from_scene
 from lammps_jump.case.fields import WallField
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.motion import MovingWall
-from lammps_jump.scene.walls import Plane
+from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.tracks import Rotate
+from lammps_jump.scene.walls import Block, Line, Plane
 from lammps_jump.script import write_script
 
 PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text()
@@ -113,6 +114,36 @@ def test_it_is_painted_solid():
     paint_walls(picture, view, (MOUND,))
     colour = {place: picture[int(view.row(place[1])), int(view.column(place[0]))] for place in ((0, 0.5), (1.5, 0.5))}
     assert (colour[0, 0.5] == SOLID).all() and (colour[1.5, 0.5] == PAPER).all()
+
+
+def test_an_open_line_is_painted_behind_and_a_sheet_on_both_sides():
+    view = View((-2.0, 2.0), (-1.0, 1.0), 400, 200)
+    picture = blank(view)
+    bed = Line("bed", points=((-1.5, 0.5), (-0.5, 0.0), (1.5, 0.0)))
+    paint_walls(picture, view, (bed, Line("leaf", points=((-1.8, -0.5), (-1.8, 0.5)), sheet=True)))
+    painted = (picture != PAPER).any(axis=2)
+
+    def there(x, y):
+        return bool(painted[int(view.row(y)), int(view.column(x))])
+
+    assert there(0.5, -0.03) and not there(0.5, 0.03) and not there(0.5, -0.1)
+    assert there(-1.0, 0.22) and not there(-1.0, 0.29)
+    assert there(-1.815, 0.0) and there(-1.785, 0.0)
+
+
+def test_a_wall_that_moves_is_painted_where_it_is_in_a_film_and_in_figures():
+    turning = Motion(kind=Rotate(rate=90.0, ease=0.0), about=(0.0, 0.0), time_step=0.01)
+    flow = from_scene(
+        handmade_scene([(5.0, 5.0)], [(0.0, 0.0)], (MovingWall(Block("arm", (0, 2), (-0.1, 0.1)), turning),))
+    )
+    flow = replace(flow, scene=replace(flow.scene, coefficients=replace(flow.scene.coefficients, time_step=0.01)))
+    (arm,) = flow.standing_at(1.0)
+    view = View((-2.0, 2.0), (-1.0, 2.0), 400, 300)
+    picture = blank(view)
+    paint_walls(picture, view, (arm,))
+    solid = (picture != PAPER).any(axis=2)
+    assert solid[int(view.row(1.5)), int(view.column(0.0))] and not solid[int(view.row(0.0)), int(view.column(1.5))]
+    assert flow.shut_gates(1.0) == () and flow.walls_at(0.0)[0].distance(1.0, 0.0) == pytest.approx(-0.1)
 
 
 def test_it_sets_the_moment_point_and_extent():

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lammps_jump.scene.chains import flush, open_ends, tight_bend
-from lammps_jump.scene.shapes import ArcTo, PlaceError
+from lammps_jump.scene.faces import MOST, touching
+from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend
 from lammps_jump.scene.walls import Block, Box, Circle, Line, Plane, Polygon
 
 COORDINATE = st.floats(-5.0, 5.0)
@@ -164,6 +164,15 @@ def test_bends_of_short_pieces():
     assert tight_bend(Polygon("p", tuple(RING[::4]), discs="inside").faces) is None  # corners
 
 
+def test_a_long_wall_is_its_parts():
+    x = np.linspace(0.0, 9.0, 200)
+    points = list(zip(x.tolist(), np.sin(3 * x).tolist(), strict=True))
+    px, py = np.meshgrid(np.linspace(-2, 11, 27), np.linspace(-3, 3, 13))
+    parts = np.array([Line("p", pair, sheet=True).distance(px, py) for pair in pairwise(points)]).min(axis=0)
+    whole = np.abs(Line("l", tuple(points)).distance(px, py))
+    assert np.allclose(whole, parts, rtol=0, atol=1e-12)
+
+
 def test_lines_that_go_on_are_flush():
     slope = Line("a", ((0, 0), (2, -1)))
     assert flush(slope.faces, Line("b", ((2, -1), (4, -2))).faces) == (2, -1)
@@ -172,3 +181,17 @@ def test_lines_that_go_on_are_flush():
     assert flush(slope.faces, Plane("c", "y", -1.0, "above").faces) is None
     down = Block("chute", (0.0, 2.0), (-1.0, 0.0), -30, (2.0, 0.0))
     assert flush(down.faces, Line("b", ((2, 0), (2 + 3**0.5, -1))).faces) == pytest.approx((2, 0))
+
+
+def test_a_sheet_at_any_angle_pushes_to_the_side_of_the_disc():
+    """The two faces of a sheet are at one distance but for round-off: the one in front counts."""
+    found, which = np.empty((MOST, 4)), np.empty(MOST, np.int64)
+    near, wrong = np.arange(2), 0
+    random = np.random.default_rng(1)
+    for angle, along, off in random.uniform((0, -0.9, 1e-6), (2 * pi, 0.9, 0.0999), (2000, 3)).tolist():
+        c, s = cos(angle), sin(angle)
+        sheet = Line("s", ((3 - c, 4 - s), (3 + c, 4 + s)), sheet=True)
+        x, y = 3 + along * c - off * s, 4 + along * s + off * c
+        count = touching(sheet.faces.codes, sheet.faces.shape, 0, near, 0, 2, x, y, 0.1, found, which)
+        wrong += count != 1 or found[0, 1] * -s + found[0, 2] * c < 0.999 or at(sheet, x, y) < 0
+    assert wrong == 0

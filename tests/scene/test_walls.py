@@ -6,6 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lammps_jump.scene import chains
+from lammps_jump.scene.chains import Chain, circle, lay
 from lammps_jump.scene.walls import Block, Box, Plane
 
 COORDINATE = st.floats(-5.0, 5.0)
@@ -104,3 +106,49 @@ def test_outlines_hold_the_solid_and_no_disc(wall, view):
     outside = wall.distance(*middle)
     assert outside > 0 if wall.hollow else outside <= 0
     assert np.allclose(wall.distance(*polygon.T).max(), 0.0)
+
+
+def heights(faces, x):
+    """Heights at which one upright line meets faces: (height, whether the face looks up), face by face."""
+    for code, row in zip(faces.codes, faces.shape, strict=True):
+        if code[chains.KIND] == chains.ARC:
+            rho, out = abs(row[chains.RADIUS]), x - row[chains.CX]
+            for sign in (1, -1) if abs(out) <= rho else ():
+                y = row[chains.CY] + sign * np.sqrt(rho * rho - out * out)
+                begin = row[chains.TX0] * (x - row[chains.X0]) + row[chains.TY0] * (y - row[chains.Y0])
+                end = row[chains.TX1] * (x - row[chains.X1]) + row[chains.TY1] * (y - row[chains.Y1])
+                if begin >= 0 >= end:
+                    yield y, (sign > 0) == (row[chains.RADIUS] < 0)
+        elif abs(row[chains.TX0]) > 1e-12:
+            inside = min(row[chains.X0], row[chains.X1]) <= x <= max(row[chains.X0], row[chains.X1])
+            if inside or code[chains.AT_START] == chains.ENDLESS:
+                slope = row[chains.TY0] / row[chains.TX0]
+                yield row[chains.Y0] + (x - row[chains.X0]) * slope, row[chains.TX0] > 0
+
+
+def solids_over(faces, x):
+    """Solids over one x, by brute force: (underside, top), upwards."""
+    met = list(heights(faces, x))
+    tops, bottoms, below = sorted(y for y, up in met if up), [y for y, up in met if not up], -np.inf
+    for top in tops:
+        yield max([y for y in bottoms if below <= y <= top], default=-np.inf), top
+        below = top
+
+
+BEDS = {
+    "rough": (Chain(tuple((0.01 * i, 0.03 * np.sin(7.0 * i)) for i in range(300))),),
+    "circles": tuple(circle((0.4 * i, 0.1 * i), 0.3, inside=i % 2 == 1) for i in range(8)),
+    "overhang": (Chain(((0, 0), (2, 0), (2, 1), (1, 0.6), (0.5, 2), (3, 2), (3, -1), (0, -1)), (), True),),
+    "endless slope": (Chain(((0.0, 0.0), (1.0, 0.3)), endless=True),),
+    "nothing": (Chain(((0.0, 0.0), (0.0, 1.0))),),
+}
+
+
+@pytest.mark.parametrize("bed", BEDS)
+def test_grounds_are_those_of_every_face_at_every_place(bed):
+    faces = lay([(BEDS[bed], False)])
+    x = np.append(np.random.default_rng(3).uniform(-1.0, 4.0, 300), [0.0, 0.5, 1.0, 2.0, 3.0])
+    found = chains.grounds(faces, x)
+    for k, place in enumerate(x):
+        pairs = [(under[k], top[k]) for under, top in found if not np.isnan(top[k])]
+        assert pairs == list(solids_over(faces, place))

@@ -102,8 +102,18 @@ def test_a_player_that_was_handed_on_is_checked(done, tmp_path, tried):
         "times": [[], header["times"][:-1], header["times"][::-1], [0.0] * 41, None], "radii": [[], [0.0], [1e12]],
         "bins": [{"low": 0, "width": 1e-300, "count": 5}, {"low": 0, "width": 1, "count": 10**9}, {}],
         "map": [{**header["map"], "counts": [10**5, 10**5]}, {**header["map"], "counts": [1, 1]}, {}],
-        "seen": [[[0, 0], [0, 1]], [[0, 1e300], [0, 1]]], "walls": [refresh, [{}]], "sequent": [[]], "more": [1],
+        "seen": [[[0, 0], [0, 1]], [[0, 1e300], [0, 1]]], "sequent": [[]], "more": [1],
     }  # fmt: skip
+    still, way = {"name": "a", "hollow": False, "outlines": [[[0, 0], [1, 0], [1, 1]]], "lines": []}, [0.0] * 10**4
+    moving = {**still, "about": [0, 0], **dict.fromkeys(("x", "y", "angle"), way[: len(header["times"])])}
+    path.write_text(json.dumps({**whole, "header": {**header, "walls": [still, moving]}}))
+    assert json.loads(json.dumps(read_player(path).header["walls"])) == [still, moving]
+    bad_walls = [
+        refresh, [{}], [{**moving, "x": way}], [{**moving, "angle": None}], [{**moving, "angle": [refresh]}],
+        [{**still, "x": moving["x"]}], [{**still, "outlines": [[]]}], [{**still, "lines": [way]}],
+        [{**still, "lines": [[[0, 0]] * 60_000] * 2}], [{**moving, "about": [0, 1e300]}],
+    ]  # fmt: skip
+    wrong += [{"header": {**header, "walls": walls}} for walls in bad_walls]
     wrong += [{"header": {**header, name: value}} for name, values in changes.items() for value in values]
     for changed in wrong:
         path.write_text(json.dumps({**whole, **changed}))

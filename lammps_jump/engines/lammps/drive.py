@@ -13,7 +13,7 @@ from lammps_jump.engines.checkpoint import cut_back, join_part, remove_checkpoin
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.result import REPORT_SECONDS, Progress, RunResult
 from lammps_jump.engines.setting import Job
-from lammps_jump.script import resume as continuation
+from lammps_jump.script import resume
 from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
 
 from .finish import LOG, Outcome, conclude
@@ -89,7 +89,7 @@ def play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
             reporter.start()
         try:
             with stop_request.calls(steps.ask), save_request.calls(steps.ask):
-                script = SCRIPTS[job.setting.kernel] if job.resume is None else continuation.SCRIPT
+                script = SCRIPTS[job.setting.kernel] if job.resume is None else resume.SCRIPT
                 steps.play(Path(script).read_text())
         except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
             outcome.error = str(error)

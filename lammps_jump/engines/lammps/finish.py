@@ -7,11 +7,11 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lammps_jump.dump.find import with_groups
 from lammps_jump.engines.checkpoint import join_part, last_saved
 from lammps_jump.engines.result import RunResult, interruption
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import FORCES_HEADER, text_of, write_text
-from lammps_jump.scene.groups import with_groups
+from lammps_jump.files import FORCES_HEADER, forces_header, text_of, write_text
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import STOP_FILE
 from lammps_jump.script.probes import raw_forces
@@ -78,14 +78,14 @@ def gather_forces(scene: Scene, folder: Path) -> None:
 
     The files stay: parts that go on append to them, and checkpoints name them.
     """
-    rows = []
+    header, rows = forces_header(power=scene.moves), []
     for order, name in enumerate(scene.probes):
         raw = folder / raw_forces(name)
         if raw.exists():
-            rows += [(time, order, line) for time, line in _force_rows(text_of(raw).splitlines())]
+            rows += [(time, order, line) for time, line in _force_rows(text_of(raw).splitlines(), header)]
     path = folder / "forces.csv"
     if scene.probes and (rows or not path.exists()):
-        lines = [FORCES_HEADER, *_with_groups(scene, [line for *_, line in sorted(rows, key=lambda row: row[:2])])]
+        lines = [header, *_with_groups(scene, [line for *_, line in sorted(rows, key=lambda row: row[:2])])]
         write_text(path, "\n".join(lines) + "\n")
 
 
@@ -102,16 +102,19 @@ def _with_groups(scene: Scene, lines: list[str]) -> list[str]:
     ]
 
 
-def _force_rows(lines: list[str]) -> list[tuple[float, str]]:
-    """(time, line) of whole rows but the first of each part, of its start; the last line of all may be torn."""
-    rows, first = [], True
+def _force_rows(lines: list[str], header: str) -> list[tuple[float, str]]:
+    """(time, line) of whole rows, once each, but not of a part's start; the last line of all may be torn."""
+    rows: list[tuple[float, str]] = []
+    last = ""
     for line in lines:
-        if line == FORCES_HEADER:
-            first = True
-        elif first:
-            first = False
-        elif line.count(",") == FORCES_HEADER.count(","):
-            rows.append((float(line.split(",", 1)[0]), line))
+        time = line.split(",", 1)[0]
+        if line.startswith(FORCES_HEADER):
+            last = ""
+            continue
+        # a run that begins at the end of a window writes its row again
+        if last not in ("", time) and line.count(",") == header.count(","):
+            rows.append((float(time), line))
+        last = time
     return rows
 
 

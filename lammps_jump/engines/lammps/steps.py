@@ -70,12 +70,13 @@ class Steps:
         if step_hook.at_step is not None:
             self._hook()
         velocities = None if self.resume is None else np.load(HALF_STEP.format(step=self.resume.step))
+        still = 0 if velocities is None else next(i for i, part in enumerate(runs) if part.split()[1] != "0")
         for number, part in enumerate(runs):
             line, _, rest = part.partition("\n")
-            if number == 0 and velocities is not None:
+            if number == 0 < still:
                 self._set_velocities(velocities, "half")
             self._run(line)
-            if number == 0 and velocities is not None:
+            if number == still - 1:
                 self._set_velocities(velocities, "whole")
             if self.ended:
                 return

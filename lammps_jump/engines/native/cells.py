@@ -11,7 +11,7 @@ import numpy as np
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.scene import Scene
 
-from . import loops as kernels
+from . import loops
 from .simulation import NativeSimulation
 
 
@@ -40,15 +40,16 @@ class CellSimulation(NativeSimulation):
         columns = int((x_high - x_low) * inverse) + 1
         rows = int((y_high - y_low) * inverse) + 1
         first = np.zeros(columns * rows + 2, np.int64)
-        self._grid = kernels.Grid(x_low, y_low, inverse, columns, rows, first, np.zeros(1, np.int64))
+        self._grid = loops.Grid(x_low, y_low, inverse, columns, rows, first, np.zeros(1, np.int64))
         self._slots = (ceil(scene.largest * inverse) + 1) ** 2
         self._owner = np.empty(0, np.int32)
-        self._pairs = np.empty(256, np.int32)
+        self._neighbours = np.empty(256, np.int32)
         super().__init__(scene, ledger=ledger)
-        self._motion = self._motion._replace(reach2=float("inf"))
+        motion = self._constants.motion._replace(reach2=float("inf"))
+        self._constants = self._constants._replace(motion=motion)
 
-    def _list(self) -> tuple:
-        return int(self._grid.used[0]), self._owner, self._start, self._pairs
+    def _pairs(self) -> loops.Pairs:
+        return loops.Pairs(int(self._grid.used[0]), self._owner, self._first, self._neighbours)
 
     def _rebuild(self) -> None:
         started = perf_counter()
@@ -56,20 +57,22 @@ class CellSimulation(NativeSimulation):
         self._require_inside()
         if self._owner.size < self._slots * d.room:
             self._owner = np.empty(self._slots * d.room, np.int32)
-            self._start = np.zeros(self._slots * d.room + 1, np.int64)
+            self._first = np.zeros(self._slots * d.room + 1, np.int64)
         while (
-            kernels.cell_pairs(
-                d.n, d.x, d.y, d.radius, self.scene.diameter, self._grid, self._owner, self._start, self._pairs
+            loops.cell_pairs(
+                d.n, d.x, d.y, d.radius, self.scene.diameter, self._grid, self._owner, self._first, self._neighbours
             )
             < 0
         ):
-            self._pairs = np.empty(2 * self._pairs.size, np.int32)
+            self._neighbours = np.empty(2 * self._neighbours.size, np.int32)
         self._list_walls()
         self.rebuilds += 1
         self.rebuild_seconds += perf_counter() - started
 
-    def _exchange(self, old: bool) -> None:
-        super()._exchange(True)
+    def _drift(self, stop: int) -> None:
+        super()._drift(stop)
+        if self._between.next_after(stop - 1) == stop:
+            self._rebuild()
 
     def _list_newcomers(self, before: int) -> int:
         self._rebuild()

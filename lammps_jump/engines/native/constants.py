@@ -4,11 +4,31 @@
 from __future__ import annotations
 
 from math import sqrt
+from typing import NamedTuple
 
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 
 from .ledger import inertia
 from .loops import Law, Motion
+
+
+class Constants(NamedTuple):
+    """Constants of a scene, in the order of the loops; None drops a term (see `loops`)."""
+
+    law: Law
+    motion: Motion
+    friction: float | None
+    sign: float | None
+    touch: float | None
+
+
+def constants_of(scene: Scene, skin: float) -> Constants:
+    """Constants of a scene, with a neighbour list of this skin (m)."""
+    friction = scene.coefficients.friction if scene.rubs else None
+    sign = None if friction is None else FRICTION_LAWS[scene.friction_law].ramp
+    touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
+    return Constants(law_of(scene), motion_of(scene, skin), friction, sign, touch)
 
 
 def law_of(scene: Scene) -> Law:

@@ -4,24 +4,62 @@
 from __future__ import annotations
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from lammps_jump.scene.scene import Scene
 
-from . import lists as neighbours
+from . import lists
 
 CELLS_A_DISC = 16
 """Cells of the search grid at most, over the number of discs."""
 
 
+class Column(NamedTuple):
+    """An array of the discs: its kind, whether a sort takes it along, numbers of a disc (0: one, without an axis)."""
+
+    kind: type = float
+    sorted: bool = True
+    width: int = 0
+
+
+def columns_of(scene: Scene, *, ledger: bool) -> dict[str, Column | None]:
+    """Every array of the discs by its name; None for one that the scene does not need.
+
+    What a sort does not take along is zero or equal then, or made anew.
+    """
+    extrapolated, sized, slots = scene.integrator == "leapfrog_extrapolated", scene.sizes is not None, scene.slots
+    moved, left = Column(), Column(sorted=False)
+    groups = (
+        ("ids", Column(np.int64), True),
+        ("x y vx vy", moved, True),
+        ("fx fy", Column(sorted=sized), True),  # they hold the weight when discs are sorted
+        ("x0 y0", left, True),
+        ("ux uy", moved, extrapolated),
+        ("omega", moved, scene.rotation),
+        ("torque", left, scene.rotation),
+        ("uomega", moved, scene.rotation and extrapolated),
+        ("dash_x dash_y", left, ledger),
+        ("slide_x slide_y", left, ledger and scene.rubs),
+        ("radius", moved, sized),
+        ("partner", Column(np.int64, width=slots), slots > 0),
+        ("sigma spring roll", Column(width=slots), slots > 0),
+    )
+    return {name: column if there else None for names, column, there in groups for name in names.split()}
+
+
 class Discs:
     """Arrays of the discs, sorted in memory by cell; only the first `n` entries count.
 
-    They begin as the scene has them. The older velocity of the extrapolation is that of the start.
+    They begin as the scene has them. The older velocity of the extrapolation is that of the start. Sorting, removal,
+    insertion and the file of the state go through `columns` alone: what lies in them stays with its disc.
 
     Attributes
     ----------
+    columns : dict of Column
+        The arrays that the scene needs; each is an attribute, and None is in the place of the others.
+    ids : ndarray of int64, shape (room,)
     x, y, vx, vy, fx, fy : ndarray, shape (room,)
         Position (m), velocity v_(n-1/2) (m/s) and force F_n (N per m of width).
     x0, y0 : ndarray
@@ -34,34 +72,28 @@ class Discs:
         Dashpot and friction force on each disc, for the energy ledger.
     radius : ndarray or None
         m, where discs are not equal.
+    partner : ndarray of int64, shape (room, slots), or None
+        What each slot of a disc remembers: the id of a disc, or -1 - w for wall w of the scene; 0 in an empty slot.
+    sigma, spring, roll : ndarray, shape (room, slots), or None
+        Arc length of the foot on a wall, elongation of the tangential spring and of the rolling spring, m.
     """
 
-    ALWAYS = ("x", "y", "vx", "vy", "fx", "fy", "x0", "y0")
-    CARRIED = ("x", "y", "vx", "vy", "ux", "uy", "omega", "uomega")  # what must survive a sort
-    CARRIED_WITH_SIZES = ("radius", "fx", "fy")  # forces hold the weight when discs are sorted
+    ids: np.ndarray
 
     def __init__(self, scene: Scene, *, ledger: bool):
         self.n = n = len(scene.positions)
         self.room = max(64, int(1.25 * n))
-        extrapolated = scene.integrator == "leapfrog_extrapolated"
-        optional = {
-            "ux uy": extrapolated,
-            "omega torque": scene.rotation,
-            "uomega": scene.rotation and extrapolated,
-            "dash_x dash_y": ledger,
-            "slide_x slide_y": ledger and scene.rubs,
-            "radius": scene.sizes is not None,
-        }
-        self.names = (*self.ALWAYS, *(name for names, kept in optional.items() if kept for name in names.split()))
-        for name in (*self.ALWAYS, *" ".join(optional).split()):
-            setattr(self, name, np.zeros(self.room) if name in self.names else None)
-        self.ids = np.zeros(self.room, np.int64)
+        every = columns_of(scene, ledger=ledger)
+        self.columns = {name: column for name, column in every.items() if column}
+        for name, column in every.items():
+            shape = (self.room, column.width) if column and column.width else self.room
+            setattr(self, name, np.zeros(shape, column.kind) if column else None)
         self.ids[:n] = np.arange(1, n + 1)
         if self.radius is not None:
             self.radius[:n] = 0.5 * scene.diameters(self.ids[:n])
         self.x[:n], self.y[:n] = scene.positions.T
         self.vx[:n], self.vy[:n] = scene.velocities.T
-        if extrapolated:
+        if self.ux is not None:
             self.ux[:n], self.uy[:n] = scene.velocities.T
         self.start = np.zeros(self.room + 1, np.int64)
         self.neighbours = np.empty(6 * self.room + 256, np.int32)
@@ -69,8 +101,8 @@ class Discs:
         self._make_work_arrays()
 
     def _make_work_arrays(self) -> None:
-        self.scratch = np.empty(self.room)
-        self.scratch_ids = np.empty(self.room, np.int64)
+        kept = (getattr(self, name) for name, column in self.columns.items() if column.sorted)
+        self.scratch = {(array.dtype, array.ndim): np.empty_like(array) for array in kept}
         self.order = np.empty(self.room, np.int64)
         self.cell = np.empty(self.room, np.int64)
 
@@ -78,8 +110,9 @@ class Discs:
         """Half as much room again."""
         more = self.room // 2
         self.room += more
-        for name in (*self.names, "ids", "start"):
-            setattr(self, name, np.pad(getattr(self, name), (0, more)))
+        for name in (*self.columns, "start"):
+            array = getattr(self, name)
+            setattr(self, name, np.concatenate([array, np.zeros((more, *array.shape[1:]), array.dtype)]))
         self._make_work_arrays()
 
     def sort_and_list(self, skin: float, diameter: float, domain) -> int:
@@ -91,7 +124,7 @@ class Discs:
         reach = diameter + skin
         n = self.n
         (x_low, x_high), (y_low, y_high) = domain
-        a, b, c, d, lost = neighbours.extent(n, self.x, self.y, x_low, x_high, y_low, y_high)
+        a, b, c, d, lost = lists.extent(n, self.x, self.y, x_low, x_high, y_low, y_high)
         if lost >= 0:
             return lost
         if n == 0:
@@ -108,15 +141,15 @@ class Discs:
         if self.cell_start.size < cells + 2:
             self.cell_start = np.zeros(cells + cells // 4 + 2, np.int64)
         cell_start = self.cell_start[: cells + 2]
-        neighbours.sort(n, self.x, self.y, a, c, inverse, columns, rows, transpose, cell_start, self.cell, self.order)
-        for name in self.CARRIED if self.radius is None else self.CARRIED + self.CARRIED_WITH_SIZES:
-            if name in self.names:
-                neighbours.permute(n, getattr(self, name), self.order, self.scratch)
-        neighbours.permute(n, self.ids, self.order, self.scratch_ids)
+        lists.sort(n, self.x, self.y, a, c, inverse, columns, rows, transpose, cell_start, self.cell, self.order)
+        for name, column in self.columns.items():
+            if column.sorted:
+                array = getattr(self, name)
+                lists.permute(n, array, self.order, self.scratch[array.dtype, array.ndim])
         self.x0[:n] = self.x[:n]
         self.y0[:n] = self.y[:n]
         while True:
-            count = neighbours.pair_list(
+            count = lists.pair_list(
                 n, self.x, self.y, self.radius, reach if self.radius is None else skin, rows, cell_start, self.cell,
                 self.start, self.neighbours,
             )  # fmt: skip
@@ -124,33 +157,34 @@ class Discs:
                 return -1
             self.neighbours = np.empty(2 * self.neighbours.size, np.int32)
 
-    def append(
-        self, identity: int, x: float, y: float, vx: float, vy: float, weight, skin: float, diameter: float
-    ) -> None:
-        """Add one disc behind the others, with its row of the list up to a skin (m); `weight` (N) starts its force."""
+    def append(self, new, weight: tuple[float, float], skin: float, diameter: float) -> None:
+        """Add a `Newcomer` behind the others, with its row of the list up to a skin (m); `weight` (N) begins its force.
+
+        It has this diameter (m).
+        """
         if self.n == self.room:
             self.grow()
         i = self.n
-        for name in self.names:
-            getattr(self, name)[i] = 0.0
-        self.ids[i] = identity
-        self.x[i] = self.x0[i] = x
-        self.y[i] = self.y0[i] = y
-        self.vx[i], self.vy[i] = vx, vy
+        for name in self.columns:
+            getattr(self, name)[i] = 0
+        self.ids[i] = new.id
+        self.x[i] = self.x0[i] = new.x
+        self.y[i] = self.y0[i] = new.y
+        self.vx[i], self.vy[i] = new.vx, new.vy
         self.fx[i], self.fy[i] = weight
         if self.ux is not None:
-            self.ux[i], self.uy[i] = vx, vy
+            self.ux[i], self.uy[i] = new.vx, new.vy
         reach = diameter + skin
         if self.radius is not None:
             self.radius[i], reach = 0.5 * diameter, skin
-        while not neighbours.append_row(i, self.x, self.y, self.radius, reach, self.start, self.neighbours):
+        while not lists.append_row(i, self.x, self.y, self.radius, reach, self.start, self.neighbours):
             self.neighbours = np.pad(self.neighbours, (0, self.neighbours.size))
         self.n = i + 1
 
     def keep(self, mask: np.ndarray) -> None:
         """Drop the discs where mask, shape (n,), is False; the list is then out of date."""
         left = int(mask.sum())
-        for name in (*self.names, "ids"):
+        for name in self.columns:
             array = getattr(self, name)
             array[:left] = array[: self.n][mask]
         self.n = left

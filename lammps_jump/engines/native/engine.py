@@ -10,6 +10,7 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
+from lammps_jump.dump.contacts import ContactWriter
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.write import run_writer
@@ -19,7 +20,7 @@ from lammps_jump.engines.interrupts import counted_interrupts, save_request
 from lammps_jump.engines.result import REPORT_SECONDS, Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunError
-from lammps_jump.files import DUMP_NAMES
+from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES
 from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
@@ -135,6 +136,7 @@ class _Part:
         else:
             self.simulation = CellSimulation(scene, cell_size=setting.cell_size, ledger=setting.ledger)
         self.writer = None
+        self.contacts: ContactWriter | None = None
         self.checkpoints: CheckpointWriter | None = None
         self.between_steps, self.reason = True, ""
         self.seconds = self.writing = 0.0
@@ -145,12 +147,17 @@ class _Part:
         if resume is None:
             remove_checkpoint(self.folder)  # of an earlier run: not this one's beginning
         self.writer = run_writer(self.folder, scene, setting.dump_format, append=resume is not None)
+        if scene.contact_output:
+            self.contacts = ContactWriter(self.folder / CONTACTS_FILE, append=resume is not None)
         if setting.cell_size is None:
-            outputs = (DUMP_NAMES[setting.dump_format], *(["forces.csv"] if scene.probes else []))
+            asked = {"forces.csv": scene.probes, CONTACTS_FILE: scene.contact_output}
+            outputs = (DUMP_NAMES[setting.dump_format], *(name for name, wanted in asked.items() if wanted))
             self.checkpoints = CheckpointWriter(scene, self.folder, outputs, setting.checkpoint_interval)
 
     def output(self) -> None:
-        """Write a frame."""
+        """Write a frame, its contacts first: a reader of a frame finds them."""
+        if self.contacts is not None:
+            self.contacts.write(self.simulation.step, *self.simulation.contacts())
         if self.writer is not None:
             self.writer.write_frame(take_frame(self.simulation))
 
@@ -179,6 +186,8 @@ class _Part:
         """Finish the files."""
         if self.writer is not None:
             self.writer.close()
+            if self.contacts is not None:
+                self.contacts.close()
             self._write_forces()
 
     def _write_forces(self) -> None:

@@ -12,7 +12,7 @@ from numba import njit
 from lammps_jump.physics.law import contact_force, watching_law
 from lammps_jump.scene.scene import Scene
 
-from .loops import slope
+from .loops import Pairs, slope
 
 
 @dataclass(frozen=True)
@@ -112,10 +112,8 @@ def half_work(scene: Scene, discs, work: np.ndarray) -> np.ndarray:
     return -0.5 * scene.time_step * np.array([lost, slid, 0.0]) - 0.5 * work[3:]
 
 
-def close(
-    start: Energy, now: Energy, exchanged: dict[str, float], work: np.ndarray, *, walls_move: bool = False
-) -> dict[str, float]:
-    """The energy ledger, J per m of width.
+class Books:
+    """The energy balance of a run, J per m of width.
 
     Present energy (kinetic, gravitational, elastic), the energy at the start (`initial`), `brought_in`, `carried_out`,
     `released_by_gates` (the elastic energy of their contacts), dissipated by dashpots and by friction. The work of a
@@ -126,24 +124,40 @@ def close(
     Moving walls add `work_of_walls`, with the velocity centred on the step, to what is brought in.
     `throughput` is what to measure it against: kinetic and elastic energy at the start, the change of the gravitational
     energy, and what came in.
+
+    Attributes
+    ----------
+    start : Energy
+    start_work, work : ndarray, shape (3,) and (6,)
+        `half_work` at the start; what dashpots and friction have taken in whole kicks since, what moving walls have
+        done, and the last step's part that is due to walls (`loops.advance`).
+    exchanged : dict
+        Energy that came, went, and was released by gates.
     """
-    dashpots, friction, walls = (float(w) for w in work)
-    found = {
-        "initial": start.total,
-        "kinetic": now.kinetic,
-        "gravitational": now.gravitational,
-        "elastic": now.elastic,
-        **exchanged,
-        "dissipated_dashpots": dashpots,
-        "dissipated_friction": friction,
-    }
-    gone = found["carried_out"] + found["released_by_gates"] + dashpots + friction
-    if walls_move:
-        found["work_of_walls"] = walls
-    found["residual"] = now.total + gone - start.total - found["brought_in"] - walls
-    moved = abs(start.gravitational - now.gravitational)
-    found["throughput"] = start.kinetic + start.elastic + moved + abs(found["brought_in"]) + abs(walls)
-    return found
+
+    def __init__(self) -> None:
+        self.start, self.start_work, self.work = Energy(0.0, 0.0, 0.0), np.zeros(3), np.zeros(6)
+        self.exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
+
+    def balance(self, now: Energy, half: np.ndarray, *, walls_move: bool = False) -> dict[str, float]:
+        """The balance at a step with this energy and `half_work`."""
+        start, (dashpots, friction, walls) = self.start, map(float, self.work[:3] + half - self.start_work)
+        found = {
+            "initial": start.total,
+            "kinetic": now.kinetic,
+            "gravitational": now.gravitational,
+            "elastic": now.elastic,
+            **self.exchanged,
+            "dissipated_dashpots": dashpots,
+            "dissipated_friction": friction,
+        }
+        gone = found["carried_out"] + found["released_by_gates"] + dashpots + friction
+        if walls_move:
+            found["work_of_walls"] = walls
+        found["residual"] = now.total + gone - start.total - found["brought_in"] - walls
+        moved = abs(start.gravitational - now.gravitational)
+        found["throughput"] = start.kinetic + start.elastic + moved + abs(found["brought_in"]) + abs(walls)
+        return found
 
 
 MASS_LEFT, MASS_RIGHT, CARRIED, CONTACTS, WALLS, DASHPOTS, FRICTION, BEGAN, HELD = range(9)
@@ -167,23 +181,22 @@ class StationLedger:
     def __init__(self, scene: Scene, on: bool):
         self.scene, self.stations, self.sums = scene, scene.stations if on else None, np.zeros(9)
 
-    def next(self, step: int) -> float:
-        """Step at which `add` wants to see the discs next, after `step`; infinite for never."""
+    def next_after(self, step: int) -> float:
+        """Step at which `add` sees the discs next, after `step`; infinite for never."""
         found = self.stations
         if found is None or step >= found.last_step:
             return inf
         return max(found.first_step, step + 1)
 
-    def add(self, step: int, discs, rows: int, owner, start, neighbours, law, motion, friction, sign, touch) -> None:
-        """Take in the discs at a step, with its forces and the list they were made with; see `loops.advance`."""
-        found = self.stations
-        if found is None or not found.first_step <= step <= found.last_step:
-            return
-        d, moved = discs, found.speed * (step - found.first_step) * self.scene.time_step
+    def add(self, step: int, discs, pairs: Pairs, constants) -> None:
+        """Take in the discs at a step of `next_after`, with its forces and the pairs that they were made with."""
+        d, found = discs, self.stations
+        law, motion, friction, sign, touch = constants
+        moved = found.speed * (step - found.first_step) * self.scene.time_step
         ux, uy, turned = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
         _between(
-            d.n, rows, owner, d.x, d.y, d.radius, d.vx, d.vy, ux, uy, d.omega, turned, d.fx, d.fy, d.torque, start,
-            neighbours, law, motion, friction, slope(d.n, ux, uy, sign), touch, d.dash_x, d.dash_y, d.slide_x,
+            d.n, *pairs[:2], d.x, d.y, d.radius, d.vx, d.vy, ux, uy, d.omega, turned, d.fx, d.fy, d.torque,
+            *pairs[2:], law, motion, friction, slope(d.n, ux, uy, sign), touch, d.dash_x, d.dash_y, d.slide_x,
             d.slide_y, found.x[0] + moved, found.x[1] - found.x[0], found.speed, step > found.first_step,
             step < found.last_step, self.sums,
         )  # fmt: skip

@@ -30,10 +30,8 @@ from numba import njit
 
 from lammps_jump.physics.law import contact_force, stored_energy, watching_law
 from lammps_jump.scene.chains import TX0, TY0, X0, Y0
-from lammps_jump.scene.faces import touching as wall_contacts
+from lammps_jump.scene.faces import touching, touching_inline
 from lammps_jump.scene.tracks import pose_py
-
-DONE, HELD, OLD = 0, 1, 2
 
 
 class Law(NamedTuple):
@@ -58,6 +56,15 @@ class Motion(NamedTuple):
     weight_x: float
     weight_y: float
     reach2: float
+
+
+class Pairs(NamedTuple):
+    """Half list of pairs: rows in use; disc of each row, None if it is the row's number; neighbours by row."""
+
+    rows: int
+    owner: np.ndarray | None
+    start: np.ndarray
+    neighbours: np.ndarray
 
 
 class Grid(NamedTuple):
@@ -168,6 +175,35 @@ def _place_walls_py(moves, step):
         if not (sqrt(dx * dx + dy * dy) + turned <= moves.clock[3]):
             old = True
     return old
+
+
+def _inward_py(moves, wall, x, y):
+    """A point as the frame has it in which a wall stands."""
+    if moves is None or moves.moving[wall] == 0:
+        return x, y
+    now, cx, cy = moves.now[wall], moves.centre[wall, 0], moves.centre[wall, 1]
+    dx, dy = x - cx - now[0], y - cy - now[1]
+    return cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
+
+
+def _outward_py(moves, wall, nx, ny):
+    """A direction of the frame in which a wall stands as it is."""
+    if moves is None or moves.moving[wall] == 0:
+        return nx, ny
+    c, s = moves.now[wall, 3], moves.now[wall, 4]
+    return c * nx - s * ny, s * nx + c * ny
+
+
+def _wall_velocity_py(moves, wall, column, x, y):
+    """Velocity of a wall at a point: over the step before (column 5 of `Moves.now`), or centred over two (8)."""
+    if moves is None or moves.moving[wall] == 0:
+        return 0.0, 0.0
+    now = moves.now[wall]
+    turn = now[column + 2]
+    return (
+        now[column] - turn * (y - moves.centre[wall, 1] - now[1]),
+        now[column + 1] + turn * (x - moves.centre[wall, 0] - now[0]),
+    )
 
 
 def _drift_lids_py(moves, step):
@@ -401,7 +437,7 @@ def _wall_forces_py(
                 px, py = centre_x + now[3] * dx + now[4] * dy, centre_y - now[4] * dx + now[3] * dy
             several = plain[row] == 0
             if several:
-                count = wall_contacts(
+                count = touching_inline(
                     codes, shape, deep[wall], listed, last[row], last[row + 1], px, py, own, found, which
                 )
             else:
@@ -466,54 +502,51 @@ def _wall_forces_py(
 
 
 def _advance_py(
-    steps, pending, hold, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
+    steps, owed, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
     owner, start, neighbours, grid, faces, near, law, motion, friction, sign, touch,
     dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
 ):  # fmt: skip
-    """Up to `steps` steps; returns (steps done, state): DONE, HELD or OLD.
+    """Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these alone.
 
-    `moves` is None where all walls stand. Starts with the forces of the step it stands at where `pending`. Stops after
-    a drift, before its forces, where the list has become too old (OLD), and after the last drift where `hold` (HELD):
-    discs come and go between drift and forces. With a `grid` the pairs are searched anew every step (`_cell_pairs`);
-    OLD then means that a disc is outside the grid or `neighbours` is short.
+    The forces after the last drift are left to the caller: what happens at a step happens between its drift and its
+    forces. Returns (drifts done, whether the list has become too old for the forces). With a `grid` the pairs are
+    searched anew every step (`_cell_pairs`); the list is then too old where a disc is outside the grid or `neighbours`
+    is short.
     """
     done = 0
     while True:
-        if not pending:
-            if done == steps:
-                return done, DONE
-            moved = _kick_drift(
-                n, x, y, radius, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
-                dash_x, dash_y, slide_x, slide_y, work,
+        if owed:
+            rows = n
+            if grid is not None:
+                rows = _cell_pairs(n, x, y, radius, law.diameter, grid, owner, start, neighbours)
+                if rows < 0:
+                    return done, True
+            if ux is None:
+                seen_x, seen_y, turned = vx, vy, omega
+            else:
+                seen_x, seen_y, turned = ux, uy, uomega
+            inverse_eps = slope(n, seen_x, seen_y, sign)
+            _pair_forces(
+                rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction,
+                inverse_eps, touch, dash_x, dash_y, slide_x, slide_y,
             )  # fmt: skip
-            done += 1
-            if moves is not None:
-                _drift_lids(moves, moves.clock[0] + done)
-                if _place_walls(moves, moves.clock[0] + done):
-                    moved += 1
-            if moved > 0:
-                return done, OLD
-            if hold and done == steps:
-                return done, HELD
-        pending = False
-        rows = n
-        if grid is not None:
-            rows = _cell_pairs(n, x, y, radius, law.diameter, grid, owner, start, neighbours)
-            if rows < 0:
-                return done, OLD
-        if ux is None:
-            seen_x, seen_y, turned = vx, vy, omega
-        else:
-            seen_x, seen_y, turned = ux, uy, uomega
-        inverse_eps = slope(n, seen_x, seen_y, sign)
-        _pair_forces(
-            rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction,
-            inverse_eps, touch, dash_x, dash_y, slide_x, slide_y,
+            _wall_forces(
+                x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
+                friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
+            )  # fmt: skip
+        if steps == 0:
+            return 0, False
+        moved = _kick_drift(
+            n, x, y, radius, vx, vy, fx, fy, x0, y0, motion, ux, uy, omega, torque, uomega,
+            dash_x, dash_y, slide_x, slide_y, work,
         )  # fmt: skip
-        _wall_forces(
-            x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
-            friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
-        )  # fmt: skip
+        done, owed = done + 1, True
+        if moves is not None:
+            _drift_lids(moves, moves.clock[0] + done)
+            if _place_walls(moves, moves.clock[0] + done):
+                moved += 1
+        if moved > 0 or done == steps:
+            return done, moved > 0
 
 
 def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
@@ -615,12 +648,8 @@ def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near
             if ids is not None and ids[i] <= known:
                 continue
             own = half if radius is None else radius[i]
-            px, py = x[i], y[i]
-            if moves is not None and moves.moving[wall] > 0:
-                now, cx, cy = moves.now[wall], moves.centre[wall, 0], moves.centre[wall, 1]
-                dx, dy = px - cx - now[0], py - cy - now[1]
-                px, py = cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
-            count = wall_contacts(
+            px, py = _inward(moves, wall, x[i], y[i])
+            count = touching(
                 faces.codes, faces.shape, faces.deep[wall], near.faces, near.last[row], near.last[row + 1], px, py,
                 own, near.found, near.which,
             )  # fmt: skip
@@ -630,6 +659,83 @@ def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near
                 if overlap > worst:
                     worst, where, met = overlap, i, wall
     return pairs + walls, worst, where, met
+
+
+def _contacts_py(
+    ids, rows, owner, start, neighbours, x, y, radius, ux, uy, turned, vx, vy, omega, faces, near, law, friction,
+    inverse_eps, touch, moves, who, found,
+):  # fmt: skip
+    """List the contacts with their forces: the number of contacts, or -1 where `who` and `found` are too short.
+
+    Forces are those of the step: with the velocities ux, uy (m/s) and `turned` (rad/s) that they saw. The power that
+    dashpots and friction take is with those at the step, vx, vy and `omega`: dt times their sum is what the energy
+    balance books for the kick. ``who[k]`` takes the id of the disc that the force acts on and that of the other, or
+    -1 - wall; ``found[k]`` the point (m), the force (N per m of width) and the power (W per m of width).
+    """
+    count = 0
+    for row in range(rows):
+        i = row if owner is None else owner[row]
+        a = 0.5 * law.diameter if radius is None else radius[i]
+        for p in range(start[row], start[row + 1]):
+            j = neighbours[p]
+            b = a if radius is None else radius[j]
+            dx, dy = x[i] - x[j], y[i] - y[j]
+            r2 = dx * dx + dy * dy
+            if r2 >= (a + b) * (a + b):
+                continue
+            if count == who.shape[0]:
+                return -1
+            r = sqrt(r2)
+            nx, ny, overlap = dx / r, dy / r, a + b - r
+            size = 1.0 if radius is None else _pair_size(a, b)
+            numbers = (law.stiffness, law.damping * size, law.tangential * size)
+            rim = turn = 0.0
+            if omega is not None:
+                dent = 0.0 if radius is None else 0.5 * overlap
+                rim = a * turned[i] + b * turned[j]
+                turn = (a - dent) * omega[i] + (b - dent) * omega[j]
+            slip = (ux[i] - ux[j], uy[i] - uy[j])
+            px, py, rub, dash = contact_force(overlap, (nx, ny), slip, rim, numbers, friction, inverse_eps, touch)
+            sx, sy = vx[i] - vx[j], vy[i] - vy[j]
+            who[count, 0], who[count, 1] = ids[i], ids[j]
+            way = a - 0.5 * overlap
+            _put(found[count], x[i] - way * nx, y[i] - way * ny, px, py, nx, ny, sx, sy, dash, rub, turn)
+            count += 1
+    for wall in range(faces.deep.size):
+        for row in range(near.rows[wall], near.rows[wall + 1]):
+            i = near.discs[row]
+            a = 0.5 * law.diameter if radius is None else radius[i]
+            px, py = _inward(moves, wall, x[i], y[i])
+            several = touching(
+                faces.codes, faces.shape, faces.deep[wall], near.faces, near.last[row], near.last[row + 1], px, py,
+                a, near.found, near.which,
+            )  # fmt: skip
+            if count + several > who.shape[0]:
+                return -1
+            size = 1.0 if radius is None else a
+            numbers = (near.numbers[wall, 0], near.numbers[wall, 1] * size, near.numbers[wall, 2] * size)
+            rub_here = None if friction is None else near.numbers[wall, 3]
+            rim = turn = 0.0
+            if omega is not None:
+                rim, turn = a * turned[i], a * omega[i]
+            for contact in range(several):
+                gap = near.found[contact, 0]
+                nx, ny = _outward(moves, wall, near.found[contact, 1], near.found[contact, 2])
+                at_x, at_y = x[i] - gap * nx, y[i] - gap * ny
+                wx, wy = _wall_velocity(moves, wall, 5, at_x, at_y)
+                slip = ux[i] - wx, uy[i] - wy
+                px, py, rub, dash = contact_force(a - gap, (nx, ny), slip, rim, numbers, rub_here, inverse_eps, touch)
+                wx, wy = _wall_velocity(moves, wall, 8, at_x, at_y)
+                who[count, 0], who[count, 1] = ids[i], -1 - wall
+                _put(found[count], at_x, at_y, px, py, nx, ny, vx[i] - wx, vy[i] - wy, dash, rub, turn)
+                count += 1
+    return count
+
+
+def _put_py(row, x, y, px, py, nx, ny, sx, sy, dash, rub, turn):
+    """A row of `found`: point, force, and the power of dashpot and friction at this slip and turn of the rims, m/s."""
+    row[0], row[1], row[2], row[3] = x, y, px, py
+    row[4] = -dash * (nx * sx + ny * sy) - rub * (nx * sy - ny * sx - turn)
 
 
 def _give_sizes_py(
@@ -681,12 +787,17 @@ _kick_drift = njit(cache=True, error_model="numpy")(_kick_drift_py)
 _pair_forces = watching_law(njit(cache=True)(_pair_forces_py))
 pose = njit(cache=True)(pose_py)
 _place_walls = watching_law(njit(cache=True)(_place_walls_py), pose)
+_inward = njit(cache=True)(_inward_py)
+_outward = njit(cache=True)(_outward_py)
+_wall_velocity = njit(cache=True)(_wall_velocity_py)
 _see_lid = njit(cache=True)(_see_lid_py)
 _drift_lids = njit(cache=True)(_drift_lids_py)
-_wall_forces = watching_law(njit(cache=True)(_wall_forces_py), wall_contacts)
+_wall_forces = watching_law(njit(cache=True)(_wall_forces_py), touching)
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
-advance = watching_law(njit(cache=True)(_advance_py), wall_contacts, pose)
+advance = watching_law(njit(cache=True)(_advance_py), touching, pose)
 cell_pairs = _cell_pairs
 place_walls = _place_walls
-elastic = watching_law(njit(cache=True)(_elastic_py), wall_contacts)
+elastic = watching_law(njit(cache=True)(_elastic_py), touching)
+_put = njit(cache=True)(_put_py)
+contacts = watching_law(njit(cache=True)(_contacts_py), touching)
 give_sizes = njit(cache=True)(_give_sizes_py)

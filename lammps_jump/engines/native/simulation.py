@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """One scene, step by step, on the native engine: what the run, the tests and the cross-validation drive.
 
-Order of operations of a step, LAMMPS' own: half kick, drift, [outlets, arrivals, gates, neighbour list], forces with
+Order of operations of a step, LAMMPS' own: half kick, drift, [neighbour list, outlets, arrivals, gates], forces with
 the velocities of the half step, half kick. The last half kick of one step and the first of the next are done as one,
 so that between steps the arrays hold v_(n-1/2) (see `loops`); what this class hands out is v_n.
 
@@ -20,16 +20,26 @@ from time import perf_counter
 import numpy as np
 
 from lammps_jump.errors import CaseError, RunError
-from lammps_jump.physics.slip import SIGN_RAMP
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 
-from . import ledger as energies
-from . import lists as neighbours
-from . import loops as kernels
-from .constants import law_of, motion_of
+from . import lists, loops
+from .constants import constants_of
 from .discs import Discs
-from .inlets import OpenBoundaries
-from .ledger import Energy
+from .events import Event, OpenBoundaries, Schedule, Windows
+from .ledger import (
+    Books,
+    Energy,
+    StationLedger,
+    energy_of,
+    energy_of_leaving,
+    free_energy,
+    half_kicks,
+    half_work,
+    shares_of,
+    spin,
+    velocities,
+)
 from .walls import Walls
 
 DEFAULT_SKIN = 0.3
@@ -37,7 +47,7 @@ DEFAULT_SKIN = 0.3
 
 KNOWN = {
     "integrator": ("velocity_verlet", "leapfrog_extrapolated"),
-    "friction_law": ("hooke", "sign"),
+    "friction_law": tuple(FRICTION_LAWS),
     "touch": ("sharp", "smooth"),
 }
 """Choices of a scene that this engine obeys."""
@@ -61,9 +71,10 @@ class NativeSimulation:
         Steps done.
     disc_steps : int
         Sum over steps of the discs in play.
-    forces : list of (step, wall name, fx, fy, moment)
-        Window means of the force on each probed wall (N per m of width), moment (N) about its reference point. Where
-        walls move, the power of the wall on the discs (W/m) stands behind them.
+    windows : Windows
+        Mean forces on the probed walls.
+    books : Books
+    stations : StationLedger
     rebuilds : int
         Neighbour lists made, in `rebuild_seconds` of wall time.
 
@@ -75,7 +86,7 @@ class NativeSimulation:
         While running: a position is NaN or outside the domain, or an overlap is beyond ``scene.overlap_limit``.
     """
 
-    _grid: kernels.Grid | None = None
+    _grid: loops.Grid | None = None
 
     def __init__(self, scene: Scene, *, ledger: bool = True):
         for name, known in KNOWN.items():
@@ -86,49 +97,56 @@ class NativeSimulation:
         self.disc_steps = 0
         self.rebuilds = 0
         self.rebuild_seconds = 0.0
-        self.forces: list[tuple] = []
-        self._friction = scene.coefficients.friction if scene.rubs else None
-        self._sign = SIGN_RAMP if self._friction is not None and scene.friction_law == "sign" else None
-        self._touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
-        self._law = law_of(scene)
         self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
         self._share = (scene.largest / scene.diameter) ** 2  # of a disc that enters, in the nominal mass
         self._weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
-        self._motion = motion_of(scene, self.skin)
+        self._constants = constants_of(scene, self.skin)
         self._ledger_on = ledger
-        self._work = np.zeros(6)
-        self._columns = 4 if scene.moves else 3
-        self.stations = energies.StationLedger(scene, ledger)
-        self._exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
         self.boundaries = OpenBoundaries(scene)
-        self._window_start = 0
-        self._carried: dict[str, np.ndarray] = {}
+        self.windows = Windows(scene)
+        self.books = Books()
+        self.stations = StationLedger(scene, ledger)
+        self._between = Schedule(  # drift and forces
+            Event(self.boundaries.next_leaving, self._let_leave),
+            Event(self.boundaries.next_arrival, self._let_enter),
+            Event(self._next_change, self._change_walls),
+        )
+        self._after = Schedule(  # forces
+            Event(self.boundaries.next_sizes, self._give_sizes),
+            Event(self.stations.next_after, self._see_stations),
+            Event(self.windows.next_after, self._close_window),
+        )
         self.discs = Discs(scene, ledger=ledger)
-        self._load_walls()
+        self.walls = self._walls()
         self._rebuild()
         self._check_overlap()
-        self._compute_forces()
-        self._start_half_step_back()
-        self.walls.sums[:] = 0.0
-        self._start_work = self._work[:3] + self._half_work()
-        self._start_energy = self.energy()
-        self._see_stations()
+        self._start()
 
     # --- set-up -------------------------------------------------------------------------------------------------
 
-    def _load_walls(self) -> None:
-        """Walls that are there now; sums of the window go on, also those of one that has just been taken away."""
-        if hasattr(self, "walls"):
-            self._carry_window_over()
-        self.walls = Walls(self.scene, self.step, self.skin)
+    def _walls(self) -> Walls:
+        """The walls of this step."""
+        return Walls(self.scene, self.step, self.skin)
 
-    def _carry_window_over(self) -> None:
-        for name, row in zip(self.walls.names, self.walls.sums, strict=True):
-            self._carried[name] = self._carried.get(name, 0.0) + row
+    def lay_walls(self) -> None:
+        """Lay the walls of this step anew; sums of the window go on, also those of one that has been taken away."""
+        self.windows.take(self.walls)
+        before, self.walls = self.walls, self._walls()
+        self.walls.go_on(before)
+
+    def _start(self) -> None:
+        """Forces of the start, weight included, the velocities of half a step before, and the energy."""
+        d, share = self.discs, shares_of(self.scene, self.discs) / self._share
+        d.fx[: d.n], d.fy[: d.n] = np.multiply.outer(self._weight, share)
+        self._forces()
+        self._start_half_step_back()
+        self.walls.sums[:] = 0.0
+        self.books.start, self.books.start_work = self.energy(), self.books.work[:3] + self._half_work()
+        self._after.happen(self.step)
 
     def _start_half_step_back(self) -> None:
         discs, n = self.discs, self.discs.n
-        half, half_turn = energies.half_kicks(self.scene, discs)
+        half, half_turn = half_kicks(self.scene, discs)
         discs.vx[:n] -= half * discs.fx[:n]
         discs.vy[:n] -= half * discs.fy[:n]
         if discs.omega is not None:
@@ -145,85 +163,86 @@ class NativeSimulation:
     def run_some(self, target: int) -> None:
         """Go on towards step `target` for at most about a tenth of a second of work."""
         limit = self.step + max(1, WORK_PER_CALL // max(32, self.discs.n))
-        others = self.boundaries.next_sizes(self.step), self.stations.next(self.step)
-        stop = min(target, limit, self._next_window(), *others)
-        event = self._next_event()
-        self._advance(int(min(event, stop)), hold=event <= stop)
-        if self.boundaries.next_sizes(self.step - 1) == self.step:
-            self._give_sizes()
-        self._see_stations()
-        if self.step == self._next_window():
-            self._close_window()
+        stop = int(min(target, limit, self._between.next_after(self.step), self._after.next_after(self.step)))
+        if stop > self.step:
+            self._drift(stop)
+            self._between.happen(stop)
+            self._forces()
+            self._after.happen(stop)
+
+    def _drift(self, stop: int) -> None:
+        """To the drift of step `stop`, its forces excluded; lists that have become too old are made anew."""
+        owed = False
+        while self.step < stop:
+            done, owed = self._advance(stop - self.step, owed)
+            self.step += done
+            self.disc_steps += done * self.discs.n
+            if owed:
+                self._rebuild()
+
+    def _forces(self) -> None:
+        """The forces after a drift."""
+        while self._advance(0, True)[1]:
+            self._rebuild()
+
+    def _advance(self, steps: int, owed: bool) -> tuple[int, bool]:
+        d = self.discs
+        self.walls.place(self.step)
+        return loops.advance(
+            steps, owed, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
+            d.uomega, *self._pairs()[1:], self._grid, self.walls.faces, self.walls.near, *self._constants, d.dash_x,
+            d.dash_y, d.slide_x, d.slide_y, self.walls.moves, self.books.work, self.walls.sums,
+        )  # fmt: skip
+
+    def _pairs(self) -> loops.Pairs:
+        """The list that stands."""
+        return loops.Pairs(self.discs.n, None, self.discs.start, self.discs.neighbours)
+
+    # --- events -------------------------------------------------------------------------------------------------
 
     def _see_stations(self) -> None:
-        """Sums between the stations at this step; `StationLedger.next` lets no step of theirs pass."""
-        law = self._law, self._motion, self._friction, self._sign, self._touch
-        self.stations.add(self.step, self.discs, *self._list(), *law)
-
-    def _next_window(self) -> float:
-        return self._window_start + self.scene.probe_steps if self.scene.probes else inf
-
-    def _next_event(self) -> float:
-        return min(self.boundaries.next_after(self.step), self._next_change(self.step))
+        """Sums between the stations at this step; `StationLedger.next_after` lets no step of theirs pass."""
+        self.stations.add(self.step, self.discs, self._pairs(), self._constants)
 
     def _next_change(self, step: int) -> float:
         return min((motion.next_change(step) for _, motion in self.scene.walls), default=inf)
 
-    def _advance(self, stop: int, hold: bool) -> None:
-        """To step `stop`; where `hold`, with what happens between its drift and its forces."""
-        pending = False
-        while self.step < stop or pending:
-            done, state = self._kernel(stop - self.step, pending, hold)
-            self.step += done
-            self.disc_steps += done * self.discs.n
-            pending = state != kernels.DONE
-            old = state == kernels.OLD
-            if hold and pending and self.step == stop:
-                hold = False
-                self._exchange(old)
-            elif old:
-                self._rebuild()
-
-    def _kernel(self, steps: int, pending: bool, hold: bool) -> tuple[int, int]:
-        d = self.discs
-        self.walls.place(self.step)
-        return kernels.advance(
-            steps, pending, hold, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega,
-            d.torque, d.uomega, *self._list()[1:], self._grid, self.walls.faces, self.walls.near, self._law,
-            self._motion, self._friction, self._sign, self._touch, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
-            self.walls.moves, self._work, self.walls.sums,
-        )  # fmt: skip
-
-    def _list(self) -> tuple:
-        """The list that stands, as the loops take it: rows, their owners, start, neighbours."""
-        return self.discs.n, None, self.discs.start, self.discs.neighbours
-
-    def _compute_forces(self) -> None:
-        """Forces at the start, weight included."""
-        d, share = self.discs, energies.shares_of(self.scene, self.discs) / self._share
-        d.fx[: d.n], d.fy[: d.n] = np.multiply.outer(self._weight, share)
-        self._kernel(0, True, False)
-
-    def _exchange(self, old: bool) -> None:
-        """What comes and goes at this step, between drift and forces."""
-        discs = self.discs
-        leaving = self.boundaries.leaving(self.step, discs)
-        if leaving is not None:
-            self._remove(leaving, old)
-        elif old:
-            self._rebuild()
-        known, before = self.boundaries.inserted, discs.n
-        skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
-        for identity, x, y, vx, vy in self.boundaries.arrivals(self.step, discs):
-            discs.append(identity, x, y, vx, vy, self._weight, skin, self.scene.largest)
-            self._exchanged["brought_in"] += energies.free_energy(self.scene, x, y, vx, vy, self._share)
-        if self.boundaries.inserted > known:
-            self._exchanged["brought_in"] += self._elastic_of_newcomers(known, self._list_newcomers(before))
-        if self._next_change(self.step - 1) == self.step:
+    def _let_leave(self) -> None:
+        """Take out the discs that an outlet takes at this step."""
+        leaving = self.boundaries.leaving(self.step, self.discs)
+        if leaving is None:
+            return
+        elastic = 0.0
+        if self._ledger_on:
             elastic = self._elastic()
-            self._load_walls()
-            self._list_walls()
-            self._exchanged["released_by_gates"] += elastic - self._elastic()
+            for energy in energy_of_leaving(self.scene, self.discs, leaving):
+                self.books.exchanged["carried_out"] += energy
+        self.boundaries.removed += int(leaving.sum())
+        self.discs.keep(leaving ^ True)
+        self._rebuild()
+        if self._ledger_on:
+            self.books.exchanged["carried_out"] += elastic - self._elastic()
+
+    def _let_enter(self) -> None:
+        """Add the discs that enter at this step."""
+        known, before = self.boundaries.inserted, self.discs.n
+        skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
+        for new in self.boundaries.arrivals(self.step, self.discs):
+            self.discs.append(new, self._weight, skin, self.scene.largest)
+            self.books.exchanged["brought_in"] += free_energy(self.scene, *new[1:], self._share)
+        if self.boundaries.inserted > known:
+            elastic = self._elastic_of_newcomers(known, self._list_newcomers(before))
+            self.books.exchanged["brought_in"] += elastic
+
+    def _change_walls(self) -> None:
+        """Lay the walls anew where one of them goes."""
+        elastic = self._elastic()
+        self.lay_walls()
+        self._list_walls()
+        self.books.exchanged["released_by_gates"] += elastic - self._elastic()
+
+    def _close_window(self) -> None:
+        self.windows.close(self.step, self.walls)
 
     def _elastic_of_newcomers(self, known: int, begin: int = 0) -> float:
         """Elastic energy of the contacts of discs with ids above `known`, from row `begin` on; 0 without a ledger."""
@@ -235,30 +254,12 @@ class NativeSimulation:
         known = boundaries.sized
         own = 0.5 * self.scene.diameters(np.arange(known + 1, boundaries.inserted + 1))
         elastic = self._elastic_of_newcomers(known)
-        gained = kernels.give_sizes(
-            known, own, d.n, d.ids, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.omega, d.torque, self._motion,
-            d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+        gained = loops.give_sizes(
+            known, own, d.n, d.ids, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.omega, d.torque,
+            self._constants.motion, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
         )  # fmt: skip
-        self._exchanged["brought_in"] += gained + self._elastic_of_newcomers(known) - elastic
+        self.books.exchanged["brought_in"] += gained + self._elastic_of_newcomers(known) - elastic
         boundaries.sized = boundaries.inserted
-
-    def _remove(self, leaving: np.ndarray, old: bool) -> None:
-        discs = self.discs
-        elastic = 0.0
-        if self._ledger_on:
-            if old:
-                # the mask follows the discs through the sort by their ids
-                ids = discs.ids[: discs.n][leaving]
-                self._rebuild()
-                leaving = np.isin(discs.ids[: discs.n], ids)
-            elastic = self._elastic()
-            for energy in energies.energy_of_leaving(self.scene, discs, leaving):
-                self._exchanged["carried_out"] += energy
-        self.boundaries.removed += int(leaving.sum())
-        discs.keep(leaving ^ True)
-        self._rebuild()
-        if self._ledger_on:
-            self._exchanged["carried_out"] += elastic - self._elastic()
 
     # --- neighbour lists and guards -----------------------------------------------------------------------------
 
@@ -273,7 +274,7 @@ class NativeSimulation:
 
     def _list_walls(self) -> None:
         self.walls.place(self.step)
-        self.walls.list_discs(self.discs.n, self.discs.x, self.discs.y)
+        self.walls.list_discs(self.discs.n, self.discs.x0, self.discs.y0)
 
     def _list_newcomers(self, before: int) -> int:
         """Complete the lists for discs that have rows of their own, from row `before` on; their first row."""
@@ -284,9 +285,9 @@ class NativeSimulation:
         """What `loops.elastic` finds: of all contacts, or of those of discs with ids above `known`."""
         d = self.discs
         ids = (None, 0) if known is None else (d.ids, known)
-        return kernels.elastic(
-            begin, *self._list(), d.x, d.y, d.radius, self.walls.faces, self.walls.near, self._law, self._touch, *ids,
-            self.walls.moves,
+        return loops.elastic(
+            begin, *self._pairs(), d.x, d.y, d.radius, self.walls.faces, self.walls.near, self._constants.law,
+            self._constants.touch, *ids, self.walls.moves,
         )  # fmt: skip
 
     def _elastic(self) -> float:
@@ -314,7 +315,7 @@ class NativeSimulation:
         """RunError where a disc is outside the domain: that of index `lost` (-1: none), or any where none is given."""
         d = self.discs
         (a, b), (c, e) = self.scene.domain
-        i = neighbours.extent(d.n, d.x, d.y, a, b, c, e)[4] if lost is None else lost
+        i = lists.extent(d.n, d.x, d.y, a, b, c, e)[4] if lost is None else lost
         if i < 0:
             return
         if not (np.isfinite(d.x[i]) and np.isfinite(d.y[i])):
@@ -336,16 +337,6 @@ class NativeSimulation:
 
     # --- what it hands out --------------------------------------------------------------------------------------
 
-    def _close_window(self) -> None:
-        steps = self.step - self._window_start
-        self._carry_window_over()
-        for name in self.scene.probes:
-            mean = self._carried.get(name, np.zeros(4)) / steps
-            self.forces.append((self.step, name, *(float(v) for v in mean[: self._columns])))
-        self.walls.sums[:] = 0.0
-        self._carried = {}
-        self._window_start = self.step
-
     def _by_id(self, values: np.ndarray) -> np.ndarray:
         return values[np.argsort(self.discs.ids[: self.discs.n], kind="stable")]
 
@@ -363,14 +354,14 @@ class NativeSimulation:
     @property
     def velocities(self) -> np.ndarray:
         """Velocities at the step, v_n (m/s), sorted by id, shape (n, 2)."""
-        return self._by_id(np.column_stack(energies.velocities(self.scene, self.discs)))
+        return self._by_id(np.column_stack(velocities(self.scene, self.discs)))
 
     @property
     def spin(self) -> np.ndarray:
         """Angular velocities at the step (rad/s), sorted by id, shape (n,); zeros where discs do not spin."""
         if self.discs.omega is None:
             return np.zeros(self.discs.n)
-        return self._by_id(energies.spin(self.scene, self.discs))
+        return self._by_id(spin(self.scene, self.discs))
 
     @property
     def radii(self) -> np.ndarray:
@@ -378,21 +369,50 @@ class NativeSimulation:
         d = self.discs
         return np.full(d.n, self.scene.radius) if d.radius is None else self._by_id(d.radius[: d.n])
 
+    @property
+    def forces(self) -> list[tuple]:
+        """(step, wall name, fx, fy, moment) of each window of a probed wall: means, N per m of width.
+
+        The moment (N) is about the reference point of the wall. Where walls move, the power of the wall on the discs
+        (W/m) stands behind them.
+        """
+        return self.windows.forces
+
+    def contacts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Contacts now with the forces of the step, as `loops.contacts` lists them; wall w is that of the scene."""
+        scene, d, room, count = self.scene, self.discs, 3 * self.discs.n + 64, -1
+        at_step = *velocities(scene, d), None if d.omega is None else spin(scene, d)
+        seen = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
+        seen = seen if self.step else at_step
+        of = self._constants
+        law = of.law, of.friction, loops.slope(d.n, seen[0], seen[1], of.sign), of.touch
+        while count < 0:
+            who, found = np.empty((room, 2), np.int64), np.empty((room, 5))
+            count = loops.contacts(
+                d.ids, *self._pairs(), d.x, d.y, d.radius, *seen, *at_step, self.walls.faces, self.walls.near, *law,
+                self.walls.moves, who, found,
+            )  # fmt: skip
+            room *= 2
+        names = [wall.name for wall, _ in scene.walls]
+        numbers = np.array([0, *(-1 - names.index(name) for name in self.walls.names)])
+        other = who[:count, 1]
+        other[:] = np.where(other < 0, numbers[np.maximum(-other, 0)], other)
+        return who[:count], found[:count]
+
     def energy(self) -> Energy:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now, with that of loaded walls."""
         self.walls.place(self.step)
-        found = energies.energy_of(self.scene, self.discs, self._elastic())
+        found = energy_of(self.scene, self.discs, self._elastic())
         kinetic, place = self.walls.lid_energy()
         return Energy(found.kinetic + kinetic, found.gravitational + place, found.elastic)
 
     def _half_work(self) -> np.ndarray:
-        return energies.half_work(self.scene, self.discs, self._work) if self._ledger_on else np.zeros(3)
+        return half_work(self.scene, self.discs, self.books.work) if self._ledger_on else np.zeros(3)
 
     @property
     def ledger(self) -> dict[str, float] | None:
-        """Energy ledger since the start, J per m of width (see `ledger.close`); None where it is not kept."""
+        """Energy ledger since the start, J per m of width (see `Books`); None if it is not kept."""
         if not self._ledger_on:
             return None
-        work, moves = self._work[:3] + self._half_work() - self._start_work, self.walls.moves is not None
-        found = energies.close(self._start_energy, self.energy(), self._exchanged, work, walls_move=moves)
-        return found | self.stations.heads(self.step)
+        moves = self.walls.moves is not None
+        return self.books.balance(self.energy(), self._half_work(), walls_move=moves) | self.stations.heads(self.step)

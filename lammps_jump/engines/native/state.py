@@ -21,9 +21,7 @@ from lammps_jump.scene.scene import Scene
 from .ledger import Energy
 from .simulation import NativeSimulation
 
-COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds", "_window_start")
-ARRAYS = {"work": "_work", "start_work": "_start_work"}
-"""Name in the file -> attribute of the simulation."""
+COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds")
 
 
 def save_state(simulation: NativeSimulation, path: Path) -> None:
@@ -35,20 +33,21 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         With neighbour lists (`CellSimulation` makes its lists every step and is not saved).
     path : Path
     """
-    d, boundaries = simulation.discs, simulation.boundaries
+    d, boundaries, windows, books = simulation.discs, simulation.boundaries, simulation.windows, simulation.books
     plain = {
         "n": d.n,
         **{name: getattr(simulation, name) for name in COUNTS},
-        "books": simulation._exchanged,
-        "start_energy": astuple(simulation._start_energy),
-        "forces": simulation.forces,
-        "carried": {name: list(row) for name, row in simulation._carried.items()},
+        "exchanged": books.exchanged,
+        "start_energy": astuple(books.start),
+        "window_begin": windows.begin,
+        "forces": windows.forces,
+        "window_sums": {name: list(row) for name, row in windows.sums.items()},
         "rows": [state.entered for state in boundaries.rows],
         "pours": [state.entered for state in boundaries.pours],
         "random": boundaries.rng.bit_generator.state,
         "traffic": [boundaries.inserted, boundaries.removed, boundaries.inserted, boundaries.sized],
     }
-    arrays = {name: getattr(d, name)[: d.n] for name in (*d.names, "ids")}
+    arrays = {name: getattr(d, name)[: d.n] for name in d.columns}
     near = {f"near_{name}": array for name, array in simulation.walls.listed.items()}
     path.unlink(missing_ok=True)  # a hard-linked backup stays as it is
     with path.open("xb") as file:
@@ -60,7 +59,8 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
             wall_sum=simulation.walls.sums,
             **near,
             **_moves(simulation),
-            **{name: getattr(simulation, attribute) for name, attribute in ARRAYS.items()},
+            work=books.work,
+            start_work=books.start_work,
             stations=simulation.stations.sums,
             **arrays,
         )
@@ -98,18 +98,18 @@ def _loaded(scene: Scene, path: Path, ledger: bool) -> NativeSimulation:
         for name in COUNTS:
             setattr(simulation, name, plain[name])
         _load_discs(simulation.discs, plain["n"], stored)
-        simulation._load_walls()  # those of this step: gates may have gone
-        for name, attribute in ARRAYS.items():
-            getattr(simulation, attribute)[:] = stored[name]
+        simulation.lay_walls()  # those of this step: gates may have gone
+        books, windows = simulation.books, simulation.windows
+        books.work[:], books.start_work[:] = stored["work"], stored["start_work"]
         simulation.walls.sums[:] = stored["wall_sum"]
         for name, array in _moves(simulation).items():
             array[:] = stored[name]
         simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
         simulation.stations.sums[:] = stored["stations"]
-    simulation._carried = {name: np.array(row) for name, row in plain["carried"].items()}
-    simulation._exchanged = plain["books"]
-    simulation._start_energy = Energy(*plain["start_energy"])
-    simulation.forces = [(step, name, *values) for step, name, *values in plain["forces"]]
+    books.exchanged, books.start = plain["exchanged"], Energy(*plain["start_energy"])
+    windows.begin = plain["window_begin"]
+    windows.sums = {name: np.array(row) for name, row in plain["window_sums"].items()}
+    windows.forces = [(step, name, *values) for step, name, *values in plain["forces"]]
     boundaries = simulation.boundaries
     for states, counts in ((boundaries.rows, plain["rows"]), (boundaries.pours, plain["pours"])):
         for state, count in zip(states, counts, strict=True):
@@ -123,8 +123,11 @@ def _load_discs(discs, n: int, stored) -> None:
     while discs.room < n + 1:
         discs.grow()
     discs.n = n
-    for name in (*discs.names, "ids"):
-        getattr(discs, name)[:n] = stored[name]
+    for name in discs.columns:
+        held = getattr(discs, name)[:n]
+        if stored[name].shape != held.shape:
+            raise ValueError(f"{name}: {stored[name].shape} in place of {held.shape} numbers")
+        held[:] = stored[name]
     discs.start[: n + 1] = stored["list_start"]
     listed = stored["list_discs"]
     if discs.neighbours.size < listed.size:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lammps_jump.scene.chains import Faces, boxes, lay
-from lammps_jump.scene.faces import MOST, Grid, grid_of, list_near
+from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.motion import MovingWall, Pose
+from lammps_jump.scene.near import Grid, grid_of, list_near
 from lammps_jump.scene.scene import Scene
 
 from .constants import wall_numbers
@@ -69,13 +70,14 @@ class Walls:
     """
 
     def __init__(self, scene: Scene, step: int, skin: float):
-        there = [one for one in scene.walls if step < one.motion.gone]
+        there = [one for one in scene.walls if one.motion.pose(step) is not None]
         walls = [one.wall for one in there]
         self.names = [wall.name for wall in walls]
         self.faces: Faces = lay([(wall.chains(), wall.deep) for wall in walls])
-        # within R + skin: enough even for half a skin moved before and half after; a wall moves half a skin by itself
         self.moves = _moves(there, self.faces, scene, skin) if any(one.motion.kind for one in there) else None
-        self._grid: Grid = grid_of(self.faces, scene.largest, 0.5 * scene.largest + (1.5 if self.moves else 1) * skin)
+        # from where the discs were when their list was made, they have moved by half a skin at most; and so has a wall
+        reach = 0.5 * scene.largest + (0.5 if self.moves is None else 1.0) * skin
+        self._grid: Grid = grid_of(self.faces, scene.largest, reach)
         self.sums = np.zeros((len(walls), 4))
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
@@ -85,6 +87,14 @@ class Walls:
             np.empty(0, np.int64), np.empty((MOST, 4)), np.empty(MOST, np.int64),
         )  # fmt: skip
         self.place(step)
+
+    def go_on(self, before: Walls) -> None:
+        """Take over the walls that discs push, where they are and as fast."""
+        if self.moves is None or before.moves is None:
+            return
+        for row, name in zip(self.moves.pushed, self.names, strict=True):
+            row[:] = before.moves.pushed[before.names.index(name)]
+        self.place(int(before.moves.clock[0]))
 
     def place(self, step: int) -> None:
         """Put the walls where they are at a step."""

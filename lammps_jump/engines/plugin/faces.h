@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Contact of a disc with a wall of faces: which faces push, from where, and how they are found.
 
-   lammps_jump/scene/faces.py holds the same rule and states it; tests compare the two. The operations and their order are
-   the same, so that both find the same contacts to the last bit. */
+   lammps_jump/scene/faces.py and near.py hold the same rule and state it; tests compare the two. The operations and their
+   order are the same, so that both find the same contacts to the last bit. */
 
 #ifndef JUMP_FACES_H
 #define JUMP_FACES_H
@@ -19,6 +19,8 @@ enum Place { NOWHERE, INSIDE, BEGIN, END };
 
 constexpr int MOST = 16;                                              // contacts of a disc with one wall
 constexpr double SMOOTH_TURN = 5.0;                                   // degrees
+/** Radii by which a face behind must be nearer than one in front. */
+constexpr double TIE = 1e-9;
 constexpr double SAME_TURN = SMOOTH_TURN * M_PI / 180.0 * (1 + 1e-6);
 constexpr int FEW = 8;                                                // faces up to which a wall has no grid
 constexpr double MOST_CELLS = 1e6;
@@ -89,15 +91,17 @@ class WallFaces {
   int touching(const int *near, int count, double px, double py, double radius, FaceContact *found) const
   {
     if (deep) return behind(near, count, px, py, radius, found);
-    double nearest = HUGE_VAL, deepest = HUGE_VAL;
+    double nearest = HUGE_VAL, deepest = HUGE_VAL, lowest = HUGE_VAL;
     int touch = 0;
     for (int p = 0; p < count; p++) {
-      if (faces[near[p]].out_of_reach(px, py, radius, -radius)) continue;
+      const Face &f = faces[near[p]];
+      if (f.out_of_reach(px, py, radius, -radius) || clamps_to_neighbour(f, px, py)) continue;
       const FaceContact c = candidate(near[p], px, py);
       if (c.place == NOWHERE) continue;
-      const double off = std::fabs(c.gap);
-      if (off < std::fabs(nearest) || (off == std::fabs(nearest) && c.gap > nearest)) {
+      const double off = c.gap < 0.0 ? std::fabs(c.gap) + TIE * radius : c.gap;
+      if (off < lowest) {
         nearest = c.gap;
+        lowest = off;
         if (c.gap < 0.0) found[0] = c;
       }
       if (c.gap >= 0.0 && c.gap < radius) {
@@ -110,6 +114,19 @@ class WallFaces {
     }
     if (nearest < 0.0) return -nearest < radius;
     return touch < 2 ? touch : select(near, count, px, py, radius, found);
+  }
+
+  /** The one face of a wall that does not push from any depth which can have a candidate in reach; -1: none, or several. */
+  int only(const int *near, int count, double px, double py, double radius) const
+  {
+    int found = -1;
+    for (int p = 0; p < count; p++) {
+      const Face &f = faces[near[p]];
+      if (f.out_of_reach(px, py, radius, -radius) || clamps_to_neighbour(f, px, py)) continue;
+      if (found >= 0) return -1;
+      found = near[p];
+    }
+    return found;
   }
 
   /** Distance of a point to a face, m; negative behind it, where its foot is inside. */
@@ -164,6 +181,17 @@ class WallFaces {
     const Face &f = faces[index];
     if (end) return f.tx1 * (py - f.y1) - f.ty1 * (px - f.x1) >= 0.0;
     return f.off_line(px, py) >= 0.0;
+  }
+
+  /** Whether a point has no candidate at a segment: its foot is an end, of a joint that counts at a neighbour.
+
+      `candidate` finds the same; most faces near a disc have none. */
+  bool clamps_to_neighbour(const Face &f, double px, double py) const
+  {
+    if (f.kind != SEGMENT) return false;
+    const Ends at = f.ends(px, py);
+    if (at.behind) return f.at_end < CORNER && !faces[f.after].ends(px, py).before;
+    return at.before && f.at_start < CORNER;
   }
 
   FaceContact candidate(int index, double px, double py) const

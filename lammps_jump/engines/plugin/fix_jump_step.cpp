@@ -110,8 +110,10 @@ void FixJumpStep::init()
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
   if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
   sized = 0;
+  const bool many = std::any_of(walls.begin(), walls.end(), [](const Wall &w) { return w.faces.faces.size() > jump::FEW; });
+  near_margin = (many ? NEAR_MARGIN_OF_MANY : NEAR_MARGIN) * pair->diameter;
   for (auto &wall : walls) {
-    wall.near.prepare(wall.faces, 0.5 * pair->largest, NEAR_MARGIN * pair->diameter, pair->diameter);
+    wall.near.prepare(wall.faces, 0.5 * pair->largest, near_margin, pair->diameter);
     if (!wall.own) wall.numbers[0] = k, wall.numbers[1] = gamma, wall.numbers[2] = gamma_t, wall.numbers[3] = mu;
     const double *const of = wall.numbers;
     wall.friction = jump::friction_of(of[3], of[2], pair->sign, pair->spin);

@@ -54,7 +54,8 @@ class FixJumpStep : public Fix {
   void restart(char *) override;
 
  private:
-  static constexpr double NEAR_MARGIN = 0.5;    // diameters
+  // diameters; of walls of many faces each one more near a disc costs time
+  static constexpr double NEAR_MARGIN = 0.5, NEAR_MARGIN_OF_MANY = 0.15;
 
   struct Wall {
     std::string name;
@@ -85,6 +86,7 @@ class FixJumpStep : public Fix {
   std::vector<Piece> pieces;
   tagint sized = 0;           // discs up to this id have their own size
   bigint near_order = -1;
+  double near_margin = 0.0;    // way of a disc in x or y that lists of near discs allow
   double near_moved = 0.0;    // bound of a disc's displacement in x or y since the lists of near discs
 
   int probe_every = 1;

@@ -140,10 +140,9 @@ void FixJumpStep::place_walls()
 /** Whether discs or walls have moved so far that the lists may miss a contact. */
 bool FixJumpStep::is_worn() const
 {
-  const double margin = NEAR_MARGIN * pair->diameter;
-  if (near_order != pair->order || update->setupflag || !(near_moved < margin)) return true;
+  if (near_order != pair->order || update->setupflag || !(near_moved < near_margin)) return true;
   return any_moves && std::any_of(walls.begin(), walls.end(), [&](const Wall &wall) {
-    return wall.motion.moves && !(M_SQRT2 * near_moved + wall.motion.travel(wall.far) < margin);
+    return wall.motion.moves && !(M_SQRT2 * near_moved + wall.motion.travel(wall.far) < near_margin);
   });
 }
 
@@ -209,8 +208,10 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
     double x = disc[i].x, y = disc[i].y;
     if (wall.motion.moves) wall.motion.inward(x, y);
     if (SIZES) reach = pair->radii[i];
-    const jump::Face &face = wall.faces.faces[near.near[first]];
-    if (count == 1 && face.kind == jump::SEGMENT) {    // most rows; the same as below
+    const int *const listed = &near.near[first];
+    const int only = count == 1 ? listed[0] : wall.faces.deep ? -1 : wall.faces.only(listed, count, x, y, reach);
+    if (only >= 0 && wall.faces.faces[only].kind == jump::SEGMENT) {    // most rows; the same as below
+      const jump::Face &face = wall.faces.faces[only];
       const double gap = face.off_line(x, y);
       if (gap >= reach) continue;
       if (gap > ON_FACE && face.is_beside(x, y)) {
@@ -219,7 +220,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
         continue;
       }
     }
-    const int contacts = wall.faces.touching(&near.near[first], count, x, y, reach, found);
+    const int contacts = wall.faces.touching(listed, count, x, y, reach, found);
     for (int c = 0; c < contacts; c++) {
       const auto &at = found[c];
       if (at.gap > ON_FACE) {

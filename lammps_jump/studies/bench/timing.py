@@ -226,7 +226,7 @@ def command_time(case: Case) -> dict[str, float]:
     """
     with tempfile.TemporaryDirectory() as place:
         path, folder = write_text(Path(place) / "case.yaml", case.to_yaml()), Path(place) / "run"
-        command = [sys.executable, "-P", "-m", "lammps_jump.cli.app", "build-and-run", path, "--out", folder, "--quiet"]
+        command = [sys.executable, "-P", "-m", "lammps_jump", "build-and-run", path, "--out", folder, "--quiet"]
         begin = time.perf_counter()
         ended = subprocess.run(command, capture_output=True, text=True)
         whole = time.perf_counter() - begin

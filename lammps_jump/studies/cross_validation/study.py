@@ -23,6 +23,7 @@ from lammps_jump.engines import choose, usable_cores, usable_kernels
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.files import plain, write_json, writes
 from lammps_jump.scene import Scene
+from lammps_jump.script.stock import lacking
 from lammps_jump.studies.runs import KERNELS
 from lammps_jump.sweeps import JITTER, Pool, Results, Say, Start, all_versions, run_starts
 
@@ -232,6 +233,8 @@ def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, poo
             "random numbers; use a case with initial discs or an inflow of rows"
         )
     setting, notes = choose("lammps", kernel, 1, scene)
+    if setting.engine != "lammps":
+        raise SetupError(f"cross-validate needs LAMMPS beside the native engine: {notes[-1]}")
     folder = out or default_folder(case.name)
     with writes(folder, SetupError, "name another with --out"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -244,8 +247,8 @@ def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, poo
 
 def _disc_by_disc(study: Study, work: float) -> Divergence:
     """Check small scenes and the case on every LAMMPS kernel; returns how the runs of the case part afterwards."""
-    lacking = {"native"} | ({"stock"} if study.scene.touch == "smooth" else set())
-    kernels = [kernel for kernel in usable_kernels()[0] if kernel not in lacking]
+    left_out = {"native"} | ({"stock"} if lacking(study.scene) else set())
+    kernels = [kernel for kernel in usable_kernels()[0] if kernel not in left_out]
     own = (study.scene, trajectories.developed_scene(study.scene, work=10 * work))
     scenes = [*product(micro_scenes(), kernels)]
     scenes += [(friction_scene("sign"), "compiled")] if "compiled" in kernels else []

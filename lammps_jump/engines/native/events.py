@@ -1,15 +1,51 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Discs that come and go: rows of inflow, pouring, outlets; all between the drift and the forces of a step."""
+"""What happens at certain steps: discs come and go, and windows of the probes end."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from lammps_jump.scene.scene import Pour, Scene
 
-from . import lists as neighbours
+from . import lists
+
+
+class Event(NamedTuple):
+    """What happens at some steps; `next_after` gives the first of them after a step, infinite for never."""
+
+    next_after: Callable[[int], float]
+    happen: Callable[[], None]
+
+
+class Schedule:
+    """Events of one place in a step, in their order."""
+
+    def __init__(self, *events: Event):
+        self.events = events
+
+    def next_after(self, step: int) -> float:
+        """First step after `step` at which an event happens; infinite for never."""
+        return min(event.next_after(step) for event in self.events)
+
+    def happen(self, step: int) -> None:
+        """Let the events of a step happen."""
+        for event in self.events:
+            if event.next_after(step - 1) == step:
+                event.happen()
+
+
+class Newcomer(NamedTuple):
+    """A disc that enters: its id, place (m) and velocity (m/s)."""
+
+    id: int
+    x: float
+    y: float
+    vx: float
+    vy: float
 
 
 class Turns:
@@ -76,11 +112,13 @@ class OpenBoundaries:
         self.removed = 0
         self.inserted = self.sized = len(scene.positions)
 
-    def next_after(self, step: int) -> float:
-        """Next step at which something may come or go; infinite for never."""
-        steps = [state.next_after(step) for state in (*self.rows, *self.pours)]
-        steps += [(step // outlet.every_steps + 1) * outlet.every_steps for outlet in self.scene.outlets]
-        return min(steps, default=inf)
+    def next_arrival(self, step: int) -> float:
+        """Next step at which discs may enter; infinite for never."""
+        return min((state.next_after(step) for state in (*self.rows, *self.pours)), default=inf)
+
+    def next_leaving(self, step: int) -> float:
+        """Next step at which discs may leave; infinite for never."""
+        return min(((step // one.every_steps + 1) * one.every_steps for one in self.scene.outlets), default=inf)
 
     def next_sizes(self, step: int) -> float:
         """Next step at whose end discs get their own diameters; infinite where all have them."""
@@ -100,11 +138,11 @@ class OpenBoundaries:
         return mask if mask is not None and mask.any() else None
 
     def arrivals(self, step: int, discs):
-        """Discs that enter at this step: yields (id, x, y, vx, vy); the caller adds each before asking for the next."""
+        """Discs that enter at this step: yields a `Newcomer`; the caller adds each before it takes the next."""
         for row, state in zip(self.scene.inlets, self.rows, strict=True):
             if state.due(step) and self._free(discs, row.x, row.y, row.clearance):
                 state.entered += 1
-                yield self._new_id(), row.x, row.y, row.vx, row.vy
+                yield Newcomer(self._new_id(), row.x, row.y, row.vx, row.vy)
         for state in self.pours:
             if not state.due(step):
                 continue
@@ -114,12 +152,12 @@ class OpenBoundaries:
                     continue
                 state.entered += 1
                 wanted -= 1
-                yield self._new_id(), x, y, 0.0, vy
+                yield Newcomer(self._new_id(), x, y, 0.0, vy)
                 if wanted == 0:
                     break
 
     def _free(self, discs, x: float, y: float, clearance: float) -> bool:
-        return neighbours.closest(discs.n, discs.x, discs.y, x, y) >= clearance * clearance
+        return lists.closest(discs.n, discs.x, discs.y, x, y) >= clearance * clearance
 
     def _in_wall(self, step: int, x: float, y: float) -> bool:
         radius = 0.5 * self.scene.largest
@@ -128,3 +166,41 @@ class OpenBoundaries:
     def _new_id(self) -> int:
         self.inserted += 1
         return self.inserted
+
+
+class Windows:
+    """Mean forces on the probed walls, a window of steps at a time.
+
+    Attributes
+    ----------
+    begin : int
+        Step at which the open window began.
+    sums : dict of name to ndarray, shape (4,)
+        What the window has collected on walls that have been laid anew since.
+    forces : list of (step, wall name, fx, fy, moment[, power])
+        Of the windows that are over; power where walls move.
+    """
+
+    def __init__(self, scene: Scene):
+        self.probes, self.steps, self._columns = scene.probes, scene.probe_steps, 4 if scene.moves else 3
+        self.begin = 0
+        self.sums: dict[str, np.ndarray] = {}
+        self.forces: list[tuple] = []
+
+    def next_after(self, step: int) -> float:
+        """Step at which the open window ends; infinite without probes."""
+        return self.begin + self.steps if self.probes else inf
+
+    def take(self, walls) -> None:
+        """Add the sums of walls, which begin anew."""
+        for name, row in zip(walls.names, walls.sums, strict=True):
+            self.sums[name] = self.sums.get(name, 0.0) + row
+        walls.sums[:] = 0.0
+
+    def close(self, step: int, walls) -> None:
+        """End the window with this step, and begin the next one."""
+        self.take(walls)
+        for name in self.probes:
+            mean = self.sums.get(name, np.zeros(4)) / (step - self.begin)
+            self.forces.append((step, name, *(float(v) for v in mean[: self._columns])))
+        self.sums, self.begin = {}, step

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A scene before it is run: walls and how they move, discs, inlets, outlets, domain, expected depth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import hypot
+
+import numpy as np
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch, Polygon, Rectangle
+from matplotlib.path import Path as Way
+
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.quoting import figure_text
+from lammps_jump.scene.motion import MovingWall, Placed, Pose
+from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.walls import Interval, Wall, parts_of, rectangle, thin
+
+from .labels import DOTS, HIGHEST, NARROWEST, Drawing
+from .style import BLACK, BLUE, GREY, RED, WALL, style
+
+FLATTEST, TALLEST = 0.26, HIGHEST / NARROWEST
+"""Least and most height of what is shown, in its lengths."""
+DISC, RIM = "#a9c4e4", "#4f7cb3"
+EDGE = "#464646"
+MOST_DISCS = 30_000
+"""Discs that are drawn; of more every n-th is left out."""
+ROWS = 24
+"""Arrows of an inlet at most."""
+SAMPLES, GHOSTS = 400, 4
+"""Poses of a way that are looked at, and those that are drawn besides the first."""
+SMALL = 200.0
+"""Pixels of a wall that its label had better not cover unless it fits."""
+MOST_EDGES = 100
+"""Edges of a wall that labels had better not cross."""
+BAND = 6.0
+"""Width of the band behind an open line, pixels."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """A rectangle (m) with a name: discs at the start, or where discs are poured."""
+
+    name: str
+    x: Interval
+    y: Interval
+
+
+def preview(scene: Scene, regions: Sequence[Region] = (), *, sequent: float | None = None) -> Figure:
+    """Picture of a scene before it is run.
+
+    Parameters
+    ----------
+    scene : Scene
+    regions : sequence of Region
+        Named rectangles of discs.
+    sequent : float, optional
+        Depth to expect behind a jump, m above the bed.
+    """
+    walls = [(one, _way(one, scene)) for one in scene.walls]
+    with style():
+        drawing = Drawing(*_shown(scene, walls, regions, sequent))
+        _draw_domain(drawing, scene)
+        _draw_discs(drawing, scene, regions)
+        for one, way in sorted(walls, key=lambda pair: not pair[0].wall.hollow):
+            _draw_wall(drawing, one.wall)
+            if way:
+                _draw_way(drawing, one, way)
+        _draw_traffic(drawing, scene)
+        if sequent is not None:
+            _draw_sequent(drawing, scene, sequent)
+        for one, _ in walls:
+            _name_wall(drawing, one, scene)
+        drawing.write_labels()
+        drawing.axes.set_title(figure_text(scene.name), fontsize=11)
+        domain = f"domain (dotted): x {_span(scene.domain[0])} m, y {_span(scene.domain[1])} m"
+        drawing.axes.set_title(domain, fontsize=8.5, color="#555555", loc="right")
+    return drawing.figure
+
+
+def _way(one: MovingWall, scene: Scene) -> list[Pose]:
+    """Poses along the way of a wall in time; empty where it stands or where discs push it."""
+    if one.motion.kind is None or one.motion.load is not None:
+        return []
+    last = min(float(scene.steps), one.motion.gone - 1)
+    poses = [one.motion.pose(step) or Pose() for step in np.linspace(0.0, max(last, 0.0), SAMPLES)]
+    return poses if any(pose != poses[0] for pose in poses) else []
+
+
+def _corners(wall: Wall, x: Interval, y: Interval) -> np.ndarray:
+    """Corners of all parts of a wall, shape (n, 2), m."""
+    outlines, lines = parts_of(wall, x, y)
+    return np.concatenate([*outlines, *lines])
+
+
+def _at(one: MovingWall, pose: Pose) -> Placed:
+    return Placed(one.wall, pose, one.motion.about)
+
+
+def _shown(
+    scene: Scene, walls: list[tuple[MovingWall, list[Pose]]], regions: Sequence[Region], sequent: float | None
+) -> tuple[Interval, Interval]:
+    """What of the plane is shown, m: all that the case names within the domain, and little of solids below it."""
+    half = 0.5 * scene.largest
+    points = [scene.positions - half, scene.positions + half, [(row.x, row.y) for row in scene.inlets]]
+    points += [np.column_stack([place.x, place.y]) for place in (*regions, *scene.pours)]
+    far: list[np.ndarray] = []
+    for one, way in walls:
+        poses = way[:: SAMPLES // 20] or [Pose()]
+        extents = [np.array(_at(one, pose).extent if way else one.wall.extent).T for pose in poses]
+        low, high = np.min([ends[0] for ends in extents], axis=0), np.max([ends[1] for ends in extents], axis=0)
+        solid = one.wall.finite and not one.wall.hollow and all(chain.closed for chain in one.wall.chains())
+        points += [[(low[0], high[1]), high]] if solid else [[low, high]]
+        far += [low] if solid else []
+    for outlet in scene.outlets:
+        points.append([(outlet.at, np.nan) if outlet.axis == "x" else (np.nan, outlet.at)])
+    if sequent is not None:
+        beds = from_scene(scene).bed_height(np.linspace(*scene.domain[0], 200))
+        points.append([(np.nan, float(np.min(beds[np.isfinite(beds)], initial=0.0)) + 1.2 * sequent)])
+    named = np.concatenate([np.asarray(part, float).reshape(-1, 2) for part in points])
+    sides = []
+    for axis, (low, high) in enumerate(scene.domain):
+        values = named[:, axis]
+        values = np.clip(values[np.isfinite(values)], low, high)
+        first, last = (values.min(), values.max()) if values.size else (low, high)
+        ends = [place[axis] for place in far]
+        first = max(low, min([first, *(max(end, first - 0.12 * (last - first)) for end in ends)]))
+        if last - first > 0.6 * (high - low):
+            first, last = low, high
+        margin = min(0.04 * (last - first) + 2 * scene.diameter, 0.12 * (last - first))
+        sides.append((first - margin, last + margin))
+    return _proportioned(*sides)
+
+
+def _proportioned(x: Interval, y: Interval) -> tuple[Interval, Interval]:
+    """Both intervals; one is longer where the picture would be too flat or too tall for its labels."""
+    wide, high = x[1] - x[0], y[1] - y[0]
+    if high < FLATTEST * wide:
+        return x, (y[0] - 0.15 * (FLATTEST * wide - high), y[1] + 0.85 * (FLATTEST * wide - high))
+    more = 0.5 * max(0.0, high / TALLEST - wide)
+    return (x[0] - more, x[1] + more), y
+
+
+def _draw_domain(drawing: Drawing, scene: Scene) -> None:
+    (x0, x1), (y0, y1) = scene.domain
+    drawing.axes.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, ec=GREY, ls=(0, (2, 3)), lw=1.0, zorder=0))
+
+
+def _span(ends: Interval) -> str:
+    return f"{ends[0]:.4g} … {ends[1]:.4g}".replace("-", "\N{MINUS SIGN}")
+
+
+def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> None:
+    """Discs at the start, with the mean velocity of those of a region."""
+    x, y = scene.positions.T
+    every = -(-len(x) // MOST_DISCS) or 1
+    size = scene.diameters(np.arange(1, len(x) + 1))
+    rim = min(0.6, 0.08 * scene.diameter * drawing.scale)
+    look = {"fc": DISC, "ec": RIM, "lw": rim, "zorder": 2, "offset_transform": drawing.axes.transData}
+    shown, turned = size[::every], np.zeros(len(size[::every]))
+    discs = EllipseCollection(shown, shown, turned, units="xy", offsets=scene.positions[::every], **look)
+    drawing.axes.add_collection(discs)
+    for place in regions:
+        held = (x >= place.x[0]) & (x <= place.x[1]) & (y >= place.y[0]) & (y <= place.y[1])
+        middle = np.array([np.mean(place.x), np.mean(place.y)])
+        drawing.keep_free(place.x, place.y)
+        text = f"{place.name}, {int(held.sum())} discs"
+        mean = scene.velocities[held].mean(axis=0) if held.any() else np.zeros(2)
+        if (speed := hypot(*mean)) > 0.01:
+            long = 0.05 * (drawing.x[1] - drawing.x[0]) / speed
+            drawing.arrow(np.array([middle - 0.5 * long * mean, middle + 0.5 * long * mean]), BLUE)
+            text += f", {speed:.3g} m/s"
+        drawing.label(text, middle[0], place.y[1], BLUE)
+    _draw_movers(drawing, scene, regions)
+    for pour in scene.pours:
+        size = pour.x[1] - pour.x[0], pour.y[1] - pour.y[0]
+        drawing.axes.add_patch(Rectangle((pour.x[0], pour.y[0]), *size, fill=False, ec=BLUE, ls=":", zorder=2))
+        drawing.label(f"pour, {pour.count} discs", float(np.mean(pour.x)), pour.y[1], BLUE)
+
+
+def _draw_movers(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> None:
+    """Arrows of single discs that move at the start."""
+    speed = np.hypot(*scene.velocities.T)
+    movers = np.flatnonzero(speed > 0)
+    if regions or not 0 < len(movers) <= ROWS:
+        return
+    long = 0.06 * (drawing.x[1] - drawing.x[0]) / speed.max()
+    for begin, velocity in zip(scene.positions[movers], scene.velocities[movers], strict=True):
+        drawing.arrow(np.array([begin, begin + long * velocity]), BLUE)
+    drawing.label(f"{speed.max():.3g} m/s", *scene.positions[movers[speed[movers].argmax()]], BLUE)
+
+
+def _draw_wall(drawing: Drawing, wall: Wall) -> None:
+    wide = [(low - (high - low), high + (high - low)) for low, high in (drawing.x, drawing.y)]
+    outlines, lines = parts_of(wall, *wide)
+    sheets = [part for part in outlines if thin(part)]
+    rings = [part for part in outlines if not thin(part)]
+    if wall.hollow:
+        rings.append(rectangle(*wide)[::-1])  # all that is outside
+    if rings:
+        solid = Way.make_compound_path(*(Way(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
+        look = {"fc": WALL, "ec": EDGE, "lw": 1.1, "zorder": 0.5 if wall.hollow else 3}
+        drawing.axes.add_patch(PathPatch(solid, **look))
+    still = {"scalex": False, "scaley": False, "solid_joinstyle": "round"}
+    for part in sheets:
+        drawing.axes.plot(*part.T, color=EDGE, lw=2.4, zorder=3, **still)
+    for part in lines:
+        drawing.axes.plot(*_band(part, BAND / drawing.scale).T, color=WALL, lw=BAND * 72 / DOTS, zorder=3, **still)
+        drawing.axes.plot(*part.T, color=EDGE, lw=1.6, zorder=3, **still)
+
+
+def _band(line: np.ndarray, width: float) -> np.ndarray:
+    """The middle of a band of this width (m) right of a line, where it has no discs."""
+    along = np.diff(line, axis=0)
+    aside = 0.5 * width * np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
+    return np.stack([line[:-1] + aside, line[1:] + aside], axis=1).reshape(-1, 2)
+
+
+def _draw_way(drawing: Drawing, one: MovingWall, way: list[Pose]) -> None:
+    """Poses along the way, faded, and an arrow from the start to where the wall is farthest from it."""
+    corners = _corners(one.wall, drawing.x, drawing.y)
+    ways = np.array([np.column_stack(_at(one, pose).outward(*corners.T)) for pose in way])
+    kept = [0]
+    while len(kept) <= GHOSTS:  # the pose that is farthest from all that are kept
+        apart = np.min([_apart(ways, ways[k]) for k in kept], axis=0)
+        if apart.max() * drawing.scale < 4:
+            break
+        kept.append(int(apart.argmax()))
+    for k in kept[1:]:
+        outlines, lines = parts_of(_at(one, way[k]), drawing.x, drawing.y)
+        for part in outlines:
+            look = {"fc": "none" if one.wall.hollow else WALL, "ec": EDGE, "lw": 0.9, "ls": (0, (4, 2)), "zorder": 2.5}
+            drawing.axes.add_patch(Polygon(part, alpha=0.45, **look))
+        for part in lines:
+            drawing.axes.plot(*part.T, color=EDGE, lw=1.0, ls=(0, (4, 2)), alpha=0.45, scalex=False, scaley=False)
+    end = int(_apart(ways, ways[0]).argmax())
+    traced = int(np.hypot(*(ways[end] - ways[0]).T).argmax())
+    trace = ways[: end + 1, traced]
+    moves = np.append(True, np.hypot(*np.diff(trace, axis=0).T) > 0)
+    if moves.sum() > 1:
+        drawing.arrow(trace[moves], RED)
+
+
+def _apart(ways: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """Largest distance between corners of each pose and of one, m, shape (poses,)."""
+    return np.hypot(*np.moveaxis(ways - pose, -1, 0)).max(axis=1)
+
+
+def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
+    """Inlet rows with arrows as long as they are fast, and outlets."""
+    if scene.inlets:
+        fastest = max(abs(row.vx) for row in scene.inlets) or 1.0
+        long = 0.06 * (drawing.x[1] - drawing.x[0]) / fastest
+        rows = sorted(scene.inlets, key=lambda row: row.y)[:: -(-len(scene.inlets) // ROWS)]
+        apart = (rows[-1].y - rows[0].y) / max(1, len(rows) - 1) * drawing.scale
+        head = float(np.clip(1.2 * apart, 5.0, 13.0)) if len(rows) > 1 else 13.0
+        for row in rows:
+            drawing.arrow(np.array([(row.x, row.y), (row.x + long * row.vx, row.y)]), BLUE, 1.1, head)
+        mean, top = np.mean([row.vx for row in scene.inlets]), max(scene.inlets, key=lambda row: row.y)
+        count = len(scene.inlets)
+        drawing.label(f"inlet: {count} row{'s' * (count > 1)}, mean {mean:.3g} m/s", top.x, top.y, BLUE)
+    for outlet in scene.outlets:
+        upright, sign = outlet.axis == "x", 1 if outlet.side == "above" else -1
+        line = drawing.axes.axvline if upright else drawing.axes.axhline
+        line(outlet.at, color=BLACK, ls="-.", lw=1.0, zorder=1.5)
+        sides = (drawing.x, drawing.y)
+        along, reach = sides[1 if upright else 0], 0.02 * (drawing.x[1] - drawing.x[0]) * sign
+        across = along[0] + 0.8 * (along[1] - along[0])
+        ends, thin_one = np.array([(outlet.at, across), (outlet.at + reach, across)]), 1.5 / drawing.scale
+        drawn = (outlet.at - thin_one, outlet.at + thin_one)
+        drawing.keep_free(*((drawn, drawing.y) if upright else (drawing.x, drawn)))
+        drawing.arrow(ends if upright else ends[:, ::-1], BLACK, 1.0)
+        place = ends[0] if upright else ends[0, ::-1]
+        drawing.label(f"outlet {outlet.axis} = {outlet.at:g} m".replace("-", "\N{MINUS SIGN}"), *place)
+
+
+def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
+    """The depth to expect, above the longest stretch where the bed is lowest."""
+    flow = from_scene(replace(scene, walls=tuple(one for one in scene.walls if one.motion.kind is None)))
+    x = np.linspace(*flow.x_range, 400)
+    bed = flow.bed_height(x)
+    if not np.isfinite(bed).any():
+        return
+    low = float(np.nanmin(bed))
+    level = np.flatnonzero(bed <= low + 0.5 * scene.diameter)
+    stretch = max(np.split(level, np.flatnonzero(np.diff(level) > 1) + 1), key=len)
+    ends, height = (float(x[stretch[0]]), float(x[stretch[-1]])), low + sequent
+    drawing.axes.plot(ends, [height] * 2, color=RED, ls=(0, (5, 2)), lw=1.5, zorder=4, scalex=False, scaley=False)
+    drawing.keep_free(ends, (height - 2 / drawing.scale, height + 2 / drawing.scale))
+    drawing.label(
+        f"sequent depth to expect (Bélanger): {sequent:.3g} m", ends[0] + 0.7 * (ends[1] - ends[0]), height, RED
+    )
+
+
+def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
+    """The name of a wall and what becomes of it, on its solid or beside its edge."""
+    wall, motion = one
+    text = wall.name if motion.kind is None else f"{wall.name} ({motion.kind.kind})"
+    if np.isfinite(motion.gone):
+        text += f", opens at t = {scene.time(int(motion.gone)):.3g} s"
+    corners = np.clip(_corners(wall, drawing.x, drawing.y), *np.array([drawing.x, drawing.y]).T)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    ends, thin_one = np.stack([corners, np.roll(corners, -1, axis=0)]), 1.5 / drawing.scale
+    for begin, end in np.moveaxis(np.sort(ends, axis=0), 0, 1)[:MOST_EDGES]:
+        if (end - begin).min() < thin_one < (end - begin).max():  # upright or level
+            drawing.keep_free((begin[0] - thin_one, end[0] + thin_one), (begin[1] - thin_one, end[1] + thin_one))
+    if not wall.hollow and (high - low).max() * drawing.scale < SMALL:
+        drawing.keep_free((low[0], high[0]), (low[1], high[1]))
+    on = None
+    if not wall.hollow and float(wall.distance(*(0.5 * (low + high)))) < 0:
+        on = (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
+    edge = ends.mean(axis=0)
+    place = edge[np.argmax(edge[:, 1])]  # the middle of the highest edge
+    drawing.label(text, float(place[0]), float(place[1]), on=on)
+    if motion.load is not None:
+        force = np.array(motion.load.force) / (hypot(*motion.load.force) or 1.0)
+        drawing.arrow(np.array([place, place + 0.04 * (drawing.x[1] - drawing.x[0]) * force]), RED)

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Contacts of each frame with their forces, as the engine has them: ``contacts.bin`` beside the dump.
+
+With a memory in the contact law, friction cannot be computed from a frame. A frame of the file is a mark, step and
+number of contacts (`HEAD`), then a row of `ROW` for each contact: 28 bytes.
+"""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from lammps_jump.errors import DumpError
+from lammps_jump.files import writes
+
+ROW = np.dtype([(name, "<i4") for name in ("i", "j")] + [(name, "<f4") for name in ("x", "y", "fx", "fy", "power")])
+"""Id of the disc that the force acts on; that of the other, or -1 - w for wall w of the scene; the point (m), the force
+(N/m), and the power that dashpot and friction take (W/m), each in seven digits."""
+HEAD = struct.Struct("<4sqq")
+MARK = b"LJC1"
+
+
+class ContactWriter:
+    """Writes the contacts of frames, each before its frame goes to the dump.
+
+    Parameters
+    ----------
+    path : Path
+    append : bool
+        Write behind the frames that the file holds.
+
+    Raises
+    ------
+    DumpError
+        The file cannot be written.
+    """
+
+    def __init__(self, path: Path, *, append: bool = False):
+        with writes(path):
+            self._file = path.open("ab" if append else "wb")
+
+    def write(self, step: int, who: np.ndarray, found: np.ndarray) -> None:
+        """Write the contacts of a frame and hand them to the system for readers.
+
+        Parameters
+        ----------
+        step : int
+        who : ndarray of int, shape (n, 2)
+            Ids, the columns i and j of `ROW`.
+        found : ndarray, shape (n, 5)
+            Its other columns.
+        """
+        rows = np.empty(len(who), ROW)
+        for name, values in zip(ROW.names, (*who.T, *found.T), strict=True):
+            rows[name] = values
+        self._file.write(HEAD.pack(MARK, step, len(rows)) + rows.tobytes())
+        self._file.flush()
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._file.close()
+
+
+class ContactFile:
+    """Reader of a file of contacts, which may still grow.
+
+    Parameters
+    ----------
+    path : Path
+        A file that is not there holds no frame.
+    """
+
+    def __init__(self, path: Path):
+        self.path = path
+        self._places: dict[int, tuple[int, int]] = {}
+        self._end = 0
+
+    def contacts(self, step: int) -> np.ndarray | None:
+        """The contacts at a step, of `ROW`, shape (n,); None where the file does not hold the step whole.
+
+        Raises
+        ------
+        DumpError
+            The file is damaged.
+        """
+        if step not in self._places:
+            self._look_on()
+        if step not in self._places:
+            return None
+        place, count = self._places[step]
+        return np.fromfile(self.path, ROW, count, offset=place)
+
+    def _look_on(self) -> None:
+        """Find the frames that were written since the last look."""
+        if not self.path.is_file():
+            return
+        size = self.path.stat().st_size
+        with self.path.open("rb") as file:
+            while self._end + HEAD.size <= size:
+                file.seek(self._end)
+                mark, step, count = HEAD.unpack(file.read(HEAD.size))
+                place = self._end + HEAD.size
+                if mark != MARK or step < 0 or count < 0:
+                    raise DumpError(f"{self.path}: byte {self._end}: no frame of contacts; the file is damaged")
+                if place + count * ROW.itemsize > size:
+                    return
+                self._places[step] = place, count
+                self._end = place + count * ROW.itemsize
+
+    def forces(self, step: int, one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Force (fx, fy) on discs in contacts that are known otherwise, N/m; NaN where the file does not have them.
+
+        Parameters
+        ----------
+        step : int
+        one, other : ndarray of int, shape (n,)
+            Ids as of `ROW`, pairs in either order. Several contacts of a disc with a wall are taken in their order.
+
+        Returns
+        -------
+        fx, fy : ndarray, shape (n,)
+            On the discs `one`.
+        """
+        rows = self.contacts(step)
+        if rows is None or not len(rows):
+            return np.full(len(one), np.nan), np.full(len(one), np.nan)
+        mine, asked = _keys(rows["i"], rows["j"]), _keys(one, other)
+        _, number = np.unique(np.concatenate([mine, asked]), axis=0, return_inverse=True)
+        number = number.ravel()
+        place = np.full(int(number.max()) + 1, -1)
+        place[number[: len(mine)]] = np.arange(len(mine))
+        found = place[number[len(mine) :]]
+        # the force on the other disc of a pair is the opposite
+        sign = np.where((rows["i"][found] == one), 1.0, -1.0)
+        sign[found < 0] = np.nan
+        return sign * rows["fx"][found], sign * rows["fy"][found]
+
+
+def _keys(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Keys of contacts, shape (n, 3): smaller and larger id, and which of those with the same ids."""
+    pairs = np.sort(np.column_stack([one, other]).astype(np.int64), axis=1)
+    order = np.lexsort(pairs.T)
+    first = np.append(True, np.any(np.diff(pairs[order], axis=0) != 0, axis=1))
+    begin = np.maximum.accumulate(np.where(first, np.arange(len(pairs)), 0))
+    rank = np.empty(len(pairs), np.int64)
+    rank[order] = np.arange(len(pairs)) - begin
+    return np.column_stack([pairs, rank])

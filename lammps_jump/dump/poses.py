@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Poses of the walls that the discs push: ``walls.csv``, a row a wall and frame."""
+
+from __future__ import annotations
+
+import os
+from bisect import bisect_right
+from collections.abc import Collection
+from math import isfinite
+from pathlib import Path
+
+from lammps_jump.errors import DumpError
+from lammps_jump.files import POSES_HEADER, open_regular
+from lammps_jump.scene.motion import Pose
+
+MOST_POSES = 200_000_000
+"""Bytes of the file that are read: a million frames of two walls."""
+
+
+class PoseFile:
+    """``walls.csv`` of a run, which may still grow: what is new is read when a later time is asked for.
+
+    Parameters
+    ----------
+    path : Path
+        Need not be there yet.
+    names : collection of str
+        Walls of the scene that the discs push; rows of other walls are refused.
+
+    Notes
+    -----
+    A row holds the time (s), the name of the wall, its displacement (m) from where the case has it, and its turn (rad).
+    An engine writes the rows of a frame before the frame. A last line without its end is not read yet.
+    """
+
+    def __init__(self, path: Path, names: Collection[str]):
+        self.path = path
+        self._times: dict[str, list[float]] = {name: [] for name in names}
+        self._poses: dict[str, list[Pose]] = {name: [] for name in names}
+        self._read, self._line = 0, 0
+
+    def at(self, time: float) -> dict[str, Pose]:
+        """Pose of each wall at a time (s): straight between rows, the nearest row outside; without rows none.
+
+        Raises
+        ------
+        DumpError
+            A file that cannot be read or is too large, or a line that is no row of it.
+        """
+        if any(not times or times[-1] < time for times in self._times.values()):
+            self._take_in_what_is_new()
+        return {name: self._between(times, self._poses[name], time) for name, times in self._times.items() if times}
+
+    @staticmethod
+    def _between(times: list[float], poses: list[Pose], time: float) -> Pose:
+        after = bisect_right(times, time)
+        if after in (0, len(times)):
+            return poses[max(0, after - 1)]
+        share = (time - times[after - 1]) / (times[after] - times[after - 1])
+        return Pose(*((1 - share) * a + share * b for a, b in zip(poses[after - 1], poses[after], strict=True)))
+
+    def _take_in_what_is_new(self) -> None:
+        if not self.path.exists():
+            return
+        try:
+            with open(self.path, "rb", opener=open_regular) as file:
+                size = os.fstat(file.fileno()).st_size
+                if size > MOST_POSES:
+                    raise DumpError(
+                        f"{self.path}: has {size} bytes, at most {MOST_POSES} are read; write fewer frames."
+                    )
+                file.seek(self._read)
+                data = file.read(max(0, size - self._read))
+            text = data[: data.rfind(b"\n") + 1].decode()
+        except (OSError, UnicodeDecodeError) as error:
+            raise DumpError(f"{self.path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
+        self._read += len(text.encode())
+        for line in text.splitlines():
+            self._line += 1
+            if self._line > 1:
+                self._take_row(line)
+            elif line.strip() != POSES_HEADER:
+                raise DumpError(f"{self.path}, line 1: {line[:60]!r}; expected {POSES_HEADER}.")
+
+    def _take_row(self, line: str) -> None:
+        """One row; DumpError where it is none."""
+        try:
+            first, name, *rest = line.split(",")
+            time, pose = float(first), Pose(*map(float, rest))
+            times = self._times[name]
+            if len(rest) != len(pose) or not all(map(isfinite, (time, *pose))) or (times and time <= times[-1]):
+                raise ValueError
+        except (ValueError, TypeError, KeyError):
+            raise DumpError(
+                f"{self.path}, line {self._line}: {line[:60]!r} is no row of {POSES_HEADER}: allowed are finite "
+                f"numbers, growing times and the walls {', '.join(self._times)}."
+            ) from None
+        times.append(time)
+        self._poses[name].append(pose)

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which discs are near a wall, and which of its faces are near each: cells that list faces, and lists of discs.
+
+Plain loops over float64 arrays, compiled at the end of the file. The plugin holds its own copy (``faces.h``).
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from lammps_jump.physics.law import watching
+
+from .chains import AT_END, AT_START, ENDLESS, KIND, SEGMENT, TX0, TX1, TY0, TY1, X0, X1, Y0, Y1, Faces, boxes
+from .faces import away
+
+FEW = 8
+"""Faces up to which a wall is searched without a grid."""
+MOST_CELLS = 1_000_000
+
+
+class Grid(NamedTuple):
+    """Cells that list the faces of each wall near them, in the wall's own frame; one cell where there are few faces.
+
+    Attributes
+    ----------
+    box : ndarray, shape (faces, 4)
+        Box of each face with the reach, m.
+    wall_box : ndarray, shape (walls, 4)
+    place : ndarray, shape (walls, 3)
+        Lower left corner (m) and cells per metre.
+    cells : ndarray of int64, shape (walls, 3)
+        Columns, rows, first cell.
+    start, faces : ndarray of int64
+        Faces of cell c: ``faces[start[c]:start[c + 1]]``.
+    reach : float
+        Distance from a face up to which discs are listed, m.
+    """
+
+    box: np.ndarray
+    wall_box: np.ndarray
+    place: np.ndarray
+    cells: np.ndarray
+    start: np.ndarray
+    faces: np.ndarray
+    reach: float
+
+
+def _plain_py(codes, shape, f, px, py, margin):
+    """Whether a point is beside a straight face and a margin (m) from its ends: its line is then enough."""
+    if codes[f, KIND] != SEGMENT:
+        return False
+    start, end = codes[f, AT_START] == ENDLESS, codes[f, AT_END] == ENDLESS
+    if not start:
+        start = shape[f, TX0] * (px - shape[f, X0]) + shape[f, TY0] * (py - shape[f, Y0]) > margin
+    if not end:
+        end = shape[f, TX1] * (px - shape[f, X1]) + shape[f, TY1] * (py - shape[f, Y1]) < -margin
+    return start and end
+
+
+def _mark_cells_py(codes, shape, box, begin, end, place, columns, rows, reach, start, listed):
+    """Count the faces near each cell of one wall in ``start[cell + 1]``; with room in `listed`, list them from there.
+
+    Listing moves ``start[cell + 1]`` from the first to behind the last face of the cell.
+    """
+    x_low, y_low, inverse = place[0], place[1], place[2]
+    far = reach + sqrt(0.5) / inverse
+    for f in range(begin, end):
+        for column in range(
+            max(int((box[f, 0] - x_low) * inverse), 0), min(int((box[f, 1] - x_low) * inverse) + 1, columns)
+        ):
+            for row in range(
+                max(int((box[f, 2] - y_low) * inverse), 0), min(int((box[f, 3] - y_low) * inverse) + 1, rows)
+            ):
+                px, py = x_low + (column + 0.5) / inverse, y_low + (row + 0.5) / inverse
+                if abs(away(codes, shape, f, px, py)) <= far:
+                    cell = column * rows + row
+                    if listed.size:
+                        listed[start[cell + 1]] = f
+                    start[cell + 1] += 1
+
+
+def grid_of(faces: Faces, cell: float, reach: float) -> Grid:
+    """Cells for the search of faces.
+
+    Parameters
+    ----------
+    faces : Faces
+    cell : float
+        Side of a cell, m; it is made wider where a wall has more than a million cells.
+    reach : float
+        Distance from a face up to which discs are listed, m.
+    """
+    walls = len(faces.first) - 1
+    box = boxes(faces) + np.array([-reach, reach, -reach, reach])
+    wall_box, place, cells = np.zeros((walls, 4)), np.zeros((walls, 3)), np.ones((walls, 3), np.int64)
+    starts, listed, total = [np.zeros(1, np.int64)], [], 0
+    for wall in range(walls):
+        begin, end = int(faces.first[wall]), int(faces.first[wall + 1])
+        own = box[begin:end]
+        x_low, x_high, y_low, y_high = wall_box[wall] = (*_span(own[:, :2]), *_span(own[:, 2:]))
+        start, mine = np.array([end - begin]), np.arange(begin, end)
+        cells[wall, 2] = sum(map(len, starts)) - 1
+        if end - begin > FEW and np.isfinite(wall_box[wall]).all():
+            side = max(cell, sqrt((x_high - x_low) * (y_high - y_low) / MOST_CELLS))
+            columns, rows = int((x_high - x_low) / side) + 1, int((y_high - y_low) / side) + 1
+            place[wall], cells[wall, :2] = (x_low, y_low, 1.0 / side), (columns, rows)
+            ask = (faces.codes, faces.shape, box, begin, end, place[wall], columns, rows, reach)
+            start = np.zeros(columns * rows + 1, np.int64)
+            _mark_cells(*ask, start, np.empty(0, np.int64))
+            ends = np.cumsum(start)
+            mine = np.empty(ends[-1], np.int64)
+            start = np.concatenate([[0], ends[:-1]])  # the first face of each cell, one place behind its own
+            _mark_cells(*ask, start, mine)
+            start = start[1:]
+        starts.append(start + total)
+        listed.append(mine)
+        total += len(mine)
+    return Grid(
+        box, wall_box, place, cells, np.concatenate(starts), np.concatenate([*listed, np.empty(0, np.int64)]), reach
+    )
+
+
+def _span(ends: np.ndarray) -> tuple[float, float]:
+    return float(ends.min(initial=inf)), float(ends.max(initial=-inf))
+
+
+def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, near, row, count):
+    """List the discs near one wall, in its own frame, and the faces near each; returns (rows, faces), or -1: too short.
+
+    Row r of the list is disc ``discs[r]`` with the faces ``near[last[r]:last[r + 1]]``. It goes on from row `row` and
+    face `count`. ``plain[r]`` is 1 where there is one straight face whose ends are out of reach.
+    """
+    a, b, c, d = grid.wall_box[wall, 0], grid.wall_box[wall, 1], grid.wall_box[wall, 2], grid.wall_box[wall, 3]
+    x_low, y_low, inverse = grid.place[wall, 0], grid.place[wall, 1], grid.place[wall, 2]
+    columns, rows, offset = grid.cells[wall, 0], grid.cells[wall, 1], grid.cells[wall, 2]
+    box, reach = grid.box, grid.reach
+    for i in range(n):
+        px, py = x[i], y[i]
+        if not (px > a and px < b and py > c and py < d):
+            continue
+        cell = offset
+        if inverse > 0.0:
+            column = min(max(int((px - x_low) * inverse), 0), columns - 1)
+            cell += column * rows + min(max(int((py - y_low) * inverse), 0), rows - 1)
+        first, end = grid.start[cell], grid.start[cell + 1]
+        if row + 1 >= last.size or count + end - first > near.size:
+            return row, -1
+        begin = count
+        for p in range(first, end):
+            f = grid.faces[p]
+            if px > box[f, 0] and px < box[f, 1] and py > box[f, 2] and py < box[f, 3]:
+                gap = away(codes, shape, f, px, py)
+                if gap < reach and (deep[wall] == 1 or gap > -reach):
+                    near[count] = f
+                    count += 1
+        if count > begin:
+            discs[row] = i
+            plain[row] = count == begin + 1 and _plain(codes, shape, near[begin], px, py, reach)
+            row += 1
+            last[row] = count
+    return row, count
+
+
+def _compiled(function):
+    """The compiled function; its cache on the disk expires when a constant of ``chains.py`` or the rule changes."""
+    return watching(njit(cache=True)(function), Path(__file__).with_name("chains.py"), away)
+
+
+_plain = _compiled(_plain_py)
+_mark_cells = _compiled(_mark_cells_py)
+list_near = _compiled(_list_near_py)

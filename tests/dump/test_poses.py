@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Poses of walls that the discs push: what is read of a file that grows, and what is refused."""
+
+import pytest
+
+from lammps_jump.dump.poses import PoseFile
+from lammps_jump.errors import DumpError
+
+HEAD = "time,wall,x,y,angle\n"
+
+
+def test_poses_are_read_as_the_file_grows_and_are_straight_between(tmp_path):
+    path = tmp_path / "walls.csv"
+    poses = PoseFile(path, ["lid", "float"])
+    assert poses.at(0.0) == {}  # not there yet
+    path.write_text(f"{HEAD}0,lid,0,0,0\n0,float,1,0,0\n1,lid,0,-0.5,0.2\n1,float,3,0,0\n2,lid,0,-9")
+    assert poses.at(0.0) == {"lid": (0, 0, 0), "float": (1, 0, 0)}
+    assert poses.at(0.25)["lid"] == pytest.approx((0, -0.125, 0.05))
+    assert poses.at(2.0)["lid"] == (0, -0.5, 0.2)  # its last line has no end yet
+    with path.open("a") as file:
+        file.write(".5,0.4\n2,float,4,0,0\n")
+    assert poses.at(2.0) == {"lid": (0, -9.5, 0.4), "float": (4, 0, 0)}
+    assert poses.at(0.5)["float"] == pytest.approx((2, 0, 0))  # back in time
+    assert poses.at(-1.0)["float"] == (1, 0, 0)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time,x\n",
+        f"{HEAD}0,sill,0,0,0\n",
+        f"{HEAD}0,lid,0,0\n",
+        f"{HEAD}0,lid,0,0,0,0\n",
+        f"{HEAD}0,lid,0,nan,0\n",
+        f"{HEAD}0,lid,0,1e999,0\n",
+        f"{HEAD}0,lid,0,0,0\n0,lid,1,0,0\n",
+        f"{HEAD}x,lid,0,0,0\n",
+        f"{HEAD}0,lid,0,0,\ud800\n",
+    ],
+)
+def test_lines_that_are_no_rows_are_refused(tmp_path, text):
+    path = tmp_path / "walls.csv"
+    path.write_bytes(text.encode("utf-8", "surrogatepass"))
+    with pytest.raises(DumpError, match=r"walls\.csv"):
+        PoseFile(path, ["lid"]).at(0.0)
+
+
+def test_a_file_that_is_none_or_too_large_is_refused(tmp_path, monkeypatch):
+    (tmp_path / "walls.csv").mkdir()
+    with pytest.raises(DumpError, match="cannot be read"):
+        PoseFile(tmp_path / "walls.csv", ["lid"]).at(0.0)
+    (tmp_path / "more.csv").write_text(HEAD)
+    monkeypatch.setattr("lammps_jump.dump.poses.MOST_POSES", 5)
+    with pytest.raises(DumpError, match="at most 5 are read"):
+        PoseFile(tmp_path / "more.csv", ["lid"]).at(0.0)

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The table "Where a change goes" of CONTRIBUTING.md: no file beside it knows a wall or a law by its name.
+
+A wall of a new shape and a new motion are made here, outside the program, and run through it.
+"""
+
+import ast
+import re
+from dataclasses import dataclass, field
+from functools import cache
+from math import inf
+from pathlib import Path
+from typing import Annotated, Literal, get_args
+
+import numpy as np
+import pytest
+from pydantic import Field
+
+import lammps_jump.case.case as cases
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.case.fields import CaseFields, Contact
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.physics.slip import FRICTION_LAWS
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.chains import Chain
+from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.walls import KINDS, Coordinate, Plane, Wall, WallName
+from lammps_jump.script.stock import lacking
+from lammps_jump.script.walls import plugin_walls
+from lammps_jump.units import Metre
+
+ROOT = Path(__file__).parents[1]
+STUDIES = ("lammps_jump/studies/", "lammps_jump/cli/")
+"""What runs the program with one choice or another; a new choice changes nothing there."""
+
+
+@cache
+def table() -> dict[str, set[str]]:
+    """Files of each row, by its change."""
+    text = (ROOT / "CONTRIBUTING.md").read_text().partition("## Where a change goes")[2]
+    rows = re.findall(r"^\| (an? [^|]+) \| ([^|]+) \|$", text, re.MULTILINE)
+    return {change: {inside(name) for name in re.findall(r"`([\w/.]+)`", files)} for change, files in rows}
+
+
+def law_files() -> set[str]:
+    """Files of a friction law with a name: those of its formula, and those that know the name."""
+    return table()["a formula of the contact"] | table()["a friction law with a name of its own"]
+
+
+def inside(name: str) -> str:
+    """Path of a file or folder of the table."""
+    return name.rstrip("/") if name.startswith("analysis/") else f"lammps_jump/{name.rstrip('/')}"
+
+
+@cache
+def texts() -> dict[str, str]:
+    """All files of the program but the studies."""
+    folders = ("lammps_jump", "analysis")
+    paths = (path for folder in folders for end in ("py", "h", "cpp") for path in (ROOT / folder).rglob(f"*.{end}"))
+    found = {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8") for path in paths}
+    return {file: text for file, text in found.items() if not file.startswith(STUDIES)}
+
+
+def nodes(words: set[str]):
+    """(file, node) of the Python files that hold one of the words."""
+    named = re.compile(rf"\b({'|'.join(words)})\b")
+    for file, text in texts().items():
+        if file.endswith(".py") and named.search(text):
+            yield from ((file, node) for node in ast.walk(ast.parse(text)))
+
+
+def test_the_files_of_the_table_are_there():
+    assert len(table()) == 6
+    for files in table().values():
+        assert files and all((ROOT / file).exists() for file in files), files
+
+
+def test_nothing_else_knows_a_wall_by_its_kind():
+    """Shapes are chains: other files make walls, and may not ask which one they have."""
+    kinds = {kind.__name__ for kind in get_args(KINDS)}
+    names = {kind.__dataclass_fields__["kind"].default for kind in get_args(KINDS)}
+    assert len(kinds) == len(names) >= 3
+    asking = set()
+    for file, node in nodes(kinds | names):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "isinstance":
+            found = kinds & {part.id for part in ast.walk(node.args[1]) if isinstance(part, ast.Name)}
+        elif isinstance(node, ast.Compare) and getattr(node.left, "attr", "") == "kind":
+            found = names & {part.value for part in ast.walk(node) if isinstance(part, ast.Constant)}
+        else:
+            continue
+        asking |= {file} if found else set()
+    assert asking <= table()["a wall"], asking - table()["a wall"]
+
+
+def test_nothing_else_knows_a_friction_law_by_its_name():
+    default = Contact.model_fields["friction_law"].default
+    names = set(FRICTION_LAWS) - {default}
+    assert set(FRICTION_LAWS) == set(get_args(Contact.model_fields["friction_law"].annotation)) and names
+    knowing = {file for file, node in nodes(names) if isinstance(node, ast.Constant) and node.value in names}
+    quoted = re.compile(f'"({"|".join(names)})"')
+    knowing |= {file for file, text in texts().items() if not file.endswith(".py") and quoted.search(text)}
+    formulas = {"lammps_jump/physics/law.py", "lammps_jump/engines/plugin/contact_law.h"}
+    assert knowing | formulas == law_files()
+
+
+@dataclass(frozen=True)
+class Arch(Wall):
+    """Half a ring that stands on the bed: two arcs and two level feet, solid between them."""
+
+    kind: Literal["arch"] = field(default="arch", kw_only=True, repr=False)
+    name: WallName
+    x: Coordinate
+    outer: Annotated[Metre, Field(ge=1e-6, le=1e6)]
+    inner: Annotated[Metre, Field(ge=1e-6, le=1e6)]
+
+    def chains(self):
+        """Over the outside from left to right, and back along the inside."""
+        far, near = self.outer, self.inner
+        corners = [(self.x + dx, 0.0) for dx in (-far, far, near, -near)]
+        return (Chain(tuple(corners), (-far, 0.0, near, 0.0), closed=True),)
+
+
+CASE = """
+discs: {diameter: 0.2}
+contact: {restitution: 0.4, friction: 0.3, impact_speed: 6}
+domain: {x: [-4, 4], y: [-1, 5]}
+walls:
+  - {name: bed, kind: plane, axis: y, at: 0, side: above}
+  - {name: arch, kind: arch, x: 0, outer: 1.2 m, inner: 0.8}
+initial:
+  - {kind: list, positions: [[0.05, 1.6], [-0.9, 1.4], [0.0, 0.3]], velocities: [[0, -3], [1, -2], [0, 3]]}
+probes: {forces: [arch]}
+run: {duration: 0.5}
+engine: {name: native}
+"""
+
+
+def test_a_wall_of_a_new_shape_runs_without_another_change(monkeypatch):
+    class Fields(CaseFields):
+        walls: tuple[Annotated[KINDS | Arch, Field(discriminator="kind")], ...] = ()
+
+    monkeypatch.setattr(cases, "CaseFields", Fields)
+    case = cases.ReadCase.parse(CASE)
+    scene = case.scene()
+    arch = scene.wall("arch")
+    assert arch == Arch("arch", 0.0, 1.2, 0.8) and str(case.check())
+    simulation = NativeSimulation(scene)
+    simulation.run(scene.steps)
+    above = np.hypot(*simulation.positions.T)
+    assert (above[:2] > 1.29).all() and above[2] < 0.71  # on the ring, and below it
+    assert {name for _, name, *force in simulation.forces if any(force)} == {"arch"}
+    words = plugin_walls(scene)[1]
+    assert words.startswith("wall arch") and words.count("\n") == len(arch.faces.codes) >= 4
+    assert "Arch" in lacking(scene)
+    x = np.array([-0.6, 0.0, 1.0, 2.0])
+    bed = [0.0, 0.0, np.sqrt(0.44), 0.0]  # it runs below the arch, and over its foot
+    np.testing.assert_allclose(from_scene(scene).bed_height(x), bed, atol=1e-14)
+
+
+@dataclass(frozen=True)
+class Comes(Motion):
+    """A wall that is there from a step on."""
+
+    since: int = 0
+
+    def pose(self, step):
+        return super().pose(step) if step >= self.since else None
+
+    def next_change(self, step):
+        return self.since if self.since > step else super().next_change(step)
+
+
+def test_a_new_motion_runs_without_another_change():
+    floor, since = Plane("floor", "y", 0.0, "above"), 60
+    start = [(0.0, 0.6)], [(0.0, -1.0)]
+
+    def height(motion, steps):
+        settings = {"gravity": (0.0, 0.0), "output_steps": 20, "steps": 400, "restitution": 0.5}
+        scene = handmade_scene(*start, (MovingWall(floor, motion),), domain=((-2, 2), (-9, 9)), **settings)
+        simulation = NativeSimulation(scene)
+        simulation.run(steps)
+        walls = from_scene(scene).walls_at(scene.time(steps))
+        return simulation.positions[0, 1], len(walls), scene
+
+    y, walls, scene = height(Comes(since=since), since)
+    free = 0.6 - scene.time(since)
+    assert (y, walls) == (pytest.approx(free, rel=1e-12), 1)
+    assert height(Comes(since=10**6), 400)[:2] == (pytest.approx(0.6 - scene.time(400), rel=1e-9), 0)
+    assert height(Comes(since=since), 400)[0] == height(Motion(inf), 400)[0] > 0
