@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.dump.contacts import ContactFile
+from lammps_jump.dump.beside.contacts import ContactFile
+from lammps_jump.dump.beside.poses import PoseFile
 from lammps_jump.dump.frame import Frame
-from lammps_jump.dump.poses import PoseFile
 from lammps_jump.errors import DumpError
 from lammps_jump.files import POSES
 from lammps_jump.quoting import figure_text

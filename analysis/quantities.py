@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from lammps_jump.dump.contacts import ContactFile
+from lammps_jump.dump.beside.contacts import ContactFile
 from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump

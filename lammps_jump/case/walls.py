@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from math import hypot, inf, pi, sqrt
+from math import hypot, inf, isinf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from lammps_jump.scene.chains import boxes
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
 from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend, vertices
 from lammps_jump.scene.tracks import Translate
-from lammps_jump.scene.walls import Circle, Line, Polygon
+from lammps_jump.scene.walls import Line
 
 from .fields import CaseFields, Column
 from .text import CaseSource, nearest
@@ -51,7 +51,7 @@ def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
     found: list[CaseWall] = []
     done: set[str] = set()
     for index, wall in enumerate(case.walls):
-        join = wall.join if isinstance(wall, Line) else None
+        join = getattr(wall, "join", None)
         if join is None:
             found.append(CaseWall(wall, f"walls.{index}"))
         elif join not in done:
@@ -67,7 +67,7 @@ def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
 
 def _joined(case: CaseFields, source: CaseSource, join: str) -> Line:
     """Lines of one join as one line, which goes from one to the next where ends meet."""
-    lines = {i: wall for i, wall in enumerate(case.walls) if isinstance(wall, Line) and wall.join == join}
+    lines: dict[int, Line] = {i: wall for i, wall in enumerate(case.walls) if getattr(wall, "join", None) == join}
     first, *others = lines
     if not others:
         raise source.error(f"walls.{first}.join: no other line has join: {join}; drop it, or name the others too")
@@ -251,7 +251,7 @@ def require_wall(case: CaseFields, source: CaseSource, place: str, name: str, wa
     """CaseError where there is no wall of this name."""
     if name in walls:
         return
-    parts = [wall.join for wall in case.walls if isinstance(wall, Line) and wall.name == name]
+    parts = [join for wall in case.walls if wall.name == name and (join := getattr(wall, "join", None))]
     if parts:
         raise source.error(f"{place}: line '{name}' is a part of the joined wall '{parts[0]}'; name that one")
     hint = nearest(name, list(walls)) if walls else "this case has no walls"
@@ -262,20 +262,12 @@ def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], largest: float)
     """Refuse arcs that bend so tightly towards the discs that the largest one does not fit."""
     least = TIGHTEST_ARC * largest / 2
     for item in walls:
-        wall, tight = item.wall, None
-        if isinstance(wall, Circle) and wall.hollow and wall.radius < least:
-            tight = "radius", wall.radius
-        if isinstance(wall, Line | Polygon):
-            given = [(i, point.radius) for i, point in enumerate(wall.points) if isinstance(point, ArcTo)]
-            turned = -1 if wall.path.turned else 1
-            both = isinstance(wall, Line) and wall.sheet
-            found = [(i, abs(r)) for i, r in given if abs(r) < least and (both or r * turned > 0)]
-            tight = (f"points.{found[0][0]}", found[0][1]) if found else None
-        if tight:
-            raise source.error(
-                f"{item.field}.{tight[0]}: the arc of radius {tight[1]:g} m bends towards the discs, and the largest "
-                f"one of {largest / 2:g} m does not fit; allowed is {least:.4g} m or more: widen the arc"
-            )
+        for field, radius in item.wall.bends_given():
+            if radius < least:
+                raise source.error(
+                    f"{item.field}.{field}: the arc of radius {radius:g} m bends towards the discs, and the largest "
+                    f"one of {largest / 2:g} m does not fit; allowed is {least:.4g} m or more: widen the arc"
+                )
 
 
 def wall_doubts(walls: Sequence[MovingWall], begun: Beginning, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
@@ -288,7 +280,7 @@ def wall_doubts(walls: Sequence[MovingWall], begun: Beginning, laws: Laws, inlet
             found.append(
                 f"walls '{one.name}' and '{two.name}' meet flush at ({at[0]:g}, {at[1]:g}) m: a disc there feels both, "
                 "up to twice the force; make them one wall"
-                + (", or give both the same join" if isinstance(one, Line) and isinstance(two, Line) else "")
+                + (", or give both the same join" if open_ends(one.faces) and open_ends(two.faces) else "")
             )
     return found + _gap_doubts([one.wall for one in walls], begun.smallest)
 
@@ -320,20 +312,12 @@ def _speed_doubt(one: MovingWall, begun: Beginning, laws: Laws) -> list[str]:
     limit = 0.5 * begun.diameter * omega
     if wall.deep or speed <= SLOW * limit:
         return []
-    through = limit * (1 + _thickness(wall, begun.smallest) / begun.smallest)
+    thickness = begun.smallest if isinf(wall.thickness) else wall.thickness  # from one side it is pushed twice as far
+    through = limit * (1 + thickness / begun.smallest)
     return [
         f"wall '{wall.name}' moves at up to {speed:.3g} m/s: a disc that it meets at {through:.3g} m/s passes through "
         "it, and overlaps end the run before; move it more slowly, or raise contact.impact_speed"
     ]
-
-
-def _thickness(wall: Wall, diameter: float) -> float:
-    """Thickness of a wall, m; one diameter where it has one side alone, as a disc is then pushed back twice as far."""
-    if isinstance(wall, Block):
-        return min(wall.x[1] - wall.x[0], wall.y[1] - wall.y[0])
-    if isinstance(wall, Circle) and not wall.hollow:
-        return 2 * wall.radius
-    return diameter if wall.hollow or (isinstance(wall, Line) and not wall.sheet) else 0.0
 
 
 def _bend_doubt(wall: Wall, largest: float) -> list[str]:

@@ -19,7 +19,7 @@ from lammps_jump.quoting import LONGEST_NAME
 from lammps_jump.units import Degree, Metre, Plain, Stiffness
 
 from .chains import Chain, Faces, Point, boxes, circle, distance, grounds, lay, outline
-from .shapes import Path, Points, closed_path, drawn
+from .shapes import ArcTo, Path, Points, closed_path, drawn
 from .tracks import KINDS as KINDS_OF_MOTION
 from .tracks import FileName
 from .tracks import Point as GivenPoint
@@ -139,6 +139,15 @@ class Wall(_Own):
         """Point about which the moment on the wall is taken, m: the lower left corner; 0 where the wall has no end."""
         x, y = (low if np.isfinite(low) else 0.0 for low, _ in self.extent)
         return x, y
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the solid, m; 0 where it may be thin, infinite where discs are on one side alone."""
+        return inf if self.hollow else 0.0
+
+    def bends_given(self) -> list[tuple[str, float]]:
+        """Fields that give an arc which bends towards the discs, and its radius, m."""
+        return []
 
     def room(self, axis: str) -> Interval:
         """Interval of a coordinate that the wall leaves to the discs, m; infinite where it sets no bound."""
@@ -285,6 +294,11 @@ class Block(Wall):
         return self.pivot or (0.5 * (self.x[0] + self.x[1]), 0.5 * (self.y[0] + self.y[1]))
 
     @property
+    def thickness(self) -> float:
+        """The shorter side, m."""
+        return min(self.x[1] - self.x[0], self.y[1] - self.y[0])
+
+    @property
     def extent(self) -> tuple[Interval, Interval]:
         """Smallest rectangle around it, m."""
         return super().extent if self.angle else (self.x, self.y)
@@ -359,6 +373,7 @@ class _Drawn(Wall):
     kind: str = field(kw_only=True, repr=False)
     name: WallName
     points: Points = ()
+    sheet = False
     file: FileName | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
@@ -375,6 +390,12 @@ class _Drawn(Wall):
     def moment_point(self) -> Point:
         """The first point, m."""
         return self.path.points[0]
+
+    def bends_given(self) -> list[tuple[str, float]]:
+        """Arcs among the points that turn to the side of the discs."""
+        side = -1 if self.path.turned else 1
+        arcs = ((i, point.radius) for i, point in enumerate(self.points) if isinstance(point, ArcTo))
+        return [(f"points.{i}", abs(radius)) for i, radius in arcs if radius * side > 0 or self.sheet]
 
 
 @dataclass(frozen=True)
@@ -448,6 +469,11 @@ class Line(_Drawn):
         """Whether it closes round the discs."""
         return self.path.closed and not self.sheet and self.path.area > 0
 
+    @property
+    def thickness(self) -> float:
+        """0 of a sheet."""
+        return 0.0 if self.sheet else inf
+
     def chains(self) -> tuple[Chain, ...]:
         """The line; of a sheet there and back."""
         if not self.sheet:
@@ -492,6 +518,15 @@ class Circle(Wall):
     def moment_point(self) -> Point:
         """The centre, m."""
         return self.centre
+
+    @property
+    def thickness(self) -> float:
+        """The diameter of a solid one, m."""
+        return inf if self.hollow else 2 * self.radius
+
+    def bends_given(self) -> list[tuple[str, float]]:
+        """The radius of a hollow one."""
+        return [("radius", self.radius)] if self.hollow else []
 
     def chains(self) -> tuple[Chain]:
         """Four quarters."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-from lammps_jump.dump.contacts import ContactWriter
+from lammps_jump.dump.beside.contacts import ContactWriter
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.write import run_writer
