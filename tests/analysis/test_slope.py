@@ -13,6 +13,7 @@ from lammps_jump.analysis.beds.slope import Stretch, sloping_stretch, turned_flo
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.forces.impulse import MomentumLedger, impulse_identity
+from lammps_jump.analysis.jump.head import EnergyFluxes
 from lammps_jump.analysis.profiles import bin_frames
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.engines.native.engine import take_frame
@@ -124,3 +125,22 @@ def test_the_longest_slope_of_a_bed_is_found():
     assert found.place(found.x + 4.0) == pytest.approx(found.x + 4.0 * cos(found.angle))
     level = replace(scene, walls=(Block("bed", (-2.0, 40.0), (-1.0, 0.0)),))
     assert sloping_stretch(from_scene(level, x_range=(-2.0, 39.0), bin_width=0.7)) is None
+
+
+def test_energy_along_a_chute_is_that_of_the_level_bed(level, chute):
+    """As far as frames count it, which is without friction: carried, handed on, stored and taken by dashpots."""
+    found = []
+    for scene, frames in (level[:2], chute[:2]):
+        scene = replace(scene, coefficients=replace(scene.coefficients, friction=0.0))
+        flow = from_scene(scene, x_range=(0.0, LONG), bin_width=1.0)
+        if scene.gravity[0] == 0:
+            flow = turned_flow(flow, Stretch(0.0, 0.0, LONG * cos(ANGLE), -ANGLE))
+            frames = map(flow.turned, frames)
+        fluxes = EnergyFluxes(flow)
+        for frame in frames:
+            fluxes.add(frame, 0.0)
+        found.append(fluxes.result())
+    for name, given in found[0].items():
+        scale = np.abs(given.values).max()
+        assert scale > 0, name
+        np.testing.assert_allclose(found[1][name].values, given.values, atol=1e-6 * scale, err_msg=name)
