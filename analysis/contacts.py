@@ -17,6 +17,7 @@ from lammps_jump.physics.law import contact_force, normal_force, stored_energy, 
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.faces import touching as touching_faces
+from lammps_jump.scene.motion import Placed
 from lammps_jump.scene.near import Grid, grid_of, list_near
 from lammps_jump.scene.walls import Wall
 
@@ -73,8 +74,9 @@ class Contacts:
 class Touching(NamedTuple):
     """What touches in a frame: indices of both discs; of a contact with a wall, `first` is the number of discs.
 
-    Unit vector from the first to the second, overlap (m), dashpot (N s/m), stiffness (N/m), and slope of LAMMPS'
-    viscous friction (N s/m); id of the first disc, or -1 - w for wall w of the scene.
+    Unit vector from the first to the second, overlap (m), dashpot (N s/m), stiffness (N/m), slope of LAMMPS' viscous
+    friction (N s/m), friction coefficient, velocity of the wall at the contact (m/s; 0 for pairs), and id of the first
+    disc, or -1 - w for wall w of the scene.
     """
 
     first: np.ndarray
@@ -85,6 +87,9 @@ class Touching(NamedTuple):
     dashpot: np.ndarray
     stiffness: np.ndarray
     ramp: np.ndarray
+    friction: np.ndarray
+    wall_u: np.ndarray
+    wall_v: np.ndarray
     partner: np.ndarray
 
 
@@ -95,22 +100,36 @@ def _grid(wall: Wall, reach: float) -> Grid:
 
 
 @once_a_frame
+def walls_of(frame: Frame, flow: Flow) -> tuple[Wall, ...]:
+    """Walls that are there at a frame, where they are."""
+    return flow.walls_at(flow.time(frame))
+
+
+@once_a_frame
 def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
-    """Contacts of a frame's discs with a wall, by the rule of the engines (`lammps_jump.scene.faces`)."""
-    c, faces = flow.scene.coefficients, wall.faces
-    x, y, radius = (np.array(values, float) for values in (frame.x, frame.y, flow.radii(frame)))
-    grid = _grid(wall, max(0.5 * flow.scene.largest, flow.largest_radius(frame)))
+    """Contacts of a frame's discs with a wall, by the rule of the engines (`lammps_jump.scene.faces`).
+
+    Discs are looked at in the frame in which a moving wall stands, so that its faces and their grid are made once.
+    """
+    law, moving = flow.scene.wall_law(wall.name), wall if isinstance(wall, Placed) else None
+    body, places = (moving.body, moving.inward(frame.x, frame.y)) if moving else (wall, (frame.x, frame.y))
+    faces = body.faces
+    x, y, radius = (np.array(values, float) for values in (*places, flow.radii(frame)))
+    grid = _grid(body, max(0.5 * flow.scene.largest, flow.largest_radius(frame)))
     rows = np.empty(frame.n, np.int64), np.empty(frame.n, np.int8), np.zeros(frame.n + 1, np.int64)
     count, room = -1, 2 * frame.n + len(faces.codes)
     while count < 0:
         near, index, found = np.empty(room, np.int64), np.empty(room, np.int64), np.empty((room, 3))
         count = _touch_wall(x, y, radius, faces.codes, faces.shape, faces.deep, grid, *rows, near, index, found)
         room *= 2
-    index, (distance, nx, ny) = index[:count], found[:count].T
-    size = np.sqrt(flow.relative_masses(frame)[index])
-    stiffness, ramp = np.full(count, c.stiffness_wall), c.mass * c.gamma_tangential_wall * size
+    index, (distance, nx, ny), rate = index[:count], found[:count].T, (np.zeros(count), np.zeros(count))
+    if moving:
+        nx, ny = moving.turned(nx, ny)
+        rate = moving.velocity(frame.x[index] - distance * nx, frame.y[index] - distance * ny)
+    size = flow.scene.mass * np.sqrt(flow.relative_masses(frame)[index])
     return Touching(
-        np.full(count, frame.n), index, nx, ny, radius[index] - distance, flow.dashpots[1] * size, stiffness, ramp,
+        np.full(count, frame.n), index, nx, ny, radius[index] - distance, law.gamma_normal * size,
+        np.full(count, law.stiffness), law.gamma_tangential * size, np.full(count, law.friction), *rate,
         np.full(count, -1 - flow.number_of(wall)),
     )  # fmt: skip
 
@@ -148,17 +167,17 @@ def touching_pairs(frame: Frame, flow: Flow) -> Touching:
         reach = radii[i] + radii[j]
         # a nominal pair has the effective mass 1/2
         size = np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
-    stiffness, touch = np.full(len(i), c.stiffness), distance < reach
-    laws = flow.dashpots[0] * size, stiffness, 0.5 * c.mass * c.gamma_tangential * size, frame.ids[i]
-    found = (i, j, dx / distance, dy / distance, reach - distance, *laws)
+    stiffness, friction, still = (np.full(len(i), value) for value in (c.stiffness, c.friction, 0.0))
+    laws = flow.dashpots[0] * size, stiffness, 0.5 * c.mass * c.gamma_tangential * size, friction
+    found = i, j, dx / distance, dy / distance, reach - distance, *laws, still, still, frame.ids[i]
+    touch = distance < reach
     return Touching(*(part[touch] for part in found))
 
 
 @once_a_frame
 def touching(frame: Frame, flow: Flow) -> Touching:
     """Pairs of discs in contact, then discs in contact with walls."""
-    walls = flow.walls_at(flow.time(frame))
-    parts = [touching_pairs(frame, flow), *(wall_contacts(frame, wall, flow) for wall in walls)]
+    parts = [touching_pairs(frame, flow), *(wall_contacts(frame, wall, flow) for wall in walls_of(frame, flow))]
     return Touching(*map(np.concatenate, zip(*parts, strict=True)))
 
 
@@ -183,12 +202,12 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     """
     if not flow.knows_contacts:
         raise DumpError("contact forces need the stiffness of the discs: analyse the dump with its case (--case).")
-    first, second, nx, ny, overlap, dashpot, stiffness, *_ = touching(frame, flow)
+    first, second, nx, ny, overlap, dashpot, stiffness, *_, wall_u, wall_v, _ = touching(frame, flow)
     points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)
     if damping and {"vx", "vy"} <= set(frame.columns):
         u, v = (np.append(speed, 0.0) for speed in (frame.vx, frame.vy))
-        opening = (u[second] - u[first]) * nx + (v[second] - v[first]) * ny
+        opening = (u[second] - u[first] - wall_u) * nx + (v[second] - v[first] - wall_v) * ny
     force = normal_forces(overlap, opening, stiffness, dashpot, flow.touch_width)
     start, end = points[second], points[np.where(is_wall, 0, first)]
     to_wall = (flow.radii(frame)[second] - overlap)[:, None] * normal
@@ -221,16 +240,18 @@ def whole_forces(
         Without it the springs alone.
     """
     scene, zero = flow.scene, np.zeros(frame.n + 1)
-    # behind the discs stands one that never moves: the walls
+    # behind the discs stands one that never moves: the walls, whose own velocity stands with the contact
     u, v, rim = (np.append(values, 0.0) for values in (frame.vx, frame.vy, zero[1:])) if velocity else (zero,) * 3
-    friction = scene.coefficients.friction if velocity and scene.coefficients.friction else None
+    friction = contacts.friction if velocity and scene.rubs else None
+    if not velocity:
+        contacts = contacts._replace(wall_u=np.zeros(len(contacts.first)), wall_v=np.zeros(len(contacts.first)))
     if friction is not None and scene.rotation and "omegaz" in frame.columns:
         rim = np.append(frame.column("omegaz") * flow.radii(frame), 0.0)
     slope = None
     ramp = FRICTION_LAWS[scene.friction_law].ramp
     if friction is not None and ramp is not None:
         slope = 1.0 / max(ramp * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
-    computed = _whole_forces(u, v, rim, *contacts[:8], friction, slope, flow.touch_width)
+    computed = _whole_forces(u, v, rim, contacts, friction, slope, flow.touch_width)
     if flow.written is None or not velocity:
         return computed
     written = flow.written.forces(frame.step, frame.ids[contacts.second], contacts.partner)
@@ -239,14 +260,21 @@ def whole_forces(
     return fx, fy
 
 
-def _whole_forces_py(u, v, rim, first, second, nx, ny, overlap, dashpot, stiffness, ramp, friction, slope, touch):
-    """Force of each contact on its second disc; `rim` is radius times spin of each disc, m/s, others as `Touching`."""
+def _whole_forces_py(u, v, rim, contacts, friction, slope, touch):
+    """Force of each contact on its second disc; `rim` is radius times spin of each disc, m/s.
+
+    `friction` is None where nothing rubs, else that of the contacts.
+    """
+    first, second, nx, ny, overlap, dashpot, stiffness, ramp, _, wall_u, wall_v, _ = contacts
     fx, fy = np.empty_like(overlap), np.empty_like(overlap)
+    rub = None if friction is None else 0.0
     for k in range(overlap.size):
         i, j = first[k], second[k]
-        slip = u[j] - u[i], v[j] - v[i]
+        slip = u[j] - u[i] - wall_u[k], v[j] - v[i] - wall_v[k]
         numbers = stiffness[k], dashpot[k], ramp[k]
-        whole = contact_force(overlap[k], (nx[k], ny[k]), slip, rim[i] + rim[j], numbers, friction, slope, touch)
+        if friction is not None:
+            rub = friction[k]
+        whole = contact_force(overlap[k], (nx[k], ny[k]), slip, rim[i] + rim[j], numbers, rub, slope, touch)
         fx[k], fy[k] = whole[0], whole[1]
     return fx, fy
 
@@ -394,7 +422,7 @@ class ContactCollector:
         pairs = pair_sums(frame, flow, edges)
         self.latest = pairs.energy
         push = np.zeros_like(pairs.thrust)
-        for wall in flow.walls_at(time):
+        for wall in walls_of(frame, flow):
             sums = wall_sums(frame, wall, flow, velocity=edges is not None)
             self.latest += sums.energy
             if edges is not None and sums.index.size:

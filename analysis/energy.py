@@ -6,18 +6,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import nan
 
 import numpy as np
 
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.report.page import Section, Table, described, percent
+from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
 
 from .contacts import ContactCollector
 from .flow import Flow
+from .forces.impulse import window_lengths
 from .passes import Gathered, Tables
 
 
@@ -35,6 +37,8 @@ class EnergyHistory:
     discs : ndarray of int, shape (frames,)
     same_discs : bool
         Every frame holds the same ids.
+    work_of_walls : ndarray, shape (frames,), or None
+        Work of moving walls on the discs since the first frame; None where no wall moves, or one is not probed.
     """
 
     time: np.ndarray
@@ -44,6 +48,7 @@ class EnergyHistory:
     elastic: np.ndarray
     discs: np.ndarray
     same_discs: bool
+    work_of_walls: np.ndarray | None = None
 
     @property
     def total(self) -> np.ndarray:
@@ -106,6 +111,7 @@ class Energy:
     rotational: float = number("J/m", "energy of spin at the end", default=nan)
     potential: float = number("J/m", "potential energy at the end", default=nan)
     elastic: float = number("J/m", "elastic energy at the end", default=nan)
+    work_of_walls: float = number("J/m", "work of moving walls on the discs", default=nan)
     closed: bool | None = None
     conservative: bool | None = None
     reason: str | None = None
@@ -124,7 +130,8 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
     """Energy at the ends of a record, its deviations and its drift."""
     if not len(history.time):
         return Energy(reason="the dump holds no frame")
-    total, c = history.total, flow.scene.coefficients
+    total, c, work = history.total, flow.scene.coefficients, history.work_of_walls
+    lossless = c.restitution == 1.0 and not any(law.gamma_normal for law in flow.scene.own_laws.values())
     start = float(total[0])
     relative = (total - start) / abs(start) if start else np.full(len(total), nan)
     return Energy(
@@ -135,15 +142,34 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
         highest_deviation=float(relative.max()),
         drift=drift(history.time, total),
         **{part: float(getattr(history, part)[-1]) for part in ("kinetic", "rotational", "potential", "elastic")},
+        work_of_walls=nan if work is None else float(work[-1]),
         closed=history.same_discs,
-        conservative=c.restitution == 1.0 and not c.friction and history.same_discs,
+        conservative=lossless and not flow.scene.rubs and not flow.scene.moves and history.same_discs,
         history=history,
     )
 
 
 def analyse(gathered: Gathered) -> Energy:
     """Energy of a run."""
-    return analyse_energy(gathered.histories["energy"], gathered.flow)
+    history = gathered.histories["energy"]
+    assert isinstance(history, EnergyHistory)
+    work = work_of_walls(gathered.forces, gathered.flow, history.time)
+    return analyse_energy(replace(history, work_of_walls=work), gathered.flow)
+
+
+def work_of_walls(forces: Mapping[str, ForceHistory], flow: Flow, time: np.ndarray) -> np.ndarray | None:
+    """Work of moving walls on the discs from the first of these times (s) on, J/m; None where it is not recorded."""
+    moving = [forces.get(wall.name) for wall, motion in flow.scene.walls if motion.kind is not None]
+    if not moving or not len(time):
+        return None
+    total = np.zeros(len(time))
+    for record in moving:
+        if record is None or record.power is None:
+            return None
+        done = np.concatenate([[0.0], np.cumsum(record.power * window_lengths(record.time))])
+        ends = np.concatenate([[record.time[0] - window_lengths(record.time)[0]], record.time])
+        total += np.interp(time, ends, done) - np.interp(time[0], ends, done)
+    return total
 
 
 def tables(energy: Energy) -> Tables:
@@ -151,6 +177,7 @@ def tables(energy: Energy) -> Tables:
     history = energy.history
     parts = ("kinetic", "rotational", "potential", "elastic", "total", "discs")
     columns = {name: getattr(history, name) for name in ("time", *parts)}
+    columns |= {} if history.work_of_walls is None else {"work_of_walls": history.work_of_walls}
     return {"energy.csv": {name: column for name, column in columns.items() if np.isfinite(column).any()}}
 
 
@@ -167,7 +194,8 @@ def section(found: Mapping[str, float | None]) -> Section | None:
     if found.get("conservative"):
         rows += [("Largest deviation", percent(found["max_deviation"], 4)),
                  ("Drift over the record", percent(found["drift"], 4))]  # fmt: skip
-    table = Table([*rows, *described(Energy, found, "kinetic", "potential", "elastic")])
+    parts = ("kinetic", "potential", "elastic", *(["work_of_walls"] if found.get("work_of_walls") is not None else []))
+    table = Table([*rows, *described(Energy, found, *parts)])
     return Section("Energy", [table])
 
 
@@ -185,6 +213,8 @@ def energy_chart(energy: Energy) -> Chart | None:
         ("spin", history.rotational, "faint"),
         ("elastic", history.elastic, "third"),
     )
+    if history.work_of_walls is not None:
+        parts += (("work of the walls", history.work_of_walls, "fit"),)
     always = ("total", "kinetic", "elastic")
     kept = [one for one in parts if np.isfinite(one[1]).any() and (one[0] in always or np.any(one[1]))]
     panels = [Panel(f"Energy [{unit}]", [Line(label, time, part / scale, look) for label, part, look in kept])]

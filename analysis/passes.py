@@ -49,6 +49,8 @@ class Gathered:
         Of ``forces.csv``.
     warnings : tuple of str
         Notes on the flow and of the pass.
+    along : Gathered or None
+        The same along a sloping stretch of bed (`lammps_jump.analysis.beds.slope`), where there is one.
     """
 
     flow: Flow
@@ -57,6 +59,7 @@ class Gathered:
     histories: Mapping[str, object]
     forces: Mapping[str, ForceHistory]
     warnings: tuple[str, ...] = ()
+    along: Gathered | None = None
 
     @property
     def thinned(self) -> xr.Dataset:

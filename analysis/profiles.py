@@ -93,27 +93,44 @@ def bin_frames(frames: Iterable[Frame], flow: Flow) -> xr.Dataset:
     DumpError
         No frame at all, a missing column, a wrong range or width.
     """
-    width, edges = flow.bin_width, bin_edges(flow.x_range, flow.bin_width)
-    bins = len(edges) - 1
-    bed = flow.mean_bed(edges)
-    lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
-    bed_lines = flow.bed_height(edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
-    kept: list[tuple] = []
+    binner = Binner(flow)
     for frame in frames:
+        binner.add(frame, flow.time(frame))
+    return binner.result()
+
+
+class Binner:
+    """Collects the profiles that `bin_frames` makes."""
+
+    def __init__(self, flow: Flow):
+        self.flow, self.edges = flow, bin_edges(flow.x_range, flow.bin_width)
+        bins, width = len(self.edges) - 1, flow.bin_width
+        self.bed = flow.mean_bed(self.edges)
+        lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
+        self.bed_lines = flow.bed_height(self.edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
+        self._kept: list[tuple] = []
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Add a frame."""
+        flow, low, width, bins = self.flow, self.edges[0], self.flow.bin_width, len(self.edges) - 1
         x, y, vx, vy = np.ascontiguousarray(frame.x), np.ascontiguousarray(frame.y), frame.vx, frame.vy
         sums = np.zeros((6, bins))
         beyond = np.zeros(2)
         radius, mass = flow.radii(frame), flow.relative_masses(frame)
-        bin_frame(x, y, vx, vy, radius, mass, edges[0], width, sums, beyond)
+        bin_frame(x, y, vx, vy, radius, mass, low, width, sums, beyond)
         reach = REACH * 2.0 * flow.largest_radius(frame)
-        surface = surface_frame(x, y, vx, radius, reach, flow.bed_height(x), bed_lines, edges[0], width, bins)
-        kept.append((flow.time(frame), frame.step, frame.n, mass.sum(), beyond, sums, *surface))
-    if not kept:
-        raise DumpError("there is no frame to make profiles of.")
-    times, steps, discs, total, beyond, sums, surface, top_speed = (np.array(part) for part in zip(*kept, strict=True))
-    values = _values(sums, surface, top_speed, bed, width, flow)
-    masses = (flow.scene.mass * part for part in (total, *beyond.T))
-    return _dataset(values, times, steps, discs, masses, edges, bed, flow)
+        surface = surface_frame(x, y, vx, radius, reach, flow.bed_height(x), self.bed_lines, low, width, bins)
+        self._kept.append((time, frame.step, frame.n, mass.sum(), beyond, sums, *surface))
+
+    def result(self) -> xr.Dataset:
+        """Profiles of all frames added."""
+        if not self._kept:
+            raise DumpError("there is no frame to make profiles of.")
+        columns = (np.array(part) for part in zip(*self._kept, strict=True))
+        times, steps, discs, total, beyond, sums, surface, top_speed = columns
+        values = _values(sums, surface, top_speed, self.bed, self.flow.bin_width, self.flow)
+        masses = (self.flow.scene.mass * part for part in (total, *beyond.T))
+        return _dataset(values, times, steps, discs, masses, self.edges, self.bed, self.flow)
 
 
 def _values(sums, surface, top_speed, bed, width, flow) -> dict[str, np.ndarray]:

@@ -19,6 +19,7 @@ from lammps_jump.files import CONTACTS_FILE, CURVES, plain, write_json
 from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import draw, energy, front
+from .beds.slope import AlongBed, sloping_stretch
 from .budgets import inflow, stations
 from .contacts import ContactCollector
 from .draw.aside import aside
@@ -227,7 +228,9 @@ def collect(
         if quantity.collector and there.get(name, name in wanted)
     }
     # contacts first: the energy takes each frame's elastic energy from them
-    fed = [*watch, *([contacts] if contacts else []), *collectors.values()]
+    stretch = sloping_stretch(flow) if "jump" in wanted and flow.velocities else None
+    along = [AlongBed(flow, stretch)] if stretch else []
+    fed = [*watch, *([contacts] if contacts else []), *collectors.values(), *along]
     profiles = gather(dump, flow, fed, warnings)
     histories = {name: collector.result() for name, collector in collectors.items()}
     forces = {}
@@ -236,7 +239,8 @@ def collect(
             forces = read_forces(table)
         except DumpError as error:
             warnings.append(str(error))
-    return Gathered(flow, profiles, contacts.result() if contacts else None, histories, forces, tuple(warnings))
+    sums, sloping = contacts.result() if contacts else None, along[0].result() if along else None
+    return Gathered(flow, profiles, sums, histories, forces, tuple(warnings), sloping)
 
 
 def _forces_file(places: Sequence[Path]) -> Path | None:

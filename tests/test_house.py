@@ -43,7 +43,6 @@ LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
 LONG_CALLS = {
     "analysis/contacts.py:_touch_wall_py": 13,
-    "analysis/contacts.py:_whole_forces_py": 14,
     "analysis/jump/head.py:_contact_fields_py": 17,
     "analysis/profiles.py:_bin_frame_py": 10,
     "analysis/profiles.py:_surface_frame_py": 10,

@@ -60,7 +60,7 @@ def section(found: Mapping) -> Section:
 
 def history_chart(result: Forces) -> Chart | None:
     """Force components against time, one panel a structure: windows of the record in grey, low-passed in colour."""
-    panels = [_history_panel(name, force) for name, force in result.structures.items()]
+    panels = [_history_panel(name, force) for name, force in result.shown.items()]
     return Chart("force of the discs", TIME, panels) if panels else None
 
 
@@ -88,12 +88,13 @@ def impulse_chart(result: Forces) -> Chart | None:
     if not result.structures:
         return None
     impulses, moments = [], []
-    for i, (name, force) in enumerate(result.structures.items()):
+    for i, (name, force) in enumerate(result.shown.items()):
         look, table, axis = LOOKS[i % len(LOOKS)], force.table, force.component[1]
         time, moment = table["time"], table["moment_smooth"]
         impulses.append(Line(f"{name}, {force.component}", time, table[f"impulse_{axis}"] / 1e3, look))
         if np.isfinite(moment).any() and force.component == "fx":
-            moments.append(Line(f"{name}, about the foot, anticlockwise", time, moment / 1e3, look))
+            point = "the foot" if force.wall is not None else "its point"
+            moments.append(Line(f"{name}, about {point}, anticlockwise", time, moment / 1e3, look))
     panels = [Panel("Running impulse [kN s/m]", impulses)]
     panels += [Panel(f"Moment, {LOW_PASS:g} s mean [kN m/m]", moments)] if moments else []
     return Chart("impulse and overturning moment", TIME, panels)

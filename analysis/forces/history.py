@@ -71,13 +71,14 @@ class Force(Estimates):
     largest force before it. Else they are those after t = 0.
 
     `component` is the one with the larger integral of its magnitude: `peak` and `impulse` are of it. `wall` is None
-    where the flow does not know the name.
+    where the flow does not know the name, and of a wall that moves or a group.
 
     `table` holds the columns of the CSV table, shape (n,), per metre of width: the record (time, s, fx, fy, N, moment,
-    N m, of upright faces about their foot at the bed); the same behind the low-pass (``fx_smooth`` …, NaN within half
-    of it of the ends); the running impulse (``impulse_x``, ``impulse_y``, N s); the mass depth in front of the
-    structure, m, and the hydrostatic force on its wetted face for that depth, N (NaN where no profile is); and
-    ``oncoming``, the momentum of the flow two bins in front of it, rho s u^2 + rho g s^2/2 where u runs towards it, N.
+    N m, of upright faces about their foot at the bed, and where walls move power, W); force and moment behind the
+    low-pass (``fx_smooth`` …, NaN within half of it of the ends); the running impulse (``impulse_x``, ``impulse_y``,
+    N s); the mass depth in front of the structure, m, and the hydrostatic force on its wetted face for that depth, N
+    (NaN where no profile is); and ``oncoming``, the momentum of the flow two bins in front of it, rho s u^2 + rho g
+    s^2/2 where u runs towards it, N.
     """
 
     component: str | None = None
@@ -98,6 +99,8 @@ class Force(Estimates):
     mean_fx: float = estimate("N/m", "mean Fx of the window")
     mean_fy: float = estimate("N/m", "mean Fy of the window")
     mean_hydrostatic: float = number("N/m", "mean hydrostatic force on the wetted face", default=nan)
+    mean_power: float = estimate("W/m", "mean power of the structure on the discs, of the window")
+    work: float = number("J/m", "its work on the discs after t = 0", default=nan)
     wall: Wall | None = field(default=None, metadata={"summary": False})
     table: Mapping[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
 
@@ -109,12 +112,21 @@ class Force(Estimates):
 
 @dataclass(frozen=True)
 class Forces:
-    """Forces on all structures, the impulse identities along x and y, the reflected wave."""
+    """Forces on all structures, the impulse identities along x and y, the reflected wave.
+
+    `structures` are walls and groups of walls by name, `members` the walls of groups.
+    """
 
     structures: dict[str, Force]
     identities: tuple[Identity, ...]
     reflected: ReflectedWave | None
     settled: dict[str, dict[str, float]]
+    members: frozenset[str] = frozenset()
+
+    @property
+    def shown(self) -> dict[str, Force]:
+        """Those that figures show: a group in place of its walls."""
+        return {name: force for name, force in self.structures.items() if name not in self.members}
 
     @property
     def notes(self) -> list[str]:
@@ -154,12 +166,14 @@ def analyse_forces(
     momentum : MomentumHistory, optional
     profiles : xarray.Dataset
     """
-    walls = {wall.name: wall for wall, _ in flow.scene.walls}
+    # no depth stands before a wall that moves away, and its moment is about its own point
+    walls = {wall.name: wall for wall, motion in flow.scene.walls if motion.kind is None}
     structures = {name: _structure(walls.get(name), history, flow, profiles) for name, history in forces.items()}
     axes = ("x", "y") if momentum is not None else ()
     identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in axes)
     settled = _settled(structures, flow, profiles, momentum)
-    return Forces(structures, identities, _reflected(structures, flow, profiles), settled)
+    members = frozenset(member for _, group in flow.scene.groups for member in group)
+    return Forces(structures, identities, _reflected(structures, flow, profiles), settled, members)
 
 
 def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
@@ -197,8 +211,9 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
             flux = np.where(towards, far["momentum_flux"].values, 0.0)
             oncoming = _at_times(history.time, profiles, flow.scene.density * (flux + still))
     smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
+    own = {name: values for name, values in vars(history).items() if values is not None}
     return {
-        **vars(history),
+        **own,
         "moment": moment,
         **{f"{name}_smooth": moving_mean(values, samples) for name, values in smooth.items()},
         "impulse_x": np.cumsum(history.fx * lengths),
@@ -269,9 +284,18 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
         **{name: biggest(table[column])[0] for name, column in BIGGEST.items()},
         **as_fields(mean_fx=mean_of(table["fx"][inside]), mean_fy=mean_of(table["fy"][inside])),
         mean_hydrostatic=mean_of(table["hydrostatic"][inside]).value,
+        **_power(table, inside, live),
         wall=wall,
         table=table,
     )
+
+
+def _power(table: Mapping[str, np.ndarray], inside: np.ndarray, live: np.ndarray) -> dict[str, float]:
+    """Mean power of the window and work of a structure; nothing where no wall moves."""
+    if "power" not in table:
+        return {}
+    work = float(np.dot(table["power"][live], window_lengths(table["time"])[live]))
+    return {**as_fields(mean_power=mean_of(table["power"][inside])), "work": work}
 
 
 def _settled(

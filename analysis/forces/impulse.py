@@ -10,7 +10,7 @@ from math import nan
 import numpy as np
 
 from lammps_jump.analysis.budgets.inflow import Arrivals
-from lammps_jump.analysis.contacts import ContactCollector, wall_sums
+from lammps_jump.analysis.contacts import ContactCollector, wall_sums, walls_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
@@ -74,12 +74,12 @@ class MomentumLedger:
             same = not gone.any() and len(ids) == len(before[0]) and abs(discs - self._rows[-1][2]) < 1e-7 * discs
         forces, unprobed = {}, {}
         # the last frame before a gate opens counts as with the gate, the first one after as without
-        for wall in flow.walls_at(time) if flow.knows_contacts else ():
+        for wall in walls_of(frame, flow) if flow.knows_contacts else ():
             sums = wall_sums(frame, wall, flow)
             if wall.name in flow.scene.probes:
                 forces[wall.name] = sums.force
             elif sums.index.size:
-                pushes_x = sums.sideways or bool(flow.scene.coefficients.friction)
+                pushes_x = sums.sideways or flow.scene.wall_law(wall.name).friction > 0
                 unprobed[wall.name] = (pushes_x, bool(np.any(sums.fy != 0)))
         momentum, carried = flow.scene.mass * (mass @ speeds), flow.scene.mass * carried
         self._before = now
@@ -165,6 +165,7 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
     if not forces:
         return Identity(axis, reason="no wall was probed")
     first = next(iter(forces.values()))
+    forces = {name: history for name, history in forces.items() if name not in dict(flow.scene.groups)}
     span = _common_span(first.time, momentum, flow)
     if not momentum.same.any():
         return Identity(axis, reason="discs enter or leave between all frames")

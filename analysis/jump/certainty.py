@@ -31,6 +31,7 @@ MADE_OF = {
     "local.froude_downstream": ("local.u2", "local.y2", "speed"),
     "local.beta_1": ("local.u1", "speed"), "local.beta_2": ("local.u2", "speed"),
     "local.sequent_ratio": ("local.y1", "local.y2"),
+    "sloping_y2": ("speed",), "sloping_deviation": ("y2", "sloping_y2"), "local.sloping_ratio": ("local.froude",),
     "local.belanger_ratio": ("local.froude",), "local.belanger_y2": ("local.froude", "local.y1"),
     "local.belanger_deviation": ("local.sequent_ratio", "local.belanger_ratio"),
     "local.density_ratio": ("local.y1", "local.y2", "local.h2"),

@@ -42,8 +42,8 @@ class EnergyFluxes:
 
     def __init__(self, flow: Flow, contacts: object = None):
         self.flow, self.edges = flow, bin_edges(flow.x_range, flow.bin_width)
-        c = flow.scene.coefficients
-        self.known = flow.knows_contacts and not c.friction and flow.time_step > 0 and flow.gravity > 0
+        still = not (flow.scene.rubs or flow.scene.moves)
+        self.known = flow.knows_contacts and still and flow.time_step > 0 and flow.gravity > 0
         # LAMMPS' dashpots act with the velocity of the half step, the thesis' with that of the step
         self.rounds = ROUNDS if flow.scene.integrator == "velocity_verlet" else 0
         self._times: list[float] = []
@@ -61,12 +61,12 @@ class EnergyFluxes:
         place = np.floor((x - low) / width).astype(int)
         inside = (place >= 0) & (place < bins)
         height = y - np.nan_to_num(flow.bed_height(x))
-        energy = 0.5 * (u * u + v * v) + flow.gravity * height
+        energy = 0.5 * (u * u + v * v) + flow.gravity * height - flow.scene.gravity[0] * x
         for row, amount in enumerate((np.ones_like(u), u, u * u, energy, energy * u)):
             fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)
         # behind the discs stands one that never moves: the walls
         u, v, kick = (np.append(values, 0.0) for values in (u, v, 0.5 * flow.time_step / mass))
-        weight = np.append(-flow.gravity * mass, 0.0)
+        weight = np.append(np.multiply.outer(flow.scene.gravity, mass), np.zeros((2, 1)), axis=1)
         contacts = touching(frame, flow)
         _contact_fields(x, u, v, kick, weight, *contacts[:7], flow.touch_width, self.rounds, low, width, fields)
         self._times.append(time)
@@ -92,7 +92,7 @@ def _contact_fields_py(
     walls, bins = x.size, fields.shape[1]
     hu, hv = u, v
     for _ in range(rounds):
-        fx, fy = np.zeros_like(u), weight.copy()
+        fx, fy = weight[0].copy(), weight[1].copy()
         for k in range(first.size):
             i, j = first[k], second[k]
             opening = (hu[j] - hu[i]) * ex[k] + (hv[j] - hv[i]) * ey[k]
@@ -166,12 +166,7 @@ def energy_budget(fields: object, result: JumpResult) -> Budget | None:
         Of `EnergyFluxes`; None where they are not known.
     result : JumpResult
     """
-    if (
-        not isinstance(fields, xr.Dataset)
-        or result.upstream is None
-        or result.downstream is None
-        or result.flow.scene.gravity[0]
-    ):
+    if not isinstance(fields, xr.Dataset) or result.upstream is None or result.downstream is None:
         return None
     asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
     if asked is None:
@@ -218,6 +213,9 @@ def budget_between(
     discs, contacts = (
         (moving.at(stations[0], values) - moving.at(stations[1], values)) / scale for values in (carried, power)
     )
+    # in the frame of the front, gravity along the bed works at the speed against it; the rest is in the potential
+    pull = sign * result.flow.scene.gravity[0] * c
+    discs = discs - pull * moving.integral(a["mass"], *stations) / scale
     loss = moving.integral(a["dashpots"], *stations) / scale
     net, taken, scatter = mean_of(discs + contacts), mean_of(loss), mean_of(discs + contacts - loss).error
     storage = growth_rate(time, moving.integral(energy + a["elastic"], *stations) / scale)
@@ -240,8 +238,8 @@ def budget_between(
 
 
 def no_budget(flow: Flow) -> str:
-    """Why frames give no budget, as a sentence; empty where another reason than friction or a slope holds."""
-    if not flow.knows_contacts or not (flow.scene.coefficients.friction or flow.scene.gravity[0]):
+    """Why frames give no budget, as a sentence; empty where another reason than friction or moving walls holds."""
+    if not flow.knows_contacts or not (flow.scene.rubs or flow.scene.moves):
         return ""
-    cause = "friction is not counted there" if flow.scene.coefficients.friction else "the bed slopes"
+    cause = "friction is not counted there" if flow.scene.rubs else "the work of moving walls is not counted there"
     return f"Frames give no head lost: {cause}. The native engine counts it at every step (probes.stations)."

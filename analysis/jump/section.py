@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.analysis.beds.slope import TurnedFlow, in_place
 from lammps_jump.analysis.budgets import inflow
 from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.report.headline import belongs
+from lammps_jump.analysis.report.headline import AT_SILL, belongs
 from lammps_jump.analysis.report.page import Beside, Section, Table, Text, cut, described, heading, percent_of
 from lammps_jump.analysis.statistics import Mean, propagated
 from lammps_jump.units import ABSENT, numbers_of, shown
@@ -35,8 +36,17 @@ STATES = (
 
 
 def analyse(gathered: Gathered) -> Jump:
-    """Jump of a run."""
-    inlet = inflow.analyse(gathered)
+    """Jump of a run: on level bed, else on the longest stretch of bed with one slope."""
+    found, along = _analysed(gathered, gathered), gathered.along
+    if along is None or found.verdict in (*A_JUMP, AT_SILL) or not isinstance(along.flow, TurnedFlow):
+        return found
+    sloping, looked = _analysed(along, gathered), found.measured is not None and found.measured.track is not None
+    return found if looked and sloping.verdict not in A_JUMP else in_place(sloping, along.flow.stretch)
+
+
+def _analysed(gathered: Gathered, whole: Gathered) -> Jump:
+    """Jump of a flow; `whole`: with the inflow."""
+    inlet = inflow.analyse(whole)
     known = inlet is not None and isfinite(inlet.speed)
     delivered = (Mean.of(inlet, "depth"), Mean.of(inlet, "speed")) if known else None
     measured = analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)
@@ -194,6 +204,7 @@ def _momentum_table(jump: Mapping) -> Table:
         ("momentum with measured thrust, β, bed, slope", "pressure_relation_ratio"),
         ("momentum with measured density, β, bed, slope", "full_relation_ratio"),
         (f"momentum with density ratio {cut(local, 'density_ratio')}", "density_relation_ratio"),
+        ("Bélanger with the weight of the jump along the bed", "sloping_ratio"),
         ("Bélanger: hydrostatic, one density", "belanger_ratio"),
     ]
     rows = [

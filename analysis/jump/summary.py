@@ -11,7 +11,7 @@ from math import isfinite, nan, sqrt
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.statistics import Mean, as_fields
+from lammps_jump.analysis.statistics import Mean, as_fields, known_mean, propagated
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import Estimates, estimate, number
 
@@ -20,7 +20,7 @@ from .frame import Balance, Mass, Roller, measure_state, share
 from .head import Budget
 from .result import Heap, JumpResult
 from .stream import Stream
-from .tail import Tail, against
+from .tail import Tail, against, froude
 
 DEVELOPED_SHARE = 0.7
 """A front whose depth stays below this share of Bélanger's is still on its way to be a jump."""
@@ -64,6 +64,7 @@ class Local(Estimates):
     density_ratio: float = estimate("", "bulk density downstream over upstream")
     density_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the density ratio")
     density_relation_deviation: float = estimate("", "s₂/s₁ over that ratio, less one")
+    sloping_ratio: float = estimate("", "s₂/s₁ by Bélanger with the weight of the jump along the bed")
     full_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with density, bed force, slope and β")
     pressure_coefficient_1: float = estimate("", "contact pressure over hydrostatic, before the toe")
     pressure_coefficient_2: float = estimate("", "contact pressure over hydrostatic, behind the end")
@@ -115,6 +116,9 @@ class Jump(Estimates):
     y2: float = estimate("m", "sequent depth, by mass", label="y2")
     belanger_y2: float = estimate("m", "sequent depth by Bélanger, front's frame", label="Bélanger")
     belanger_deviation: float = estimate("", "sequent depth over Bélanger's, less one", label="deviation")
+    bed_slope: float = number("", "fall of the bed along the stream, per length along the level", default=nan)
+    sloping_y2: float = estimate("m", "sequent depth by Bélanger with the weight of the jump along the bed")
+    sloping_deviation: float = estimate("", "sequent depth over that, less one")
     speed: float = estimate("m/s", "velocity of the front", label="shock speed")
     length: float = estimate("m", "length of the jump", label="length")
     toe_speed: float = estimate("m/s", "velocity of the toe")
@@ -206,15 +210,35 @@ def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, obje
         found |= {name: Mean.of(local, name) for name in ("froude", "belanger_y2")}
     kind = theory.jump_class(found["froude"].value)
     scene, there = result.flow.scene, []
-    there += [FRICTION] if scene.coefficients.friction > 0 else []
+    if fall := _fall(result):
+        area = _area(result)
+
+        def sequent(y: float, u: float, c: float) -> float:
+            return y * theory.sloping_ratio(froude(y, u, c, gravity), 2 * fall * area / y**2)
+
+        found["sloping_y2"] = propagated(sequent, *stream)
+        found["sloping_deviation"] = propagated(lambda s, *one: s / sequent(*one) - 1.0, y2, *stream)
+    there += [FRICTION] if scene.rubs else []
     there += [SLOPE] if scene.gravity[0] else []
     words = {
         "of": of,
         "at": TAIL if level else BEHIND,
         "left_out": tuple(there),
         "jump_class": kind,
+        "bed_slope": fall or nan,
     }
     return as_fields(**found) | words
+
+
+def _fall(result: JumpResult) -> float:
+    """Tangent of the angle by which the bed falls along the stream."""
+    return result.direction * result.flow.scene.gravity[0] / result.flow.gravity
+
+
+def _area(result: JumpResult) -> float:
+    """Area of the water between toe and end, by mass, m^2."""
+    moving = result.moving
+    return float(known_mean(moving.integral(moving.fields["mass_depth"], result.toe, result.end)))
 
 
 def _filling(jump: Jump) -> bool:
@@ -303,27 +327,29 @@ def _against_theory(result: JumpResult, found: Mapping[str, float]) -> dict[str,
     and what the control volume stores.
     """
     one, two, terms = result.upstream, result.downstream, result.balance
-    froude, s1, s2, ratio, density = (found[key] for key in ("froude", "y1", "y2", "sequent_ratio", "density_ratio"))
-    betas, belanger = (found["beta_1"], found["beta_2"]), theory.belanger(froude)
+    fr1, s1, s2, ratio, density = (found[key] for key in ("froude", "y1", "y2", "sequent_ratio", "density_ratio"))
+    betas, belanger = (found["beta_1"], found["beta_2"]), theory.belanger(fr1)
     # forces over g s1^2/2, the unit of the relation with thrust
     unit = one.still(one.mass_depth) / terms.downstream
     push = (terms.bed + terms.slope) / unit
     # the unit of the relations with densities is g s1 h1/2: their Froude number is that of the height
     loose = one.bulk_density
-    expected = _sequent_ratio(froude * sqrt(loose), density)
+    expected = _sequent_ratio(fr1 * sqrt(loose), density)
     against: dict[str, float] = {
         "belanger_ratio": belanger,
         "belanger_y2": s1 * belanger,
         "belanger_deviation": share(ratio, belanger) - 1,
         "density_relation_ratio": expected,
         "density_relation_deviation": ratio / expected - 1,
-        "full_relation_ratio": _sequent_ratio(froude * sqrt(loose), density, -push * loose / (1.0 + ratio), *betas),
+        "full_relation_ratio": _sequent_ratio(fr1 * sqrt(loose), density, -push * loose / (1.0 + ratio), *betas),
         "energy_loss_theory": theory.energy_loss(s1, s1 * belanger),
         "energy_loss_depths": theory.energy_loss(s1, s2),
     }
+    if fall := _fall(result):
+        against["sloping_ratio"] = theory.sloping_ratio(fr1, 2 * fall * _area(result) / s1**2)
     if isfinite(terms.pressure):
         thrusts = (state.thrust / state.still(state.mass_depth) for state in (one, two))
-        largest = _largest_ratio(froude, *betas, *thrusts, push + terms.unsteady / unit)
+        largest = _largest_ratio(fr1, *betas, *thrusts, push + terms.unsteady / unit)
         against |= {"pressure_relation_ratio": largest, "pressure_relation_deviation": ratio / largest - 1}
         for k, state in ((1, one), (2, two)):
             against[f"pressure_coefficient_{k}"] = share(state.thrust, state.still(state.surface_depth))

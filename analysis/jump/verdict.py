@@ -82,10 +82,15 @@ def left_out(jump: Jump) -> str:
     """What Bélanger's relation leaves out of this flow, as a sentence: friction and a sloping bed."""
     terms = jump.momentum_terms
     known = {FRICTION: ("friction; that of the bed", terms.bed), SLOPE: ("the slope of the bed; it", terms.slope)}
-    said = (known[name] for name in jump.left_out)
-    return " ".join(
-        f"Bélanger's relation leaves out {name} is {percent_of(term)} of the momentum function." for name, term in said
-    )
+    said = [
+        f"Bélanger's relation leaves out {name} is {percent_of(term)} of the momentum function."
+        for name, term in (known[name] for name in jump.left_out)
+    ]
+    if isfinite(jump.sloping_y2):
+        bound = is_bound(vars(jump), "sloping_deviation")
+        off = percent_of(jump.sloping_deviation, jump.sloping_deviation_error, bound=bound)
+        said.append(f"With the weight of the jump along the bed it gives {_number(jump, 'sloping_y2', 'm')}: {off}.")
+    return " ".join(said)
 
 
 def _number(found: Jump | Local, key: str, unit: str = "") -> str:

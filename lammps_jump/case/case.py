@@ -92,6 +92,13 @@ class ReadCase:
         """Name of the case."""
         return self.fields.name
 
+    @property
+    def structures(self) -> tuple[str, ...]:
+        """Names in the force record: the walls asked for, those of groups, and the groups."""
+        probes = self.fields.probes
+        members = (member for group in probes.groups.values() for member in group)
+        return tuple(dict.fromkeys((*probes.forces, *members, *probes.groups)))
+
     @cached_property
     def hash(self) -> str:
         """Twelve hex digits, equal for cases that give the same run: name, description and analysis are left out."""

@@ -227,7 +227,7 @@ def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) ->
     asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
     if case.run.output_interval is not None:
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
-    if case.probes.forces:
+    if case.probes.forces or case.probes.groups:
         asked["probes.interval"] = case.probes.interval, scene.probe_steps * dt
     if not isinstance(case.inflow, RowsInflow):
         return told(asked)

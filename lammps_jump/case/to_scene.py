@@ -85,7 +85,11 @@ def _coefficients(case: CaseFields, integrator: str, sizes: Sizes | None) -> con
 
 def _times(case: CaseFields) -> tuple[float, float, float | None]:
     """Duration, time between frames and window of the probes, s; None without probes."""
-    return case.run.duration, case.output_interval, case.probes.interval if case.probes.forces else None
+    return (
+        case.run.duration,
+        case.output_interval,
+        case.probes.interval if case.probes.forces or case.probes.groups else None,
+    )
 
 
 def build_scene(case: CaseFields, source: CaseSource) -> Scene:
@@ -121,7 +125,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     checks.check_places(source, begun, inlets, (*moving, *gates), fields)
     checks.check_pour(case, source, domain, begun.largest)
     names = [wall.name for wall, _ in moving]
-    probes, groups = _probes(case, source, names), walls.groups(case, source, names, own_names)
+    probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)
     asked = {*probes, *(name for _, members in groups for name in members)}
     kept = [one for one in moving if walls.reachable(one, begun, domain) or one.wall.name in asked]
     law, pour = case.contact, case.inflow if isinstance(case.inflow, PourInflow) else None

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
 from lammps_jump.scene.chains import boxes
-from lammps_jump.scene.motion import Motion, largest_speed, way
+from lammps_jump.scene.motion import Motion, arms, largest_speed, way
 from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend, vertices
 from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Line
@@ -224,9 +225,11 @@ def reachable(one: MovingWall, begun: Beginning, domain: tuple[Interval, Interva
 
 
 def groups(
-    case: CaseFields, source: CaseSource, walls: Sequence[str], taken: set[str]
+    case: CaseFields, source: CaseSource, moving: Sequence[MovingWall], taken: set[str]
 ) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Groups of walls whose forces are summed; `taken`: further names that a group must not have."""
+    by_name = {one.wall.name: one for one in moving}
+    walls = list(by_name)
     for name, members in case.probes.groups.items():
         place = f"probes.groups.{name}"
         if name in taken or name in walls:
@@ -237,6 +240,10 @@ def groups(
             require_wall(case, source, f"{place}.{index}", member, walls)
             if member in members[:index]:
                 raise source.error(f"{place}.{index}: '{member}' stands twice, so that its force would count twice")
+        try:
+            arms(name, [by_name[member] for member in members])
+        except CaseError as error:
+            raise source.error(str(error)) from None
     return tuple(case.probes.groups.items())
 
 

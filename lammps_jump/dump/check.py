@@ -100,19 +100,19 @@ class IdCheck:
 
 
 def force_troubles(path: Path, scene: Scene, steps: int) -> list[str]:
-    """What is wrong with the force record of a run of so many steps, in words: a row a window and probe is right."""
+    """What is wrong with the force record of a run of so many steps, in words: a row a window and probe or group."""
     if not scene.probes:
         return []
     try:
         found = read_forces(path)
     except DumpError as error:
         return [str(error)]
-    windows = steps // scene.probe_steps
+    windows, names = steps // scene.probe_steps, {*scene.probes, *(name for name, _ in scene.groups)}
     wanted = np.array([scene.time(scene.probe_steps * number) for number in range(1, windows + 1)])
     troubles = []
     rows = sum(len(history.time) for history in found.values())
-    if rows != windows * len(scene.probes) or (rows and set(found) != set(scene.probes)):
-        troubles.append(f"{rows} of {windows * len(scene.probes)} rows of forces")
+    if rows != windows * len(names) or (rows and set(found) != names):
+        troubles.append(f"{rows} of {windows * len(names)} rows of forces")
     for name, history in found.items():
         parts = (part for part in (history.fx, history.fy, history.moment, history.power) if part is not None)
         if not all(np.isfinite(part).all() for part in parts):

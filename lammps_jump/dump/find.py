@@ -5,19 +5,25 @@ from __future__ import annotations
 
 import csv
 import glob
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from lammps_jump.errors import DumpError
 from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, forces_header, text_of, write_text
 from lammps_jump.folders import read_marker
+from lammps_jump.scene.motion import MovingWall, arms
 from lammps_jump.scene.scene import Scene
 
 from .read import Dump, by_numbers, files_of, open_dump
 
+Groups = Sequence[tuple[str, Sequence[str]]]
+Row = tuple[Any, ...]
+"""Step, name, fx, fy (N/m), moment (N) and, where walls move, power (W/m): means over the window that ends there."""
 KNOWN_NAMES = (*DUMP_NAMES.values(), "dump.bin", "dump.lammpsbin.gz")
 FORCE_COLUMNS = tuple(FORCES_HEADER.split(","))
 
@@ -145,8 +151,29 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
     return {name: ForceHistory(*np.array(values).T) for name, values in rows.items()}
 
 
+def with_groups(rows: Iterable[Row], groups: Groups, walls: Sequence[MovingWall]) -> Iterator[Row]:
+    """Rows of walls, and behind those of each step a row a group.
+
+    Force and power are sums. The moment is about the point of the group's first wall: each wall's own, and its force at
+    its arm. Arms are constant, so that this is exact for means over a window.
+    """
+    by_name = {one.wall.name: one for one in walls}
+    leads = {name: arms(name, [by_name[member] for member in members]) for name, members in groups}
+    for step, found in groupby(rows, key=lambda row: row[0]):
+        own = list(found)
+        yield from own
+        values = {name: np.array(numbers, float) for _, name, *numbers in own}
+        for name, members in groups:
+            if not all(member in values for member in members):
+                continue  # the last window of a run that was torn
+            total = np.sum([values[member] for member in members], axis=0)
+            forces = np.array([values[member][:2] for member in members])
+            total[2] += float(np.sum(leads[name][:, 0] * forces[:, 1] - leads[name][:, 1] * forces[:, 0]))
+            yield step, name, *map(float, total)
+
+
 def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple]) -> None:
-    """Write ``forces.csv``, means over windows.
+    """Write ``forces.csv``, means over windows; rows of the scene's groups are added.
 
     Parameters
     ----------
@@ -157,6 +184,6 @@ def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple]) -> Non
     """
     rows = (
         f"{scene.time(step):.10g},{name},{','.join(f'{value:.10g}' for value in values)}\n"
-        for step, name, *values in forces
+        for step, name, *values in with_groups(forces, scene.groups, scene.walls)
     )
     write_text(Path(path), "".join([f"{forces_header(power=scene.moves)}\n", *rows]))

@@ -79,6 +79,26 @@ def sequent_ratio(
     return shift - 2.0 * half * cos((acos(min(cosine, 1.0)) + 2.0 * pi) / 3.0)
 
 
+def sloping_ratio(froude_1: float, weight: float) -> float:
+    """Ratio of depths S = y2/y1 over a jump on a sloping bed, with the weight of the water between the two sections.
+
+    Largest root of ``2 Fr1^2 (1 - 1/S) + 1 - S^2 + weight = 0``: momentum along the bed, with hydrostatic pressure
+    (FHWA 2006, Hydraulic Engineering Circular 14, eq. 6.7, over g cos y1^2/2). Weight 0 gives `belanger`.
+
+    Parameters
+    ----------
+    froude_1 : float
+        u1/sqrt(g cos y1), in the frame of the jump; depths stand across the bed.
+    weight : float
+        2 A tan(slope)/y1^2, with A the area of the water between the sections, m^2; positive where the bed falls along
+        the stream. NaN where the weight holds back more than the stream brings.
+    """
+    linear, constant = 2.0 * froude_1**2 + 1.0 + weight, 2.0 * froude_1**2
+    # Viète, of S^3 - linear S + constant = 0
+    cosine = -1.5 * constant / linear * sqrt(3.0 / linear) if linear > 0 else -2.0
+    return 2.0 * sqrt(linear / 3.0) * cos(acos(max(cosine, -1.0)) / 3.0) if cosine >= -1.0 - 1e-12 else nan
+
+
 def downstream_froude(froude_1: float) -> float:
     """Froude number behind the jump, Fr2 = Fr1 / (y2/y1)^1.5 (continuity and thesis 4.26)."""
     return froude_1 / belanger(froude_1) ** 1.5

@@ -28,7 +28,7 @@ FEWEST = 3
 
 def marker_of(case: ReadCase, setting: Setting) -> Marker:
     """The marker of the folder of a run."""
-    probes = case.fields.probes.forces
+    probes = case.structures
     program = program_of(setting)
     about = {"key": run_key(case.core, program), "case": case.core, "program": program}
     return Marker("run", (*OWN_FILES, *force_tables(f"force_{name}.csv" for name in probes)), about)
@@ -93,7 +93,7 @@ def _status(case: ReadCase, folder: Path, setting: Setting, stored: Mapping[str,
     if stored.get("status"):
         return str(stored["status"])
     recorded = any(standing(folder, name) for name in ("forces.csv", "forces_*.raw"))
-    if has_checkpoint(folder) or (case.fields.probes.forces and not recorded):
+    if has_checkpoint(folder) or (case.structures and not recorded):
         return "interrupted"
     try:
         return result_of_files(case.scene(), folder, setting, write=False).status

@@ -181,7 +181,7 @@ def compose(
             "engine": result.engine,
             "kernel": result.kernel,
             "integrator": scene.integrator,
-            "friction_law": scene.friction_law if scene.coefficients.friction else None,
+            "friction_law": scene.friction_law if scene.rubs else None,
             "case_hash": shown_key(case.core, setting.kernel),
             "key": run_key(case.core, program_of(setting)),
             "versions": {**versions(), **result.versions},

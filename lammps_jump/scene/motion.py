@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, inf, pi, sin
@@ -10,8 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.errors import CaseError
+
 from .chains import Chain, Faces, moved
-from .tracks import COLUMNS, KINDS, Loaded, fastest, pose_py, poses, track_of
+from .tracks import ANGLE, COLUMNS, KINDS, WAVE_ANGLE, Loaded, fastest, pose_py, poses, track_of
 from .walls import Interval, Wall
 
 
@@ -156,6 +159,11 @@ class Placed(Wall):
         c, s, dx, dy = cos(angle), sin(angle), x - ox, y - oy
         return ox + px + c * dx - s * dy, oy + py + s * dx + c * dy
 
+    def turned(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Directions of the frame in which the wall stands, as they are."""
+        c, s = cos(self.pose.angle), sin(self.pose.angle)
+        return c * x - s * y, s * x + c * y
+
     def velocity(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Velocity of the wall at points, m/s."""
         mx, my = self.moment_point
@@ -210,3 +218,30 @@ def largest_speed(one: MovingWall, begin: float, end: float) -> float:
         return speed
     corners = np.concatenate(wall.outline(*wall.extent)) - motion.about
     return speed + rate * float(np.hypot(*corners.T).max())
+
+
+def reference(one: MovingWall) -> tuple[float, float]:
+    """Point about which the moment on a wall is taken, where the case has the wall, m."""
+    return one.motion.about if one.motion.kind else one.wall.moment_point
+
+
+def arms(name: str, members: Sequence[MovingWall]) -> np.ndarray:
+    """From the point of the first wall of a group to that of each one, m, shape (walls, 2); it never changes.
+
+    Raises
+    ------
+    CaseError
+        Walls that do not move as one body: the arms would change within a window of the force record.
+    """
+    first = members[0]
+    track, turns = first.motion.track, bool(np.any(first.motion.track[:, [*range(ANGLE, ANGLE + 5), WAVE_ANGLE]]))
+    for one in members[1:]:
+        same = np.array_equal(one.motion.track, track) and not (one.motion.load or first.motion.load)
+        if not same or (turns and one.motion.about != first.motion.about):
+            raise CaseError(
+                f"probes.groups.{name}: '{one.wall.name}' does not move with '{first.wall.name}', so their moments "
+                "have no common point; allowed are walls that stand, or that have the same motion (and about, if they "
+                "turn): give each part that moves a group of its own"
+            )
+    x, y = reference(first)
+    return np.array([(px - x, py - y) for px, py in map(reference, members)])

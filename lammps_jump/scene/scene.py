@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import Coefficients, WallLaw
 
-from .motion import MovingWall, Pose
+from .motion import MovingWall, Pose, arms
 from .sizes import Sizes
 from .walls import Interval, Wall
 
@@ -149,9 +149,9 @@ class Scene(Measures):
     walls : tuple of MovingWall
         Each wall with its motion; a `Wall` given alone stands. A gate is a wall whose motion takes it away.
     probes : tuple of str
-        Names of walls whose force is recorded every step and averaged over `probe_steps`.
+        Names of walls whose force is recorded every step and averaged over `probe_steps`; those of groups are added.
     groups : tuple of (str, tuple of str)
-        Names of groups and of their walls, whose forces are summed; the walls need not be in `probes`.
+        Names of groups and of their walls, whose forces are summed.
     stations : Stations, optional
         Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
@@ -188,7 +188,6 @@ class Scene(Measures):
     pours: tuple[Pour, ...] = ()
     outlets: tuple[Outlet, ...] = ()
     probes: tuple[str, ...] = ()
-    groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     stations: Stations | None = None
     steps: int = 0
     settle_steps: int = 0
@@ -207,11 +206,18 @@ class Scene(Measures):
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
+    groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def __post_init__(self) -> None:
-        """Let a wall that is given alone stand."""
-        walls = (MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
-        object.__setattr__(self, "walls", tuple(walls))
+        """Let a wall that is given alone stand; record the walls of groups; CaseError where they move apart."""
+        walls = tuple(MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
+        object.__setattr__(self, "walls", walls)
+        if self.groups:
+            members = (member for _, group in self.groups for member in group)
+            object.__setattr__(self, "probes", tuple(dict.fromkeys((*self.probes, *members))))
+            by_name = {one.wall.name: one for one in walls}
+            for name, group in self.groups:
+                arms(name, [by_name[member] for member in group])
 
     @property
     def radius(self) -> float:

@@ -272,7 +272,7 @@ def _usual(case: Case) -> Iterator[str]:
     asked = case.fields.analysis
     for name, quantity in QUANTITIES.items():
         keys = [n.key for n in numbers_of(quantity.result).values() if n.label != n.meaning and n.unit != "s"]
-        parents = [f"force.{probe}" for probe in case.fields.probes.forces] if name == "force" else [name]
+        parents = [f"force.{probe}" for probe in case.structures] if name == "force" else [name]
         if getattr(asked, name, False) or name == "force":
             yield from (f"{parent}.{key}" for parent in parents for key in keys)
 
@@ -293,8 +293,8 @@ def collected(file: CaseSource, path: str, case: Case) -> Collected:
         raise file.error(f"collect: {shortened(path)}: there is no '{shortened(name)}' in summary.json; {hint}")
     if name == "force":
         probe, _, key = key.partition(".")
-        if probe not in case.fields.probes.forces:
-            known = ", ".join(case.fields.probes.forces) or "none: name the wall in probes.forces of the case"
+        if probe not in case.structures:
+            known = ", ".join(case.structures) or "none: name the wall in probes.forces of the case"
             raise file.error(
                 f"collect: {shortened(path)}: '{shortened(probe)}' is no probe of the case; probes there: {known}"
             )

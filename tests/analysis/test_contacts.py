@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The one neighbour search of the analysis, against trying every pair; and which discs a wall touches."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,9 +14,12 @@ from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.contacts import find_contacts, pair_sums, touching_pairs, wall_contacts, wall_sums
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.physics.contact import WallLaw
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
+from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.sizes import Sizes
+from lammps_jump.scene.tracks import Rotate, Translate
 from lammps_jump.scene.walls import Block, Plane, Wall
 from lammps_jump.script import write_script
 
@@ -234,3 +239,42 @@ def test_forces_of_unequal_discs_are_those_of_lammps(rotation, tmp_path, monkeyp
         else:
             total = sum_of_forces(find_contacts(frame, flow), x, y)
         np.testing.assert_allclose(total, expected, atol=1e-9 * np.abs(expected).max())
+
+
+MOTIONS = {
+    "still": None,
+    "shifted": Translate(velocity=(3.0, -1.0), begin=-0.1),
+    "turning": Rotate(rate=200.0, begin=-0.1),
+}
+LAWS = {"hooke": {}, "sign": {"friction_law": "sign"}, "walls alone rub": {"friction": 0.0}}
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@pytest.mark.parametrize("kind", MOTIONS.values(), ids=MOTIONS)
+def test_a_moving_wall_with_numbers_of_its_own_pushes_as_in_the_engine(kind, law):
+    """Faces are found where the wall is; dashpot and friction see the velocity of the wall at the contact."""
+    rng = np.random.default_rng(12)
+    x, y, vx, vy, spin = *rng.uniform(-1.5, 1.5, (2, 400)), *rng.normal(0, 2, (2, 400)), rng.normal(0, 9, 400)
+    scene = handmade_scene(
+        np.column_stack([x, y]), np.column_stack([vx, vy]), (), gravity=(0.0, 0.0), rotation=True, impact_speed=8.0,
+        overlap_limit=9.0, **({"friction": 0.3} | law),
+    )  # fmt: skip
+    sill, motion = Block("sill", (-0.6, 0.8), (-0.3, 0.4)), Motion(kind=kind, about=(0.5, 0.1), time_step=1e-4)
+    own = WallLaw(3e5, 90.0, 70.0, 0.6)
+    scene = replace(scene, walls=(MovingWall(sill, motion),), own_laws={"sill": own}, probes=("sill",))
+    engine, flow = NativeSimulation(scene), from_scene(scene)
+    rows = engine.discs.ids[:400] - 1
+    engine.discs.omega[:400], engine.discs.vx[:400], engine.discs.vy[:400] = spin[rows], vx[rows], vy[rows]
+    engine.discs.fx[:], engine.discs.fy[:] = 0.0, 0.0
+    engine._forces()
+    expected = np.column_stack([engine.discs.fx[:400], engine.discs.fy[:400]])[np.argsort(rows)]
+    frame = disc_frame(x, y, vx, vy, box=BOX, omegaz=spin, time=0.0)
+    found = contacts.touching(frame, flow)
+    fx, fy = contacts.whole_forces(frame, flow, found)
+    total = np.zeros((401, 2))
+    np.add.at(total, found.second, np.column_stack([fx, fy]))
+    np.subtract.at(total, found.first, np.column_stack([fx, fy]))
+    assert (found.first == 400).sum() > 8
+    np.testing.assert_allclose(total[:400], expected, atol=1e-9 * np.abs(expected).max())  # sums in another order
+    (wall,) = flow.walls_at(0.0)
+    assert wall_sums(frame, wall, flow).force == pytest.approx(-engine.walls.sums[0, :2], rel=1e-9)

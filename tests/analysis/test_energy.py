@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Energy and contact sums on discs placed by hand."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,7 +12,22 @@ from made_up import collected, disc_frame, flow_context, numbers
 
 from lammps_jump.analysis import contacts
 from lammps_jump.analysis.contacts import ContactCollector, find_contacts, pair_sums, wall_sums
-from lammps_jump.analysis.energy import EnergyLedger, analyse_energy, drift
+from lammps_jump.analysis.energy import (
+    EnergyLedger,
+    analyse_energy,
+    drift,
+    energy_chart,
+    section,
+    tables,
+    work_of_walls,
+)
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.dump.find import ForceHistory
+from lammps_jump.engines.native.engine import take_frame
+from lammps_jump.engines.native.simulation import NativeSimulation
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.tracks import Oscillate
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D, K = 0.2, 1.0e6
@@ -224,3 +240,30 @@ def test_dashpots_of_unequal_pairs_go_with_the_root_of_the_effective_mass():
     assert wall_sums(falling, flow.scene.permanent[0], flow).force[1] == pytest.approx(K * 0.01 + 50.0 * 2.0)
     apart = frame([0.0, 0.21], [1.0, 1.0], radius=np.array([0.1, 0.1]))
     assert not find_contacts(apart, flow).force.size and pair_sums(apart, flow).contacts == 0
+
+
+def test_the_work_of_moving_walls_explains_the_energy():
+    """A box that is shaken without losses: what the discs gain is the work of its walls, but for the springs' step."""
+    places = np.array([[x, y] for x in (-0.8, -0.3, 0.3, 0.8) for y in (-0.8, 0.0, 0.8)])
+    scene = handmade_scene(
+        places, 0 * places, (), gravity=(0.0, 0.0), friction=0.0, restitution=1.0, impact_speed=8.0, probes=("box",),
+        probe_steps=50, steps=4000, time_step_fraction=0.02,
+    )  # fmt: skip
+    motion = Motion(kind=Oscillate(amplitude=(0.4, 0.1), period=0.3), time_step=scene.time_step)
+    scene = replace(scene, walls=(MovingWall(Box("box", (-1.2, 1.2), (-1.2, 1.2)), motion),))
+    run, flow = NativeSimulation(scene), from_scene(scene)
+    ledger = EnergyLedger(flow)
+    for _ in range(9):
+        ledger.add(take_frame(run), scene.time(run.step))
+        run.run(500)
+    rows = np.array([[scene.time(row[0]), *row[2:]] for row in run.forces])
+    history = ledger.result()
+    work = work_of_walls({"box": ForceHistory(*rows.T)}, flow, history.time)
+    assert work_of_walls({}, flow, history.time) is None
+    found = analyse_energy(replace(history, work_of_walls=work), flow)
+    assert found.conservative is False and found.work_of_walls == work[-1]
+    assert work[-1] > 1000.0
+    np.testing.assert_allclose(history.total - history.total[0], work, atol=2e-3 * work[-1])
+    assert section(numbers(found)).blocks[0].rows[-1][0].startswith("Work of moving walls")
+    assert "work of the walls" in [line.label for line in energy_chart(found).panels[0].lines]
+    assert "work_of_walls" in tables(found)["energy.csv"]

@@ -5,7 +5,7 @@
 
 from dataclasses import replace
 from functools import partial
-from math import sqrt
+from math import radians, sqrt
 
 import numpy as np
 import pytest
@@ -14,15 +14,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context, numbers
 
+from lammps_jump.analysis.beds.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.jump.certainty import LOCAL_BOUNDS, LOWER_BOUNDS, MADE_OF, UNTOLD, inherited
 from lammps_jump.analysis.jump.frame import Moving, Roller, growth_rate
 from lammps_jump.analysis.jump.head import Budget
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach
-from lammps_jump.analysis.jump.section import certainty, section
+from lammps_jump.analysis.jump.section import analyse, certainty, section
 from lammps_jump.analysis.jump.stream import compression_front, measure_stream, running_median
 from lammps_jump.analysis.jump.summary import Jump, Local, summarise_jump
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.jump.verdict import belongs_to, notes, untimed, worded
+from lammps_jump.analysis.passes import Gathered, feed
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.headline import verdict
 from lammps_jump.analysis.report.page import Beside, Table, Text, errors_of, render
@@ -30,7 +32,7 @@ from lammps_jump.analysis.report.rows import rows_of, tiles
 from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of, piece_error, propagated
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
-from lammps_jump.scene.walls import Block, Plane
+from lammps_jump.scene.walls import Block, Line, Plane
 from lammps_jump.units import numbers_of
 
 D, G = 0.2, 9.81
@@ -582,6 +584,67 @@ def test_what_belanger_leaves_out_is_said_on_top(friction, slope, said):
     title = verdict({"jump": numbers(jump)})
     assert title.startswith(f"A hydraulic jump {said}. ") and "Bélanger’s, which leaves that out" in title
     assert f"Bélanger's relation leaves out {'friction' if friction else 'the slope of the bed'}; " in jump.headline
+
+
+ANGLE = radians(4.0)
+
+
+def on_a_chute(frame):
+    """The frame of a level bed as it stands on a bed that falls by `ANGLE` from the origin on."""
+    columns = {name: np.array(values) for name, values in frame.columns.items()}
+    c, s = np.cos(ANGLE), np.sin(ANGLE)
+    for a, b in (("x", "y"), ("vx", "vy")):
+        columns[a], columns[b] = c * columns[a] + s * columns[b], c * columns[b] - s * columns[a]
+    return make_frame(frame.step, frame.time, frame.box, columns)
+
+
+def gathered_of(frames, flow):
+    """What one pass over frames leaves, along a sloping stretch too."""
+    stretch = sloping_stretch(flow)
+    along = [AlongBed(flow, stretch)] if stretch else []
+    profiles = compute_profiles(feed(frames, flow, along), flow)
+    return Gathered(flow, profiles, None, {}, {}, along=along[0].result() if along else None), stretch
+
+
+def test_a_jump_on_a_chute_is_that_of_a_level_bed_in_tilted_gravity():
+    """Along and across the bed they are one flow: all numbers agree, but for the places, which are along x."""
+    tilted = context(gravity=(G * np.sin(ANGLE), -G * np.cos(ANGLE)))
+    level, _ = gathered_of(moving_step(), tilted)
+    assert level.along is None
+    high = 62.0 * np.cos(ANGLE)
+    bed = Line("bed", ((-5.0, 5.0 * np.tan(ANGLE)), (100.0, -100.0 * np.tan(ANGLE))))
+    # bins of the stretch begin at the middle of the first bin: at the origin
+    upright = context(
+        walls=(bed, Plane("back", "x", -0.5, "above")), x_range=(-0.5, high), domain=((-5.0, 65.0), (-9.0, 20.0))
+    )
+    chute, stretch = gathered_of(map(on_a_chute, moving_step()), upright)
+    assert stretch.angle == pytest.approx(-ANGLE, rel=1e-9) and abs(stretch.x) < 1e-9
+    straight, there = (analyse(one) for one in (level, chute))
+    assert straight.verdict == there.verdict == "jump"
+    assert there.bed_slope == pytest.approx(np.tan(ANGLE), rel=1e-9) == straight.bed_slope
+    one, two = numbers(straight), numbers(there)
+    for key in ("y1", "y2", "froude", "speed", "belanger_y2", "sloping_y2", "sloping_deviation", "length"):
+        assert two[key] == pytest.approx(one[key], rel=1e-6), key
+    for key in ("y1", "y2", "u1", "u2", "beta_1", "sequent_ratio", "sloping_ratio", "momentum_residual"):
+        assert two["local"][key] == pytest.approx(one["local"][key], rel=1e-6, abs=1e-6), key
+    for key in ("position", "toe", "end"):
+        assert two[key] == pytest.approx(one[key] * np.cos(ANGLE), rel=1e-6), key
+    assert two["momentum_terms"]["slope"] == pytest.approx(one["momentum_terms"]["slope"], rel=1e-6)
+    # the weight of the jump's water pushes along the bed: the sequent depth is larger than Bélanger's
+    assert two["sloping_y2"] > 1.001 * two["belanger_y2"]
+    assert "With the weight of the jump along the bed it gives" in there.headline
+
+
+@given(froude=st.floats(1.2, 15.0), weight=st.floats(-0.05, 20.0))
+def test_a_weight_along_the_bed_changes_the_sequent_depth(froude, weight):
+    ratio = theory.sloping_ratio(froude, weight)
+    left = 2 * froude**2 * (1 - 1 / ratio) + 1 - ratio**2 + weight
+    assert abs(left) < 1e-9 * (1 + 2 * froude**2 + weight)
+    assert theory.sloping_ratio(froude, 0.0) == pytest.approx(theory.belanger(froude), rel=1e-9)
+    # of a trapezium between the depths it is the relation with a resisting bed
+    resistance = -weight / (1 + ratio)
+    assert theory.sequent_ratio(froude, resistance=resistance) == pytest.approx(ratio, rel=1e-6)
+    assert np.isnan(theory.sloping_ratio(froude, -2 * froude**2))
 
 
 def test_growth_rate():

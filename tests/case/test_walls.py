@@ -280,7 +280,7 @@ def test_groups_reach_the_scene():
     scene = case(
         "{name: a, kind: circle, centre: [4, 4], radius: 1}", changes=["probes.groups={both: [floor, a]}"]
     ).scene()
-    assert scene.groups == (("both", ("floor", "a")),) and scene.probes == ()
+    assert scene.groups == (("both", ("floor", "a")),) and scene.probes == ("floor", "a")
 
 
 @pytest.mark.parametrize(

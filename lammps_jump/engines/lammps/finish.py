@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lammps_jump.dump.find import with_groups
 from lammps_jump.engines.checkpoint import join_part, last_saved
 from lammps_jump.engines.result import RunResult, interruption
 from lammps_jump.engines.setting import Job
@@ -73,6 +74,8 @@ def conclude(job: Job, outcome: Outcome) -> RunResult:
 def gather_forces(scene: Scene, folder: Path) -> None:
     """Make one ``forces.csv`` of the structures' files, in order of time, without their rows before the first step.
 
+    Rows of the scene's groups are added.
+
     The files stay: parts that go on append to them, and checkpoints name them.
     """
     header, rows = forces_header(power=scene.moves), []
@@ -82,8 +85,21 @@ def gather_forces(scene: Scene, folder: Path) -> None:
             rows += [(time, order, line) for time, line in _force_rows(text_of(raw).splitlines(), header)]
     path = folder / "forces.csv"
     if scene.probes and (rows or not path.exists()):
-        lines = [header, *(line for *_, line in sorted(rows, key=lambda row: row[:2]))]
+        lines = [header, *_with_groups(scene, [line for *_, line in sorted(rows, key=lambda row: row[:2])])]
         write_text(path, "\n".join(lines) + "\n")
+
+
+def _with_groups(scene: Scene, lines: list[str]) -> list[str]:
+    """Lines of walls, in order of time, and those of the scene's groups among them."""
+    if not scene.groups:
+        return lines
+    cells = (line.split(",") for line in lines)
+    rows = ((clock, name, *map(float, values)) for clock, name, *values in cells)
+    own, groups = iter(lines), dict(scene.groups)
+    return [
+        ",".join([clock, name, *(f"{value:.10g}" for value in values)]) if name in groups else next(own)
+        for clock, name, *values in with_groups(rows, scene.groups, scene.walls)
+    ]
 
 
 def _force_rows(lines: list[str], header: str) -> list[tuple[float, str]]:
