@@ -13,7 +13,7 @@ from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import gather
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.quantities import analyse
+from lammps_jump.analysis.quantities import Pictures, analyse
 from lammps_jump.analysis.report.headline import headline, verdict
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.frame import make_frame
@@ -178,7 +178,7 @@ def test_the_floor_ends_before_a_sill_and_a_fall(tmp_path):
     assert flow.bed_height(np.array([0.1, 15, 29.9])) == pytest.approx(0, abs=1e-6), "not the lowest falling disc"
     assert np.isnan(flow.bed_height(np.array([30.1, 33]))).all()
     assert any("It runs from x = 0 to 30 m" in note for note in flow.notes)
-    found = analyse(flow, tmp_path / "fall", tmp_path / "made", ["jump"], figures="none")
+    found = analyse(flow, tmp_path / "fall", tmp_path / "made", ["jump"], pictures=Pictures("none"))
     tail = found["jump"]["tail"]
     # 3 m are half a depth: the tail water ends before the sill, and has its 6 m
     assert (found["jump"]["at"], found["jump"]["y2"]) == ("tail water", pytest.approx(6, rel=1e-3))
@@ -227,7 +227,11 @@ def test_a_steady_flow_is_no_collapsed_column(tmp_path):
             values = {"id": ids, "x": x, "y": y, "vx": 0 * x + 5, "vy": 0 * x}
             writer.write_frame(make_frame(500 * k, 0.1 * k, [[-5, 45], [-20, 20]], values))
     found = analyse(
-        from_dump(open_dump(tmp_path / "jet"), diameter=D), tmp_path / "jet", tmp_path, ["front"], figures="none"
+        from_dump(open_dump(tmp_path / "jet"), diameter=D),
+        tmp_path / "jet",
+        tmp_path,
+        ["front"],
+        pictures=Pictures("none"),
     )
     assert found["front"]["column_base"] is found["front"]["ritter"] is found["front"]["martin_moyce"] is None
     assert "collapsed" not in headline(found) and "Discs flow in; the front is at" in headline(found)

@@ -13,7 +13,7 @@ from made_up import columns_of_discs, flow_context
 
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import with_velocities
-from lammps_jump.analysis.quantities import analyse, main_numbers
+from lammps_jump.analysis.quantities import Pictures, analyse, main_numbers
 from lammps_jump.cli.analyse import analyze
 from lammps_jump.dump.exports import export, read_netcdf
 from lammps_jump.dump.frame import make_frame
@@ -59,7 +59,7 @@ def analysed(tmp_path_factory):
     path = dump_of(out / "dump.lammpstrj", [bore(25.0 - 0.2 * k) for k in range(12)])
     rows = "".join(f"{0.1 * k + 0.1:g},floor,0,-5,0\n" for k in range(11))
     (out / "forces.csv").write_text("time,structure,fx,fy,moment\n" + rows)
-    return out, analyse(context(probes=("floor",)), path, out, EVERYTHING, figures="all")
+    return out, analyse(context(probes=("floor",)), path, out, EVERYTHING, pictures=Pictures("all"))
 
 
 def test_one_pass_leaves_all_files_and_numbers(analysed):
@@ -104,7 +104,7 @@ def test_two_pictures_are_drawn_unless_all_are_asked_for(tmp_path):
 
 def test_nothing_but_profiles_when_nothing_is_asked(tmp_path):
     path = dump_of(tmp_path / "d", [bore(20.0)])
-    parts = analyse(context(), path, tmp_path / "new" / "folder", (), figures="none")
+    parts = analyse(context(), path, tmp_path / "new" / "folder", (), pictures=Pictures("none"))
     assert parts["files"] == ["profiles.nc"]
     assert not {"jump", "front", "energy", "force"} & set(parts)
     assert read_netcdf(tmp_path / "new" / "folder" / "profiles.nc").sizes["time"] == 1
@@ -132,7 +132,7 @@ def test_next_to_nothing(tmp_path, frames):
 
 def test_window_without_frames_falls_back_and_says_so(tmp_path):
     path = dump_of(tmp_path / "d", [bore(20.0)] * 4)
-    parts = analyse(context(window=(50.0, 60.0)), path, tmp_path, (), figures="none")
+    parts = analyse(context(window=(50.0, 60.0)), path, tmp_path, (), pictures=Pictures("none"))
     assert any("second half" in warning for warning in parts["warnings"])
     assert parts["profiles"]["window"][1] == pytest.approx(0.3)
 
@@ -159,7 +159,7 @@ def test_unknown_export_is_refused(tmp_path):
 
 def test_exports_and_fields(tmp_path):
     path = dump_of(tmp_path / "dump.lammpstrj", [bore(20.0)] * 2)
-    parts = analyse(context(), path, tmp_path, ("fields",), figures="none")
+    parts = analyse(context(), path, tmp_path, ("fields",), pictures=Pictures("none"))
     files = [*parts["files"], *(written.name for written in export(tmp_path, ("csv", "vtk", "pictures")))]
     assert {"fields.nc", "fields.vti", "profiles.csv", "picture0.dat", "discs.pvd"} <= set(files)
     assert_ours(files)

@@ -46,7 +46,7 @@ def outcome(data: bytes, folder, *, figures: str = "none", **given) -> str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(quantities, "analyse", partial(ANALYSE, figures=figures))
+                patch.setattr(quantities, "analyse", partial(ANALYSE, pictures=quantities.Pictures(figures)))
                 results.analyse_dump(path, None, out=folder / "out", **options)
     except DumpError as error:
         assert "\n" not in str(error) and len(str(error)) < 600
