@@ -11,7 +11,7 @@ import pytest
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.cells import CellSimulation
-from lammps_jump.engines.native.inlets import PourState
+from lammps_jump.engines.native.events import PourState
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import gate
