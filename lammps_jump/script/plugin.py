@@ -87,7 +87,7 @@ def motion_and_walls(scene: Scene) -> list[str]:
         f"k_wall {number(c.stiffness_wall)} gamma_wall {number(c.gamma_normal_wall)} "
         f"gammat_wall {number(c.gamma_tangential_wall)} mu_wall {number(c.friction)}"
     )
-    words += [*plugin_walls(scene), *sizes(scene)]
+    words += [*plugin_walls(scene), *sizes(scene), *([f"slots {scene.slots}"] if scene.slots else [])]
     if scene.probes:
         words.append(f"probe {scene.probe_steps} {' '.join(scene.probes)}")
     return [*lines, JOIN.join(words)]

@@ -49,6 +49,8 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
       a = add_wall(a + 1, narg, arg);
     } else if (key == "sizes") {
       a = add_pieces(a + 1, narg, arg);
+    } else if (key == "slots") {
+      a = add_slots(a + 1, narg, arg);
     } else if (key == "probe") {
       if (a + 2 >= narg) error->all(FLERR, "fix jump/step: probe needs EVERY and a wall's name");
       probe_every = utils::inumeric(FLERR, arg[a + 1], false, lmp);

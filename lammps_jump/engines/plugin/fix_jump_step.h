@@ -3,6 +3,7 @@
                         [wall NAME X0 Y0 DEEP N FACE... [law K GN GT KS] [until STEP]
                               [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]]...
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...]
+                        [slots S]
                         [probe EVERY NAME...]                                   (probe comes last)
 
    One pass for what a step of discs needs besides the pairs of `pair_style jump/disc` (which must be in use,
@@ -21,6 +22,8 @@
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END.
+   - slots: each disc keeps S of them, of four numbers (partner, sigma, spring, roll): the array of the fix. Forces do
+     not use them yet.
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about (X0, Y0).
 
@@ -41,6 +44,7 @@ namespace LAMMPS_NS {
 class FixJumpStep : public Fix {
  public:
   FixJumpStep(class LAMMPS *, int, char **);
+  ~FixJumpStep() override;
   int setmask() override;
   void end_of_step() override;
   void init() override;
@@ -52,8 +56,18 @@ class FixJumpStep : public Fix {
   double compute_vector(int) override;
   void write_restart(FILE *) override;
   void restart(char *) override;
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override;
+  void set_arrays(int) override;
+  int pack_exchange(int, double *) override;
+  int unpack_exchange(int, double *) override;
+  int pack_restart(int, double *) override;
+  void unpack_restart(int, int) override;
+  int size_restart(int) override { return 1 + size_peratom_cols; }
+  int maxsize_restart() override { return 1 + size_peratom_cols; }
 
  private:
+  static constexpr int SLOT = 4;    // numbers of a slot
   // diameters; of walls of many faces each one more near a disc costs time
   static constexpr double NEAR_MARGIN = 0.5, NEAR_MARGIN_OF_MANY = 0.15;
 
@@ -97,6 +111,7 @@ class FixJumpStep : public Fix {
   int add_wall(int, int, char **);
   jump::Face face_of(const Wall &, int, int, char **) const;
   int add_pieces(int, int, char **);
+  int add_slots(int, int, char **);
   double diameter_of(tagint) const;
   double spin_rate(int) const;
   int add_motion(Wall &, int, int, char **) const;

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* Slots of fix jump/step: what a disc remembers of its contacts. They lie in an array of the fix, so that LAMMPS sorts
+   them with the discs, sends them to another rank with them, and saves them. Four numbers a slot, in the order of
+   `Slots` in lammps_jump/physics/slots.py: partner, sigma, spring, roll. */
+
+#include "fix_jump_step.h"
+
+#include "atom.h"
+#include "error.h"
+#include "memory.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+namespace {
+constexpr int MOST_SLOTS = 64;
+}
+
+int FixJumpStep::add_slots(int a, int narg, char **arg)
+{
+  const int slots = a < narg ? utils::inumeric(FLERR, arg[a], false, lmp) : 0;
+  if (slots < 1 || slots > MOST_SLOTS)
+    error->all(FLERR, "fix jump/step: slots {}; allowed is 1 to {}", slots, MOST_SLOTS);
+  size_peratom_cols = maxexchange = SLOT * slots;
+  peratom_flag = peratom_freq = create_attribute = restart_peratom = 1;
+  FixJumpStep::grow_arrays(atom->nmax);
+  for (int i = 0; i < atom->nlocal; i++) FixJumpStep::set_arrays(i);
+  for (const int kind : {Atom::GROW, Atom::RESTART}) atom->add_callback(kind);
+  return a + 1;
+}
+
+FixJumpStep::~FixJumpStep()
+{
+  if (!array_atom) return;
+  for (const int kind : {Atom::GROW, Atom::RESTART}) atom->delete_callback(id, kind);
+  memory->destroy(array_atom);
+}
+
+void FixJumpStep::grow_arrays(int room)
+{
+  memory->grow(array_atom, room, size_peratom_cols, "jump/step:slots");
+}
+
+void FixJumpStep::copy_arrays(int from, int to, int)
+{
+  std::copy_n(array_atom[from], size_peratom_cols, array_atom[to]);
+}
+
+/** A new disc has no contacts. */
+void FixJumpStep::set_arrays(int i)
+{
+  std::fill_n(array_atom[i], size_peratom_cols, 0.0);
+}
+
+int FixJumpStep::pack_exchange(int i, double *to)
+{
+  std::copy_n(array_atom[i], size_peratom_cols, to);
+  return size_peratom_cols;
+}
+
+int FixJumpStep::unpack_exchange(int i, double *from)
+{
+  std::copy_n(from, size_peratom_cols, array_atom[i]);
+  return size_peratom_cols;
+}
+
+int FixJumpStep::pack_restart(int i, double *to)
+{
+  *to = size_restart(i);
+  pack_exchange(i, to + 1);
+  return size_restart(i);
+}
+
+/** The numbers of this fix stand behind those of the `nth` fixes before it, each led by its count. */
+void FixJumpStep::unpack_restart(int i, int nth)
+{
+  const double *from = atom->extra[i];
+  for (int n = 0; n < nth; n++) from += (int) *from;
+  std::copy_n(from + 1, size_peratom_cols, array_atom[i]);
+}
