@@ -150,10 +150,8 @@ def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = F
     """What a run or a bare dump found: on a terminal `ending`; in a pipe, or where asked for, all numbers."""
     page = folder / "report.html"
     if sys.stdout.isatty() and not verbose:
-        from lammps_jump.analysis.report import rows  # not among the lazy names: it needs the quantities, they the page
-
-        found = rows.rows_of([summary])
-        about = [rows.sure(summary)] if found else []
+        found = analysis.report.rows.rows_of([summary])
+        about = [analysis.report.rows.sure(summary)] if found else []
         about += [_spent(summary)] if "discs" in summary else []
         said = analysis.report.headline.verdict(summary)
         place = folder if page.exists() else None
@@ -185,7 +183,7 @@ def _spent(summary: Mapping[str, Any]) -> str:
 
 
 def ending(
-    said: str, found: Sequence[Any], about: Sequence[str], folder: Path | None, notes: Sequence[str], width: int = 0
+    said: str, rows: Sequence[Any], about: Sequence[str], folder: Path | None, notes: Sequence[str], width: int = 0
 ) -> list[str]:
     """The end of a run or study for a terminal: verdict, table, error bars, time, notes, command of the page.
 
@@ -193,7 +191,7 @@ def ending(
     ----------
     said : str
         Verdict.
-    found : sequence of Row
+    rows : sequence of Row
         Of `analysis.report.rows`.
     about : sequence of str
         One line each: error bars; time and discs.
@@ -204,10 +202,8 @@ def ending(
     width : int
         Columns; by default those of the terminal, at most `WIDEST`.
     """
-    from lammps_jump.analysis.report import rows
-
     wide = width or min(WIDEST, shutil.get_terminal_size().columns)
-    above = [*textwrap.wrap(said, wide), *(rows.table(found, wide) if found else [])]
+    above = [*textwrap.wrap(said, wide), *(analysis.report.rows.table(rows, wide) if rows else [])]
     above += [line for text in about for line in textwrap.wrap(text, wide)]
     below = [f"page: lammps-jump show {shlex.quote(str(folder))}"] if folder is not None else []
     told = [line for text in notes for line in textwrap.wrap(f"note: {text}", wide, subsequent_indent="  ")]
