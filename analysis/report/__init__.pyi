@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import headline as headline
 from . import page as page
-from . import rows as rows
 from .page import Section as Section
 from .page import Table as Table
 from .page import render as render

@@ -17,6 +17,7 @@ from lammps_jump.analysis.jump.section import certainty
 from lammps_jump.analysis.jump.summary import Jump, Local
 from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.tables.rows import MOST, rows_of, sure, tiles
 from lammps_jump.errors import DumpError
 from lammps_jump.files import CURVES, FIGURES, read_json, write_text
 from lammps_jump.physics.contact import Coefficients
@@ -42,7 +43,6 @@ from .page import (
     render,
 )
 from .player import STILL
-from .rows import MOST, rows_of, sure, tiles
 
 LARGEST = 5_000_000
 """Bytes of a report without its player; figures come first, the film only where it still fits."""

@@ -150,8 +150,8 @@ def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = F
     """What a run or a bare dump found: on a terminal `ending`; in a pipe, or where asked for, all numbers."""
     page = folder / "report.html"
     if sys.stdout.isatty() and not verbose:
-        found = analysis.report.rows.rows_of([summary])
-        about = [analysis.report.rows.sure(summary)] if found else []
+        found = analysis.tables.rows.rows_of([summary])
+        about = [analysis.tables.rows.sure(summary)] if found else []
         about += [_spent(summary)] if "discs" in summary else []
         said = analysis.report.headline.verdict(summary)
         place = folder if page.exists() else None
@@ -192,7 +192,7 @@ def ending(
     said : str
         Verdict.
     rows : sequence of Row
-        Of `analysis.report.rows`.
+        Of `analysis.tables.rows`.
     about : sequence of str
         One line each: error bars; time and discs.
     folder : Path or None
@@ -203,7 +203,7 @@ def ending(
         Columns; by default those of the terminal, at most `WIDEST`.
     """
     wide = width or min(WIDEST, shutil.get_terminal_size().columns)
-    above = [*textwrap.wrap(said, wide), *(analysis.report.rows.table(rows, wide) if rows else [])]
+    above = [*textwrap.wrap(said, wide), *(analysis.tables.rows.table(rows, wide) if rows else [])]
     above += [line for text in about for line in textwrap.wrap(text, wide)]
     below = [f"page: lammps-jump show {shlex.quote(str(folder))}"] if folder is not None else []
     told = [line for text in notes for line in textwrap.wrap(f"note: {text}", wide, subsequent_indent="  ")]

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, get_args
 from pydantic import BaseModel, Field, NonNegativeInt, ValidationError, model_validator
 
 import lammps_jump.sweeps as sweeps
-from lammps_jump.analysis.report.rows import Row, rows_of
 from lammps_jump.analysis.statistics import Mean
+from lammps_jump.analysis.tables.rows import Row, rows_of
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
 from lammps_jump.quoting import echoed

@@ -30,7 +30,7 @@ from lammps_jump.analysis.report.page import (
     render,
 )
 from lammps_jump.analysis.report.received import read_player
-from lammps_jump.analysis.report.rows import tiles, together
+from lammps_jump.analysis.tables.rows import tiles, together
 from lammps_jump.files import PLAYER, write_text
 from lammps_jump.provenance import versions
 from lammps_jump.units import shown, two_digits

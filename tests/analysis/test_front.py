@@ -23,7 +23,7 @@ from lammps_jump.analysis.front import (
 )
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.report.headline import headline, verdict
-from lammps_jump.analysis.report.rows import rows_of, tiles
+from lammps_jump.analysis.tables.rows import rows_of, tiles
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import measured as reference_data
 from lammps_jump.physics import waves

@@ -17,11 +17,10 @@ from lammps_jump.analysis.energy import Energy
 from lammps_jump.analysis.forces.history import Force
 from lammps_jump.analysis.front import Front, MartinMoyce
 from lammps_jump.analysis.jump.summary import Jump
+from lammps_jump.analysis.report.headline import A_JUMP, COMPARED, against_water, belongs
+from lammps_jump.analysis.report.page import Box, heading
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.units import ABSENT, POWERS, ROUND_OFF, numbers_of, shown
-
-from .headline import A_JUMP, COMPARED, against_water, belongs
-from .page import Box, heading
 
 MOST = 5
 ONE_RUN = "one run; for error bars: the same command with --members 8"
