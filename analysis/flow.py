@@ -276,7 +276,6 @@ def from_scene(
     if scene.inlets and inflow_speed is None:
         inflow_speed = float(np.mean([row.vx for row in scene.inlets]))
     duration = scene.time(scene.steps)
-    pushed = [wall.name for wall, motion in scene.walls if motion.load is not None]
     return Flow(
         scene,
         x_range or _studied(scene),
@@ -286,7 +285,7 @@ def from_scene(
         inflow_speed,
         sized=scene.sizes is not None,
         water=water,
-        poses=PoseFile(folder / POSES, pushed) if pushed and folder is not None else None,
+        poses=PoseFile(folder / POSES, scene.lids) if scene.lids and folder is not None else None,
     )
 
 

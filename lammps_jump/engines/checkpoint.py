@@ -27,7 +27,17 @@ from typing import Annotated, Any
 from pydantic import Field, FiniteFloat, NonNegativeInt, StringConstraints, TypeAdapter, ValidationError
 
 from lammps_jump.errors import ResumeError
-from lammps_jump.files import BINARY_PART, CONTACTS_FILE, DUMP_NAMES, flush, make_own, plain, read_json, write_json
+from lammps_jump.files import (
+    BINARY_PART,
+    CONTACTS_FILE,
+    DUMP_NAMES,
+    POSES,
+    flush,
+    make_own,
+    plain,
+    read_json,
+    write_json,
+)
 from lammps_jump.identity import scene_key
 from lammps_jump.quoting import echoed
 from lammps_jump.scene.scene import Scene
@@ -41,7 +51,7 @@ ANEW = "the same command with --force in place of --resume starts a new run"
 """What to do where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
-_NAMES = map(re.escape, ("log.lammps", "forces.csv", CONTACTS_FILE, BINARY_PART, *DUMP_NAMES.values()))
+_NAMES = map(re.escape, ("log.lammps", "forces.csv", CONTACTS_FILE, POSES, BINARY_PART, *DUMP_NAMES.values()))
 APPENDED = re.compile("|".join([*_NAMES, r"forces_\w+\.raw"]), re.ASCII)
 """Names of the files that a next part may append to."""
 SHARE = 0.01

@@ -290,6 +290,11 @@ class Scene(Measures):
         """Whether any wall moves."""
         return any(motion.kind is not None for _, motion in self.walls)
 
+    @property
+    def lids(self) -> tuple[str, ...]:
+        """Names of the walls that the discs push."""
+        return tuple(wall.name for wall, motion in self.walls if motion.load is not None)
+
     def wall(self, name: str) -> Wall:
         """The wall of that name; KeyError for an unknown one."""
         return {wall.name: wall for wall, _ in self.walls}[name]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from lammps_jump.files import forces_header
+from lammps_jump.files import POSES, POSES_HEADER, forces_header
 from lammps_jump.scene import MovingWall, Scene
 
 from .numbers import number
@@ -114,8 +114,32 @@ def near(moving: MovingWall, scene: Scene) -> list[str]:
 
 def plugin_probes(scene: Scene) -> list[str]:
     """Force on each probed wall: the fix holds the mean over each window, every step counted, moments and power too."""
-    lines = ["variable        clock equal time"] if scene.probes else []
+    lines = ["variable        clock equal time"] if scene.probes or scene.lids else []
     columns = 4 if scene.moves else 3
     for index, name in enumerate(scene.probes):
         lines += rows(scene, name, tuple(f"f_motion[{columns * index + i + 1}]" for i in range(columns)))
+    return [*lines, *lids(scene, columns * len(scene.probes))]
+
+
+def lids(scene: Scene, behind: int) -> list[str]:
+    """Rows of ``walls.csv`` before each frame: places of lids stand in the fix behind so many numbers.
+
+    An empty title is an empty line, and LAMMPS prints at the start of a part too. Readers skip both.
+    """
+    lines = [f'print           "{POSES_HEADER}" file {POSES} screen no'] if scene.lids else []
+    for place, name in enumerate(scene.lids):
+        x, y = (f"{axis}_of_{name}" for axis in "xy")
+        lines += [
+            f"variable        {x} equal f_motion[{behind + 2 * place + 1}]",
+            f"variable        {y} equal f_motion[{behind + 2 * place + 2}]",
+            f'fix             lid_{name} all print {scene.output_steps} "${{clock}},{name},${{{x}}},${{{y}}},0" &',
+            f'                append {POSES} screen no title ""',
+        ]
     return lines
+
+
+def going_on(scene: Scene, text: str) -> str:
+    """A script whose files go on behind what the part before has written."""
+    for name in scene.probes:
+        text = text.replace(f" file {raw_forces(name)} ", f" append {raw_forces(name)} ")
+    return text.replace(f'print           "{POSES_HEADER}" file {POSES} screen no\n', "")

@@ -19,7 +19,7 @@ from lammps_jump.scene.scene import Pour, Scene
 
 from . import stock
 from .assemble import Options, control, joined
-from .probes import raw_forces
+from .probes import going_on
 from .regions import first_forces
 
 SCRIPT = "in.resume.lammps"
@@ -66,9 +66,7 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
         ("run", run),
     ]
     text = joined(f"{scene.name}: goes on from step {step}", SCRIPT, how, sections)
-    for name in scene.probes:
-        text = text.replace(f" file {raw_forces(name)} ", f" append {raw_forces(name)} ")
-    return text
+    return going_on(scene, text)
 
 
 MOST_SEED = 900_000_000

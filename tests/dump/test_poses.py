@@ -18,7 +18,7 @@ def test_poses_are_read_as_the_file_grows_and_are_straight_between(tmp_path):
     assert poses.at(0.25)["lid"] == pytest.approx((0, -0.125, 0.05))
     assert poses.at(2.0)["lid"] == (0, -0.5, 0.2)  # its last line has no end yet
     with path.open("a") as file:
-        file.write(".5,0.4\n2,float,4,0,0\n")
+        file.write(".5,0.4\n\n2,float,4,0,0\n2,float,4,0,0\n")
     assert poses.at(2.0) == {"lid": (0, -9.5, 0.4), "float": (4, 0, 0)}
     assert poses.at(0.5)["float"] == pytest.approx((2, 0, 0))  # back in time
     assert poses.at(-1.0)["float"] == (1, 0, 0)

@@ -1,20 +1,53 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Poses of the walls that the discs push: ``walls.csv``, a row a wall and frame."""
+"""Poses of the walls that the discs push: ``walls.csv``, a row a wall and frame, written before the frame."""
 
 from __future__ import annotations
 
 import os
 from bisect import bisect_right
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from math import isfinite
 from pathlib import Path
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import POSES_HEADER, open_regular
+from lammps_jump.files import POSES_HEADER, open_regular, writes
 from lammps_jump.scene.motion import Pose
 
 MOST_POSES = 200_000_000
 """Bytes of the file that are read: a million frames of two walls."""
+
+
+class PoseWriter:
+    """Writes ``walls.csv``.
+
+    Parameters
+    ----------
+    path : Path
+    append : bool
+        Write behind the rows that the file holds.
+
+    Raises
+    ------
+    DumpError
+        The file cannot be written.
+    """
+
+    def __init__(self, path: Path, *, append: bool = False):
+        with writes(path):
+            self._file = path.open("a" if append else "w")
+            if not append:
+                self._file.write(POSES_HEADER + "\n")
+
+    def write(self, time: float, poses: Mapping[str, Pose]) -> None:
+        """Write the pose of each wall at a time (s) and hand the rows to the system for readers."""
+        self._file.writelines(
+            f"{time:.15g},{name},{pose.x:.17g},{pose.y:.17g},{pose.angle:.17g}\n" for name, pose in poses.items()
+        )
+        self._file.flush()
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._file.close()
 
 
 class PoseFile:
@@ -30,7 +63,8 @@ class PoseFile:
     Notes
     -----
     A row holds the time (s), the name of the wall, its displacement (m) from where the case has it, and its turn (rad).
-    An engine writes the rows of a frame before the frame. A last line without its end is not read yet.
+    An engine writes the rows of a frame before the frame. A last line without its end is not read yet. Empty lines and
+    a row that stands there twice are skipped.
     """
 
     def __init__(self, path: Path, names: Collection[str]):
@@ -78,7 +112,8 @@ class PoseFile:
         for line in text.splitlines():
             self._line += 1
             if self._line > 1:
-                self._take_row(line)
+                if line:
+                    self._take_row(line)
             elif line.strip() != POSES_HEADER:
                 raise DumpError(f"{self.path}, line 1: {line[:60]!r}; expected {POSES_HEADER}.")
 
@@ -88,6 +123,8 @@ class PoseFile:
             first, name, *rest = line.split(",")
             time, pose = float(first), Pose(*map(float, rest))
             times = self._times[name]
+            if times and (time, pose) == (times[-1], self._poses[name][-1]):
+                return
             if len(rest) != len(pose) or not all(map(isfinite, (time, *pose))) or (times and time <= times[-1]):
                 raise ValueError
         except (ValueError, TypeError, KeyError):

@@ -11,6 +11,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 from lammps_jump.dump.beside.contacts import ContactWriter
+from lammps_jump.dump.beside.poses import PoseWriter
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.write import run_writer
@@ -20,7 +21,7 @@ from lammps_jump.engines.interrupts import counted_interrupts, save_request
 from lammps_jump.engines.result import REPORT_SECONDS, Progress, ProgressCallback, RunResult, interruption
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunError
-from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES
+from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, POSES
 from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
@@ -137,6 +138,7 @@ class _Part:
             self.simulation = CellSimulation(scene, cell_size=setting.cell_size, ledger=setting.ledger)
         self.writer = None
         self.contacts: ContactWriter | None = None
+        self.poses: PoseWriter | None = None
         self.checkpoints: CheckpointWriter | None = None
         self.between_steps, self.reason = True, ""
         self.seconds = self.writing = 0.0
@@ -149,13 +151,17 @@ class _Part:
         self.writer = run_writer(self.folder, scene, setting.dump_format, append=resume is not None)
         if scene.contact_output:
             self.contacts = ContactWriter(self.folder / CONTACTS_FILE, append=resume is not None)
+        if scene.lids:
+            self.poses = PoseWriter(self.folder / POSES, append=resume is not None)
         if setting.cell_size is None:
-            asked = {"forces.csv": scene.probes, CONTACTS_FILE: scene.contact_output}
+            asked = {"forces.csv": scene.probes, CONTACTS_FILE: scene.contact_output, POSES: scene.lids}
             outputs = (DUMP_NAMES[setting.dump_format], *(name for name, wanted in asked.items() if wanted))
             self.checkpoints = CheckpointWriter(scene, self.folder, outputs, setting.checkpoint_interval)
 
     def output(self) -> None:
-        """Write a frame, its contacts first: a reader of a frame finds them."""
+        """Write a frame, its contacts and poses first: a reader of a frame finds them."""
+        if self.poses is not None:
+            self.poses.write(self.scene.time(self.simulation.step), self.simulation.walls.poses())
         if self.contacts is not None:
             self.contacts.write(self.simulation.step, *self.simulation.contacts())
         if self.writer is not None:
@@ -186,8 +192,8 @@ class _Part:
         """Finish the files."""
         if self.writer is not None:
             self.writer.close()
-            if self.contacts is not None:
-                self.contacts.close()
+            for beside in filter(None, (self.contacts, self.poses)):
+                beside.close()
             self._write_forces()
 
     def _write_forces(self) -> None:

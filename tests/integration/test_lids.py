@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A wall that discs push, from the case to its places beside the dump: both engines, and a run that goes on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from lammps_jump.case import load_case
+from lammps_jump.dump.beside.poses import PoseFile
+from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.checkpoint import read_checkpoint
+from lammps_jump.engines.launch import run
+from lammps_jump.engines.setting import Setting
+from lammps_jump.files import POSES
+
+pytestmark = pytest.mark.lammps
+CASE = {
+    "name": "lid",
+    "discs": {"diameter": 0.2, "density": 1000},
+    "contact": {"restitution": 0.3, "stiffness": 1e6},
+    "domain": {"x": [-1, 1.4], "y": [-1, 4]},
+    "walls": [
+        {"name": "box", "kind": "box", "x": [0, 1], "y": [0, 3]},
+        {"name": "lid", "kind": "block", "x": [0.02, 0.98], "y": [0.65, 0.8],
+         "motion": {"kind": "load", "mass": 500, "force": [0, -20000]}},
+        {"name": "float", "kind": "block", "x": [0.3, 0.6], "y": [1.5, 1.6],
+         "motion": {"kind": "load", "mass": 50, "force": [10, -100], "axis": "both", "from": 0.01}},
+    ],
+    "initial": [{"kind": "lattice", "nx": 4, "ny": 3, "spacing": 0.21, "origin": [0.15, 0.1]}],
+    "run": {"duration": 0.06, "output_interval": 0.01},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("engine", ["native", "lammps"])
+def test_places_of_lids_stand_beside_the_frames(engine, plugin, tmp_path):
+    scene = load_case(CASE).scene()
+    kernel = {"engine": "native", "kernel": "numba"} if engine == "native" else {"kernel": "compiled", "plugin": plugin}
+    setting = Setting(**kernel)
+    assert run(scene, tmp_path / "whole", setting).status == "complete"
+    first = run(scene, tmp_path / "parts", Setting(stop_at=scene.steps // 2 + 1, **kernel))
+    assert first.status == "interrupted"
+    with (tmp_path / "parts" / POSES).open("a") as file:
+        file.write("99,lid,9,9,9\n")  # written behind the checkpoint by a part that was killed
+    second = run(scene, tmp_path / "parts", setting, resume=read_checkpoint(tmp_path / "parts"))
+    assert second.status == "complete"
+    found = PoseFile(tmp_path / "parts" / POSES, scene.lids)
+    frames = list(open_dump(next((tmp_path / "whole").glob("dump.*"))))
+    assert len(frames) == 1 + scene.steps // scene.output_steps
+    whole = PoseFile(tmp_path / "whole" / POSES, scene.lids)
+    for frame in frames:
+        for name in scene.lids:
+            assert found.at(frame.time)[name] == pytest.approx(whole.at(frame.time)[name], abs=1e-12)
+    end = whole.at(frames[-1].time)
+    # nothing is in its way: x = F (t - from)^2/(2 m)
+    assert end["float"].x == pytest.approx(10 * (frames[-1].time - 0.01) ** 2 / 100, rel=1e-2)
+    assert end["lid"].y < -0.001 and end["lid"].x == 0.0
+    top = max(np.asarray(frames[-1].y)) + 0.1
+    assert 0.65 + end["lid"].y == pytest.approx(top, abs=0.02)
