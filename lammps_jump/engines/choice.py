@@ -59,7 +59,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             raise SetupError(f"this case needs the compiled kernel, which cannot be used: {error}") from None
         if missing := lacking(scene):
             why = f"stock LAMMPS has no {missing}, and the compiled kernel cannot be used: {error}"
-            return Setting("native", "numba"), [f"the native engine is used: {why}"]
+            return Setting("native", "numba", scripts=True), [f"the native engine is used: {why}"]
         return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}"]
 
 

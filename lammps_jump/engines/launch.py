@@ -88,10 +88,12 @@ def write_inputs(job: Job) -> None:
     scene, setting, resume = job.scene, job.setting, job.resume
     with writable(job.folder):
         job.folder.mkdir(parents=True, exist_ok=True)
+        options = {"dump_format": setting.dump_format, "header": setting.header}
         if setting.engine == "native":
+            if setting.scripts and resume is None:
+                write_script(scene, job.folder, kernel="compiled", **options)
             return
-        options = {"kernel": setting.kernel, "ranks": setting.ranks}
-        options |= {"dump_format": setting.dump_format, "header": setting.header}
+        options |= {"kernel": setting.kernel, "ranks": setting.ranks}
         if resume is None:
             path = write_script(scene, job.folder, **options)
         else:

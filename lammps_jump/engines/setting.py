@@ -36,6 +36,8 @@ class Setting:
         Wall time between checkpoints, s.
     ledger : bool
         Native engine: keep the energy ledger, a quarter of the stepping time.
+    scripts : bool
+        Native engine: also write the scripts of LAMMPS, in whose place it runs.
     cell_size : float, optional
         Native engine: the thesis' own contact search in square cells of this width (m), in place of neighbour lists.
     """
@@ -50,6 +52,7 @@ class Setting:
     stop_at: int | None = None
     checkpoint_interval: float = 60.0
     ledger: bool = True
+    scripts: bool = False
     cell_size: float | None = None
 
 

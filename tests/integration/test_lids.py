@@ -9,9 +9,11 @@ import pytest
 from lammps_jump.case import load_case
 from lammps_jump.dump.beside.poses import PoseFile
 from lammps_jump.dump.read import open_dump
+from lammps_jump.engines import choice
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.launch import run
 from lammps_jump.engines.setting import Setting
+from lammps_jump.errors import SetupError
 from lammps_jump.files import POSES
 
 pytestmark = pytest.mark.lammps
@@ -57,3 +59,18 @@ def test_places_of_lids_stand_beside_the_frames(engine, plugin, tmp_path):
     assert end["lid"].y < -0.001 and end["lid"].x == 0.0
     top = max(np.asarray(frames[-1].y)) + 0.1
     assert 0.65 + end["lid"].y == pytest.approx(top, abs=0.02)
+
+
+def test_without_a_compiler_the_native_engine_runs_and_the_scripts_are_there(tmp_path, monkeypatch):
+    def no_plugin():
+        raise SetupError("no compiler")
+
+    monkeypatch.setattr(choice, "plugin_path", no_plugin)
+    scene = load_case(CASE, {"run.duration": 0.02}).scene()
+    setting, (note,) = choice.choose("lammps", "auto", 1, scene)
+    assert setting.engine == "native" and "'lid', field motion" in note
+    assert run(scene, tmp_path, setting).status == "complete"
+    assert "`lid`" in (tmp_path / "in.lammps").read_text().splitlines()[1]
+    assert (tmp_path / "in.plugin.lammps").exists()
+    with pytest.raises(SetupError, match="stock LAMMPS has no wall that discs push"):
+        choice.choose("lammps", "stock", 1, scene)
