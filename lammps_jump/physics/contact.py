@@ -214,12 +214,16 @@ def wall_stable_fraction(
 
 
 class WallLaw(NamedTuple):
-    """Contact of a nominal disc with a wall: stiffness (N/m), gamma_n and gamma_t (1/s), friction coefficient."""
+    """Contact of a nominal disc with a wall: stiffness (N/m), gamma_n and gamma_t (1/s), friction coefficients.
+
+    `rolling` is None where it is that of the scene.
+    """
 
     stiffness: float
     gamma_normal: float
     gamma_tangential: float
     friction: float
+    rolling: float | None = None
 
 
 @dataclass(frozen=True)

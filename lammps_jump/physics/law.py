@@ -65,6 +65,30 @@ def _friction_force_py(normal, slip, friction, damping, slope):
     return -bound * min(max(slip * slope, -1.0), 1.0)
 
 
+def _slider_py(stretch, slip, bound, stiffness, damping):
+    """Force of a spring and dashpot that slides at a bound, N per m of width, and the stretch that is left, m.
+
+    The force is that of Cundall & Strack (1979); where it slides the spring keeps what the bound leaves of it (Luding
+    2008, eq. 21).
+
+    Parameters
+    ----------
+    stretch : float
+        Elongation of the spring with the way of this step, m.
+    slip : float
+        m/s.
+    bound : float
+        Largest force, N per m of width.
+    stiffness, damping : float
+        N/m and N s/m, per m of width.
+    """
+    force = -stiffness * stretch - damping * slip
+    if abs(force) > bound:
+        force = bound if force > 0.0 else -bound
+        stretch = -(force + damping * slip) / stiffness if stiffness > 0.0 else 0.0
+    return force, stretch
+
+
 def _stored_energy_py(overlap, touch):
     """Elastic energy over stiffness, m^2: integral of the spring's force over the overlap (thesis 4.28).
 
@@ -112,6 +136,7 @@ def _contact_force_py(overlap, normal, slip, rim, numbers, friction, slope, touc
 
 
 normal_force = njit(cache=True)(_normal_force_py)
+slider = njit(cache=True)(_slider_py)
 friction_force = njit(cache=True)(_friction_force_py)
 stored_energy = njit(cache=True)(_stored_energy_py)
 contact_force = njit(cache=True, inline="always")(_contact_force_py)

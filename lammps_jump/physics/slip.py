@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import asin, pi
 from typing import NamedTuple
 
 from .contact import Coefficients, peak_force
@@ -22,14 +23,71 @@ class FrictionLaw(NamedTuple):
         Slip below which friction falls to 0, over v_max; None: LAMMPS' viscous ramp.
     in_stock : bool
         The styles that come with LAMMPS have it.
+    remembers : bool
+        Contacts have a tangential spring (`law.slider`).
     """
 
     ramp: float | None
     in_stock: bool
+    remembers: bool = False
 
 
-FRICTION_LAWS = {"hooke": FrictionLaw(None, True), "sign": FrictionLaw(SIGN_RAMP, False)}
+FRICTION_LAWS = {
+    "hooke": FrictionLaw(None, True),
+    "sign": FrictionLaw(SIGN_RAMP, False),
+    "history": FrictionLaw(None, True, True),
+}
 """Friction laws by their names in a case."""
+
+
+class Rolling(NamedTuple):
+    """Rolling resistance: a spring against rolling that slides at friction times the normal force.
+
+    Attributes
+    ----------
+    friction : float
+        Coefficient of rolling friction.
+    stiffness_ratio, damping : float
+        Stiffness and dashpot over those of a contact of nominal discs.
+    """
+
+    friction: float
+    stiffness_ratio: float
+    damping: float
+
+
+class Springs(NamedTuple):
+    """Springs with memory.
+
+    Attributes
+    ----------
+    tangential_ratio, tangential_damping_ratio : float
+        Stiffness and dashpot of the tangential spring over the normal ones of the same contact.
+    rolling : Rolling or None
+    """
+
+    tangential_ratio: float = 2.0 / 7.0
+    tangential_damping_ratio: float = 1.0
+    rolling: Rolling | None = None
+
+
+AT_WALLS = 4
+"""Slots for contacts with walls."""
+
+
+def slots_of(smallest: float, largest: float) -> int:
+    """Slots that a disc needs for the neighbours it remembers and for walls.
+
+    Of two discs the one with the larger id remembers, so that a disc may have to remember all its neighbours: as many
+    of the smallest as fit around the largest, overlapping by a tenth of the smaller diameter.
+
+    Parameters
+    ----------
+    smallest, largest : float
+        Diameters, m.
+    """
+    apart = 0.5 * (smallest + largest) - 0.1 * smallest
+    return int(pi / asin(min(1.0, 0.45 * smallest / apart))) + AT_WALLS
 
 
 def slip_warnings(c: Coefficients, law: str, spin: bool, smallest: float = 1.0) -> list[str]:
@@ -48,7 +106,7 @@ def slip_warnings(c: Coefficients, law: str, spin: bool, smallest: float = 1.0) 
     smallest : float
         Smallest diameter over the nominal one: dashpots grow as sqrt(m), so rates as 1/sqrt(m), that is 1/d.
     """
-    if not c.friction:
+    if not c.friction or FRICTION_LAWS[law].remembers:
         return []
     ramp = FRICTION_LAWS[law].ramp
     if ramp is not None:

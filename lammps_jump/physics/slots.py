@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Slots: what a disc remembers of each of its contacts, found again by the partner.
 
-A partner is the id of a disc, above 0, or -1 - w for wall w of the scene. A disc may touch one wall at several places.
-There the arc length of the foot tells the contacts apart, and the nearest one goes on. So a contact goes on over the
-joints of a wall, and turns with a wall that moves.
+A partner is the id of a disc, above 0, or -1 - c for chain c of the scene's walls. A disc may touch one chain at
+several places. There the arc length of the foot tells the contacts apart, and the nearest one goes on. So a contact
+goes on over the joints of a wall, and turns with a wall that moves.
 """
 
 from __future__ import annotations
@@ -79,6 +79,22 @@ def _slot_of_py(slots, i, partner, foot, limit, around):
     return best
 
 
+def _held_py(slots, i, partner, foot, limit, around):
+    """Slot in which disc i remembers a contact, as `slot_of` finds it, or `FULL`; nothing is changed."""
+    best, least = FULL, limit
+    for s in range(slots.partner.shape[1]):
+        if slots.partner[i, s] != partner:
+            continue
+        way = 0.0
+        if partner < 0:
+            way = abs(foot - slots.sigma[i, s])
+            if around > 0.0:
+                way = min(way % around, around - way % around)
+        if way <= least:
+            best, least = s, way
+    return best
+
+
 def _end_step_py(slots, n):
     """Empty the slots of the first n discs whose contacts have ended."""
     for i in range(n):
@@ -89,5 +105,6 @@ def _end_step_py(slots, n):
             slots.used[i, s] = 0
 
 
+held = njit(cache=True)(_held_py)
 slot_of = njit(cache=True)(_slot_of_py)
 end_step = njit(cache=True)(_end_step_py)

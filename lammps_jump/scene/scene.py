@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import Coefficients, WallLaw
+from lammps_jump.physics.slip import Springs, slots_of
 
 from .motion import MovingWall, Pose, arms
 from .sizes import Sizes
@@ -161,6 +162,8 @@ class Scene(Measures):
         of this number it gets its own.
     own_laws : mapping of str to WallLaw
         Contact of walls that have numbers of their own, by name.
+    springs : Springs, optional
+        Of a contact law with memory.
     slots : int
         Contacts that a disc remembers; 0: the contact law has no memory.
     contact_output : bool
@@ -201,6 +204,7 @@ class Scene(Measures):
     sizes: Sizes | None = None
     size_steps: int = 1
     own_laws: Mapping[str, WallLaw] = field(default_factory=dict)
+    springs: Springs | None = None
     slots: int = 0
     contact_output: bool = False
     skipped: tuple[str, ...] = field(default=())
@@ -212,6 +216,8 @@ class Scene(Measures):
         """Let a wall that is given alone stand; record the walls of groups; CaseError where they move apart."""
         walls = tuple(MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
         object.__setattr__(self, "walls", walls)
+        if self.springs is not None and not self.slots:
+            object.__setattr__(self, "slots", slots_of(self.smallest, self.largest))
         if self.groups:
             members = (member for _, group in self.groups for member in group)
             object.__setattr__(self, "probes", tuple(dict.fromkeys((*self.probes, *members))))
@@ -283,7 +289,11 @@ class Scene(Measures):
     @property
     def rubs(self) -> bool:
         """Whether anything has friction."""
-        return self.coefficients.friction > 0 or any(law.friction > 0 for law in self.own_laws.values())
+        return (
+            self.springs is not None
+            or self.coefficients.friction > 0
+            or any(law.friction > 0 for law in self.own_laws.values())
+        )
 
     @property
     def moves(self) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import ceil, log2
 
 from lammps_jump.files import DUMP_NAMES
+from lammps_jump.physics.contact import WallLaw
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
@@ -16,7 +17,7 @@ from lammps_jump.scene.sizes import ID_STEP
 from .numbers import number, numbers
 from .probes import stock_probes
 from .regions import first_forces
-from .walls import fix_names, granular_law, stock_gates, stock_walls, unwritten
+from .walls import fix_names, granular_law, spring_words, stock_gates, stock_walls, unwritten
 
 DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
@@ -111,8 +112,10 @@ def contact_law(scene: Scene) -> list[str]:
     gives heavy pairs another restitution than light ones (measured: 0.198 at equal masses, 0.536 at 1 : 10).
     """
     c = scene.coefficients
-    if scene.sizes:
-        law = granular_law(c.stiffness, c.damping_ratio * c.correction, c.tangential_ratio, c.friction)
+    if scene.sizes or scene.springs:
+        nominal = WallLaw(c.stiffness, c.gamma_normal, c.gamma_tangential, c.friction)
+        springs = spring_words(scene, nominal, 0.5 * c.mass)
+        law = granular_law(c.stiffness, c.damping_ratio * c.correction, c.tangential_ratio, c.friction, springs)
         return ["pair_style      granular", f"pair_coeff      * * {law}"]
     rub = f"{numbers(c.gamma_tangential, c.friction)} 1" if c.friction else "0 0 0"
     return [

@@ -37,8 +37,8 @@ def fix_names(lines: list[str]) -> list[str]:
     return [line.split()[1] for line in lines if line.startswith("fix ")]
 
 
-def granular_law(stiffness: float, ratio: float, tangential: float, friction: float) -> str:
-    """Words of LAMMPS' granular styles for discs that are not equal.
+def granular_law(stiffness: float, ratio: float, tangential: float, friction: float, springs: str = "") -> str:
+    """Words of LAMMPS' granular styles, for discs that are not equal and for springs with memory.
 
     ``coeff_restitution`` makes the dashpot 2 xi sqrt(k m_eff) of each contact, xi from a restitution coefficient. The
     tangential dashpot is a multiple of it.
@@ -53,22 +53,47 @@ def granular_law(stiffness: float, ratio: float, tangential: float, friction: fl
         Tangential dashpot over the normal one.
     friction : float
         Coefficient.
+    springs : str
+        Words of the springs (`spring_words`).
     """
-    rub = numbers(tangential, friction) if friction else "0 0"
-    return (
-        f"hooke {numbers(stiffness, restitution_of(ratio))} tangential linear_nohistory {rub} damping coeff_restitution"
-    )
+    rub = springs or f"tangential linear_nohistory {numbers(tangential, friction) if friction else '0 0'}"
+    return f"hooke {numbers(stiffness, restitution_of(ratio))} {rub} damping coeff_restitution"
+
+
+def spring_words(scene: Scene, law: WallLaw, effective_mass: float) -> str:
+    """Words of the tangential and the rolling spring of a contact; none where it has no memory.
+
+    Parameters
+    ----------
+    scene : Scene
+    law : WallLaw
+        Of the contact of nominal discs, or at a wall.
+    effective_mass : float
+        kg/m.
+    """
+    springs = scene.springs
+    if springs is None:
+        return ""
+    stiffness = springs.tangential_ratio * law.stiffness
+    words = f"tangential linear_history {numbers(stiffness, springs.tangential_damping_ratio, law.friction)}"
+    if (roll := springs.rolling) is None:
+        return words
+    friction = roll.friction if law.rolling is None else law.rolling
+    damping = roll.damping * effective_mass * law.gamma_normal
+    return f"{words} rolling sds {numbers(roll.stiffness_ratio * law.stiffness, damping, friction)}"
 
 
 def wall_law(scene: Scene, name: str) -> str:
     """Contact law of a wall's stock fixes."""
     c, own = scene.coefficients, scene.wall_law(name)
-    if scene.sizes:
+    if scene.sizes or scene.springs:
         ratio, tangential = c.damping_ratio * c.correction_wall, c.tangential_ratio_wall
         if name in scene.own_laws:
             ratio = 0.5 * own.gamma_normal * sqrt(c.mass / own.stiffness)
             tangential = own.gamma_tangential / own.gamma_normal if own.gamma_normal else nan
-        return f"granular {granular_law(own.stiffness, ratio, tangential, own.friction)}"
+        return (
+            f"granular {granular_law(own.stiffness, ratio, tangential, own.friction, spring_words(scene, own, c.mass))}"
+        )
     # the wall fixes divide by gamma_n: zero would give NaN forces
     normal = number(own.gamma_normal) if own.gamma_normal > 0 else "1e-12"
     rub = f"{numbers(own.gamma_tangential, own.friction)} 1" if own.friction else "0 0 0"
@@ -128,6 +153,8 @@ def stock_wall(moving: MovingWall, scene: Scene) -> list[str]:
 
 def _polyline(moving: MovingWall, scene: Scene, law: str, tail: str) -> list[str]:
     """A standing wall of several faces, as an intersection."""
+    if scene.springs is not None:
+        raise NotInStock(f"springs with memory at a polyline (wall '{moving.wall.name}', field contact.friction_law)")
     wall, motion = moving
     if motion.kind is not None or motion.gone < inf:
         field = "motion" if motion.kind else "gate"

@@ -6,6 +6,8 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 
@@ -21,6 +23,38 @@ class Constants(NamedTuple):
     friction: float | None
     sign: float | None
     touch: float | None
+
+
+class SpringNumbers(NamedTuple):
+    """Numbers of `Memory` that a scene fixes, by the names there; pairs and, by wall, walls."""
+
+    ratio: float
+    damping: float
+    rolling: tuple[float, float, float]
+    rolling_at: np.ndarray
+
+
+def springs_of(scene: Scene, walls: list[str]) -> SpringNumbers | None:
+    """Numbers of the springs with memory, of these walls; None where contacts have none."""
+    if scene.springs is None:
+        return None
+    roll, c, mass = scene.springs.rolling, scene.coefficients, scene.mass
+    if roll is None:
+        pair, at = (0.0, 0.0, 0.0), np.zeros((len(walls), 3))
+    else:
+        pair = roll.stiffness_ratio * c.stiffness, roll.damping * 0.5 * mass * c.gamma_normal, roll.friction
+        laws = [scene.wall_law(name) for name in walls]
+        at = np.array(
+            [
+                (
+                    roll.stiffness_ratio * law.stiffness,
+                    roll.damping * mass * law.gamma_normal,
+                    roll.friction if law.rolling is None else law.rolling,
+                )
+                for law in laws
+            ]
+        ).reshape(-1, 3)
+    return SpringNumbers(scene.springs.tangential_ratio, scene.springs.tangential_damping_ratio, pair, at)
 
 
 def constants_of(scene: Scene, skin: float) -> Constants:

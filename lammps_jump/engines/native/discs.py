@@ -73,9 +73,11 @@ class Discs:
     radius : ndarray or None
         m, where discs are not equal.
     partner : ndarray of int64, shape (room, slots), or None
-        What each slot of a disc remembers: the id of a disc, or -1 - w for wall w of the scene; 0 in an empty slot.
+        What each slot of a disc remembers: the id of a disc, or -1 - c for chain c of its walls; 0 in an empty slot.
     sigma, spring, roll : ndarray, shape (room, slots), or None
         Arc length of the foot on a wall, elongation of the tangential spring and of the rolling spring, m.
+    touched : ndarray of int8, shape (room, slots)
+        Whether a contact of this step has the slot; 0 between steps.
     """
 
     ids: np.ndarray
@@ -83,6 +85,7 @@ class Discs:
     def __init__(self, scene: Scene, *, ledger: bool):
         self.n = n = len(scene.positions)
         self.room = max(64, int(1.25 * n))
+        self.slots = scene.slots
         every = columns_of(scene, ledger=ledger)
         self.columns = {name: column for name, column in every.items() if column}
         for name, column in every.items():
@@ -105,6 +108,7 @@ class Discs:
         self.scratch = {(array.dtype, array.ndim): np.empty_like(array) for array in kept}
         self.order = np.empty(self.room, np.int64)
         self.cell = np.empty(self.room, np.int64)
+        self.touched = np.zeros((self.room, self.slots), np.int8)
 
     def grow(self) -> None:
         """Half as much room again."""

@@ -28,9 +28,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from lammps_jump.physics.law import contact_force, stored_energy, watching_law
+from lammps_jump.physics.law import contact_force, slider, stored_energy, watching_law
+from lammps_jump.physics.slots import FULL, Slots, end_step, held, slot_of
 from lammps_jump.scene.chains import TX0, TY0, X0, Y0
-from lammps_jump.scene.faces import touching, touching_inline
+from lammps_jump.scene.faces import foot_at, touching, touching_inline
 from lammps_jump.scene.tracks import pose_py
 
 
@@ -147,6 +148,92 @@ class Moves(NamedTuple):
     lid: np.ndarray
     pushed: np.ndarray
     clock: np.ndarray
+
+
+class Memory(NamedTuple):
+    """What contacts with springs need besides the law; of two discs the one with the larger id remembers.
+
+    Attributes
+    ----------
+    slots : Slots
+    ids : ndarray of int64
+        Of the discs.
+    chain : ndarray of int64, shape (faces,)
+        What stands for the chain of a face in the slots (`lammps_jump.physics.slots`).
+    around : ndarray, shape (faces,)
+        Length of the chain of a face where it is closed, else 0, m.
+    full : ndarray of int64, shape (1,)
+        Takes the id of a disc that has no slot left.
+    time_step : float
+        s; 0 where springs stay as they are.
+    ratio, damping : float
+        Stiffness and dashpot of the tangential spring over those of the contact.
+    rolling : tuple of float
+        Stiffness (N/m), dashpot (N s/m) and friction coefficient of the rolling spring of pairs; stiffness 0: none.
+    rolling_at : ndarray, shape (walls, 3)
+        The same of walls.
+    """
+
+    slots: Slots
+    ids: np.ndarray
+    chain: np.ndarray
+    around: np.ndarray
+    full: np.ndarray
+    time_step: float
+    ratio: float
+    damping: float
+    rolling: tuple[float, float, float]
+    rolling_at: np.ndarray
+
+
+def _spring_forces_py(memory, i, partner, foot, around, radius, slip, turn, push, friction, numbers, rolling):
+    """Tangential and rolling force of a contact of disc i, N per m of width; its springs go on by a step.
+
+    `slip` and `turn` (m/s) are the tangential speed and that of rolling, `push` is the normal force, `numbers` holds
+    stiffness and dashpot of the tangential spring, `rolling` those of the rolling spring and its friction coefficient.
+    """
+    dt, slots = memory.time_step, memory.slots
+    limit = 0.5 * radius + abs(slip) * dt
+    stretch = bent = 0.0
+    if dt > 0.0:
+        slot = slot_of(slots, i, partner, foot, limit, around)
+        if slot == FULL:
+            memory.full[0] = memory.ids[i]
+    else:
+        slot = held(slots, i, partner, foot, limit, around)
+    if slot != FULL:
+        stretch, bent = slots.spring[i, slot], slots.roll[i, slot]
+    force, stretch = slider(stretch + slip * dt, slip, friction * abs(push), numbers[0], numbers[1])
+    resists = 0.0
+    if rolling[0] > 0.0:
+        resists, bent = slider(bent + turn * dt, turn, rolling[2] * abs(push), rolling[0], rolling[1])
+    if slot != FULL and dt > 0.0:
+        slots.spring[i, slot], slots.roll[i, slot] = stretch, bent
+    return force, resists
+
+
+def _pair_springs_py(memory, i, j, radii, overlap, slip, spins, push, friction, numbers):
+    """Tangential force of two discs along (-ny, nx) of disc i, and the torques on both (N, N m per m of width)."""
+    one, other = (i, j) if memory.ids[i] > memory.ids[j] else (j, i)
+    a, b = radii
+    arm = a * b / (a + b)
+    turn = arm * (spins[0] - spins[1]) if one == i else arm * (spins[1] - spins[0])
+    force, resists = _spring_forces(
+        memory, one, memory.ids[other], 0.0, 0.0, a, slip, turn, push, friction,
+        (memory.ratio * numbers[0], memory.damping * numbers[1]), memory.rolling,
+    )  # fmt: skip
+    resists *= arm if one == i else -arm
+    return force, -(a - 0.5 * overlap) * force + resists, -(b - 0.5 * overlap) * force - resists
+
+
+def _wall_springs_py(memory, i, wall, face, foot, radius, slip, spin, push, friction, numbers):
+    """Tangential force of a disc at a wall along (-ny, nx), and the torque on it (N, N m per m of width)."""
+    at = memory.rolling_at
+    force, resists = _spring_forces(
+        memory, i, memory.chain[face], foot, memory.around[face], radius, slip, radius * spin, push, friction,
+        (memory.ratio * numbers[0], memory.damping * numbers[1]), (at[wall, 0], at[wall, 1], at[wall, 2]),
+    )  # fmt: skip
+    return force, radius * (resists - force)
 
 
 def _place_walls_py(moves, step):
@@ -322,7 +409,7 @@ def _pair_size_py(a, b):
 
 
 def _pair_forces_py(
-    rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, sign, touch,
+    rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, sign, touch, memory,
     dash_x, dash_y, slide_x, slide_y,
 ):  # fmt: skip
     """Add the forces of all touching pairs of the half list to fx, fy, torque.
@@ -330,9 +417,10 @@ def _pair_forces_py(
     Row r of the list belongs to disc r, or to disc ``owner[r]`` where the cells made it.
 
     The forces are those of `lammps_jump.physics.law`; `sign` is 1 / eps of the thesis' friction. The arm of friction is
-    R of equal discs, and R less half the overlap of others, as in LAMMPS' styles for each.
+    R of equal discs, and R less half the overlap of others and of contacts with memory, as in LAMMPS' styles for each.
     """
     k, c, ct = law.stiffness, law.damping, law.tangential
+    rub = friction if memory is None else None
     for row in range(rows):
         i = row if owner is None else owner[row]
         xi, yi, uxi, uyi = x[i], y[i], ux[i], uy[i]
@@ -359,9 +447,20 @@ def _pair_forces_py(
                     rim = a * (omega[i] + omega[j]) if radius is None else a * omega[i] + b * omega[j]
                 slip = (uxi - ux[j], uyi - uy[j])
                 numbers = (k, c * size, ct * size)
-                px, py, ft, dashpot = contact_force(overlap, (nx, ny), slip, rim, numbers, friction, sign, touch)
-                if friction is not None:
+                px, py, ft, dashpot = contact_force(overlap, (nx, ny), slip, rim, numbers, rub, sign, touch)
+                if memory is not None:
+                    spins = (0.0, 0.0) if omega is None else (omega[i], omega[j])
+                    ft, on_one, on_two = _pair_springs(
+                        memory, i, j, (a, b), overlap, slip[1] * nx - slip[0] * ny - rim, spins, px * nx + py * ny,
+                        friction, (k, c * size),
+                    )  # fmt: skip
+                    px -= ft * ny
+                    py += ft * nx
                     if omega is not None:
+                        turn += on_one
+                        torque[j] += on_two
+                if friction is not None:
+                    if omega is not None and memory is None:
                         dent = 0.0 if radius is None else 0.5 * overlap
                         turn -= (a - dent) * ft
                         torque[j] -= (b - dent) * ft
@@ -394,7 +493,7 @@ def _pair_forces_py(
 
 
 def _wall_forces_py(
-    x, y, radius, ux, uy, omega, fx, fy, torque, faces, near, law, friction, sign, touch,
+    x, y, radius, ux, uy, omega, fx, fy, torque, faces, near, law, friction, sign, touch, memory,
     dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
 ):  # fmt: skip
     """Add the forces of walls to the discs that `near` lists a wall at a time; the opposite to ``wall_sum``.
@@ -408,14 +507,14 @@ def _wall_forces_py(
     codes, shape, deep = faces.codes, faces.shape, faces.deep
     found, which = near.found, near.which
     discs, plain, last, listed = near.discs, near.plain, near.last, near.faces
-    rub = None if friction is None else 0.0
+    rub = None if friction is None or memory is not None else 0.0
     centre_x = centre_y = 0.0
     now = near.found[0]
     if moves is not None:
         work[3] = work[4] = work[5] = 0.0
     for wall in range(deep.size):
         k, damping, ct = near.numbers[wall, 0], near.numbers[wall, 1], near.numbers[wall, 2]
-        if friction is not None:
+        if friction is not None and memory is None:
             rub = near.numbers[wall, 3]
         x_ref, y_ref = near.about[wall, 0], near.about[wall, 1]
         wall_x = wall_y = moment = 0.0
@@ -436,12 +535,12 @@ def _wall_forces_py(
                 dx, dy = px - centre_x - now[0], py - centre_y - now[1]
                 px, py = centre_x + now[3] * dx + now[4] * dy, centre_y - now[4] * dx + now[3] * dy
             several = plain[row] == 0
+            inner_x, inner_y, face = px, py, listed[last[row]]
             if several:
                 count = touching_inline(
                     codes, shape, deep[wall], listed, last[row], last[row + 1], px, py, own, found, which
                 )
             else:
-                face = listed[last[row]]
                 nx, ny = -shape[face, TY0], shape[face, TX0]
                 gap = ny * (py - shape[face, Y0]) + nx * (px - shape[face, X0])
                 if gap >= own or (gap <= -own and deep[wall] == 0):
@@ -460,8 +559,20 @@ def _wall_forces_py(
                 px, py, ft, dashpot = contact_force(
                     own - gap, (nx, ny), (slip_x, slip_y), rim, numbers, rub, sign, touch
                 )
-                if friction is not None:
+                if memory is not None:
+                    if several:
+                        face = which[contact]
+                    ft, turn = _wall_springs(
+                        memory, i, wall, face, foot_at(codes, shape, face, inner_x, inner_y), own,
+                        slip_y * nx - slip_x * ny - rim, 0.0 if omega is None else omega[i], px * nx + py * ny,
+                        near.numbers[wall, 3], numbers,
+                    )  # fmt: skip
+                    px -= ft * ny
+                    py += ft * nx
                     if omega is not None:
+                        torque[i] += turn
+                if friction is not None:
+                    if omega is not None and memory is None:
                         torque[i] -= own * ft
                     if slide_x is not None:
                         slide_x[i] -= ft * ny
@@ -503,7 +614,7 @@ def _wall_forces_py(
 
 def _advance_py(
     steps, owed, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
-    owner, start, neighbours, grid, faces, near, law, motion, friction, sign, touch,
+    owner, start, neighbours, grid, faces, near, law, motion, friction, sign, touch, memory,
     dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
 ):  # fmt: skip
     """Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these alone.
@@ -528,12 +639,14 @@ def _advance_py(
             inverse_eps = slope(n, seen_x, seen_y, sign)
             _pair_forces(
                 rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction,
-                inverse_eps, touch, dash_x, dash_y, slide_x, slide_y,
+                inverse_eps, touch, memory, dash_x, dash_y, slide_x, slide_y,
             )  # fmt: skip
             _wall_forces(
                 x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
-                friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
+                friction, inverse_eps, touch, memory, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
             )  # fmt: skip
+            if memory is not None and memory.time_step > 0.0:
+                end_step(memory.slots, n)
         if steps == 0:
             return 0, False
         moved = _kick_drift(
@@ -663,7 +776,7 @@ def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near
 
 def _contacts_py(
     ids, rows, owner, start, neighbours, x, y, radius, ux, uy, turned, vx, vy, omega, faces, near, law, friction,
-    inverse_eps, touch, moves, who, found,
+    inverse_eps, touch, memory, moves, who, found,
 ):  # fmt: skip
     """List the contacts with their forces: the number of contacts, or -1 where `who` and `found` are too short.
 
@@ -673,6 +786,7 @@ def _contacts_py(
     -1 - wall; ``found[k]`` the point (m), the force (N per m of width) and the power (W per m of width).
     """
     count = 0
+    own = friction if memory is None else None
     for row in range(rows):
         i = row if owner is None else owner[row]
         a = 0.5 * law.diameter if radius is None else radius[i]
@@ -695,7 +809,16 @@ def _contacts_py(
                 rim = a * turned[i] + b * turned[j]
                 turn = (a - dent) * omega[i] + (b - dent) * omega[j]
             slip = (ux[i] - ux[j], uy[i] - uy[j])
-            px, py, rub, dash = contact_force(overlap, (nx, ny), slip, rim, numbers, friction, inverse_eps, touch)
+            px, py, rub, dash = contact_force(overlap, (nx, ny), slip, rim, numbers, own, inverse_eps, touch)
+            if memory is not None:
+                spins = (0.0, 0.0) if omega is None else (turned[i], turned[j])
+                rub, on_one, on_two = _pair_springs(
+                    memory, i, j, (a, b), overlap, slip[1] * nx - slip[0] * ny - rim, spins, px * nx + py * ny,
+                    friction, (law.stiffness, law.damping * size),
+                )  # fmt: skip
+                px, py = px - rub * ny, py + rub * nx
+                if omega is not None and rub != 0.0:
+                    turn = -(on_one * omega[i] + on_two * omega[j]) / rub
             sx, sy = vx[i] - vx[j], vy[i] - vy[j]
             who[count, 0], who[count, 1] = ids[i], ids[j]
             way = a - 0.5 * overlap
@@ -714,7 +837,7 @@ def _contacts_py(
                 return -1
             size = 1.0 if radius is None else a
             numbers = (near.numbers[wall, 0], near.numbers[wall, 1] * size, near.numbers[wall, 2] * size)
-            rub_here = None if friction is None else near.numbers[wall, 3]
+            rub_here = None if own is None else near.numbers[wall, 3]
             rim = turn = 0.0
             if omega is not None:
                 rim, turn = a * turned[i], a * omega[i]
@@ -724,10 +847,20 @@ def _contacts_py(
                 at_x, at_y = x[i] - gap * nx, y[i] - gap * ny
                 wx, wy = _wall_velocity(moves, wall, 5, at_x, at_y)
                 slip = ux[i] - wx, uy[i] - wy
-                px, py, rub, dash = contact_force(a - gap, (nx, ny), slip, rim, numbers, rub_here, inverse_eps, touch)
+                face = near.which[contact]
+                foot = foot_at(faces.codes, faces.shape, face, px, py)
+                qx, qy, rub, dash = contact_force(a - gap, (nx, ny), slip, rim, numbers, rub_here, inverse_eps, touch)
+                if memory is not None:
+                    rub, on_it = _wall_springs(
+                        memory, i, wall, face, foot, a, slip[1] * nx - slip[0] * ny - rim,
+                        0.0 if omega is None else turned[i], qx * nx + qy * ny, near.numbers[wall, 3], numbers,
+                    )  # fmt: skip
+                    qx, qy = qx - rub * ny, qy + rub * nx
+                    if omega is not None and rub != 0.0:
+                        turn = -on_it * omega[i] / rub
                 wx, wy = _wall_velocity(moves, wall, 8, at_x, at_y)
                 who[count, 0], who[count, 1] = ids[i], -1 - wall
-                _put(found[count], at_x, at_y, px, py, nx, ny, vx[i] - wx, vy[i] - wy, dash, rub, turn)
+                _put(found[count], at_x, at_y, qx, qy, nx, ny, vx[i] - wx, vy[i] - wy, dash, rub, turn)
                 count += 1
     return count
 
@@ -784,7 +917,10 @@ slope = njit(cache=True)(_slope_py)
 _power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_py)
 _power_of_torque = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_of_torque_py)
 _kick_drift = njit(cache=True, error_model="numpy")(_kick_drift_py)
-_pair_forces = watching_law(njit(cache=True)(_pair_forces_py))
+_spring_forces = watching_law(njit(cache=True)(_spring_forces_py), slot_of)
+_pair_springs = watching_law(njit(cache=True)(_pair_springs_py), slot_of)
+_wall_springs = watching_law(njit(cache=True)(_wall_springs_py), slot_of)
+_pair_forces = watching_law(njit(cache=True)(_pair_forces_py), slot_of)
 pose = njit(cache=True)(pose_py)
 _place_walls = watching_law(njit(cache=True)(_place_walls_py), pose)
 _inward = njit(cache=True)(_inward_py)
@@ -792,12 +928,12 @@ _outward = njit(cache=True)(_outward_py)
 _wall_velocity = njit(cache=True)(_wall_velocity_py)
 _see_lid = njit(cache=True)(_see_lid_py)
 _drift_lids = njit(cache=True)(_drift_lids_py)
-_wall_forces = watching_law(njit(cache=True)(_wall_forces_py), touching)
+_wall_forces = watching_law(njit(cache=True)(_wall_forces_py), touching, slot_of)
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
-advance = watching_law(njit(cache=True)(_advance_py), touching, pose)
+advance = watching_law(njit(cache=True)(_advance_py), touching, pose, slot_of)
 cell_pairs = _cell_pairs
 place_walls = _place_walls
 elastic = watching_law(njit(cache=True)(_elastic_py), touching)
 _put = njit(cache=True)(_put_py)
-contacts = watching_law(njit(cache=True)(_contacts_py), touching)
+contacts = watching_law(njit(cache=True)(_contacts_py), touching, slot_of)
 give_sizes = njit(cache=True)(_give_sizes_py)

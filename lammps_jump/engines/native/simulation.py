@@ -21,10 +21,11 @@ import numpy as np
 
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.slip import FRICTION_LAWS
+from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.scene import Scene
 
 from . import lists, loops
-from .constants import constants_of
+from .constants import constants_of, springs_of
 from .discs import Discs
 from .events import Event, OpenBoundaries, Schedule, Windows
 from .ledger import (
@@ -118,9 +119,11 @@ class NativeSimulation:
         )
         self.discs = Discs(scene, ledger=ledger)
         self.walls = self._walls()
+        self._full, self._started = np.zeros(1, np.int64), False
         self._rebuild()
         self._check_overlap()
         self._start()
+        self._started = True
 
     # --- set-up -------------------------------------------------------------------------------------------------
 
@@ -188,11 +191,26 @@ class NativeSimulation:
     def _advance(self, steps: int, owed: bool) -> tuple[int, bool]:
         d = self.discs
         self.walls.place(self.step)
-        return loops.advance(
+        found = loops.advance(
             steps, owed, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
-            d.uomega, *self._pairs()[1:], self._grid, self.walls.faces, self.walls.near, *self._constants, d.dash_x,
-            d.dash_y, d.slide_x, d.slide_y, self.walls.moves, self.books.work, self.walls.sums,
+            d.uomega, *self._pairs()[1:], self._grid, self.walls.faces, self.walls.near, *self._constants,
+            self._memory(self.scene.time_step if self._started else 0.0), d.dash_x, d.dash_y, d.slide_x, d.slide_y,
+            self.walls.moves, self.books.work, self.walls.sums,
         )  # fmt: skip
+        if self._full[0]:
+            raise RunError(
+                f"disc {self._full[0]} touches more than the {self.scene.slots} others it can remember: contacts "
+                "are too deep; raise contact.impact_speed or contact.penetration_fraction."
+            )
+        return found
+
+    def _memory(self, time_step: float) -> loops.Memory | None:
+        """What contacts remember; springs go on by a time step (s), or stay as they are with 0."""
+        if self.scene.springs is None:
+            return None
+        d, of = self.discs, springs_of(self.scene, self.walls.names)
+        slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
+        return loops.Memory(slots, d.ids, self.walls.chain, self.walls.around, self._full, time_step, *of)
 
     def _pairs(self) -> loops.Pairs:
         """The list that stands."""
@@ -385,7 +403,7 @@ class NativeSimulation:
         seen = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
         seen = seen if self.step else at_step
         of = self._constants
-        law = of.law, of.friction, loops.slope(d.n, seen[0], seen[1], of.sign), of.touch
+        law = of.law, of.friction, loops.slope(d.n, seen[0], seen[1], of.sign), of.touch, self._memory(0.0)
         while count < 0:
             who, found = np.empty((room, 2), np.int64), np.empty((room, 5))
             count = loops.contacts(

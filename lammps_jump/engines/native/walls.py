@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lammps_jump.scene.chains import Faces, boxes, lay
+from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.near import Grid, grid_of, list_near
@@ -47,6 +47,30 @@ def _far(faces: Faces, wall: int, x: float, y: float) -> float:
     return float(np.hypot(corners[:2].max(), corners[2:].max())) if np.isfinite(corners).all() else inf
 
 
+def _chains(scene: Scene, names: list[str], faces: Faces) -> tuple[np.ndarray, np.ndarray]:
+    """What stands for the chain of each face in the slots of discs, and its length where it is closed, else 0, m.
+
+    Chains count over all walls of the scene, so that a wall that goes changes no other's.
+    """
+    begins, count = {}, 0
+    for wall, _ in scene.walls:
+        begins[wall.name] = count
+        count += len(wall.chains())
+    chain, around = np.empty(len(faces.codes), np.int64), np.zeros(len(faces.codes))
+    for wall, name in enumerate(names):
+        number = begins[name]
+        first, last = faces.first[wall], faces.first[wall + 1]
+        while first < last:
+            end = first + 1
+            while end < last and faces.codes[end, BEFORE] == end - 1:
+                end += 1
+            chain[first:end] = -1 - number
+            if faces.codes[first, BEFORE] >= 0:
+                around[first:end] = faces.shape[first:end, LENGTH].sum()
+            first, number = end, number + 1
+    return chain, around
+
+
 class Walls:
     """Walls that are there now, and the discs near them.
 
@@ -65,6 +89,8 @@ class Walls:
     near : Near
     moves : Moves or None
         None where all walls stand.
+    chain, around : ndarray, shape (faces,)
+        As in `Memory`.
     sums : ndarray, shape (walls, 4)
         Force on each wall (N per m of width), moment (N) and power on the discs (W/m), summed over steps.
     """
@@ -86,6 +112,7 @@ class Walls:
             np.array(about, float).reshape(-1, 2), rows, np.empty(0, np.int32), np.empty(0, np.int8), last,
             np.empty(0, np.int64), np.empty((MOST, 4)), np.empty(MOST, np.int64),
         )  # fmt: skip
+        self.chain, self.around = _chains(scene, self.names, self.faces)
         self.place(step)
 
     def go_on(self, before: Walls) -> None:
