@@ -10,6 +10,7 @@ from __future__ import annotations
 from math import inf, nan, sqrt
 
 from lammps_jump.physics.contact import WallLaw, restitution_of
+from lammps_jump.physics.slip import Springs
 from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wall
 from lammps_jump.scene.chains import WALL
 
@@ -251,10 +252,10 @@ def _plain_gate(moving: MovingWall, law: str, tail: str) -> list[str]:
 
 def plugin_walls(scene: Scene) -> list[str]:
     """Words of the plugin's fix for every wall and gate."""
-    return [plugin_wall(one, scene.own_laws.get(one.wall.name)) for one in scene.walls]
+    return [plugin_wall(one, scene.own_laws.get(one.wall.name), scene.springs) for one in scene.walls]
 
 
-def plugin_wall(moving: MovingWall, own: WallLaw | None = None) -> str:
+def plugin_wall(moving: MovingWall, own: WallLaw | None = None, springs: Springs | None = None) -> str:
     """Words of one wall: its name, moment point and faces, own law and motion (``fix_jump_step.h``)."""
     wall, motion = moving
     codes, shape, _, (deep,) = wall.faces
@@ -263,7 +264,10 @@ def plugin_wall(moving: MovingWall, own: WallLaw | None = None) -> str:
     lines += [
         f"{' '.join(map(str, code))} {numbers(*row)}" for code, row in zip(codes[:, kept].tolist(), shape, strict=True)
     ]
-    lines += [f"law {numbers(*own)}"] if own else []
+    if own:
+        slope = own.gamma_tangential if springs is None else springs.tangential_damping_ratio * own.gamma_normal
+        lines.append(f"law {numbers(own.stiffness, own.gamma_normal, slope, own.friction)}")
+        lines += [f"roll {number(own.rolling)}"] if own.rolling is not None else []
     lines += [] if motion.gone == inf else [f"until {int(motion.gone)}"]
     if load := motion.load:
         free = f"{int(load.axis != 'y')} {int(load.axis != 'x')}"

@@ -8,6 +8,8 @@
    normal     F_n = k delta - m_eff gamma_n (v.n)                 thesis T-4359 (3.11); LAMMPS gran/hooke
    hooke      F_t = min(ks |F_n|, m_eff gamma_t |v_t|)            LAMMPS gran/hooke, opposite to v_t
    sign       F_t = ks |F_n| min(1, |v_t| / eps), eps = v_max/100 thesis (4.18)-(4.21), opposite to v_t
+   history    F_t = -kt s - ct v_t with a spring s that grows by v_t dt; held at ks |F_n|, where s keeps what is left of it
+              (Cundall & Strack 1979; Luding 2008, eq. 21); rolling resistance is such a spring against rolling
    smooth     k delta -> F = k delta^2/(2 s) below delta = s, k (delta - s/2) beyond; E(delta) its energy; the dashpot
               times F / sqrt(2 k E): in z = sqrt(2 E / k) and the time that runs with dz/ddelta the contact is then
               the linear one, so that restitution is the same at every speed and width (derived in docs/kernels.md)
@@ -33,13 +35,18 @@
 
 namespace jump {
 
-enum class Friction { NONE, HOOKE, HOOKE_SPIN, SIGN, SIGN_SPIN };
+enum class Friction { NONE, HOOKE, HOOKE_SPIN, SIGN, SIGN_SPIN, SPRING, SPRING_SPIN };
 
 enum class Touch { SHARP, SMOOTH };
 
 constexpr bool has_friction(Friction f) { return f != Friction::NONE; }
-constexpr bool has_spin(Friction f) { return f == Friction::HOOKE_SPIN || f == Friction::SIGN_SPIN; }
+constexpr bool has_spin(Friction f) 
+{
+  return f == Friction::HOOKE_SPIN || f == Friction::SIGN_SPIN || f == Friction::SPRING_SPIN;
+}
 constexpr bool is_sign(Friction f) { return f == Friction::SIGN || f == Friction::SIGN_SPIN; }
+
+constexpr bool has_springs(Friction f) { return f == Friction::SPRING || f == Friction::SPRING_SPIN; }
 
 /** Share of the largest speed inside which the sign law is a ramp (thesis 4.21). */
 constexpr double SIGN_RAMP = 0.01;
@@ -54,6 +61,23 @@ struct Law {
   double width = 0.0;       // s of the smooth touch, m, and 1/s
   double inverse_width = 0.0;
   double eps = 0.0;         // slip speed of the sign law now, m/s
+  double kt = 0.0;          // tangential spring, N/m
+  double kr = 0.0, gr = 0.0, mur = 0.0;    // rolling spring, N/m and N s/m, and its friction coefficient
+  double dt = 0.0;          // time step, s; 0: springs stay as they are
+};
+
+/** Springs with memory, over the stiffness and dashpot of a contact of nominal discs. */
+struct Springs {
+  bool there = false;
+  double ratio = 0.0, rolling = 0.0, rolling_damping = 0.0, rolling_friction = 0.0;
+
+  void put(Law &law, double friction) const
+  {
+    law.kt = ratio * law.k;
+    law.kr = rolling * law.k;
+    law.gr = rolling_damping * law.damping;
+    law.mur = friction;
+  }
 };
 
 inline Law make_law(double k, double gamma, double gamma_t, double mu, double m_eff, double reach, double width)
@@ -80,8 +104,9 @@ inline OwnLaw<double> own_law(const Law &law, double radius)
   return {radius, law.damping * share, law.tangential * share};
 }
 
-inline Friction friction_of(double mu, double gamma_t, bool sign, bool spin)
+inline Friction friction_of(double mu, double gamma_t, bool sign, bool spin, bool springs)
 {
+  if (springs) return spin ? Friction::SPRING_SPIN : Friction::SPRING;
   if (!(mu > 0.0 && (sign || gamma_t > 0.0))) return Friction::NONE;
   if (sign) return spin ? Friction::SIGN_SPIN : Friction::SIGN;
   return spin ? Friction::HOOKE_SPIN : Friction::HOOKE;
@@ -93,13 +118,32 @@ template <class Number> struct ContactForce {
   Number overlap;
 };
 
+/** Springs of a contact: elongations (m), which grow; speed of rolling (m/s); and the force against rolling. */
+template <class Number> struct Stretch {
+  Number slide, roll, turn, resist;
+};
+
+/** Force of a spring and dashpot that slides at a bound; the spring keeps what the bound leaves of it. */
+template <class Number>
+inline Number slide(Number &stretch, const Number &slip, const Number &bound, double k, const Number &damping)
+{
+  const Number dash = damping * slip;
+  const Number force = -k * stretch - dash;
+  const Number limited = force > 0.0 ? bound : -bound;
+  const Number kept = -(limited + dash) * (k > 0.0 ? 1.0 / k : 0.0);
+  const auto over = magnitude(force) > bound;
+  stretch = over ? kept : stretch;
+  return over ? limited : force;
+}
+
 /** Force on a disc whose centre lies at (dx, dy) from its partner's; (vx, vy) is its relative velocity.
 
     rim is R_i omega_i + R_j omega_j, the speed of the rims at the contact; own is an OwnLaw, or law where discs are
     equal. */
 template <Friction FRICTION, Touch TOUCH, class Own, class Number>
 inline ContactForce<Number> contact_force(const Law &law, const Own &own, const Number &dx, const Number &dy,
-                                          const Number &vx, const Number &vy, const Number &rim)
+                                          const Number &vx, const Number &vy, const Number &rim,
+                                          Stretch<Number> *held = nullptr)
 {
   ContactForce<Number> out;
   const Number rsq = dx * dx + dy * dy;
@@ -129,7 +173,19 @@ inline ContactForce<Number> contact_force(const Law &law, const Own &own, const 
   out.fx = dx * ccel;
   out.fy = dy * ccel;
   out.twist = spread(0.0, rsq);
-  if (has_friction(FRICTION)) {
+  if constexpr (has_springs(FRICTION)) {
+    const Number slip = (vy * dx - vx * dy) * rinv - rim;
+    const Number normal = magnitude(ccel * r);
+    held->slide += slip * law.dt;
+    out.twist = slide(held->slide, slip, law.mu * normal, law.kt, spread(own.tangential, slip));
+    out.fx -= out.twist * dy * rinv;
+    out.fy += out.twist * dx * rinv;
+    held->resist = spread(0.0, rsq);
+    if (has_spin(FRICTION) && law.kr > 0.0) {
+      held->roll += held->turn * law.dt;
+      held->resist = slide(held->roll, held->turn, law.mur * normal, law.kr, spread(law.gr, slip));
+    }
+  } else if (has_friction(FRICTION)) {
     Number vtx = vx - dx * vnnr * rsqinv;
     Number vty = vy - dy * vnnr * rsqinv;
     if (has_spin(FRICTION)) {
@@ -167,6 +223,8 @@ template <class Run> inline void with_branch(Friction friction, Touch touch, con
     case Friction::HOOKE_SPIN: with(std::integral_constant<Friction, Friction::HOOKE_SPIN>{}); break;
     case Friction::SIGN: with(std::integral_constant<Friction, Friction::SIGN>{}); break;
     case Friction::SIGN_SPIN: with(std::integral_constant<Friction, Friction::SIGN_SPIN>{}); break;
+    case Friction::SPRING: with(std::integral_constant<Friction, Friction::SPRING>{}); break;
+    case Friction::SPRING_SPIN: with(std::integral_constant<Friction, Friction::SPRING_SPIN>{}); break;
   }
 }
 

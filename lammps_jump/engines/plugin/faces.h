@@ -60,6 +60,18 @@ struct Face {
   }
 };
 
+/** Arc length of the foot of a point on a face, counted along the chain from its start, m. */
+inline double foot_of(const Face &f, double px, double py)
+{
+  const Ends at = f.ends(px, py);
+  if (at.before) return f.arc_length;
+  if (at.behind) return f.arc_length + f.length;
+  if (f.kind == SEGMENT) return f.arc_length + f.tx0 * (px - f.x0) + f.ty0 * (py - f.y0);
+  const double dx = px - f.cx, dy = py - f.cy;
+  const double out = f.radius > 0.0 ? f.ty0 * dx - f.tx0 * dy : f.tx0 * dy - f.ty0 * dx;    // along the radius at the start
+  return f.arc_length + std::fabs(f.radius) * std::atan2(f.tx0 * dx + f.ty0 * dy, out);
+}
+
 struct FaceContact {
   int place;
   int face;

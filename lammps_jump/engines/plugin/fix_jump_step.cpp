@@ -118,9 +118,13 @@ void FixJumpStep::init()
     wall.near.prepare(wall.faces, 0.5 * pair->largest, near_margin, pair->diameter);
     if (!wall.own) wall.numbers[0] = k, wall.numbers[1] = gamma, wall.numbers[2] = gamma_t, wall.numbers[3] = mu;
     const double *const of = wall.numbers;
-    wall.friction = jump::friction_of(of[3], of[2], pair->sign, pair->spin);
+    wall.friction = jump::friction_of(of[3], of[2], pair->sign, pair->spin, pair->springs.there);
     wall.law = jump::make_law(of[0], of[1], of[2], of[3], pair->mass, 0.5 * pair->diameter, pair->width);
+    pair->springs.put(wall.law, wall.rolling < 0.0 ? pair->springs.rolling_friction : wall.rolling);
   }
+  if (pair->springs.there && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
+  pair->slots.rows = &array_atom;
+  pair->slots.count = array_atom ? size_peratom_cols / SLOT : 0;
 }
 
 void FixJumpStep::setup(int vflag)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* fix ID all jump/step [gravity GX GY] [k_wall K gamma_wall GN gammat_wall GT mu_wall KS]
-                        [wall NAME X0 Y0 DEEP N FACE... [law K GN GT KS] [until STEP]
+                        [wall NAME X0 Y0 DEEP N FACE... [law K GN GT KS] [roll MUR] [until STEP]
                               [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]]...
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...]
                         [slots S]
@@ -16,14 +16,13 @@
      count from 0 within the wall), then its shape. DEEP 1: a centre behind a face is pushed back from any depth,
      0: from less than its radius. The push goes on growing behind a face. GN, GT in 1/s: force = M GN v.
      With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
-     A wall with a `law` has its own in place of that of the other walls. One with `until STEP` is felt by the forces of
+     A wall with a `law` has its own in place of that of the other walls, one with `roll` its own friction of rolling. One with `until STEP` is felt by the forces of
      the steps before STEP. One with `move` follows N rows of 21 numbers (motion.h), turning about (CX, CY); one with
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END.
-   - slots: each disc keeps S of them, of four numbers (partner, sigma, spring, roll): the array of the fix. Forces do
-     not use them yet.
+   - slots: each disc keeps S of them, of four numbers (slots.h): the array of the fix. The law history needs them.
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about (X0, Y0).
 
@@ -78,12 +77,21 @@ class FixJumpStep : public Fix {
     int probe;              // row of the probe, -1 for none
     bool own;               // has a law of its own: k, gamma, gamma_t, mu
     double numbers[4];
+    double rolling;         // friction coefficient of rolling, below 0: that of the pairs
+    std::vector<double> chain, around;    // of each face: what stands for its chain in slots, length of a closed one, m
     jump::Friction friction;
     jump::Law law;
     jump::Motion motion;
     double far;             // largest distance of a face from the point of turning, m
     jump::WallFaces faces;
     jump::NearFaces near;   // discs that can touch it before they have moved by the margin
+  };
+  /** Where a disc touches a wall, in the frame in which the wall stands. */
+  struct Touched {
+    double dx, dy;          // from the partner of the contact to the disc, m
+    double to_x, to_y;      // from the contact to the disc, m
+    int face;
+    double x, y;            // the disc, m
   };
   /** Discs of one share of all, by number: their diameters lie on a line over the quantile of their ids. */
   struct Piece {
@@ -107,11 +115,13 @@ class FixJumpStep : public Fix {
   std::vector<int> probed;                    // wall of each probe
   std::vector<double> window, mean;           // this rank: running sums and last full window's mean
   bigint window_steps = 0;
+  int chains = 0;                             // of all walls
 
   int add_wall(int, int, char **);
   jump::Face face_of(const Wall &, int, int, char **) const;
   int add_pieces(int, int, char **);
   int add_slots(int, int, char **);
+  void number_chains(Wall &);
   double diameter_of(tagint) const;
   double spin_rate(int) const;
   int add_motion(Wall &, int, int, char **) const;
@@ -126,7 +136,7 @@ class FixJumpStep : public Fix {
   void push(Wall &);
   template <jump::Friction, jump::Touch, bool SIZES> void push(Wall &);
   template <jump::Friction, jump::Touch, class Own>
-  void touch(const Wall &, int, double, double, double, double, const Own &, double *);
+  void touch(const Wall &, int, const Touched &, const Own &, double *);
 };
 
 }    // namespace LAMMPS_NS

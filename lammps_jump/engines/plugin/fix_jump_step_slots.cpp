@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Slots of fix jump/step: what a disc remembers of its contacts. They lie in an array of the fix, so that LAMMPS sorts
-   them with the discs, sends them to another rank with them, and saves them. Four numbers a slot, in the order of
-   `Slots` in lammps_jump/physics/slots.py: partner, sigma, spring, roll. */
+   them with the discs, sends them to another rank with them, and saves them (what they hold: slots.h). */
 
 #include "fix_jump_step.h"
 
 #include "atom.h"
 #include "error.h"
 #include "memory.h"
+#include "slots.h"
 
 #include <algorithm>
 
 using namespace LAMMPS_NS;
 
-namespace {
-constexpr int MOST_SLOTS = 64;
-}
+using jump::MOST_SLOTS;
 
 int FixJumpStep::add_slots(int a, int narg, char **arg)
 {
@@ -35,6 +33,19 @@ FixJumpStep::~FixJumpStep()
   if (!array_atom) return;
   for (const int kind : {Atom::GROW, Atom::RESTART}) atom->delete_callback(id, kind);
   memory->destroy(array_atom);
+}
+
+/** Number the chains of a wall, behind those of the walls before it. */
+void FixJumpStep::number_chains(Wall &wall)
+{
+  const auto &faces = wall.faces.faces;
+  const int n = (int) faces.size();
+  for (int first = 0, end; first < n; first = end) {
+    double length = faces[first].length;
+    for (end = first + 1; end < n && faces[end].before == end - 1; end++) length += faces[end].length;
+    wall.chain.insert(wall.chain.end(), end - first, -1.0 - chains++);
+    wall.around.insert(wall.around.end(), end - first, faces[first].before >= 0 ? length : 0.0);
+  }
 }
 
 void FixJumpStep::grow_arrays(int room)

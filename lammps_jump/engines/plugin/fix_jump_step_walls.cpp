@@ -27,7 +27,7 @@ constexpr double ON_FACE = 1e-100;    // m; the square of a smaller distance may
 int FixJumpStep::add_wall(int a, int narg, char **arg)
 {
   if (a + 5 > narg) error->all(FLERR, "fix jump/step: a wall needs NAME X0 Y0 DEEP N and N faces");
-  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, false, {}, jump::Friction::NONE, {}, {}, 0.0, {}, {}};
+  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, false, {}, -1.0, {}, {}, jump::Friction::NONE, {}, {}, 0.0, {}, {}};
   for (const auto &other : walls)
     if (other.name == wall.name) error->all(FLERR, "fix jump/step: two walls are called '{}'", wall.name);
   wall.x0 = utils::numeric(FLERR, arg[a + 1], false, lmp);
@@ -52,12 +52,18 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
       if (!(wall.numbers[0] > 0.0) || *std::min_element(wall.numbers, wall.numbers + 4) < 0.0)
         error->all(FLERR, "fix jump/step: the law of wall '{}' needs K above 0 and no negative number", wall.name);
       a += 5;
+    } else if (key == "roll") {
+      if (a + 1 >= narg) error->all(FLERR, "fix jump/step: the rolling friction of wall '{}' is missing", wall.name);
+      wall.rolling = utils::numeric(FLERR, arg[a + 1], false, lmp);
+      if (wall.rolling < 0.0) error->all(FLERR, "fix jump/step: the rolling friction of wall '{}' is negative", wall.name);
+      a += 2;
     } else if (key == "move") {
       a = add_motion(wall, a + 1, narg, arg);
     } else if (key == "lid") {
       a = add_lid(wall, a + 1, narg, arg);
     } else break;
   }
+  number_chains(wall);
   walls.push_back(wall);
   return a;
 }
@@ -163,11 +169,11 @@ void FixJumpStep::find_near()
   }
 }
 
-/** Force of a contact on a disc at (dx, dy) from its partner; (to_x, to_y) is the way from the contact to the disc. */
+/** Force of a contact on a disc and on the wall. */
 template <Friction FRICTION, Touch TOUCH, class Own>
-void FixJumpStep::touch(const Wall &wall, int i, double dx, double dy, double to_x, double to_y, const Own &own,
-                        double *on_wall)
+void FixJumpStep::touch(const Wall &wall, int i, const Touched &where, const Own &own, double *on_wall)
 {
+  double dx = where.dx, dy = where.dy, to_x = where.to_x, to_y = where.to_y;
   const auto &a = pair->disc[i];
   const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
   double vx = a.vx, vy = a.vy, x0 = wall.x0, y0 = wall.y0;
@@ -180,11 +186,30 @@ void FixJumpStep::touch(const Wall &wall, int i, double dx, double dy, double to
     x0 = m.cx + m.now.x;
     y0 = m.cy + m.now.y;
   }
-  const ContactForce<double> out = jump::contact_force<FRICTION, TOUCH>(wall.law, own, dx, dy, vx, vy, rim);
+  jump::Stretch<double> held{0.0, 0.0, rim, 0.0};
+  int slot = -1;
+  if constexpr (jump::has_springs(FRICTION)) {
+    const double foot = jump::foot_of(wall.faces.faces[where.face], where.x, where.y);
+    const double slip = (vy * dx - vx * dy) / std::sqrt(dx * dx + dy * dy) - rim;
+    const double limit = 0.5 * pair->radius_of(i) + std::fabs(slip) * wall.law.dt;
+    slot = pair->slots.of_wall(i, wall.chain[where.face], foot, limit, wall.around[where.face]);
+    if (slot >= 0) {
+      held.slide = *pair->slots.spring(i, slot);
+      held.roll = *pair->slots.roll(i, slot);
+    } else if (pair->slots.full >= 0) {
+      error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
+                 atom->tag[i], pair->slots.count);
+    }
+  }
+  const ContactForce<double> out = jump::contact_force<FRICTION, TOUCH>(wall.law, own, dx, dy, vx, vy, rim, &held);
+  if (jump::has_springs(FRICTION) && slot >= 0 && wall.law.dt > 0.0) {
+    *pair->slots.spring(i, slot) = held.slide;
+    *pair->slots.roll(i, slot) = held.roll;
+  }
   double *const f = atom->f[i];
   f[0] += out.fx;
   f[1] += out.fy;
-  if (jump::has_spin(FRICTION)) atom->torque[i][2] -= pair->radius_of(i) * out.twist;
+  if (jump::has_spin(FRICTION)) atom->torque[i][2] -= pair->radius_of(i) * (out.twist - held.resist);
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
   on_wall[2] -= (a.x - to_x - x0) * out.fy - (a.y - to_y - y0) * out.fx;
@@ -216,7 +241,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
       if (gap >= reach) continue;
       if (gap > ON_FACE && face.is_beside(x, y)) {
         const double dx = gap * -face.ty0, dy = gap * face.tx0;
-        touch<FRICTION, TOUCH>(wall, i, dx, dy, dx, dy, own(), on_wall);
+        touch<FRICTION, TOUCH>(wall, i, {dx, dy, dx, dy, only, x, y}, own(), on_wall);
         continue;
       }
     }
@@ -224,12 +249,13 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
     for (int c = 0; c < contacts; c++) {
       const auto &at = found[c];
       if (at.gap > ON_FACE) {
-        touch<FRICTION, TOUCH>(wall, i, at.dx, at.dy, at.dx, at.dy, own(), on_wall);
+        touch<FRICTION, TOUCH>(wall, i, {at.dx, at.dy, at.dx, at.dy, at.face, x, y}, own(), on_wall);
       } else {
         // the centre is behind the face: the push back goes on growing (contact of the same overlap in front)
         auto behind = own();
         behind.reach = 2.0 * reach - at.gap;
-        touch<FRICTION, TOUCH>(wall, i, reach * at.nx, reach * at.ny, at.gap * at.nx, at.gap * at.ny, behind, on_wall);
+        touch<FRICTION, TOUCH>(wall, i, {reach * at.nx, reach * at.ny, at.gap * at.nx, at.gap * at.ny, at.face, x, y},
+                               behind, on_wall);
       }
     }
   }
@@ -244,6 +270,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
 void FixJumpStep::push(Wall &wall)
 {
   wall.law.eps = jump::SIGN_RAMP * pair->largest_speed;
+  wall.law.dt = pair->slots.grows ? update->dt : 0.0;
   jump::with_branch(wall.friction, pair->touch, [&](auto f, auto t) {
     constexpr Friction F = decltype(f)::value;
     constexpr Touch T = decltype(t)::value;
@@ -274,6 +301,7 @@ void FixJumpStep::post_force(int)
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
   for (auto &wall : walls)
     if (is_there(wall)) push(wall);
+  if (pair->slots.grows) pair->slots.end(atom->nlocal);
   push_lids();
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step

@@ -48,9 +48,17 @@ void PairJumpDisc::settings(int narg, char **arg)
   for (int a = 0; a < narg; a += 2) {
     const std::string key = arg[a], name = a + 1 < narg ? arg[a + 1] : "";
     if (key == "law") {
-      if (name != "hooke" && name != "sign")
-        error->all(FLERR, "pair_style jump/disc: law is hooke or sign, not '{}'", name);
+      if (name != "hooke" && name != "sign" && name != "history")
+        error->all(FLERR, "pair_style jump/disc: law is hooke, sign or history, not '{}'", name);
       sign = name == "sign";
+      springs.there = name == "history";
+    } else if (key == "springs") {
+      springs.ratio = value(a + 1);
+    } else if (key == "rolling") {
+      springs.rolling = value(a + 1);
+      springs.rolling_damping = value(a + 2);
+      springs.rolling_friction = value(a + 3);
+      a += 2;
     } else if (key == "spin") {
       spin = utils::logical(FLERR, name, false, lmp);
     } else if (key == "sizes") {
@@ -64,7 +72,7 @@ void PairJumpDisc::settings(int narg, char **arg)
     } else {
       error->all(FLERR,
                  "pair_style jump/disc: unknown keyword '{}'; there are law, k, gamma, gammat, mu, mass, diameter, skin, "
-                 "smooth, spin and sizes", key);
+                 "smooth, spin, sizes, springs and rolling", key);
     }
   }
   if (!(k > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
@@ -74,9 +82,13 @@ void PairJumpDisc::settings(int narg, char **arg)
   if (sizes && !(0.0 < smallest && smallest <= largest))
     error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
   if (!sizes) smallest = largest = diameter;
-  friction = jump::friction_of(mu, gamma_t, sign, spin);
+  if (springs.ratio < 0.0 || springs.rolling < 0.0 || springs.rolling_damping < 0.0 || springs.rolling_friction < 0.0)
+    error->all(FLERR, "pair_style jump/disc: numbers of springs and rolling must not be negative");
+  if (springs.there && width > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
+  friction = jump::friction_of(mu, gamma_t, sign, spin, springs.there);
   touch = width > 0.0 ? Touch::SMOOTH : Touch::SHARP;
   law = jump::make_law(k, gamma, gamma_t, mu, mass * mass / (mass + mass), 0.5 * diameter + 0.5 * diameter, width);
+  springs.put(law, springs.rolling_friction);
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)
@@ -136,6 +148,7 @@ void PairJumpDisc::reserve(int n)
       radii.resize(disc.size());
       inverse_masses.resize(disc.size());
     }
+    if (springs.there) tags.resize(disc.size());
   }
 }
 
@@ -148,6 +161,7 @@ void PairJumpDisc::pack()
     disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
     if (sizes) pack_size(i);
     if (spin) rim[i] = radius_of(i) * atom->omega[i][2];
+    if (springs.there) tags[i] = (double) atom->tag[i];
   }
 }
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* pair_style jump/disc law hooke|sign k K gamma GN gammat GT mu KS mass M diameter D skin L
+/* pair_style jump/disc law hooke|sign|history k K gamma GN gammat GT mu KS mass M diameter D skin L
                         [smooth S] [spin yes|no] [sizes SMALLEST LARGEST]
+                        [springs RATIO] [rolling RATIO DAMPING MUR]
    pair_coeff * *
 
    Contact forces between discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Discs are equal: one of
    another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
    M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
-   sqrt((M/2)/m_eff). `fix jump/step` moves the discs and shares the arrays. The style gives no energy and no
+   sqrt((M/2)/m_eff). The law history has a tangential spring of RATIO K, and GT is that of its dashpot; rolling has one
+   of RATIO K with a dashpot of DAMPING (M/2) GN and the friction coefficient MUR. Fix jump/step keeps them in slots: of
+   two discs the one with the larger id remembers; on several ranks both do. `fix jump/step` moves the discs and shares the arrays. The style gives no energy and no
    virial: their sums are NaN, and computes of them for each disc are refused.
 
    The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs whose rims are closer than
@@ -24,6 +27,7 @@
 #include "contact_law.h"
 #include "halo.h"
 #include "pair.h"
+#include "slots.h"
 
 namespace LAMMPS_NS {
 
@@ -49,12 +53,15 @@ class PairJumpDisc : public Pair {
   double mass = 0.0, diameter = 0.0, width = 0.0;    // of nominal discs, with sizes
   double skin = 0.0, smallest = 0.0, largest = 0.0;  // diameters from smallest to largest
   bool sign = false, sizes = false, spin = false;
+  jump::Springs springs;
+  jump::Slots slots;                                 // of the fix, with springs
   jump::Friction friction = jump::Friction::NONE;
   jump::Touch touch = jump::Touch::SHARP;
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc> disc;                            // local discs, then those of other ranks
   std::vector<double> rim;                           // R omega, with spin
   std::vector<double> radii, inverse_masses;         // with sizes; in the order of the discs
+  std::vector<double> tags;                          // ids, with springs
   bigint order = 0;                                  // counts the changes of what the indices of discs mean
   double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};    // least and largest velocity of the discs, this step
 
@@ -94,6 +101,7 @@ class PairJumpDisc : public Pair {
   void find_largest_speed();
   void evaluate(size_t, size_t);
   template <jump::Friction, jump::Touch, bool SIZES> void evaluate(size_t, size_t);
+  double *remembered(int, int);
 };
 
 }    // namespace LAMMPS_NS

@@ -44,6 +44,13 @@ void PairJumpDisc::find_largest_speed()
   law.eps = jump::SIGN_RAMP * largest_speed;
 }
 
+/** Where disc i remembers its contact with disc j: its tangential spring, COUNT before its rolling one; null: nowhere. */
+double *PairJumpDisc::remembered(int i, int j)
+{
+  const int slot = slots.of_pair(i, tags[j]);
+  return slot < 0 ? nullptr : slots.spring(i, slot);
+}
+
 /** Forces of the pairs from one place in the list to another. */
 template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluate(size_t from, size_t to)
 {
@@ -60,7 +67,12 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
   // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
   alignas(64) double between[BATCH][4];
   alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
-  alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[SIZES ? BATCH : 1];
+  constexpr bool SPRINGS = jump::has_springs(FRICTION), SPIN = jump::has_spin(FRICTION);
+  constexpr bool DENT = SIZES || SPRINGS;    // the lever of friction ends in the middle of the overlap, as in LAMMPS' granular
+  alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[DENT ? BATCH : 1];
+  alignas(64) double stretch[SPRINGS ? BATCH : 1], bent[SPRINGS ? BATCH : 1], turns[SPRINGS ? BATCH : 1];
+  double *of_one[SPRINGS ? BATCH : 1], *of_two[SPRINGS ? BATCH : 1];    // springs of the two discs, or null
+  const bool both = comm->nprocs > 1;
   int i_of[BATCH + 4], j_of[BATCH + 4];    // discs of the pairs that touch
   for (size_t begin = from; begin < to; begin += BATCH) {
     const size_t end = begin + BATCH < to ? begin + BATCH : to;
@@ -97,7 +109,23 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
         radius_one[c] = own_radius[i];
         radius_two[c] = own_radius[j];
       }
+      if constexpr (SPRINGS) {
+        const bool larger = tags[i] > tags[j];
+        of_one[c] = both || larger ? remembered(i, j) : nullptr;
+        of_two[c] = j < nlocal && (both || !larger) ? remembered(j, i) : nullptr;
+        const double *const held = of_one[c] ? of_one[c] : of_two[c];
+        stretch[c] = held ? *held : 0.0;
+        if constexpr (SPIN) {    // of disc i against disc j
+          bent[c] = !held ? 0.0 : of_one[c] ? held[slots.count] : -held[slots.count];
+          const double a = SIZES ? own_radius[i] : radius, b = SIZES ? own_radius[j] : radius;
+          turns[c] = (b * rim[i] - a * rim[j]) / (a + b);
+        }
+      }
     }
+    if constexpr (SPRINGS)
+      if (slots.full >= 0)
+        error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
+                   atom->tag[slots.full], slots.count);
     // whole vectors only: the rest of the last one is filled with a contact that nobody reads
     const int whole = (n + LANES - 1) / LANES * LANES;
     for (int c = n; c < whole; c++) {
@@ -105,6 +133,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       between[c][2] = between[c][3] = 0.0;
       rims[c] = 0.0;
       if (SIZES) radius_one[c] = radius_two[c] = radius;
+      if constexpr (SPRINGS) stretch[c] = bent[c] = turns[c] = 0.0;
     }
     for (int c = 0; c < whole; c += LANES) {
       Lanes part[4];
@@ -113,18 +142,49 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       const Lanes *const ri = reinterpret_cast<const Lanes *>(radius_one + c);
       const Lanes *const rj = reinterpret_cast<const Lanes *>(radius_two + c);
       jump::ContactForce<Lanes> out;
+      jump::Stretch<Lanes> held{};
+      if constexpr (SPRINGS) {
+        held.slide = *reinterpret_cast<const Lanes *>(stretch + c);
+        if constexpr (SPIN) {
+          held.roll = *reinterpret_cast<const Lanes *>(bent + c);
+          held.turn = *reinterpret_cast<const Lanes *>(turns + c);
+        }
+      }
       if constexpr (SIZES)
         out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri, *rj), part[0], part[1], part[2],
-                                                   part[3], rim_speed);
+                                                   part[3], rim_speed, &held);
       else
-        out = jump::contact_force<FRICTION, TOUCH>(rule, rule, part[0], part[1], part[2], part[3], rim_speed);
+        out = jump::contact_force<FRICTION, TOUCH>(rule, rule, part[0], part[1], part[2], part[3], rim_speed, &held);
       jump::rows_of_two(out.fx, out.fy, force_on + c);
-      if (jump::has_spin(FRICTION)) {
-        // the lever of unequal discs ends in the middle of the overlap, as in LAMMPS' granular; else at the rim
-        if (SIZES) *reinterpret_cast<Lanes *>(twist_two + c) = (*rj - 0.5 * out.overlap) * out.twist;
-        *reinterpret_cast<Lanes *>(twist + c) = (SIZES ? *ri - 0.5 * out.overlap : radius + Lanes{}) * out.twist;
+      if constexpr (SPRINGS) {
+        *reinterpret_cast<Lanes *>(stretch + c) = held.slide;
+        if constexpr (SPIN) *reinterpret_cast<Lanes *>(bent + c) = held.roll;
+      }
+      if constexpr (SPIN) {
+        const Lanes one = SIZES ? *ri : radius + Lanes{}, two = SIZES ? *rj : radius + Lanes{};
+        Lanes on_one = (DENT ? one - 0.5 * out.overlap : one) * out.twist;
+        if constexpr (DENT) {
+          Lanes on_two = (two - 0.5 * out.overlap) * out.twist;
+          if constexpr (SPRINGS) {
+            const Lanes rolls = one * two / (one + two) * held.resist;
+            on_one -= rolls;
+            on_two += rolls;
+          }
+          *reinterpret_cast<Lanes *>(twist_two + c) = on_two;
+        }
+        *reinterpret_cast<Lanes *>(twist + c) = on_one;
       }
     }
+    if constexpr (SPRINGS)
+      if (rule.dt > 0.0)
+        for (int c = 0; c < n; c++) {
+          if (of_one[c]) of_one[c][0] = stretch[c];
+          if (of_two[c]) of_two[c][0] = stretch[c];
+          if constexpr (SPIN) {
+            if (of_one[c]) of_one[c][slots.count] = bent[c];
+            if (of_two[c]) of_two[c][slots.count] = -bent[c];
+          }
+        }
     for (int c = 0; c < n; c++) {
       const int i = i_of[c], j = j_of[c];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
@@ -132,7 +192,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       if (jump::has_spin(FRICTION)) torque[3 * i + 2] -= twist[c];
       if (j < nlocal) {
         *reinterpret_cast<Vec2 *>(f + 3 * j) -= push;
-        if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= SIZES ? twist_two[c] : twist[c];
+        if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= DENT ? twist_two[c] : twist[c];
       }
     }
   }
@@ -151,6 +211,11 @@ void PairJumpDisc::compute(int eflag, int vflag)
   if (fresh) pack();
   if (ranks) fresh ? ring.rebuild(*this, halo_cut()) : ring.start(*this);
   if (sign) find_largest_speed();
+  if (springs.there) {
+    slots.grows = !update->setupflag;
+    slots.begin(atom->nlocal);
+    law.dt = slots.grows ? update->dt : 0.0;
+  }
   travel(moved_here);
   const bool early = ranks && !fresh && !worn(moved_here);    // contacts of local discs, while the others travel
   if (early) evaluate(0, interior);
