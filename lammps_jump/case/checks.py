@@ -19,8 +19,8 @@ from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 from lammps_jump.scene.shapes import open_ends
 
 from .fields import CaseFields, Column
-from .parts.inflow import PourInflow, RowsInflow
 from .packing import deepest_overlap, disc_count
+from .parts.inflow import PourInflow, RowsInflow
 from .text import CaseSource
 
 MOST_STEPS = 2_000_000_000
@@ -157,8 +157,8 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
         raise source.error("run.integrator: leapfrog_extrapolated is the native engine's; use engine.name: native")
     if engine == "lammps" and kernel != "auto" and isinstance(case.inflow, RowsInflow) and case.inflow.table:
         raise source.error(
-            f"inflow.table: engine.kernel: {kernel} has no inflow against time; use engine.kernel: auto or engine.name: "
-            "native, which both take the native engine"
+            f"inflow.table: engine.kernel: {kernel} has no inflow against time; use engine.kernel: auto or "
+            "engine.name: native, which both take the native engine"
         )
     if engine == "lammps" and kernel == "stock":
         law = case.contact.friction_law

@@ -16,6 +16,7 @@ from math import floor
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .inlet import LEAST_GAP, row_count
 
@@ -41,13 +42,13 @@ class Hydrograph:
         """Whether it is not the same at all times."""
         return len(set(self.depths)) > 1 or len(set(self.speeds)) > 1
 
-    def depth(self, time):
+    def depth(self, time: ArrayLike) -> np.ndarray:
         """Depth at a time (s, one or many), m."""
-        return np.interp(time, self.times, self.depths)
+        return np.interp(np.asarray(time, float), self.times, self.depths)
 
-    def speed(self, time):
+    def speed(self, time: ArrayLike) -> np.ndarray:
         """Mean speed at a time (s, one or many), m/s."""
-        return np.interp(time, self.times, self.speeds)
+        return np.interp(np.asarray(time, float), self.times, self.speeds)
 
     @cached_property
     def _sums(self) -> tuple[np.ndarray, np.ndarray]:
@@ -58,7 +59,7 @@ class Hydrograph:
         found[1, 1:] = np.cumsum(np.diff(t) * _parabola(h[:-1], h[1:], u[:-1], u[1:]))
         return found[0], found[1]
 
-    def integrals(self, time):
+    def integrals(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Integrals of depth (m s) and of discharge (m^2) from the first row to a time (s, one or many)."""
         t, time = np.array(self.times), np.asarray(time, float)
         row = np.clip(np.searchsorted(t, time, "right") - 1, 0, None)
@@ -84,7 +85,7 @@ class Hydrograph:
         return high
 
 
-def _parabola(h0, h1, u0, u1):
+def _parabola(h0: np.ndarray, h1: np.ndarray, u0: np.ndarray, u1: np.ndarray) -> np.ndarray:
     """Mean of the product of two straight lines."""
     return (2 * h0 * u0 + h0 * u1 + h1 * u0 + 2 * h1 * u1) / 6
 

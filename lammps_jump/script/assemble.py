@@ -59,7 +59,7 @@ def script_text(scene: Scene, **options) -> str:
     how = Options(**options)
     title = f"{scene.name}: {scene.description}".rstrip(": ")
     if lacking := stock.lacking_everywhere(scene):
-        said = f"No run: LAMMPS has no {lacking}, with this project's plugin neither; lammps-jump runs it natively"
+        said = f"No run: LAMMPS has no {lacking}, nor has the plugin; `lammps-jump run` takes its native engine"
         how = replace(how, header=(said, *how.header))
         return joined(title, SCRIPTS[how.kernel], how, [("end", [f'print "{lammps_comment(said)}"', "quit 1"])])
     if how.kernel == "stock" and (lacking := stock.lacking(scene)):
