@@ -331,8 +331,9 @@ def section(found: Mapping) -> Section:
             Table(stream, ("", "asked for", "delivered")),
             Table([[row[key] for key in keys] for row in found["rows"]], heads, "Rows of the inlet"),
             Text(
-                "The discharge is the area of the discs that entered, over whole turns of their rows: a count, "
-                "which has no error. Depth, speed and momentum are means over the window between "
+                "The discharge is the area of the discs that entered, over whole turns of their rows (over the window "
+                "where the inflow changes with time): a count, which has no error. Depth, speed and momentum are means "
+                "over the window between "
                 f"x = {low:.3g} and {high:.3g} m."
             ),
         ],

@@ -25,7 +25,7 @@ from .inflow import RowsInflow
 
 MOST_ROWS = 10_000
 """Rows of an inflow; each is a fix of LAMMPS."""
-MOST_ENTRIES = 20_000_000
+MOST_ENTRIES = 5_000_000
 """Discs that an inflow against time brings: the scene holds the step of each."""
 CLEARANCE = 0.999
 """Distance to the next disc below which a place is occupied, in largest diameters."""
