@@ -261,7 +261,10 @@ def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
             drawing.arrow(np.array([(row.x, row.y), (row.x + long * row.vx, row.y)]), BLUE, 1.1, head)
         mean, top = np.mean([row.vx for row in scene.inlets]), max(scene.inlets, key=lambda row: row.y)
         count = len(scene.inlets)
-        drawing.label(f"inlet: {count} row{'s' * (count > 1)}, mean {mean:.3g} m/s", top.x, top.y, BLUE)
+        said = f"{count} row{'s' * (count > 1)}, mean {mean:.3g} m/s"
+        if scene.hydrograph:
+            said = f"against time, up to {count} row{'s' * (count > 1)} and {fastest:.3g} m/s"
+        drawing.label(f"inlet: {said}", top.x, top.y, BLUE)
     for outlet in scene.outlets:
         upright, sign = outlet.axis == "x", 1 if outlet.side == "above" else -1
         line = drawing.axes.axvline if upright else drawing.axes.axhline

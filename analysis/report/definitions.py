@@ -5,7 +5,8 @@
 
 DEFINITIONS = {
     "inflow": """\
-asked       Va y₁; in whole steps: what the rows carry where no disc is refused
+asked       Va y₁, or the mean of the inflow's table over the window; in whole steps: what the rows carry where no disc
+            is refused
 delivered   area of the discs that entered in the window over the time of their turns; discs are counted by their ids
 refused     turns of the whole record at which the place of the disc was occupied
 depth, speed, momentum   means of the window from one to six depths behind the inlet, weight 1 − cos 2πs

@@ -18,8 +18,9 @@ from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Sizes, 
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 from lammps_jump.scene.shapes import open_ends
 
-from .fields import CaseFields, Column, PourInflow, RowsInflow
+from .fields import CaseFields, Column
 from .packing import deepest_overlap, disc_count
+from .parts.inflow import PourInflow, RowsInflow
 from .text import CaseSource
 
 MOST_STEPS = 2_000_000_000
@@ -154,6 +155,11 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
         )
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
         raise source.error("run.integrator: leapfrog_extrapolated is the native engine's; use engine.name: native")
+    if engine == "lammps" and kernel != "auto" and isinstance(case.inflow, RowsInflow) and case.inflow.table:
+        raise source.error(
+            f"inflow.table: engine.kernel: {kernel} has no inflow against time; use engine.kernel: auto or "
+            "engine.name: native, which both take the native engine"
+        )
     if engine == "lammps" and kernel == "stock":
         law = case.contact.friction_law
         if case.contact.friction > 0 and not FRICTION_LAWS[law].in_stock:
@@ -174,13 +180,14 @@ def _against_inflow(case: CaseFields) -> list[str]:
     if not isinstance(rows, RowsInflow):
         return []
     for index, item in enumerate(case.initial):
-        if not isinstance(item, Column) or item.x[0] - rows.x > rows.depth or item.x[1] <= rows.x:
+        first, towards = rows.over(0.0, 0.0)
+        if not isinstance(item, Column) or item.x[0] - rows.x > first or item.x[1] <= rows.x or not first:
             continue
         depth, speed = item.y[1] - item.y[0], item.velocity[0]
-        if abs(depth / rows.depth - 1) > CONTRADICTION or abs(speed / rows.velocity - 1) > CONTRADICTION:
+        if abs(depth / first - 1) > CONTRADICTION or abs(speed / towards - 1) > CONTRADICTION:
             notes.append(
                 f"initial.{index}: the column at the inlet is {depth:.3g} m deep at {speed:.3g} m/s, the inflow "
-                f"{rows.depth:.3g} m at {rows.velocity:.3g} m/s: both meet at t = 0 and a wave runs off; give the "
+                f"{first:.3g} m at {towards:.3g} m/s: both meet at t = 0 and a wave runs off; give the "
                 "column the inflow's depth and velocity, or begin it further down"
             )
     return notes
@@ -229,10 +236,11 @@ def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) ->
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
     if case.probes.forces or case.probes.groups:
         asked["probes.interval"] = case.probes.interval, scene.probe_steps * dt
-    if not isinstance(case.inflow, RowsInflow):
+    if not isinstance(case.inflow, RowsInflow) or case.inflow.table:
         return told(asked)
+    depth, speed = case.inflow.over(0.0, 0.0)
     carried = sum(scene.discharges_of(inlets))
-    return told(asked) + told({"discharge of the inflow": (case.inflow.velocity * case.inflow.depth, carried)}, "m^2/s")
+    return told(asked) + told({"discharge of the inflow": (speed * depth, carried)}, "m^2/s")
 
 
 def check_stop(case: CaseFields, source: CaseSource) -> list[str]:

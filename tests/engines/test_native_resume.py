@@ -63,6 +63,10 @@ SCENES = {
         "quick_jump", *JUMP, "probes.stations={x: [2, 4], speed: 0.5, window: [0.4, 1.0]}"
     ),
     "inlets and outlets, equal discs": lambda: case_scene("quick_jump", *JUMP, "discs.sizes=null"),
+    "inflow against time": lambda: case_scene(
+        "quick_jump", *JUMP, "inflow.depth=null", "inflow.mean_speed=null",
+        "inflow.table=[[0, 0.2, 6], [0.6, 0.6, 10], [0.8, 0.3, 8]]",
+    ),
     "gate, friction, spin": lambda: case_scene(
         "wave_structure", "run.duration=0.1", "initial.0.settle=0.1", "run.output_interval=0.01",
         "contact.rotation=true", "contact.friction=0.1",

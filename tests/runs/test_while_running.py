@@ -20,6 +20,7 @@ from lammps_jump.engines.choice import choose_ranks
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
+from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.runs.steady import SteadyWatch, steady_window
 
 
@@ -94,6 +95,21 @@ def test_watch_reads_every_frame_once_and_leaves_the_unfinished(tmp_path, scene)
     path.write_text("".join(whole) + "ITEM: TIME\n")
     watch()
     assert fed == [0, 1, 2, 3]
+
+
+def test_an_inflow_against_time_is_watched_once_its_table_has_ended(tmp_path, scene):
+    slow = Hydrograph((0.0, 1.5), (0.2, 0.6), (20.0, 5.0))
+    watch = SteadyWatch(replace(scene, hydrograph=slow), tmp_path, (0.0, 20.0))
+    fed = []
+    watch.detector.feed = lambda time, *state: fed.append(time)
+    (tmp_path / "dump.lammpstrj").write_text(
+        "".join(frame_text(t, t, step_flow(10)) for t in range(4)) + "ITEM: TIME\n"
+    )
+    watch()
+    assert fed == [2, 3]
+    assert steady_window(watch.scene, (0.0, 20.0)) >= 1.5 * 20.0 / 5.0  # at the speed that stays
+    dry = replace(slow, depths=(0.6, 0.0))
+    assert steady_window(replace(scene, hydrograph=dry), (0.0, 20.0)) is None
 
 
 def test_scene_without_inflow_has_no_window(tmp_path):
