@@ -4,8 +4,7 @@
 Units of the single discs: d, m and g are 1.
 """
 
-from dataclasses import replace
-from math import acos, atan, cos, hypot, pi, radians, sin, sqrt
+from math import atan, cos, hypot, pi, radians, sin, sqrt
 
 import numpy as np
 import pytest

@@ -16,6 +16,8 @@ from lammps_jump.scene import Chain
 
 PAGE = Path(__file__).parents[2] / "docs" / "walls.md"
 STARTS = 8
+JOINTS = [(0, 0.01), (0.1, 0.01), (1, 0.01), (5, 0.01), (20, 0.05), (-20, 0.01)]
+"""Turn, degrees, and depth at rest, d."""
 
 
 def crossing(degrees, delta, fraction):
@@ -34,7 +36,7 @@ def crossing(degrees, delta, fraction):
 
 
 def test_the_page_has_every_joint():
-    assert [(row[0], row[1]) for row in rows()] == [(0, 0.01), (0.1, 0.01), (1, 0.01), (5, 0.01), (20, 0.05), (-20, 0.01)]
+    assert [(row[0], row[1]) for row in rows()] == JOINTS
 
 
 def rows():
@@ -54,6 +56,6 @@ def test_the_numbers_of_the_page_are_measured():
 
 
 if __name__ == "__main__":
-    for degrees, delta in ((0, 0.01), (0.1, 0.01), (1, 0.01), (5, 0.01), (20, 0.05), (-20, 0.01)):
+    for degrees, delta in JOINTS:
         (coarse, force), (fine, _) = crossing(degrees, delta, 0.05), crossing(degrees, delta, 0.005)
         print(f"| {degrees:g}° | {delta:g} d | {coarse:.1e} | {fine:.1e} | {force:.2f} |")

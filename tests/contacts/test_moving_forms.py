@@ -108,8 +108,8 @@ def piston(velocity, fraction, kind):
 def test_a_piston_adds_twice_its_speed_at_each_bounce(started, fraction, tolerance):
     """Fermi: speed v + 2 V j after j bounces, and the work of the piston is the change of energy.
 
-    Measured: 7e-4 and 1e-5. It is the step of the spring: with other speeds and numbers of bounces up to 2.4e-3 and
-    2.4e-5.
+    Measured: 3e-4 and 3e-5. It is the step of the spring: with other speeds and numbers of bounces up to 2.4e-3 and
+    3e-5.
     """
     speed, push, bounces = 0.3, 0.05, 8
     scene = piston((speed, 0.0), fraction, Translate(velocity=(-push, 0.0), begin=-1e-9, ease=0.0))
@@ -126,7 +126,9 @@ def test_a_piston_adds_twice_its_speed_at_each_bounce(started, fraction, toleran
     assert work == pytest.approx(0.5 * (new**2 - speed**2), rel=tolerance)
 
 
-@pytest.mark.parametrize(("fraction", "tolerance"), [(0.05, 4e-2), (0.01, 1.7e-4), (0.002, 2e-5)])
+@pytest.mark.parametrize(
+    ("fraction", "tolerance"), [(0.05, 4e-2), (0.01, 1.7e-4), pytest.param(0.002, 2e-5, marks=pytest.mark.long)]
+)
 def test_the_ledger_of_an_oscillating_piston_closes(fraction, tolerance):
     """Energy less work of the wall, with the centred velocity: what is left is the step of the spring.
 
@@ -173,6 +175,7 @@ def test_a_gate_at_sixty_degrees_is_pushed_along_its_normal(started):
     engine.run(60_000)
     (fx, fy, _), pushed, carried = engine.wall("gate"), -engine.wall("left")[0], -engine.wall("floor")[1]
     weight = scene.mass * len(rows) * 9.81
+    assert fx > 0.1 * weight
     assert atan2(fy, fx) == pytest.approx(radians(-30.0), rel=1e-9)
     assert fx == pytest.approx(pushed, rel=1e-3)
     assert carried - fy == pytest.approx(weight, rel=1e-4)
