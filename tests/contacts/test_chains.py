@@ -4,6 +4,7 @@
 Units of the single discs: d, m and g are 1.
 """
 
+from dataclasses import replace
 from math import atan, cos, hypot, pi, radians, sin, sqrt
 
 import numpy as np
@@ -170,6 +171,25 @@ def test_two_tips_of_a_slot_carry_a_disc(started):
     push, phi = K * (R - distance), atan(half / y)
     assert push == pytest.approx(1 / (2 * cos(phi)), rel=1e-9) and abs(x) < 1e-12
     assert sin(phi) == pytest.approx(2 * half / (2 * distance))
+
+
+@pytest.mark.parametrize(
+    ("chain", "limit"),
+    [
+        (Chain(((-5.0, 0.0), (5.0, 0.0)), closed=True), 1.0),
+        (Chain(((-5.0, -0.25), (-5.0, 0.0), (5.0, 0.0), (5.0, -0.25)), closed=True), 1.25),
+        (Chain(((-5.0, 0.0), (5.0, 0.0))), 2.0),
+    ],
+    ids=["sheet", "plate", "one-sided line"],
+)
+def test_a_fast_disc_passes_through(started, chain, limit):
+    """A sheet turns back what is slower than R omega, a plate of thickness t (R + t/2) omega, a line 2 R omega."""
+    for share, through in ((0.99, False), (1.01, True)):
+        speed = share * limit * R * sqrt(K)
+        scene = one_disc((0.0, 0.7), (0.0, -speed), chain, gravity=(0.0, 0.0))
+        engine = started(replace(scene, overlap_limit=100.0))
+        engine.run(round(1.0 / scene.time_step))
+        assert (engine.positions[0, 1] < -R) == through
 
 
 @pytest.mark.long
