@@ -13,6 +13,9 @@ from math import isfinite, nan
 from typing import Any, NamedTuple
 
 from lammps_jump.analysis.budgets.inflow import Delivery
+from lammps_jump.analysis.devices.drum import Drum
+from lammps_jump.analysis.devices.hopper import Hopper
+from lammps_jump.analysis.devices.waves import Waves
 from lammps_jump.analysis.energy import Energy
 from lammps_jump.analysis.forces.history import Force
 from lammps_jump.analysis.front import Front, MartinMoyce
@@ -97,6 +100,16 @@ FOUND = (
     ),
     Wanted("force.*.mean_fx", Force, "hydrostatic", "force.*.mean_hydrostatic", "mean force, {name}", **KILO),
     Wanted("force.*.peak", Force, "hydrostatic", "force.*.hydrostatic", "peak force, {name}", **KILO),
+    Wanted("waves.height", Waves, "piston, small waves", "waves.height_piston"),
+    Wanted("waves.height_last", Waves),
+    Wanted("waves.depth", Waves),
+    Wanted("drum.angle", Drum),
+    Wanted("drum.scatter", Drum),
+    Wanted("drum.froude", Drum),
+    Wanted("hopper.discharge", Hopper),
+    Wanted("hopper.beverloo", Hopper),
+    Wanted("hopper.slot", Hopper),
+    Wanted("hopper.change", Hopper, label="discharge, second half of the window over the first", **PERCENT),
     Wanted("front.arrival_time", Front),
     Wanted("front.column_height", Front, label="column at the back wall"),
     Wanted("front.position_99", Front),
