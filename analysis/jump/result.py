@@ -176,8 +176,8 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
     depth = profiles["mass_depth"].values[in_window].mean(axis=0)
-    bed = without_baffles(profiles["bed"].values, depth, profiles.attrs["bin_width"], flow.scene.diameter)
-    reach = level_reach(bed[::direction], flow.scene.diameter)
+    bare = without_baffles(profiles["bed"].values, depth, profiles.attrs["bin_width"], flow.scene.diameter)
+    reach = level_reach(bare[::direction], flow.scene.diameter)
     if len(reach) < 8:
         return replace(nothing, reason="fewer than eight bins of level bed to look at")
     fields = profiles[FIELDS]
@@ -185,7 +185,10 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         scale, dims = 1.0 / flow.scene.density, ("time", "x")
         bed = scale / profiles.attrs["bin_width"] * contacts.wall_fx
         fields = fields.assign(thrust=(dims, scale * contacts.thrust), bed=(dims, bed))
-    found = _follow(nothing, frame.along_stream(fields, direction, ODD).isel(x=reach), profiles.attrs["bin_width"])
+    stream = frame.along_stream(fields, direction, ODD).isel(x=reach)
+    stands = np.flatnonzero((profiles["bed"].values != bare)[::direction][reach])
+    stream.attrs["clear"] = int(stands[0]) if stands.size else len(reach)
+    found = _follow(nothing, stream, profiles.attrs["bin_width"])
     return replace(found.turned(direction), pieces=tuple(piece.turned(direction) for piece in found.pieces))
 
 
@@ -245,7 +248,8 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
         result = _within(result, moving, (before, behind), (toe, end))
         toe, end = result.toe, result.end
     depth = result.downstream.mass_depth
-    tail = measure_tail(stream.isel(time=used), front, depth)
+    # water beyond a baffle is lower: it takes up momentum
+    tail = measure_tail(stream.isel(time=used, x=slice(stream.attrs["clear"])), front, depth)
     level = tail.depth.value if isfinite(tail.depth.value) else depth
     before = measure_stream(stream, track, used, speed, level, result.flow.gravity)
     found = frame.roller(moving, speed, toe, end)
