@@ -47,8 +47,9 @@ DISCS = (-0.2, 0.0)
 def _waves(waves: Mapping) -> str:
     if waves.get("height") is None:
         return ""
-    heights = [f"{height:.2f} m at x = {x:g} m" for x, height in zip(waves["gauges"], waves["heights"], strict=True)]
-    return f"Waves of {_short(waves['period'])} s: {' and '.join([heights[0], *heights[1:][-1:]])} high."
+    pairs = list(zip(waves["gauges"], waves["heights"], strict=True))
+    last = f" and {pairs[-1][1]:.2f} m at x = {pairs[-1][0]:g} m" if len(pairs) > 1 else ""
+    return f"Waves of {_short(waves['period'])} s are {pairs[0][1]:.2f} m high at x = {pairs[0][0]:g} m{last}."
 
 
 def _drum(drum: Mapping) -> str:

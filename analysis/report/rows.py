@@ -92,14 +92,6 @@ FOUND = (
         for row in COMPARED
     ),
     Wanted("jump.froude", Jump),
-    Wanted("front.position", Front, label="front after {time}"),
-    Wanted("front.speed", Front, "Ritter", WATER),
-    Wanted("front.speed", Front),
-    Wanted(
-        "front.martin_moyce.mean_bulk", MartinMoyce, "discs: −20 to 0 %", label="off Martin & Moyce’s water", **PERCENT
-    ),
-    Wanted("force.*.mean_fx", Force, "hydrostatic", "force.*.mean_hydrostatic", "mean force, {name}", **KILO),
-    Wanted("force.*.peak", Force, "hydrostatic", "force.*.hydrostatic", "peak force, {name}", **KILO),
     Wanted("waves.height", Waves, "piston, small waves", "waves.height_piston"),
     Wanted("waves.height_last", Waves),
     Wanted("waves.depth", Waves),
@@ -110,6 +102,14 @@ FOUND = (
     Wanted("hopper.beverloo", Hopper),
     Wanted("hopper.slot", Hopper),
     Wanted("hopper.change", Hopper, label="discharge, second half of the window over the first", **PERCENT),
+    Wanted("front.position", Front, label="front after {time}"),
+    Wanted("front.speed", Front, "Ritter", WATER),
+    Wanted("front.speed", Front),
+    Wanted(
+        "front.martin_moyce.mean_bulk", MartinMoyce, "discs: −20 to 0 %", label="off Martin & Moyce’s water", **PERCENT
+    ),
+    Wanted("force.*.mean_fx", Force, "hydrostatic", "force.*.mean_hydrostatic", "mean force, {name}", **KILO),
+    Wanted("force.*.peak", Force, "hydrostatic", "force.*.hydrostatic", "peak force, {name}", **KILO),
     Wanted("front.arrival_time", Front),
     Wanted("front.column_height", Front, label="column at the back wall"),
     Wanted("front.position_99", Front),

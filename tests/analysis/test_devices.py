@@ -52,7 +52,9 @@ def test_wave_heights_of_a_sine_with_noise():
     assert found.height_piston == pytest.approx(devices.piston_wave_height(1.0, 4.0, found.depth, 9.81))
     assert set(waves.tables(found)["gauges.csv"]) == {"time", "depth_4.5", "depth_12"}
     summary = {"waves": numbers(found)}
-    assert verdict(summary).startswith("Waves of 4.0 s: 0.") and verdict(summary) in headline(summary)
+    assert verdict(summary).startswith("Waves of 4.0 s are 0.59 m high at x = 4.5 m and 0.20 m") and verdict(
+        summary
+    ) in headline(summary)
     assert [row.path for row in rows_of([summary])] == ["waves.height", "waves.height_last", "waves.depth"]
 
 
