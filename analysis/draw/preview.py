@@ -281,13 +281,15 @@ def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
 
 
 def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
-    """The depth to expect, above the longest stretch where the bed is lowest."""
+    """The depth to expect, above the longest stretch where the bed is lowest; none for an inlet above it."""
     flow = from_scene(replace(scene, walls=tuple(one for one in scene.walls if one.motion.kind is None)))
     x = np.linspace(*flow.x_range, 400)
     bed = flow.bed_height(x)
     if not np.isfinite(bed).any():
         return
     low = float(np.nanmin(bed))
+    if any(flow.bed_height(row.x) > low + sequent for row in scene.inlets):
+        return
     level = np.flatnonzero(bed <= low + 0.5 * scene.diameter)
     stretch = max(np.split(level, np.flatnonzero(np.diff(level) > 1) + 1), key=len)
     ends, height = (float(x[stretch[0]]), float(x[stretch[-1]])), low + sequent

@@ -313,6 +313,20 @@ def check_places(
             _check_inlets_free_of(one.wall, source, inlets, scene.largest)
 
 
+def gauges(case: CaseFields, source: CaseSource, room: Interval) -> tuple[float, ...]:
+    """Places of the gauges along x (m), in the room of the domain and each once."""
+    (low, high), asked = room, case.probes.gauges
+    for index, place in enumerate(asked):
+        if not low < place < high:
+            raise source.error(
+                f"probes.gauges.{index}: {place:g} m is outside the domain; allowed is between {low:g} and {high:g} m: "
+                "move the gauge or widen the domain"
+            )
+        if place in asked[:index]:
+            raise source.error(f"probes.gauges.{index}: {place:g} m is there already: name each place once")
+    return asked
+
+
 def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
     """Refuse discs and inlets outside the domain."""
     for axis, label in enumerate("xy"):

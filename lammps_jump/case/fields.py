@@ -278,13 +278,12 @@ class Probes(Strict):
     """What is recorded at every step: forces on walls, and the energy between two stations."""
 
     forces: tuple[Name, ...] = ()
-    interval: units.Second = Field(
-        default=0.01, **TIME, description="forces are averaged over this time, every step counted"
-    )
+    interval: units.Second = Field(default=0.01, **TIME, description="forces are means over it, every step counted")
     stations: StationPair | None = Field(default=None, description="energy budget between them; native engine only")
     groups: dict[WallName, tuple[Name, ...]] = Field(
         default_factory=dict, description="name: walls whose forces are summed"
     )
+    gauges: tuple[Coordinate, ...] = Field(default=(), max_length=100, description="x where the depth is followed")
 
 
 class Analysis(Strict):
@@ -295,6 +294,8 @@ class Analysis(Strict):
     jump: bool = False
     energy: bool = False
     front: Literal[False, True, "water"] = Field(default=False, description="water: also against columns of water")
+    drum: bool = Field(default=False, description="angle of the surface in a drum that turns")
+    hopper: bool = Field(default=False, description="discharge of a hopper")
     fields: bool = False
     animation: bool = False
     figures: Literal["default", "all", "player", "none"] = Field(default="default", description="none: no report")

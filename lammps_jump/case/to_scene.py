@@ -149,6 +149,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         probes=probes,
         groups=groups,
         stations=_stations(case, source, begun, inlets, outlets),
+        gauges=checks.gauges(case, source, domain[0]),
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * begun.diameter,
         touch=law.touch,

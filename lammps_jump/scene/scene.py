@@ -178,6 +178,8 @@ class Scene(Measures):
         Names of walls whose force is recorded every step and averaged over `probe_steps`; those of groups are added.
     groups : tuple of (str, tuple of str)
         Names of groups and of their walls, whose forces are summed.
+    gauges : tuple of float
+        Places along x where the analysis follows the depth, m.
     stations : Stations, optional
         Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
@@ -234,6 +236,7 @@ class Scene(Measures):
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    gauges: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         """Let a wall that is given alone stand; record the walls of groups; CaseError where they move apart."""
