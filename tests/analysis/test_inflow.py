@@ -92,7 +92,14 @@ def test_the_section_says_what_came_of_the_discharge():
     assert len(blocks[1].rows) == 6
 
 
-@pytest.mark.parametrize("changes", [(), ("discs.sizes=null",), ("discs.sizes=null", "inflow.schedule=thesis")])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        (),
+        pytest.param(("discs.sizes=null",), marks=pytest.mark.long),
+        pytest.param(("discs.sizes=null", "inflow.schedule=thesis"), marks=pytest.mark.long),
+    ],
+)
 def test_momentum_of_a_jet_that_leaves_at_an_outlet_is_accounted_for(changes):
     """Over a low sill and out in free flight: what walls gave, and what discs brought in and carried out, adds up."""
     near = ("walls.floor.x=[-5, 20.2]", "walls.sill.x=[20, 20.6]")
