@@ -13,7 +13,7 @@ from made_up import INPUTS, collected, disc_frame, flow_context, numbers
 from lammps_jump.analysis.devices import drum, hopper, waves
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.report.headline import headline, verdict
-from lammps_jump.analysis.report.rows import rows_of
+from lammps_jump.analysis.tables.rows import rows_of
 from lammps_jump.case import load_case
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import devices

@@ -119,8 +119,8 @@ AGAINST_TIME = (
     "changes",
     [
         (),
-        ("discs.sizes=null",),
-        ("discs.sizes=null", "inflow.schedule=thesis"),
+        pytest.param(("discs.sizes=null",), marks=pytest.mark.long),
+        pytest.param(("discs.sizes=null", "inflow.schedule=thesis"), marks=pytest.mark.long),
         pytest.param(AGAINST_TIME, marks=pytest.mark.long),
     ],
 )

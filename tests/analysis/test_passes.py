@@ -113,13 +113,12 @@ def test_nothing_but_profiles_when_nothing_is_asked(tmp_path):
 @pytest.mark.parametrize(
     "frames",
     [
-        [([], [], [])],
-        [([], [], []), ([], [], [])],
-        [([1.0], [0.1], [2.0])],
-        [([], [], []), ([1.0], [0.1], [2.0]), ([], [], [])],
-        [([1.0, 1.1], [5.0, 5.0], [0.0, 0.0])],
+        pytest.param([([], [], [])], id="empty frame"),
+        pytest.param([([], [], []), ([], [], [])], id="empty frames", marks=pytest.mark.long),
+        pytest.param([([1.0], [0.1], [2.0])], id="one disc", marks=pytest.mark.long),
+        pytest.param([([], [], []), ([1.0], [0.1], [2.0]), ([], [], [])], id="comes and goes"),
+        pytest.param([([1.0, 1.1], [5.0, 5.0], [0.0, 0.0])], id="falling pair", marks=pytest.mark.long),
     ],
-    ids=["empty frame", "empty frames", "one disc", "comes and goes", "falling pair"],
 )
 def test_next_to_nothing(tmp_path, frames):
     """Nulls and reasons instead of numbers, every figure that can be drawn, no warning from numpy (they are errors)."""

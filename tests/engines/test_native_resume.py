@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sys
 from dataclasses import replace
@@ -179,7 +180,7 @@ def test_a_full_disk_is_told(tmp_path, monkeypatch):
 # --- the whole job -----------------------------------------------------------------------------------------------
 
 
-CHANGES = ["engine.name=native", "run.duration=1.2", "run.output_interval=0.05"]
+CHANGES = ["engine.name=native", "run.duration=1.2", "run.output_interval=0.05", "initial=[]"]
 
 
 def job(folder: Path, changes=CHANGES, **options):
@@ -192,14 +193,22 @@ def light(monkeypatch):
     without_analysis(monkeypatch)
 
 
-@pytest.fixture
-def interrupted(tmp_path, monkeypatch, light):
-    """A run folder of a run that was interrupted half way."""
-    with monkeypatch.context() as patch:
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """A run folder of a run that was interrupted half way; tests work on copies."""
+    folder = tmp_path_factory.mktemp("stopped") / "run"
+    with pytest.MonkeyPatch.context() as patch:
+        without_analysis(patch)
         patch.setattr(engine, "choose", choose_to_stop_at(2500))
         with pytest.raises(RunInterrupted, match=r"lammps-jump run .* --resume"):
-            job(tmp_path / "run")
-    return tmp_path / "run"
+            job(folder)
+    return folder
+
+
+@pytest.fixture
+def interrupted(stopped, tmp_path, light):
+    """A copy of the folder of a run that was interrupted half way."""
+    return Path(shutil.copytree(stopped, tmp_path / "run"))
 
 
 def snapshot(folder: Path) -> dict[str, bytes]:

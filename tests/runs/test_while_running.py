@@ -65,7 +65,9 @@ def test_watch_stops_a_standing_jump_and_no_moving_one(tmp_path, scene, drift, s
         assert answers.index(True) * 0.1 >= 1.5 * steady_window(scene, (0.0, 20.0)) - 0.2
 
 
-@pytest.mark.parametrize(("speed", "said"), [(0.01, ", and the discs stand still"), (1.0, "")])
+@pytest.mark.parametrize(
+    ("speed", "said"), [(0.01, ", and the discs stand still"), pytest.param(1.0, "", marks=pytest.mark.long)]
+)
 def test_watch_ends_a_run_whose_inlet_is_drowned(tmp_path, scene, monkeypatch, speed, said):
     """Discs enter until 2 s; the watch looks at the place that it was given, wherever the process goes meanwhile."""
     monkeypatch.chdir(tmp_path)
