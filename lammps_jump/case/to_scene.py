@@ -27,6 +27,7 @@ from . import checks, walls
 from .derived import doubts, skipped
 from .fields import CaseFields, Column
 from .packing import arrange, disc_sizes
+from .parts import places
 from .parts.inflow import PourInflow, RowsInflow
 from .parts.rows import Inlet, inlet_of
 from .text import CaseSource
@@ -119,9 +120,9 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     gates = walls.shut_gates(case, begun, domain)
     moving += map(MovingWall, _inlet_back(case, begun.largest))
     own_names = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
-    checks.check_in_domain(case, source, begun.positions, inlets, domain)
+    places.check_in_domain(case, source, begun.positions, inlets, domain)
     fields = {item.wall.name: item.field for item in theirs}
-    checks.check_places(source, begun, inlets, (*moving, *gates), fields)
+    places.check_places(source, begun, inlets, (*moving, *gates), fields)
     checks.check_pour(case, source, domain, begun.largest)
     names = [wall.name for wall, _ in moving]
     probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)
@@ -149,7 +150,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         probes=probes,
         groups=groups,
         stations=_stations(case, source, begun, inlets, outlets),
-        gauges=checks.gauges(case, source, domain[0]),
+        gauges=places.gauges(case, source, domain[0]),
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * begun.diameter,
         touch=law.touch,
